@@ -1,0 +1,10 @@
+# Compiler flags of every target of this project. Values are made of plain IEEE operations: contraction into fused
+# multiply-adds is off, so that a result has the same bytes on every instruction set.
+add_library(pointsweep_flags INTERFACE)
+target_compile_options(pointsweep_flags INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Werror)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(POINTSWEEP_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
+if(POINTSWEEP_SANITIZE)
+  add_compile_options(-fsanitize=${POINTSWEEP_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${POINTSWEEP_SANITIZE})
+endif()

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+/// Several readers as one cloud: rows run through the inputs in the order given.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pointsweep/formats/reader.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// One schema serves all inputs: the common one where all agree bit for bit; otherwise the union of their fields by
+/// name, coordinates without loss (float64 unless all are float32, LAS integers where scale agrees and offsets
+/// differ by whole steps that fit), and a field that an input lacks is 0 there.
+class Cloud {
+ public:
+  explicit Cloud(const std::vector<std::filesystem::path>& paths);
+  explicit Cloud(std::vector<std::unique_ptr<Reader>> readers);
+
+  const Schema& schema() const { return schema_; }
+  std::uint64_t count() const { return count_; }
+  const std::vector<std::unique_ptr<Reader>>& readers() const { return readers_; }
+  /// Extras of the first input.
+  std::shared_ptr<const FormatExtras> extras() const;
+  /// Bytes of all input files.
+  std::uint64_t bytes() const;
+
+  /// As Reader::read, over all inputs. Not thread-safe.
+  std::size_t read(std::uint64_t row, std::span<std::byte> records);
+
+ private:
+  std::vector<std::unique_ptr<Reader>> readers_;
+  std::vector<std::uint64_t> first_row_;
+  std::vector<std::unique_ptr<RecordConversion>> conversions_;  ///< null where the input already has the schema
+  std::vector<std::byte> scratch_;
+  Schema schema_;
+  std::uint64_t count_ = 0;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/// A file that appears complete or not at all.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+namespace pointsweep {
+
+/// Written as `.<name>.<pid>.part` beside its destination and renamed by commit(); removed by the destructor otherwise.
+/// Every failure is an Error that names the destination and says what to do (no space left, folder missing, read-only).
+class OutputFile {
+ public:
+  /// Throws before anything is written when the destination exists and `overwrite` is false, is a folder, or its folder is missing.
+  OutputFile(const std::filesystem::path& destination, bool overwrite);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  void append(std::span<const std::byte> bytes);
+  void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
+  std::uint64_t size() const { return size_; }  ///< end of what append() wrote
+  void commit();
+
+ private:
+  std::filesystem::path destination_, part_;
+  bool overwrite_ = false;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+/// Reading point files: one interface, one pair of files per format, told apart by content first, extension second.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// What a format keeps of a file besides its points, for a writer of the same format (LAS: header, VLRs, EVLRs; PLY:
+/// comments and obj_info). A writer of another format ignores it.
+struct FormatExtras {
+  virtual ~FormatExtras() = default;
+};
+
+struct FileInfo {
+  std::filesystem::path path;
+  std::string format;  ///< for people: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
+  Schema schema;
+  std::uint64_t count = 0;    ///< points really in the file, never merely what a header claims
+  std::uint64_t bytes = 0;    ///< size of the file
+  std::optional<Box> bounds;  ///< as a header states them: a hint, not to be trusted
+  std::vector<std::string> warnings;  ///< what was wrong but harmless, one sentence each
+  std::shared_ptr<const FormatExtras> extras;
+};
+
+class Reader {
+ public:
+  virtual ~Reader() = default;
+  const FileInfo& info() const { return info_; }
+
+  /// Reads the records `row`, `row+1`, ... into `records` (as many whole records as fit, fewer only at the end of the
+  /// cloud) and returns how many. Consecutive calls run at disk speed; a jump is cheap for binary formats and costs at
+  /// most a rescan of 65,536 lines for text. Not thread-safe. Throws Error when the file fails or has changed.
+  virtual std::size_t read(std::uint64_t row, std::span<std::byte> records) = 0;
+
+ protected:
+  FileInfo info_;
+};
+
+/// Opens a point file of any known format. Throws Error in one sentence when it cannot.
+std::unique_ptr<Reader> open_reader(const std::filesystem::path& path);
+
+}  // namespace pointsweep

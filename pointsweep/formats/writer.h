@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+/// Writing point files, complete or not at all.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "pointsweep/formats/reader.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// What is to be written. Records come in `schema`: first the fields of the input in the input's own layout, then what
+/// operators made ("nx", "ny", "nz", ...). The writer maps them to the names and types its format can hold.
+struct OutputPlan {
+  std::filesystem::path path;
+  Schema schema;
+  std::uint64_t count = 0;                      ///< exact number of records that will come
+  std::shared_ptr<const FormatExtras> extras;   ///< of the (first) input; null if there is none
+  bool overwrite = false;                       ///< without it an existing file is refused
+};
+
+/// The file grows under a hidden name beside its destination and is renamed by finish(); destruction without
+/// finish() removes it, so that no half-written output is ever visible.
+class Writer {
+ public:
+  virtual ~Writer() = default;
+
+  /// Appends whole records. Large calls run at disk speed. Throws Error (no space left, ...).
+  virtual void write(std::span<const std::byte> records) = 0;
+
+  /// True for formats whose records have a fixed size in the file, so that write_at() works.
+  virtual bool can_write_at() const { return false; }
+  /// Writes whole records at `row`; every row must be written at least once, in any order. Not to be mixed with
+  /// write(). Not thread-safe.
+  virtual void write_at(std::uint64_t row, std::span<const std::byte> records);
+
+  /// Completes the file and gives it its name. Nothing may follow. Throws Error if fewer or more records came.
+  virtual void finish() = 0;
+
+  std::uint64_t bytes_written() const { return bytes_written_; }
+
+ protected:
+  std::uint64_t bytes_written_ = 0;
+};
+
+/// Chooses the format by the extension of the path (.ply, .las, .xyz, .txt, .csv, .pts, .asc). Throws Error before anything is
+/// written: unknown extension, output exists, folder missing or read-only.
+std::unique_ptr<Writer> create_writer(const OutputPlan& plan);
+
+}  // namespace pointsweep

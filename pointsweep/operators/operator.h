@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+/// The interface every local operator implements (paper Definition 4.1; Figure 11 seen from the operator's side).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pointsweep/points/attribute.h"
+#include "pointsweep/points/neighborhoods.h"
+
+namespace pointsweep {
+
+/// What an operator looks at and what it makes. From this alone the engine derives how long points are buffered before
+/// it (paper Section 5.2): nothing in `reads_neighbors` makes it a through-buffer, anything else a pre-buffer.
+struct Contract {
+  std::vector<Attribute> reads;            ///< of the point itself, besides its position
+  std::vector<Attribute> reads_neighbors;  ///< of the points in N_i, besides their positions
+  std::vector<Attribute> makes;
+};
+
+/// A pure function of a point and its neighbourhood: the same input gives the same bytes, on any thread, at any time,
+/// in any batch. It never queues, waits, counts references or keeps state between calls.
+class Operator {
+ public:
+  virtual ~Operator() = default;
+  virtual std::string name() const = 0;
+  virtual Contract contract() const = 0;
+  /// Fills out.column(m)[i] for every point i of the batch and every made attribute m. Called from many threads at once.
+  virtual void apply(const Neighborhoods& in, Columns& out) const = 0;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+/// From any cloud to slabs: the survey, the distribution and the ordered stream (paper Sections 3 and 7.1).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+class SlabStore;
+class TempFolder;
+
+/// Where points come from, without saying what a file is: `read(row, records)` as Reader::read.
+struct PointSource {
+  Schema schema;
+  std::uint64_t count = 0;
+  std::function<std::size_t(std::uint64_t row, std::span<std::byte> records)> read;
+};
+
+/// What a look at a sample of the cloud tells. The sample is strided through all rows and the same in every run.
+struct Survey {
+  std::vector<Vec3> sample;   ///< at most 65,536 finite points
+  Box bounds;                 ///< of the sample, or of all finite points if `exact`
+  bool exact = false;
+  int axis = 0;               ///< sweep axis: largest extent of `bounds` unless chosen
+  double dimension = 2;       ///< estimate of the intrinsic dimension, in [1, 3], by counting occupied boxes
+};
+
+/// `exact` reads the whole cloud, so that the axis does not depend on the order of its points.
+Survey survey(const PointSource& source, std::optional<int> axis, bool exact);
+
+/// Points per slab that keep a slab several point spacings thick: about 16 * n^((D-1)/D) for D = 2, 6 * ... for D = 3
+/// (linear between), never under 16,384.
+std::uint64_t recommended_slab_points(std::uint64_t points, double dimension);
+
+/// A contiguous piece of the stream between two planes; the unit of reading.
+struct Slab {
+  std::uint64_t first = 0;  ///< stream position of its first point
+  std::uint64_t count = 0;
+  Box box;                  ///< tight, of its points in double
+};
+
+struct StreamOptions {
+  int axis = 0;
+  std::uint64_t slab_points = 65536;      ///< aim
+  std::uint64_t max_slab_points = 0;      ///< a slab above it is split again; 0: four times slab_points
+  bool whole_records = false;  ///< working records carry the whole input record, otherwise the position and `payload`
+  std::vector<std::size_t> payload;  ///< indices of source fields to carry when not whole_records
+  const TempFolder* spill = nullptr;  ///< null: in memory
+  std::size_t buffer_bytes = 64 << 20;  ///< for distribution when spilling
+  std::function<void(std::uint64_t rows_read)> progress;
+};
+
+/// The ordered stream: slabs ascending in canonical order (coordinate along the axis; ties by x, then y, then z, then
+/// input row). Every point of slab s precedes every point of slab s+1 in that order; inside a slab points lie in no order.
+/// Points with a NaN or infinite coordinate are in no slab but in `nonfinite`.
+class Stream {
+ public:
+  /// The distribution pass: reads the source once, and once more what a slab that turned out too big needs.
+  /// Works on all threads; throws Error from the source or the temporary folder.
+  Stream(const PointSource& source, const Survey& survey, const StreamOptions& options);
+  ~Stream();
+
+  int axis() const { return axis_; }
+  const std::vector<Slab>& slabs() const { return slabs_; }
+  std::uint64_t nonfinite_count() const { return nonfinite_count_; }
+  std::uint64_t spilled_bytes() const;
+  std::uint64_t memory_bytes() const;
+
+  /// Layout of a working record: the carried fields under their names in the source (x, y, z first in type and scale of the
+  /// source unless whole_records), then the input row as the last field: u32 if all rows fit, else u64, named "row".
+  const Schema& record_schema() const { return record_schema_; }
+  /// Reads all working records of a slab. `out.size()` = count * record_schema().stride. Thread-safe.
+  void read(std::size_t slab, std::span<std::byte> out) const;
+  /// Reads working records [first, ...) of the nonfinite points, in ascending row.
+  void read_nonfinite(std::uint64_t first, std::span<std::byte> out) const;
+
+ private:
+  int axis_ = 0;
+  std::vector<Slab> slabs_;
+  std::uint64_t nonfinite_count_ = 0;
+  Schema record_schema_;
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Sort keys of the canonical order within a slab: fills `order` with indices 0..n-1 so that points ascend. Radix sort on the axis
+/// coordinate, ties settled exactly. About 20 ns per point.
+void canonical_order(int axis, std::span<const double> x, std::span<const double> y, std::span<const double> z,
+                     std::span<const std::uint64_t> row, std::vector<std::uint32_t>& order);
+
+}  // namespace pointsweep

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+/// A folder of its own for the spilled data of one run.
+#pragma once
+
+#include <filesystem>
+
+namespace pointsweep {
+
+/// Made as `<parent>/pointsweep-<pid>-<random>`, mode 0700; removed with everything in it by the destructor. Creating
+/// one first removes the folders of the same parent whose process no longer lives (what kill -9 left behind).
+class TempFolder {
+ public:
+  explicit TempFolder(const std::filesystem::path& parent);
+  ~TempFolder();
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+/// What an operator sees: a batch of points with their neighbourhoods N_i, and the columns it fills.
+#pragma once
+
+#include <array>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "pointsweep/math/vec3.h"
+
+namespace pointsweep {
+
+/// Most points a cell may hold; a neighbour is named by the slot of its cell and its index inside it.
+inline constexpr std::uint32_t kIndexBits = 11;
+inline constexpr std::uint32_t kCellCapacity = 1u << kIndexBits;
+using NeighborRef = std::uint32_t;  ///< slot << kIndexBits | index
+inline NeighborRef make_ref(std::uint32_t slot, std::uint32_t index) { return slot << kIndexBits | index; }
+inline std::uint32_t slot_of(NeighborRef ref) { return ref >> kIndexBits; }
+inline std::uint32_t index_of(NeighborRef ref) { return ref & (kCellCapacity - 1); }
+
+/// The points of one slot: structure of arrays, borrowed from whoever owns the cell.
+struct PointColumns {
+  const double* x = nullptr;  ///< coordinates as in the input, length units of the file
+  const double* y = nullptr;
+  const double* z = nullptr;
+  const std::uint64_t* row = nullptr;       ///< input rows
+  const std::byte* const* columns = nullptr;  ///< by column number of the plan
+};
+
+/// A batch of at most kCellCapacity points, each with its neighbours, nearest first (ties as the library defines them),
+/// the point itself excluded. Valid only during Operator::apply.
+class Neighborhoods {
+ public:
+  Neighborhoods(const PointColumns& own, std::size_t size, const PointColumns* slots, const std::uint32_t* begin,
+                const NeighborRef* refs, std::span<const std::uint16_t> reads,
+                std::span<const std::uint16_t> reads_neighbors)
+      : own_(own), size_(size), slots_(slots), begin_(begin), refs_(refs), reads_(reads),
+        reads_neighbors_(reads_neighbors) {}
+
+  std::size_t size() const { return size_; }
+  Vec3 position(std::size_t i) const { return {own_.x[i], own_.y[i], own_.z[i]}; }
+  std::uint64_t row(std::size_t i) const { return own_.row[i]; }
+  /// |N_i|
+  std::size_t count(std::size_t i) const { return begin_[i + 1] - begin_[i]; }
+
+  Vec3 neighbor_position(std::size_t i, std::size_t j) const {
+    const NeighborRef ref = refs_[begin_[i] + j];
+    const PointColumns& c = slots_[slot_of(ref)];
+    const std::uint32_t n = index_of(ref);
+    return {c.x[n], c.y[n], c.z[n]};
+  }
+  /// p_j - p_i, exact to the last bit of a double subtraction.
+  Vec3 offset(std::size_t i, std::size_t j) const { return neighbor_position(i, j) - position(i); }
+  double distance2(std::size_t i, std::size_t j) const {
+    return pointsweep::distance2(neighbor_position(i, j), position(i));
+  }
+  std::uint64_t neighbor_row(std::size_t i, std::size_t j) const {
+    const NeighborRef ref = refs_[begin_[i] + j];
+    return slots_[slot_of(ref)].row[index_of(ref)];
+  }
+
+  /// Attribute `a` of the operator's contract().reads at point i. T is the whole value, e.g. std::array<float, 3>.
+  template <class T>
+  T value(std::size_t a, std::size_t i) const {
+    return load<T>(own_.columns[reads_[a]], i);
+  }
+  /// Attribute `a` of the operator's contract().reads_neighbors at the j-th neighbour of point i.
+  template <class T>
+  T neighbor_value(std::size_t a, std::size_t i, std::size_t j) const {
+    const NeighborRef ref = refs_[begin_[i] + j];
+    return load<T>(slots_[slot_of(ref)].columns[reads_neighbors_[a]], index_of(ref));
+  }
+
+ private:
+  template <class T>
+  static T load(const std::byte* column, std::size_t i) {
+    T v;
+    std::memcpy(&v, column + i * sizeof(T), sizeof(T));
+    return v;
+  }
+
+  PointColumns own_;
+  std::size_t size_;
+  const PointColumns* slots_;
+  const std::uint32_t* begin_;
+  const NeighborRef* refs_;
+  std::span<const std::uint16_t> reads_, reads_neighbors_;
+};
+
+/// The columns an operator fills for a batch, in the order of its contract().makes.
+class Columns {
+ public:
+  Columns(std::span<std::byte* const> made, std::size_t size) : made_(made), size_(size) {}
+  std::size_t size() const { return size_; }
+  /// Column `m` of contract().makes; T is the whole value, e.g. std::array<float, 3> or float.
+  template <class T>
+  std::span<T> column(std::size_t m) {
+    assert(m < made_.size());
+    return {reinterpret_cast<T*>(made_[m]), size_};
+  }
+  /// Points whose data allowed no result and got the documented value instead.
+  std::uint64_t degenerate = 0;
+
+ private:
+  std::span<std::byte* const> made_;
+  std::size_t size_;
+};
+
+}  // namespace pointsweep
