@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+/// From records to three arrays of coordinates.
+#include <algorithm>
+#include <cstring>
+
+#include "pointsweep/error.h"
+#include "pointsweep/points/schema.h"
+#include "pointsweep/points/with_type.h"
+
+namespace pointsweep {
+namespace {
+
+/// Records that are walked once for each coordinate stay in the first-level cache.
+constexpr std::size_t kBlock = 256;
+
+template <class T>
+double load(const std::byte* at) {
+  T raw;
+  std::memcpy(&raw, at, sizeof raw);
+  return static_cast<double>(raw);
+}
+
+template <class T>
+void decode_plain(const std::byte* at, std::size_t stride, std::size_t count, double* out) {
+  for (std::size_t i = 0; i < count; ++i) out[i] = load<T>(at + i * stride);
+}
+
+/// value = raw * scale + bias, a multiplication and an addition, each rounded.
+template <class T>
+void decode_scaled(const std::byte* at, std::size_t stride, std::size_t count, double scale, double bias, double* out) {
+  for (std::size_t i = 0; i < count; ++i) out[i] = load<T>(at + i * stride) * scale + bias;
+}
+
+void decode_axis(const Field& field, const std::byte* records, std::size_t stride, std::size_t count, double* out) {
+  if (field.bit_width != 0) {
+    for (std::size_t i = 0; i < count; ++i) out[i] = value_of(field, records + i * stride);
+    return;
+  }
+  with_type(field.type, [&]<class T>() {
+    const std::byte* at = records + field.offset;
+    if (field.is_plain()) {
+      decode_plain<T>(at, stride, count, out);
+    } else {
+      decode_scaled<T>(at, stride, count, field.scale, field.bias, out);
+    }
+  });
+}
+
+std::string names_of(const Schema& schema) {
+  std::string names;
+  for (const Field& field : schema.fields) names += (names.empty() ? "" : ", ") + field.name;
+  return names.empty() ? "none" : names;
+}
+
+}  // namespace
+
+PositionFields position_fields(const Schema& schema, std::string_view where) {
+  const auto x = schema.find("x"), y = schema.find("y"), z = schema.find("z");
+  if (!x || !y || !z) {
+    fail("{}: its points have no {}; a point cloud needs the fields x, y and z (fields found: {}).", where,
+         !x ? "x" : !y ? "y" : "z", names_of(schema));
+  }
+  return {schema.fields[*x], schema.fields[*y], schema.fields[*z]};
+}
+
+void decode_positions(const PositionFields& fields, const std::byte* records, std::size_t stride, std::size_t count,
+                      double* x, double* y, double* z) {
+  for (std::size_t first = 0; first < count; first += kBlock) {
+    const std::size_t n = std::min(kBlock, count - first);
+    const std::byte* block = records + first * stride;
+    decode_axis(fields.x, block, stride, n, x + first);
+    decode_axis(fields.y, block, stride, n, y + first);
+    decode_axis(fields.z, block, stride, n, z + first);
+  }
+}
+
+}  // namespace pointsweep

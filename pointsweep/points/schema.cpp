@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/points/schema.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+#include "pointsweep/points/with_type.h"
+
+namespace pointsweep {
+namespace {
+
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+bool same_word(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char p, char q) { return lower(p) == lower(q); });
+}
+
+std::uint64_t mask_of(const Field& field) {
+  return field.bit_width >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << field.bit_width) - 1;
+}
+
+/// Nearest integer that T can hold; NaN becomes 0.
+template <class T>
+T saturate(double value) {
+  if (std::isnan(value)) return 0;
+  const double rounded = std::nearbyint(value);
+  if (rounded <= static_cast<double>(std::numeric_limits<T>::min())) return std::numeric_limits<T>::min();
+  if (rounded >= static_cast<double>(std::numeric_limits<T>::max())) return std::numeric_limits<T>::max();
+  return static_cast<T>(rounded);
+}
+
+template <class T>
+double load_value(const Field& field, const std::byte* at) {
+  T raw;
+  std::memcpy(&raw, at, sizeof raw);
+  double bits = static_cast<double>(raw);
+  if constexpr (std::is_integral_v<T>) {
+    if (field.bit_width != 0) {
+      const auto word = static_cast<std::uint64_t>(static_cast<std::make_unsigned_t<T>>(raw));
+      bits = static_cast<double>(word >> field.bit_shift & mask_of(field));
+    }
+  }
+  return field.scale == 1 && field.bias == 0 ? bits : bits * field.scale + field.bias;
+}
+
+/// Replaces the bits of the field and leaves the others of its word alone.
+template <class T>
+T with_bits(const Field& field, T old, double bits) {
+  using Word = std::make_unsigned_t<T>;
+  const std::uint64_t mask = mask_of(field);
+  const std::uint64_t chosen = std::min(saturate<std::uint64_t>(bits), mask);
+  const std::uint64_t kept = static_cast<std::uint64_t>(static_cast<Word>(old)) & ~(mask << field.bit_shift);
+  return static_cast<T>(static_cast<Word>(kept | chosen << field.bit_shift));
+}
+
+template <class T>
+void store_value(const Field& field, std::byte* at, double value) {
+  const double bits = field.scale == 1 && field.bias == 0 ? value : (value - field.bias) / field.scale;
+  T raw;
+  if constexpr (std::is_floating_point_v<T>) {
+    raw = static_cast<T>(bits);
+  } else if (field.bit_width == 0) {
+    raw = saturate<T>(bits);
+  } else {
+    std::memcpy(&raw, at, sizeof raw);
+    raw = with_bits(field, raw, bits);
+  }
+  std::memcpy(at, &raw, sizeof raw);
+}
+
+}  // namespace
+
+std::size_t size_of(Type type) {
+  return with_type(type, []<class T>() { return sizeof(T); });
+}
+
+std::string_view name_of(Type type) {
+  static constexpr std::string_view kNames[] = {"int8",   "uint8", "int16",  "uint16",  "int32",
+                                                "uint32", "int64", "uint64", "float32", "float64"};
+  return kNames[static_cast<std::size_t>(type)];
+}
+
+std::optional<std::size_t> Schema::find(std::string_view name) const {
+  for (const std::string& spelling : spellings_of(name)) {
+    const auto found =
+        std::find_if(fields.begin(), fields.end(), [&](const Field& field) { return same_word(field.name, spelling); });
+    if (found != fields.end()) return static_cast<std::size_t>(found - fields.begin());
+  }
+  return std::nullopt;
+}
+
+std::size_t Schema::append(std::string name, Type type, std::uint32_t count) {
+  Field field;
+  field.name = std::move(name);
+  field.type = type;
+  field.offset = stride;
+  field.count = count;
+  fields.push_back(std::move(field));
+  stride += static_cast<std::uint32_t>(size_of(type) * count);
+  return fields.size() - 1;
+}
+
+double value_of(const Field& field, const std::byte* record, std::uint32_t component) {
+  return with_type(field.type, [&]<class T>() {
+    return load_value<T>(field, record + field.offset + component * sizeof(T));
+  });
+}
+
+void set_value(const Field& field, std::byte* record, double value, std::uint32_t component) {
+  with_type(field.type,
+            [&]<class T>() { store_value<T>(field, record + field.offset + component * sizeof(T), value); });
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// The names under which programs store the same attribute.
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+namespace {
+
+/// First the library's own name, then the others, best first; all in lower case, since case does not count.
+/// `scalar_` is how CloudCompare marks its scalar fields, `diffuse_` is from older PLY exporters.
+using Row = std::array<std::string_view, 7>;
+constexpr Row kRows[] = {
+    {"nx", "normal_x", "normalx", "normal x", "normal.x"},
+    {"ny", "normal_y", "normaly", "normal y", "normal.y"},
+    {"nz", "normal_z", "normalz", "normal z", "normal.z"},
+    {"red", "r", "diffuse_red", "scalar_red"},
+    {"green", "g", "diffuse_green", "scalar_green"},
+    {"blue", "b", "diffuse_blue", "scalar_blue"},
+    {"alpha", "a", "diffuse_alpha"},
+    {"intensity", "scalar_intensity", "i"},
+    {"gps_time", "gpstime", "gps time", "scalar_gpstime", "scalar_gps_time"},
+    {"return_number", "returnnumber", "return number", "scalar_returnnumber", "scalar_return_number"},
+    {"number_of_returns", "numberofreturns", "number of returns", "num_returns", "scalar_numberofreturns",
+     "scalar_number_of_returns"},
+    {"classification", "class", "scalar_classification"},
+    {"scan_angle", "scanangle", "scan angle", "scan_angle_rank", "scananglerank", "scalar_scanangle",
+     "scalar_scan_angle_rank"},
+    {"user_data", "userdata", "user data", "scalar_userdata", "scalar_user_data"},
+    {"point_source_id", "pointsourceid", "point source id", "scalar_pointsourceid", "scalar_point_source_id"},
+    {"curvature", "surface_variation", "scalar_curvature", "scalar_surface_variation"},
+    {"surface_variation", "curvature", "scalar_surface_variation", "scalar_curvature"},
+};
+
+}  // namespace
+
+std::vector<std::string> spellings_of(std::string_view name) {
+  for (const Row& row : kRows) {
+    if (row.front() != name) continue;
+    const auto end = std::find(row.begin(), row.end(), std::string_view{});
+    return {row.begin(), end};
+  }
+  return {std::string(name)};
+}
+
+}  // namespace pointsweep
