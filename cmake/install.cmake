@@ -1,0 +1,18 @@
+# The package: find_package(pointsweep) gives an outside project pointsweep::pointsweep.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pointsweep)
+
+install(TARGETS pointsweep EXPORT pointsweep-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY pointsweep DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h" PATTERN "*-inl.h" EXCLUDE)
+install(EXPORT pointsweep-targets NAMESPACE pointsweep:: DESTINATION ${package_folder})
+
+configure_package_config_file(cmake/pointsweep-config.cmake.in ${PROJECT_BINARY_DIR}/pointsweep-config.cmake
+  INSTALL_DESTINATION ${package_folder})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/pointsweep-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/pointsweep-config.cmake ${PROJECT_BINARY_DIR}/pointsweep-config-version.cmake
+  DESTINATION ${package_folder})
+
+if(TARGET pointsweep_cli)
+  install(TARGETS pointsweep_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()

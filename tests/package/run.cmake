@@ -1,0 +1,18 @@
+# Installs the build tree into a prefix of its own, then configures, builds and runs a project that knows only that prefix.
+set(scratch ${BUILD}/package)
+file(REMOVE_RECURSE ${scratch})
+
+function(run)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    list(JOIN ARGV " " command)
+    message(FATAL_ERROR "${command}\nfailed (${status}):\n${output}")
+  endif()
+  message(STATUS "${output}")
+endfunction()
+
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${scratch}/prefix --config "${CONFIG}")
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${scratch}/build -D CMAKE_BUILD_TYPE=Release
+  -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_PREFIX_PATH=${scratch}/prefix -D WANTED_VERSION=${VERSION})
+run(${CMAKE_COMMAND} --build ${scratch}/build --config Release)
+run(${scratch}/build/outside)
