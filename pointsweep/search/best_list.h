@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+/// The k nearest candidates seen so far, in the exact order that defines a neighbourhood.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "pointsweep/math/vec3.h"
+#include "pointsweep/points/neighborhoods.h"
+
+namespace pointsweep {
+
+struct Candidate {
+  double distance2;
+  Vec3 position;
+  std::uint64_t row;
+  NeighborRef ref;
+};
+
+/// The order of neighbours: by distance, equal distances by x, then y, then z, and only equal coordinates by row, so
+/// that shuffling the input cannot change a geometric result.
+inline bool nearer(const Candidate& a, const Candidate& b) {
+  if (a.distance2 != b.distance2) return a.distance2 < b.distance2;
+  if (a.position.x != b.position.x) return a.position.x < b.position.x;
+  if (a.position.y != b.position.y) return a.position.y < b.position.y;
+  if (a.position.z != b.position.z) return a.position.z < b.position.z;
+  return a.row < b.row;
+}
+
+/// What a neighbourhood is: the `k` nearest points, those within `radius` (inclusive), or the k nearest of these.
+struct Neighborhood {
+  static constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
+  std::size_t k = 8;
+  double radius = std::numeric_limits<double>::infinity();
+  double radius2() const { return radius * radius; }
+};
+
+/// Keeps up to 2k + 32 candidates and cuts them back to k when full: constant time per candidate on average.
+class BestList {
+ public:
+  void start(const Neighborhood& what) {
+    k_ = what.k;
+    limit_ = what.radius2();
+    full_ = false;
+    kept_.clear();
+  }
+  /// A candidate farther than this (squared) cannot belong to the neighbourhood; one at this distance may.
+  double limit() const { return limit_; }
+  /// Whether a box at squared distance `d2` whose lowest row is `lowest_row` may hold a member.
+  bool may_hold(double d2, std::uint64_t lowest_row) const {
+    return d2 < limit_ || (d2 == limit_ && !(full_ && limit_ == 0 && lowest_row > worst_row_));
+  }
+  void offer(const Candidate& c) {
+    if (c.distance2 > limit_) return;
+    kept_.push_back(c);
+    if (kept_.size() >= k_ && (kept_.size() - k_ >= k_ + 32 || !full_)) cut();
+  }
+  /// The neighbourhood, nearest first. Ends the search.
+  const std::vector<Candidate>& finish() {
+    std::sort(kept_.begin(), kept_.end(), nearer);
+    if (kept_.size() > k_) kept_.resize(k_);
+    return kept_;
+  }
+  /// True if k candidates are known, so that limit() is the distance of the kth so far or the radius.
+  bool full() const { return full_; }
+
+ private:
+  void cut() {
+    const auto kth = kept_.begin() + static_cast<std::ptrdiff_t>(k_) - 1;
+    if (k_ == 0) return kept_.clear();
+    std::nth_element(kept_.begin(), kth, kept_.end(), nearer);
+    kept_.erase(kth + 1, kept_.end());
+    full_ = true;
+    limit_ = kept_.back().distance2;
+    worst_row_ = kept_.back().row;
+  }
+
+  std::size_t k_ = 0;
+  double limit_ = 0;
+  bool full_ = false;
+  std::uint64_t worst_row_ = 0;
+  std::vector<Candidate> kept_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+/// A cell: a compact group of about a thousand points of one slab, cut into leaves of 16 with tight boxes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/points/neighborhoods.h"
+
+namespace pointsweep {
+
+inline constexpr std::uint32_t kLeafCapacity = 16;
+
+/// Structure of arrays, one allocation. Leaf l holds the points [16 l, min(16 l + 16, size)). Its box is kept in single
+/// precision relative to `origin`, rounded outward, so that distances to it are never overestimated.
+class Cell {
+ public:
+  Cell() = default;
+  /// Room for `size` points; the caller fills x, y, z and row and then calls seal().
+  explicit Cell(std::uint32_t size);
+  /// Computes box, origin, leaf boxes and lowest rows.
+  void seal();
+
+  std::uint32_t size() const { return size_; }
+  std::uint32_t leaf_count() const { return (size_ + kLeafCapacity - 1) / kLeafCapacity; }
+  std::uint32_t leaf_size(std::uint32_t leaf) const {
+    return leaf + 1 < leaf_count() ? kLeafCapacity : size_ - leaf * kLeafCapacity;
+  }
+  Vec3 position(std::uint32_t i) const { return {x[i], y[i], z[i]}; }
+  std::size_t memory_bytes() const { return bytes_; }
+
+  Box box;
+  Vec3 origin;
+  std::uint64_t lowest_row = 0;
+  double* x = nullptr;  ///< padded to whole leaves; the padding repeats the last point
+  double* y = nullptr;
+  double* z = nullptr;
+  std::uint64_t* row = nullptr;
+  /// Leaf boxes: lo x, y, z, hi x, y, z; each padded to a multiple of 16 with boxes infinitely far away.
+  float* leaf_box[6] = {};
+  std::uint64_t* leaf_lowest_row = nullptr;
+
+ private:
+  struct Free {
+    void operator()(std::byte* p) const;
+  };
+  std::unique_ptr<std::byte[], Free> storage_;
+  std::uint32_t size_ = 0;
+  std::size_t bytes_ = 0;
+};
+
+/// v as a float that is not above / not below it.
+float round_down(double v);
+float round_up(double v);
+
+}  // namespace pointsweep

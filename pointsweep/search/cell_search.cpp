@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/search/cell_search.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pointsweep/search/cell_search.cpp"
+#include "pointsweep/search/targets.h"
+// clang-format off
+#include <hwy/foreach_target.h>
+// clang-format on
+#include <hwy/highway.h>
+
+#include "pointsweep/search/exact_search.h"
+#include "pointsweep/search/leaf_query-inl.h"
+#include "pointsweep/search/plain_search.h"
+
+#if HWY_TARGET != HWY_SCALAR
+HWY_BEFORE_NAMESPACE();
+namespace pointsweep {
+namespace HWY_NAMESPACE {
+
+/// The search of one cell: its leaves in turn, each in groups of as many queries as a vector has lanes.
+template <std::size_t K>
+class CellSearch {
+ public:
+  CellSearch(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
+             CellNeighbors& out)
+      : directory_(directory), cell_(directory.cell(slot)), slot_(slot), what_(what), scratch_(scratch), out_(out) {}
+
+  void run() {
+    find_cells(0);
+    for (std::uint32_t leaf = 0; leaf < cell_.leaf_count(); ++leaf) {
+      for (std::uint32_t q = 0; q < cell_.leaf_size(leaf); q += static_cast<std::uint32_t>(hn::Lanes(d_))) {
+        search_group(leaf, q);
+      }
+    }
+  }
+
+ private:
+  void find_cells(double reach2) {
+    reach2_ = reach2;
+    directory_.find(cell_.box, reach2, scratch_.near);
+  }
+
+  void search_group(std::uint32_t leaf, std::uint32_t first_query) {
+    const std::uint32_t first = leaf * kLeafCapacity + first_query;
+    const auto queries =
+        std::min(static_cast<std::uint32_t>(hn::Lanes(d_)), cell_.leaf_size(leaf) - first_query);
+    if (!choose_frame(leaf)) return search_in_double(first, queries);
+    start_group(first);
+    packed_.leaves = 0, packed_.farthest = 0;
+    take(cell_, slot_, leaf);
+    group_.try_own_leaf(d_, packed_, first_query);
+    // A first finite bound, from as many leaves of the same branch as k asks for.
+    const std::uint32_t branch = K <= 8 ? 1 : K <= 16 ? 2 : 4;
+    const std::uint32_t begin = leaf / branch * branch, end = std::min(begin + branch, cell_.leaf_count());
+    for (std::uint32_t l = begin; l < end; ++l) {
+      if (l == leaf) continue;
+      take(cell_, slot_, l);
+      group_.try_last_leaf(d_, packed_);
+    }
+    find_leaves(leaf, begin, end);
+    if (!try_leaves()) return search_in_double(first, queries);
+    settle(first, queries);
+  }
+
+  /// Centre and scale of the query leaf. False where single precision cannot work at any scale.
+  bool choose_frame(std::uint32_t leaf) {
+    double extent = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double lo = cell_.leaf_box[a][leaf], hi = cell_.leaf_box[a + 3][leaf];
+      query_box_.lo[a] = cell_.origin[a] + lo, query_box_.hi[a] = cell_.origin[a] + hi;
+      extent = std::max(extent, hi - lo);
+    }
+    if (extent == 0) extent = std::max({cell_.box.extent().x, cell_.box.extent().y, cell_.box.extent().z}) / 64;
+    if (extent == 0) extent = 1;
+    const int exponent = std::ilogb(extent);
+    if (exponent < -300 || exponent > 300) return false;
+    leaf_extent_ = std::ldexp(extent, -exponent);
+    frame_ = {query_box_.center(), std::ldexp(1.0, -exponent), std::ldexp(1.0, 2 * exponent)};
+    return true;
+  }
+
+  void start_group(std::uint32_t first) {
+    group_.x = to_local(d_, cell_.x + first, frame_.center.x, frame_.scale);
+    group_.y = to_local(d_, cell_.y + first, frame_.center.y, frame_.scale);
+    group_.z = to_local(d_, cell_.z + first, frame_.center.z, frame_.scale);
+    group_.selection.start(d_, what_.k);
+    const double r = what_.radius * frame_.scale, m = r + 2 * leaf_extent_;
+    limited_ = r < kFarthest;
+    radius2_ = limited_ ? static_cast<float>(r * r) : kNobody;
+    group_.radius_key = hn::Set(
+        d_, limited_ ? static_cast<float>(r * r * (1 + 2 * kRelativeMargin) + m * m * kAbsoluteMargin) : kNobody);
+  }
+
+  void take(const Cell& cell, std::uint32_t slot, std::uint32_t leaf) {
+    pack(frame_, cell, slot, leaf, frame_.local(cell, leaf).farthest(), packed_);
+  }
+
+  /// Squared distance, in length units, beyond which nobody of the group needs a candidate.
+  double group_reach2() const {
+    const float reach = hn::GetLane(hn::MaxOfLanes(d_, group_.reach(d_, packed_.farthest)));
+    return reach < 0.99f * kNobody ? static_cast<double>(reach) * (1 + 1e-6) * frame_.unscale2
+                                   : std::numeric_limits<double>::infinity();
+  }
+
+  /// Collects the leaves that the group may need, nearest first: key = distance | place in `near` | leaf.
+  void find_leaves(std::uint32_t own_leaf, std::uint32_t begin, std::uint32_t end) {
+    const double reach2 = group_reach2();
+    if (reach2 > reach2_) find_cells(4 * reach2);
+    scratch_.leaves.clear();
+    for (std::size_t n = 0; n < scratch_.near.size() && scratch_.near[n].distance2 <= reach2; ++n) {
+      const Cell& cell = directory_.cell(scratch_.near[n].slot);
+      if (distance2(cell.box, query_box_) > reach2) continue;
+      const bool own = scratch_.near[n].slot == slot_;
+      find_leaves_of(cell, n, static_cast<float>(reach2 * (1 + 1e-6)), own ? begin : 0, own ? end : 0);
+    }
+    std::sort(scratch_.leaves.begin(), scratch_.leaves.end());
+    (void)own_leaf;
+  }
+
+  void find_leaves_of(const Cell& cell, std::size_t place, float reach2, std::uint32_t skip_begin,
+                      std::uint32_t skip_end) {
+    const Vec3 lo = query_box_.lo - cell.origin, hi = query_box_.hi - cell.origin;
+    const Vec lo_x = hn::Set(d_, below(lo.x)), lo_y = hn::Set(d_, below(lo.y)), lo_z = hn::Set(d_, below(lo.z));
+    const Vec hi_x = hn::Set(d_, above(hi.x)), hi_y = hn::Set(d_, above(hi.y)), hi_z = hn::Set(d_, above(hi.z));
+    const Vec zero = hn::Zero(d_), limit = hn::Set(d_, reach2);
+    HWY_ALIGN float d2s[kLeafCapacity];
+    for (std::uint32_t l = 0; l < cell.leaf_count(); l += static_cast<std::uint32_t>(hn::Lanes(d_))) {
+      const auto side = [&](int s) { return hn::Load(d_, cell.leaf_box[s] + l); };
+      const Vec dx = hn::Max(hn::Max(hn::Sub(side(0), hi_x), hn::Sub(lo_x, side(3))), zero);
+      const Vec dy = hn::Max(hn::Max(hn::Sub(side(1), hi_y), hn::Sub(lo_y, side(4))), zero);
+      const Vec dz = hn::Max(hn::Max(hn::Sub(side(2), hi_z), hn::Sub(lo_z, side(5))), zero);
+      const Vec d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+      const auto near = hn::Le(d2, limit);
+      if (hn::AllFalse(d_, near)) continue;
+      hn::Store(d2, d_, d2s);
+      std::uint8_t bytes[8] = {};
+      hn::StoreMaskBits(d_, near, bytes);
+      for (std::uint32_t bits = bytes[0] | bytes[1] << 8; bits != 0; bits &= bits - 1) {
+        const auto lane = static_cast<std::uint32_t>(__builtin_ctz(bits));
+        if (l + lane >= skip_begin && l + lane < skip_end) continue;
+        std::uint32_t distance;
+        std::memcpy(&distance, &d2s[lane], sizeof distance);
+        scratch_.leaves.push_back(std::uint64_t{distance} << 32 | place << 8 | (l + lane));
+      }
+    }
+  }
+
+  /// A little below / above v in single precision, also where the difference that made it was rounded.
+  static float below(double v) { return round_down(v - std::abs(v) * 1e-14); }
+  static float above(double v) { return round_up(v + std::abs(v) * 1e-14); }
+
+  /// Tries the collected leaves until none can matter. False if there are too many.
+  bool try_leaves() {
+    double reach2 = group_reach2();
+    Vec limit = group_.reach(d_, packed_.farthest);
+    for (const std::uint64_t key : scratch_.leaves) {
+      const auto bits = static_cast<std::uint32_t>(key >> 32);
+      float near2;
+      std::memcpy(&near2, &bits, sizeof near2);
+      if (near2 > reach2 * (1 + 1e-6)) break;
+      const std::uint32_t slot = scratch_.near[(key >> 8) & 0xFFFFFF].slot, leaf = key & 0xFF;
+      const Cell& cell = directory_.cell(slot);
+      const LocalBox box = frame_.local(cell, leaf);
+      if (!group_.anyone_reaches(d_, box, limit)) continue;
+      if (packed_.full()) return false;
+      pack(frame_, cell, slot, leaf, box.farthest(), packed_);
+      group_.try_last_leaf(d_, packed_);
+      limit = group_.reach(d_, packed_.farthest);
+      reach2 = group_reach2();
+    }
+    return true;
+  }
+
+  /// Writes out the lists; lanes in which two keys are too close, or one is too close to the radius, are settled in double.
+  void settle(std::uint32_t first, std::uint32_t queries) {
+    const Vec nobody = hn::Set(d_, kNobody), relative = hn::Set(d_, kRelativeMargin);
+    const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
+    const Vec surely_within = hn::Set(d_, limited_ ? radius2_ * (1 - 1e-6f) : kNobody);
+    Vec unsure = hn::Zero(d_);
+    const Vec one = hn::Set(d_, 1.0f);
+    for (std::size_t i = 0; i <= K; ++i) {
+      const Vec key = group_.selection.list[i];
+      hn::Store(key, d_, keys_[i]);
+      if (i == K) break;
+      const Vec next = group_.selection.list[i + 1];
+      const Vec margin = hn::MulAdd(next, relative, absolute);
+      const auto real = hn::Lt(key, nobody);
+      unsure = hn::IfThenElse(hn::And(real, hn::Le(hn::Sub(next, key), margin)), one, unsure);
+      const auto within = hn::Le(hn::MulAdd(key, hn::Set(d_, 1 + kRelativeMargin), absolute), surely_within);
+      unsure = hn::IfThenElse(hn::AndNot(within, real), one, unsure);
+    }
+    HWY_ALIGN float unsure_lane[kLeafCapacity], reach_lane[kLeafCapacity];
+    hn::Store(unsure, d_, unsure_lane);
+    hn::Store(group_.reach(d_, packed_.farthest), d_, reach_lane);
+    for (std::uint32_t q = 0; q < queries; ++q) {
+      if (unsure_lane[q] != 0) {
+        settle_in_double(first + q, q, reach_lane[q]);
+      } else {
+        write_lane(q, reach_lane[q]);
+      }
+    }
+  }
+
+  void write_lane(std::uint32_t lane, float reach) {
+    for (std::size_t i = K - what_.k; i < K && keys_[i][lane] < kNobody; ++i) {
+      std::uint32_t number;
+      std::memcpy(&number, &keys_[i][lane], sizeof number);
+      number &= kCandidates - 1;
+      out_.refs.push_back(packed_.first[number / kLeafCapacity] + number % kLeafCapacity);
+    }
+    finish_point(reach < 0.99f * kNobody ? static_cast<double>(reach) * (1 + 1e-6) * frame_.unscale2
+                                         : std::numeric_limits<double>::infinity());
+  }
+
+  /// One query again among the packed candidates, by their exact distances.
+  void settle_in_double(std::uint32_t point, std::uint32_t lane, float reach) {
+    ++scratch_.settled_in_double;
+    const Vec3 p = cell_.position(point);
+    const std::uint64_t row = cell_.row[point];
+    scratch_.best.start(what_);
+    const Lanes d;
+    Group<K> one;
+    one.x = hn::Set(d, lane_of(group_.x, lane));
+    one.y = hn::Set(d, lane_of(group_.y, lane));
+    one.z = hn::Set(d, lane_of(group_.z, lane));
+    // All candidates whose key may be as small as that of the last one wanted.
+    const Vec limit = hn::Set(d, reach * (1 + 2 * kRelativeMargin) +
+                                     packed_.farthest * packed_.farthest * 2 * kAbsoluteMargin);
+    for (std::uint32_t i = 0; i < packed_.leaves * kLeafCapacity; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
+      const Vec dx = hn::Sub(hn::Load(d, packed_.x + i), one.x), dy = hn::Sub(hn::Load(d, packed_.y + i), one.y);
+      const Vec dz = hn::Sub(hn::Load(d, packed_.z + i), one.z);
+      const Vec d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+      std::uint8_t bytes[8] = {};
+      hn::StoreMaskBits(d, hn::Le(d2, limit), bytes);
+      for (std::uint32_t bits = bytes[0] | bytes[1] << 8; bits != 0; bits &= bits - 1) {
+        offer(i + static_cast<std::uint32_t>(__builtin_ctz(bits)), p, row);
+      }
+    }
+    write_best(p);
+  }
+
+  void offer(std::uint32_t number, Vec3 p, std::uint64_t self_row) {
+    const NeighborRef ref = packed_.first[number / kLeafCapacity] + number % kLeafCapacity;
+    const Cell& cell = directory_.cell(slot_of(ref));
+    const std::uint32_t i = index_of(ref);
+    if (i >= cell.size() || cell.row[i] == self_row) return;
+    scratch_.best.offer({distance2(cell.position(i), p), cell.position(i), cell.row[i], ref});
+  }
+
+  /// The plain search, for queries whose neighbours are too many or too spread for the vector code.
+  void search_in_double(std::uint32_t first, std::uint32_t queries) {
+    for (std::uint32_t q = first; q < first + queries; ++q) {
+      ++scratch_.settled_in_double;
+      const Vec3 p = cell_.position(q);
+      for (;;) {
+        scratch_.best.start(what_);
+        search_exact(directory_, scratch_.near, p, cell_.row[q], scratch_.best);
+        if (scratch_.best.limit() <= reach2_) break;
+        find_cells(std::max(4 * scratch_.best.limit(), std::numeric_limits<double>::min()));
+      }
+      write_best(p);
+    }
+  }
+
+  void write_best(Vec3 p) {
+    const std::vector<Candidate>& found = scratch_.best.finish();
+    for (const Candidate& c : found) out_.refs.push_back(c.ref);
+    (void)p;
+    const bool full = found.size() == what_.k;
+    finish_point(full && !found.empty() ? found.back().distance2 : what_.radius2());
+  }
+
+  void finish_point(double reach2) {
+    out_.reach2.push_back(reach2);
+    out_.begin.push_back(static_cast<std::uint32_t>(out_.refs.size()));
+  }
+
+  float lane_of(Vec v, std::uint32_t lane) const {
+    HWY_ALIGN float values[kLeafCapacity];
+    hn::Store(v, d_, values);
+    return values[lane];
+  }
+
+  const Lanes d_{};
+  const CellDirectory& directory_;
+  const Cell& cell_;
+  const std::uint32_t slot_;
+  const Neighborhood what_;
+  SearchScratch& scratch_;
+  CellNeighbors& out_;
+  double reach2_ = 0;  ///< scratch_.near holds every cell within it of the cell's box
+  double leaf_extent_ = 1;
+  bool limited_ = false;
+  float radius2_ = 0;
+  Box query_box_;
+  Frame frame_{};
+  Group<K> group_;
+  Packed packed_;
+  HWY_ALIGN float keys_[K + 1][kLeafCapacity];
+};
+
+template <std::size_t K>
+void search_with(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
+                 CellNeighbors& out) {
+  CellSearch<K> search(directory, slot, what, scratch, out);
+  search.run();
+}
+
+void search_lanes(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
+                  CellNeighbors& out) {
+  if (what.k <= 8) return search_with<8>(directory, slot, what, scratch, out);
+  if (what.k <= 16) return search_with<16>(directory, slot, what, scratch, out);
+  return search_with<32>(directory, slot, what, scratch, out);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace pointsweep
+HWY_AFTER_NAMESPACE();
+#else
+namespace pointsweep {
+namespace HWY_NAMESPACE {
+void search_lanes(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
+                  CellNeighbors& out) {
+  search_cell_plainly(directory, slot, what, scratch, out);
+}
+}  // namespace HWY_NAMESPACE
+}  // namespace pointsweep
+#endif
+
+#if HWY_ONCE
+namespace pointsweep {
+HWY_EXPORT(search_lanes);
+
+
+void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
+                 CellNeighbors& out) {
+  out.refs.clear();
+  out.reach2.clear();
+  out.begin.assign(1, 0);
+  constexpr std::size_t kMostInLanes = 32;
+  if (what.k > 0 && what.k <= kMostInLanes) {
+    HWY_DYNAMIC_DISPATCH(search_lanes)(directory, slot, what, scratch, out);
+  } else {
+    search_cell_plainly(directory, slot, what, scratch, out);
+  }
+}
+
+}  // namespace pointsweep
+#endif

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+/// One group of queries, a vector lane each, against the leaves around them. Included once per instruction set.
+#if defined(POINTSWEEP_SEARCH_LEAF_QUERY_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef POINTSWEEP_SEARCH_LEAF_QUERY_INL_H_
+#undef POINTSWEEP_SEARCH_LEAF_QUERY_INL_H_
+#else
+#define POINTSWEEP_SEARCH_LEAF_QUERY_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "pointsweep/search/cell.h"
+
+#if HWY_TARGET != HWY_SCALAR
+HWY_BEFORE_NAMESPACE();
+namespace pointsweep {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<float, kLeafCapacity>;
+using Vec = hn::Vec<Lanes>;
+
+/// Keys are squared distances whose lowest bits hold the number of the candidate, so that selecting is min and max alone.
+inline constexpr std::uint32_t kCandidateBits = 10;
+inline constexpr std::uint32_t kCandidates = 1u << kCandidateBits;
+inline constexpr float kNobody = 1e30f;        ///< key of an empty place
+inline constexpr float kPadding = 1e16f;       ///< coordinate of padding: its key is above kNobody
+inline constexpr float kFarthest = 1e14f;      ///< coordinates are clamped here: their keys stay below kNobody
+inline constexpr float kSmallest = 0x1p-100f;  ///< added to every key, keeps it normal
+
+/// How far keys and the squared distances in double may differ, all coordinates at most m from the centre:
+///   |key - d²| <= 2^-12.4 d² + 2^-30 m²
+/// from rounding to single precision (2^-24 m per coordinate; the mixed term 2d·e is at most 2^-14 d² + 2^14 e²) and from the
+/// 10 bits taken by the candidate's number (2^-13). Twice that, rounded up, separates two keys with certainty.
+inline constexpr float kRelativeMargin = 0x1p-11f;
+inline constexpr float kAbsoluteMargin = 0x1p-28f;
+
+/// The K + 1 smallest keys per lane, ascending. With k < K the first K - k places hold -1 for good.
+template <std::size_t K>
+struct Selection {
+  Vec list[K + 1];
+
+  HWY_INLINE void start(Lanes d, std::size_t k) {
+    for (std::size_t i = 0; i <= K; ++i) list[i] = hn::Set(d, i + k < K ? -1.0f : kNobody);
+  }
+  HWY_INLINE void insert(Vec key) {
+    for (std::size_t i = K; i > 0; --i) list[i] = hn::Max(list[i - 1], hn::Min(list[i], key));
+    list[0] = hn::Min(list[0], key);
+  }
+};
+
+/// Candidates in single precision around the centre of the query leaf, leaf after leaf.
+struct Packed {
+  HWY_ALIGN float x[kCandidates];
+  HWY_ALIGN float y[kCandidates];
+  HWY_ALIGN float z[kCandidates];
+  NeighborRef first[kCandidates / kLeafCapacity];  ///< of each packed leaf
+  std::uint32_t leaves = 0;
+  float farthest = 0;  ///< largest coordinate, the m of the margins
+
+  bool full() const { return leaves == kCandidates / kLeafCapacity; }
+};
+
+/// A leaf's box in the frame of the queries.
+struct LocalBox {
+  float lo[3], hi[3];
+  float farthest() const {
+    float m = 0;
+    for (int a = 0; a < 3; ++a) m = std::max({m, std::abs(lo[a]), std::abs(hi[a])});
+    return m;
+  }
+};
+
+/// The frame of a group of queries: coordinates relative to `center`, times a power of two that makes the leaf about 1.
+struct Frame {
+  Vec3 center;
+  double scale;
+  double unscale2;  ///< 1 / scale²
+
+  LocalBox local(const Cell& cell, std::uint32_t leaf) const {
+    const Vec3 shift = cell.origin - center;
+    LocalBox b;
+    for (int a = 0; a < 3; ++a) {
+      const float lo = static_cast<float>((double{cell.leaf_box[a][leaf]} + shift[a]) * scale);
+      const float hi = static_cast<float>((double{cell.leaf_box[a + 3][leaf]} + shift[a]) * scale);
+      const float slack = 0x1p-21f * std::max(std::abs(lo), std::abs(hi));
+      b.lo[a] = lo - slack, b.hi[a] = hi + slack;
+    }
+    return b;
+  }
+};
+
+HWY_INLINE Vec to_local(Lanes d, const double* c, double center, double scale) {
+  const hn::Rebind<double, hn::Half<Lanes>> dd;
+  const hn::Half<Lanes> half;
+  const auto o = hn::Set(dd, center);
+  const auto s = hn::Set(dd, scale);
+  const auto lower = hn::DemoteTo(half, hn::Mul(hn::Sub(hn::LoadU(dd, c), o), s));
+  const auto upper = hn::DemoteTo(half, hn::Mul(hn::Sub(hn::LoadU(dd, c + hn::Lanes(dd)), o), s));
+  const Vec v = hn::Combine(d, upper, lower);
+  return hn::Max(hn::Min(v, hn::Set(d, kFarthest)), hn::Set(d, -kFarthest));
+}
+
+HWY_INLINE void pack(const Frame& frame, const Cell& cell, std::uint32_t slot, std::uint32_t leaf, float farthest,
+                     Packed& packed) {
+  const Lanes d;
+  const std::size_t from = leaf * kLeafCapacity, to = packed.leaves * kLeafCapacity;
+  for (std::size_t i = 0; i < kLeafCapacity; i += hn::Lanes(d)) {
+    hn::Store(to_local(d, cell.x + from + i, frame.center.x, frame.scale), d, packed.x + to + i);
+    hn::Store(to_local(d, cell.y + from + i, frame.center.y, frame.scale), d, packed.y + to + i);
+    hn::Store(to_local(d, cell.z + from + i, frame.center.z, frame.scale), d, packed.z + to + i);
+  }
+  for (std::size_t i = cell.leaf_size(leaf); i < kLeafCapacity; ++i) packed.x[to + i] = kPadding;
+  packed.first[packed.leaves++] = make_ref(slot, static_cast<std::uint32_t>(from));
+  packed.farthest = std::max(packed.farthest, farthest);
+}
+
+/// A group of queries and what they have found.
+template <std::size_t K>
+struct Group {
+  Vec x, y, z;
+  Vec radius_key;  ///< keys above it are out of the radius asked for
+  Selection<K> selection;
+
+  HWY_INLINE Vec key_of(Lanes d, const Packed& packed, std::size_t i, hn::Vec<hn::RebindToUnsigned<Lanes>> number) const {
+    const hn::RebindToUnsigned<Lanes> du;
+    const Vec dx = hn::Sub(hn::Set(d, packed.x[i]), x);
+    const Vec dy = hn::Sub(hn::Set(d, packed.y[i]), y);
+    const Vec dz = hn::Sub(hn::Set(d, packed.z[i]), z);
+    const Vec d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::MulAdd(dz, dz, hn::Set(d, kSmallest))));
+    return hn::BitCast(d, hn::OrAnd(number, hn::BitCast(du, d2), hn::Set(du, ~(kCandidates - 1))));
+  }
+
+  /// Tries the candidates of the last packed leaf.
+  HWY_INLINE void try_last_leaf(Lanes d, const Packed& packed) {
+    const hn::RebindToUnsigned<Lanes> du;
+    const std::size_t first = (packed.leaves - 1) * kLeafCapacity;
+    auto number = hn::Set(du, static_cast<std::uint32_t>(first));
+    const auto one = hn::Set(du, 1u);
+    Selection<K> best = selection;  // a copy of its own stays in registers
+    for (std::size_t j = 0; j < kLeafCapacity; ++j, number = hn::Add(number, one)) {
+      const Vec key = key_of(d, packed, first + j, number);
+      if (!hn::AllFalse(d, hn::Lt(key, hn::Min(best.list[K], radius_key)))) best.insert(key);
+    }
+    selection = best;
+  }
+
+  /// The same for the leaf the queries belong to, the first of them at `first_query`: nobody is his own neighbour.
+  HWY_INLINE void try_own_leaf(Lanes d, const Packed& packed, std::size_t first_query) {
+    const hn::RebindToUnsigned<Lanes> du;
+    const auto lane = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<std::uint32_t>(first_query)));
+    const std::size_t first = (packed.leaves - 1) * kLeafCapacity;
+    Selection<K> best = selection;
+    for (std::size_t j = 0; j < kLeafCapacity; ++j) {
+      const auto number = hn::Set(du, static_cast<std::uint32_t>(first + j));
+      const auto self = hn::RebindMask(d, hn::Eq(lane, hn::Set(du, static_cast<std::uint32_t>(j))));
+      best.insert(hn::IfThenElse(self, hn::Set(d, kNobody), key_of(d, packed, first + j, number)));
+    }
+    selection = best;
+  }
+
+  /// An upper bound, per lane, of the squared distance at which the neighbourhood ends; kNobody or more where unknown.
+  HWY_INLINE Vec reach(Lanes d, float farthest) const {
+    const Vec margin = hn::Set(d, farthest * farthest * kAbsoluteMargin);
+    const Vec kth = selection.list[K - 1];
+    return hn::Min(hn::MulAdd(kth, hn::Set(d, 1 + kRelativeMargin), margin), radius_key);
+  }
+
+  HWY_INLINE bool anyone_reaches(Lanes d, const LocalBox& b, Vec limit) const {
+    const Vec zero = hn::Zero(d);
+    const Vec dx = hn::Max(hn::Max(hn::Sub(hn::Set(d, b.lo[0]), x), hn::Sub(x, hn::Set(d, b.hi[0]))), zero);
+    const Vec dy = hn::Max(hn::Max(hn::Sub(hn::Set(d, b.lo[1]), y), hn::Sub(y, hn::Set(d, b.hi[1]))), zero);
+    const Vec dz = hn::Max(hn::Max(hn::Sub(hn::Set(d, b.lo[2]), z), hn::Sub(z, hn::Set(d, b.hi[2]))), zero);
+    const Vec d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+    return !hn::AllFalse(d, hn::Le(d2, limit));
+  }
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace pointsweep
+HWY_AFTER_NAMESPACE();
+#endif  // HWY_TARGET
+#endif

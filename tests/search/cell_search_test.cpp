@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/search/cell_search.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <random>
+
+#include "pointsweep/search/cut.h"
+#include "tests/support/brute_force.h"
+
+namespace pointsweep {
+namespace {
+
+/// All points as one slab, cut into cells.
+struct Cells {
+  CellDirectory directory;
+  std::vector<std::unique_ptr<Cell>> cells;
+
+  Cells(const std::vector<Vec3>& points, std::uint32_t cell_points) {
+    std::vector<double> x, y, z;
+    std::vector<std::uint64_t> row;
+    for (const Vec3& p : points) {
+      x.push_back(p.x), y.push_back(p.y), z.push_back(p.z), row.push_back(row.size());
+    }
+    Cut c;
+    cut(x, y, z, row, cell_points, c);
+    for (std::size_t i = 0; i < c.cells(); ++i) {
+      auto cell = std::make_unique<Cell>(c.begin[i + 1] - c.begin[i]);
+      for (std::uint32_t j = 0; j < cell->size(); ++j) {
+        const std::uint32_t from = c.order[c.begin[i] + j];
+        cell->x[j] = x[from], cell->y[j] = y[from], cell->z[j] = z[from], cell->row[j] = from;
+      }
+      cell->seal();
+      directory.add(static_cast<std::uint32_t>(i), cell.get());
+      cells.push_back(std::move(cell));
+    }
+  }
+
+  std::vector<std::vector<std::uint32_t>> search(const Neighborhood& what) {
+    std::size_t n = 0;
+    for (const auto& cell : cells) n += cell->size();
+    std::vector<std::vector<std::uint32_t>> lists(n);
+    SearchScratch scratch;
+    CellNeighbors found;
+    for (std::uint32_t s = 0; s < cells.size(); ++s) {
+      search_cell(directory, s, what, scratch, found);
+      for (std::uint32_t i = 0; i < cells[s]->size(); ++i) {
+        const Vec3 p = cells[s]->position(i);
+        for (std::uint32_t j = found.begin[i]; j < found.begin[i + 1]; ++j) {
+          const Cell& cell = directory.cell(slot_of(found.refs[j]));
+          lists[cells[s]->row[i]].push_back(static_cast<std::uint32_t>(cell.row[index_of(found.refs[j])]));
+          EXPECT_LE(distance2(cell.position(index_of(found.refs[j])), p), found.reach2[i]);
+        }
+      }
+    }
+    return lists;
+  }
+};
+
+using Shape = std::function<Vec3(std::mt19937_64&)>;
+
+double uniform(std::mt19937_64& rng) { return std::uniform_real_distribution<double>(0, 1)(rng); }
+
+std::vector<std::pair<std::string, Shape>> shapes() {
+  return {
+      {"plane", [](auto& r) { return Vec3{uniform(r), uniform(r), 0}; }},
+      {"volume", [](auto& r) { return Vec3{uniform(r), uniform(r), uniform(r)}; }},
+      {"line", [](auto& r) { const double t = uniform(r); return Vec3{t, 2 * t, -t}; }},
+      {"grid, full of ties", [](auto& r) { return Vec3{std::floor(9 * uniform(r)), std::floor(9 * uniform(r)), std::floor(9 * uniform(r))}; }},
+      {"one place", [](auto&) { return Vec3{1, 2, 3}; }},
+      {"outliers", [](auto& r) { const double s = uniform(r) < 0.02 ? 1e6 : 1; return Vec3{s * uniform(r), s * uniform(r), uniform(r)}; }},
+      {"metres of a national grid in millimetres", [](auto& r) { return Vec3{5e6 + std::round(2e3 * uniform(r)) / 1e3, 4e6 + std::round(2e3 * uniform(r)) / 1e3, 100}; }},
+      {"huge", [](auto& r) { return Vec3{1e12 + uniform(r), 1e12 * uniform(r), uniform(r)}; }},
+      {"tiny", [](auto& r) { return Vec3{1e-12 * uniform(r), 1e-12 * uniform(r), 1e-13 * uniform(r)}; }},
+      {"denormal", [](auto& r) { return Vec3{1e-310 * uniform(r), 1e-310 * uniform(r), 0}; }},
+      {"near the end of double", [](auto& r) { return Vec3{1e154 * uniform(r), 1e154 * uniform(r), 0}; }},
+      {"density over six decades", [](auto& r) { const double s = std::pow(10, -6 * uniform(r)); return Vec3{s * uniform(r), s * uniform(r), 0.1 * s * uniform(r)}; }},
+  };
+}
+
+void expect_equal_to_brute_force(const std::vector<Vec3>& points, const Neighborhood& what, std::uint32_t cell_points) {
+  const auto expected = brute_force_neighbors(points, what.k, what.radius);
+  const auto found = Cells(points, cell_points).search(what);
+  for (std::size_t i = 0; i < points.size(); ++i) ASSERT_EQ(found[i], expected[i]) << "point " << i;
+}
+
+TEST(CellSearch, EqualsBruteForceOnEveryShapeForSmallAndLargeK) {
+  for (const auto& [name, shape] : shapes()) {
+    for (const std::size_t k : {1, 5, 8, 13, 16, 24, 32, 64}) {
+      SCOPED_TRACE(name + ", k = " + std::to_string(k));
+      std::mt19937_64 rng(42);
+      std::vector<Vec3> points(1500);
+      for (Vec3& p : points) p = shape(rng);
+      expect_equal_to_brute_force(points, {.k = k}, 256);
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+TEST(CellSearch, EqualsBruteForceForTinyCellsAndFewPoints) {
+  for (const auto& [name, shape] : shapes()) {
+    for (const std::size_t n : {1, 2, 8, 9, 10, 17, 33, 100}) {
+      for (const std::size_t k : {1, 8, 9, 40}) {
+        SCOPED_TRACE(name + ", n = " + std::to_string(n) + ", k = " + std::to_string(k));
+        std::mt19937_64 rng(n);
+        std::vector<Vec3> points(n);
+        for (Vec3& p : points) p = shape(rng);
+        expect_equal_to_brute_force(points, {.k = k}, 16);
+        if (HasFatalFailure()) return;
+      }
+    }
+  }
+}
+
+TEST(CellSearch, HonoursTheRadiusInclusively) {
+  for (const auto& [name, shape] : shapes()) {
+    for (const double radius : {0.0, 1e-3, 0.05, 1.0, 2.0, 1e6}) {
+      for (const std::size_t k : {std::size_t{8}, std::size_t{40}, Neighborhood::kUnlimited}) {
+        SCOPED_TRACE(name + ", radius " + std::to_string(radius) + ", k = " + std::to_string(k));
+        std::mt19937_64 rng(7);
+        std::vector<Vec3> points(400);
+        for (Vec3& p : points) p = shape(rng);
+        expect_equal_to_brute_force(points, {.k = k, .radius = radius}, 64);
+        if (HasFatalFailure()) return;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep
