@@ -48,10 +48,8 @@ class BestList {
   }
   /// A candidate farther than this (squared) cannot belong to the neighbourhood; one at this distance may.
   double limit() const { return limit_; }
-  /// Whether a box at squared distance `d2` whose lowest row is `lowest_row` may hold a member.
-  bool may_hold(double d2, std::uint64_t lowest_row) const {
-    return d2 < limit_ || (d2 == limit_ && !(full_ && limit_ == 0 && lowest_row > worst_row_));
-  }
+  /// Whether `c` would enter the neighbourhood now.
+  bool wants(const Candidate& c) const { return c.distance2 <= limit_ && !(full_ && nearer(worst_, c)); }
   void offer(const Candidate& c) {
     if (c.distance2 > limit_) return;
     kept_.push_back(c);
@@ -74,13 +72,13 @@ class BestList {
     kept_.erase(kth + 1, kept_.end());
     full_ = true;
     limit_ = kept_.back().distance2;
-    worst_row_ = kept_.back().row;
+    worst_ = kept_.back();
   }
 
   std::size_t k_ = 0;
   double limit_ = 0;
   bool full_ = false;
-  std::uint64_t worst_row_ = 0;
+  Candidate worst_{};  ///< the kth so far, if full
   std::vector<Candidate> kept_;
 };
 

@@ -57,22 +57,23 @@ void Cell::seal() {
     box.lo[axis] = *lo, box.hi[axis] = *hi;
   }
   origin = box.center();
-  lowest_row = std::numeric_limits<std::uint64_t>::max();
   // The subtraction of the origin rounds; a slack far below single precision keeps the boxes outward all the same.
   const Vec3 slack = 0x1p-50 * box.extent();
   const std::size_t leaves = leaf_count();
   for (std::size_t l = 0; l < leaves; ++l) {
     const std::size_t b = l * kLeafCapacity;  // the padding repeats a point, so whole leaves are safe
+    bool one_place = true;
     for (const int axis : {0, 1, 2}) {
       const double* c = (axis == 0 ? x : axis == 1 ? y : z) + b;
       double lo = c[0], hi = c[0];
       for (std::size_t i = 1; i < kLeafCapacity; ++i) lo = std::min(lo, c[i]), hi = std::max(hi, c[i]);
+      one_place = one_place && lo == hi;
       leaf_box[axis][l] = round_down(lo - origin[axis] - slack[axis]);
       leaf_box[axis + 3][l] = round_up(hi - origin[axis] + slack[axis]);
     }
-    leaf_lowest_row[l] = *std::min_element(row + b, row + b + kLeafCapacity);
-    lowest_row = std::min(lowest_row, leaf_lowest_row[l]);
+    leaf_lowest_row[l] = one_place ? *std::min_element(row + b, row + b + kLeafCapacity) : kSeveralPlaces;
   }
+  lowest_row = box.lo == box.hi ? *std::min_element(row, row + size_) : kSeveralPlaces;
   for (std::size_t l = leaves; l < padded(leaves); ++l) {
     for (int side = 0; side < 3; ++side) leaf_box[side][l] = kFar, leaf_box[side + 3][l] = -kFar;
   }

@@ -34,14 +34,16 @@ class Cell {
 
   Box box;
   Vec3 origin;
-  std::uint64_t lowest_row = 0;
+  /// The lowest row of points that are all at one place; kSeveralPlaces where they are not.
+  static constexpr std::uint64_t kSeveralPlaces = ~std::uint64_t{0};
+  std::uint64_t lowest_row = kSeveralPlaces;
   double* x = nullptr;  ///< padded to whole leaves; the padding repeats the last point
   double* y = nullptr;
   double* z = nullptr;
   std::uint64_t* row = nullptr;
   /// Leaf boxes: lo x, y, z, hi x, y, z; each padded to a multiple of 16 with boxes infinitely far away.
   float* leaf_box[6] = {};
-  std::uint64_t* leaf_lowest_row = nullptr;
+  std::uint64_t* leaf_lowest_row = nullptr;  ///< as lowest_row, of each leaf
 
  private:
   struct Free {

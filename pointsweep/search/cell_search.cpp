@@ -50,17 +50,27 @@ class CellSearch {
     packed_.leaves = 0, packed_.farthest = 0;
     take(cell_, slot_, leaf);
     group_.try_own_leaf(d_, packed_, first_query);
-    // A first finite bound, from as many leaves of the same branch as k asks for.
-    const std::uint32_t branch = K <= 8 ? 1 : K <= 16 ? 2 : 4;
-    const std::uint32_t begin = leaf / branch * branch, end = std::min(begin + branch, cell_.leaf_count());
+    const auto [begin, end] = branch_around(leaf);
     for (std::uint32_t l = begin; l < end; ++l) {
       if (l == leaf) continue;
       take(cell_, slot_, l);
       group_.try_last_leaf(d_, packed_);
     }
-    find_leaves(leaf, begin, end);
+    find_leaves(begin, end);
     if (!try_leaves()) return search_in_double(first, queries);
     settle(first, queries);
+  }
+
+  /// The leaves around a leaf, of the same branch, that hold more than k points: they give a first finite bound.
+  std::pair<std::uint32_t, std::uint32_t> branch_around(std::uint32_t leaf) const {
+    std::uint32_t size = 1, begin = leaf, end = leaf + 1;
+    while (std::min(end * kLeafCapacity, cell_.size()) - begin * kLeafCapacity <= what_.k &&
+           end - begin < cell_.leaf_count()) {
+      size *= 2;
+      end = std::min(leaf / size * size + size, cell_.leaf_count());
+      begin = end - std::min(end, size);
+    }
+    return {begin, end};
   }
 
   /// Centre and scale of the query leaf. False where single precision cannot work at any scale.
@@ -104,7 +114,7 @@ class CellSearch {
   }
 
   /// Collects the leaves that the group may need, nearest first: key = distance | place in `near` | leaf.
-  void find_leaves(std::uint32_t own_leaf, std::uint32_t begin, std::uint32_t end) {
+  void find_leaves(std::uint32_t begin, std::uint32_t end) {
     const double reach2 = group_reach2();
     if (reach2 > reach2_) find_cells(4 * reach2);
     scratch_.leaves.clear();
@@ -115,7 +125,6 @@ class CellSearch {
       find_leaves_of(cell, n, static_cast<float>(reach2 * (1 + 1e-6)), own ? begin : 0, own ? end : 0);
     }
     std::sort(scratch_.leaves.begin(), scratch_.leaves.end());
-    (void)own_leaf;
   }
 
   void find_leaves_of(const Cell& cell, std::size_t place, float reach2, std::uint32_t skip_begin,
@@ -139,6 +148,7 @@ class CellSearch {
       for (std::uint32_t bits = bytes[0] | bytes[1] << 8; bits != 0; bits &= bits - 1) {
         const auto lane = static_cast<std::uint32_t>(__builtin_ctz(bits));
         if (l + lane >= skip_begin && l + lane < skip_end) continue;
+        if (l + lane >= cell.leaf_count()) break;  // padding, which only an infinite reach takes for near
         std::uint32_t distance;
         std::memcpy(&distance, &d2s[lane], sizeof distance);
         scratch_.leaves.push_back(std::uint64_t{distance} << 32 | place << 8 | (l + lane));
@@ -237,7 +247,7 @@ class CellSearch {
         offer(i + static_cast<std::uint32_t>(__builtin_ctz(bits)), p, row);
       }
     }
-    write_best(p);
+    write_best();
   }
 
   void offer(std::uint32_t number, Vec3 p, std::uint64_t self_row) {
@@ -259,14 +269,13 @@ class CellSearch {
         if (scratch_.best.limit() <= reach2_) break;
         find_cells(std::max(4 * scratch_.best.limit(), std::numeric_limits<double>::min()));
       }
-      write_best(p);
+      write_best();
     }
   }
 
-  void write_best(Vec3 p) {
+  void write_best() {
     const std::vector<Candidate>& found = scratch_.best.finish();
     for (const Candidate& c : found) out_.refs.push_back(c.ref);
-    (void)p;
     const bool full = found.size() == what_.k;
     finish_point(full && !found.empty() ? found.back().distance2 : what_.radius2());
   }

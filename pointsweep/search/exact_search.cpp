@@ -36,6 +36,14 @@ void search_leaf(const Cell& cell, std::uint32_t slot, std::uint32_t leaf, Vec3 
 /// of the subtraction of the origin, which this factor covers.
 constexpr double kSafety = 1 - 1e-12;
 
+/// Points all at the place of point `first`, the lowest of their rows given: a million copies of one point are passed over
+/// as soon as the k lowest rows are known. Points at several places are always wanted.
+bool wants_place(const Cell& cell, std::uint32_t first, std::uint64_t lowest_row, Vec3 p, const BestList& best) {
+  if (lowest_row == Cell::kSeveralPlaces) return true;
+  const Vec3 place = cell.position(first);
+  return best.wants({distance2(place, p), place, lowest_row, 0});
+}
+
 void search_cell(const Cell& cell, std::uint32_t slot, Vec3 p, std::uint64_t self_row, BestList& best) {
   const Vec3 q = p - cell.origin;
   std::array<NearLeaf, kCellCapacity / kLeafCapacity> near;
@@ -46,13 +54,14 @@ void search_cell(const Cell& cell, std::uint32_t slot, Vec3 p, std::uint64_t sel
     const double dy = std::max({double{cell.leaf_box[1][l]} - q.y, q.y - double{cell.leaf_box[4][l]}, 0.0});
     const double dz = std::max({double{cell.leaf_box[2][l]} - q.z, q.z - double{cell.leaf_box[5][l]}, 0.0});
     const double d2 = ((dx * dx + dy * dy) + dz * dz) * kSafety;
-    if (best.may_hold(d2, cell.leaf_lowest_row[l])) near[count++] = {d2, l};
+    if (d2 <= best.limit()) near[count++] = {d2, l};
   }
   std::sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count));
   for (std::size_t i = 0; i < count; ++i) {
     if (near[i].distance2 > best.limit()) return;
-    if (best.may_hold(near[i].distance2, cell.leaf_lowest_row[near[i].leaf])) {
-      search_leaf(cell, slot, near[i].leaf, p, self_row, best);
+    const std::uint32_t leaf = near[i].leaf;
+    if (wants_place(cell, leaf * kLeafCapacity, cell.leaf_lowest_row[leaf], p, best)) {
+      search_leaf(cell, slot, leaf, p, self_row, best);
     }
   }
 }
@@ -64,7 +73,7 @@ void search_exact(const CellDirectory& directory, const std::vector<CellDirector
   for (const CellDirectory::Near& candidate : near) {
     if (candidate.distance2 > best.limit()) return;
     const Cell& cell = directory.cell(candidate.slot);
-    if (best.may_hold(distance2(cell.box, p), cell.lowest_row)) {
+    if (distance2(cell.box, p) <= best.limit() && wants_place(cell, 0, cell.lowest_row, p, best)) {
       search_cell(cell, candidate.slot, p, self_row, best);
     }
   }
