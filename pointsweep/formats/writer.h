@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "pointsweep/formats/reader.h"
+#include "pointsweep/math/box.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -21,6 +23,9 @@ struct OutputPlan {
   std::uint64_t count = 0;                      ///< exact number of records that will come
   std::shared_ptr<const FormatExtras> extras;   ///< of the (first) input; null if there is none
   bool overwrite = false;                       ///< without it an existing file is refused
+  /// Box of the finite coordinates. Formats that store integers (LAS) need it where the input is not of that format,
+  /// for their scale has to be known before the first record.
+  std::optional<Box> bounds = std::nullopt;
 };
 
 /// The file grows under a hidden name beside its destination and is renamed by finish(); destruction without

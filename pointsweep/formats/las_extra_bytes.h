@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+/// The extra-bytes VLR of LAS (user LASF_Spec, record 4): attributes of users behind the fields of the point format.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// Bytes of one descriptor, and how many of them a VLR can hold.
+inline constexpr std::size_t kExtraBytesDescriptor = 192;
+inline constexpr std::size_t kMaxExtraBytes = 65535 / kExtraBytesDescriptor;
+
+/// Appends the attributes that `descriptors` (the content of the VLR) describe to `schema`, the fields of the point
+/// format. Types 1 to 10 are one field each, the deprecated arrays 11 to 30 a field of count 2 or 3 (several fields
+/// `name[0]`, ... where scale or offset differ), type 0 is that many uint8. A name already taken gets a number behind
+/// it. Returns nothing when all is well, else the reason why the VLR does not describe records of `record_length`
+/// bytes; `schema` is then unchanged.
+std::optional<std::string> append_extra_bytes(std::span<const std::byte> descriptors, std::uint32_t record_length,
+                                              Schema& schema);
+
+/// Builds the content of the VLR.
+class ExtraBytesVlr {
+ public:
+  ExtraBytesVlr() = default;
+  /// Continues the VLR that a file already has.
+  explicit ExtraBytesVlr(std::span<const std::byte> descriptors) : bytes_(descriptors.begin(), descriptors.end()) {}
+
+  /// Describes `field`, under the name LAS users expect (NormalX for nx, ...) or its own, cut to 32 bytes. An older
+  /// attribute of that name is renamed to `<name>_input`; both stay in the file. A field of several values becomes
+  /// `name[0]`, `name[1]`, ...
+  void append(const Field& field);
+  /// Describes `count` bytes of which nothing is known but that they are there.
+  void append_undocumented(std::uint32_t count);
+
+  std::size_t size() const { return bytes_.size() / kExtraBytesDescriptor; }
+  std::span<const std::byte> bytes() const { return bytes_; }
+
+ private:
+  void append_one(std::string name, const Field& field);
+  void make_way_for(std::string_view name);
+  bool has(std::string_view name) const;
+  std::string unused(std::string_view name) const;
+
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+/// The public header block of LAS 1.0 to 1.4: parsed with every claim checked, and serialised again.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/math/box.h"
+
+namespace pointsweep {
+
+/// The entries the library uses; all others (GUID, system identifier, dates, ...) stay in `bytes`.
+struct LasHeader {
+  std::uint8_t minor = 4;  ///< LAS 1.`minor`
+  std::uint16_t global_encoding = 0;
+  std::uint16_t header_size = 0;
+  std::uint32_t offset_to_points = 0;
+  std::uint32_t vlr_count = 0;
+  std::uint8_t point_format = 0;
+  std::uint16_t record_length = 0;
+  std::uint32_t legacy_count = 0;
+  std::array<std::uint32_t, 5> legacy_by_return{};
+  Vec3 scale{1, 1, 1};
+  Vec3 offset;
+  Box bounds{};  ///< of the real coordinates
+  std::uint64_t waveform_start = 0;
+  std::uint64_t evlr_start = 0;
+  std::uint32_t evlr_count = 0;
+  std::uint64_t count = 0;  ///< LAS 1.4; see point_count()
+  std::array<std::uint64_t, 15> by_return{};
+
+  std::vector<std::byte> bytes;  ///< the block as it was read, user bytes behind the standard ones included
+};
+
+/// Bytes of the header of LAS 1.`minor`: 227, 235 from 1.3 on, 375 from 1.4 on.
+std::uint16_t standard_header_size(int minor);
+
+/// Parses `bytes`, the first bytes of a file of `file_size` bytes (standard_header_size(4) of them, or all there are).
+/// Throws Error naming `path` when an entry contradicts itself, the file's size, or what the library can read.
+/// `header.bytes` is left empty: it may be longer than `bytes`.
+LasHeader parse_las_header(std::span<const std::byte> bytes, std::uint64_t file_size, std::string_view path,
+                           std::vector<std::string>& warnings);
+
+/// Number of points the header promises: the 64-bit count of LAS 1.4 unless it is 0, else the legacy count.
+std::uint64_t point_count(const LasHeader& header);
+
+/// A header of LAS 1.4 without points, VLRs and dates (dates would make equal runs give different bytes).
+LasHeader new_las_header();
+
+/// Turns an older header into one of LAS 1.4, whose counts have 64 bits. User bytes behind it stay behind it.
+void upgrade_to_las_1_4(LasHeader& header);
+
+/// Sets the counts of the header by the rules of its version: legacy counts are 0 where LAS 1.4 asks for it.
+/// `by_return[r]` is the number of points with return number r (entry 0 is not used).
+void set_counts(LasHeader& header, std::uint64_t count, const std::array<std::uint64_t, 16>& by_return);
+
+/// `header.bytes` with the entries of `header` put in: `header.header_size` bytes.
+std::vector<std::byte> serialize(const LasHeader& header);
+
+}  // namespace pointsweep

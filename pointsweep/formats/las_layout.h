@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// What a LAS output will look like, decided before the first record: header, VLRs, and where each value goes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/las_header.h"
+#include "pointsweep/formats/las_reader.h"
+#include "pointsweep/formats/writer.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// Bytes [begin, end) of the input, copied as they are.
+struct LasPiece {
+  std::uint64_t begin = 0, end = 0;
+  std::uint64_t size() const { return end - begin; }
+};
+
+/// The file is: header, `before` of the input, `extra_bytes_vlr`, `after` of the input, points, `tail` of the input.
+struct LasLayout {
+  LasHeader header;                        ///< all but counts and bounds
+  std::shared_ptr<const InputFile> input;  ///< null if the input is not LAS
+  LasPiece before, after, tail;
+  std::vector<std::byte> extra_bytes_vlr;  ///< with its header; empty if `before` and `after` have all
+
+  /// Two schemas with fields paired by name: what comes, and the records of the file.
+  Schema from, to;
+  Field x, y, z;                   ///< of `from`
+  bool positions_change = false;   ///< coordinates have to be quantised, which may fail
+  bool returns_missing = false;    ///< no return numbers come: every point is return 1 of 1
+
+  std::uint64_t points_end(std::uint64_t count) const;
+};
+
+/// Input LAS and records that begin with its records: everything of it is kept, made fields are appended as extra
+/// bytes; a made field that bears the name of one of the point format's (classification, ...) is stored there.
+/// Otherwise: LAS 1.4, point format 6, or 7 with colours, or 8 with near infrared; header, VLRs and EVLRs of a LAS
+/// input are kept, values whose type is not that of the LAS field are stored there rounded and as extra bytes exactly.
+LasLayout lay_out_las(const OutputPlan& plan);
+
+}  // namespace pointsweep

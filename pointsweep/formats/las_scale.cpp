@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/las_scale.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace pointsweep {
+namespace {
+
+constexpr double kMaxSteps = 2147483646;  // one below the largest integer: rounding may add one
+constexpr int kLeast = -300, kMost = 300;
+
+/// 10^exponent, correctly rounded (pow need not be).
+double power_of_ten(int exponent) {
+  std::array<char, 8> text{'1', 'e'};
+  const char* end = std::to_chars(text.data() + 2, text.data() + text.size(), exponent).ptr;
+  double value = 0;
+  std::from_chars(text.data(), end, value);
+  return value;
+}
+
+/// The largest power of ten that is at most `size`.
+int exponent_of(double size) {
+  int exponent = kLeast;
+  while (exponent < kMost && power_of_ten(exponent + 1) <= size) ++exponent;
+  return exponent;
+}
+
+/// The multiple of a power of ten nearest to `value`; the power is at most an eighth of `size`.
+double round_number(double value, double size) {
+  const int exponent = exponent_of(size / 8);
+  return exponent >= 0 ? std::nearbyint(value / power_of_ten(exponent)) * power_of_ten(exponent)
+                       : std::nearbyint(value * power_of_ten(-exponent)) / power_of_ten(-exponent);
+}
+
+/// `useful` is the step below which nobody looks, so that a flat axis does not get an absurd scale.
+void quantize_axis(double lo, double hi, double useful, double& scale, double& offset) {
+  const double largest = std::max(std::abs(lo), std::abs(hi));
+  const double half = 0.5 * hi - 0.5 * lo;
+  const double finest = std::max(largest * std::numeric_limits<double>::epsilon(), useful);
+  offset = half > finest ? round_number(0.5 * lo + 0.5 * hi, half) : lo;
+  const double reach = std::max(hi - offset, offset - lo);
+  int exponent = kLeast;
+  while (exponent < kMost && (power_of_ten(exponent) < finest || reach / power_of_ten(exponent) > kMaxSteps)) {
+    ++exponent;
+  }
+  scale = power_of_ten(exponent);
+}
+
+}  // namespace
+
+LasQuantization las_quantization(const Box& bounds) {
+  LasQuantization q;
+  if (bounds.empty()) return q;
+  double half = 0;
+  for (int axis = 0; axis < 3; ++axis) half = std::max(half, 0.5 * bounds.hi[axis] - 0.5 * bounds.lo[axis]);
+  const double useful = half > 0 ? half * 1e-12 : 1e-9;
+  for (int axis = 0; axis < 3; ++axis) {
+    quantize_axis(bounds.lo[axis], bounds.hi[axis], useful, q.scale[axis], q.offset[axis]);
+  }
+  return q;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+/// How finely LAS, which stores coordinates as 32-bit integers, can hold real ones.
+#pragma once
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/math/vec3.h"
+
+namespace pointsweep {
+
+struct LasQuantization {
+  Vec3 scale{1, 1, 1}, offset;
+};
+
+/// Scale and offset of each axis for coordinates inside `bounds`: the scale is the smallest power of ten whose steps
+/// reach both ends from the offset in 31 bits, but no finer than doubles of that size are; the offset is a round
+/// number near the middle. An axis of extent E loses at most 1.3e-9 E (1.3 mm on 1,000 km), which is less than the
+/// steps of float32 coordinates of magnitude E.
+LasQuantization las_quantization(const Box& bounds);
+
+}  // namespace pointsweep
