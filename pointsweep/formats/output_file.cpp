@@ -117,7 +117,7 @@ OutputFile::OutputFile(const fs::path& destination, bool overwrite)
   }
   remove_abandoned_parts(destination_);
   part_ = folder_of(destination_) / fmt::format(".{}.{}.part", destination_.filename().string(), ::getpid());
-  descriptor_ = ::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  descriptor_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor_ < 0 && errno == EEXIST) fail("{}: is being written already.", destination_.string());
   if (descriptor_ < 0) fail_to_write(destination_, errno);
   ::flock(descriptor_, LOCK_EX | LOCK_NB);
@@ -141,6 +141,19 @@ void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes
       bytes = bytes.subspan(static_cast<std::size_t>(written));
     } else if (written == 0 || errno != EINTR) {
       fail_to_write(destination_, written == 0 ? ENOSPC : errno);
+    }
+  }
+}
+
+void OutputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
+  while (!bytes.empty()) {
+    const ssize_t got = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (got > 0) {
+      offset += static_cast<std::uint64_t>(got);
+      bytes = bytes.subspan(static_cast<std::size_t>(got));
+    } else if (got == 0 || errno != EINTR) {
+      fail("{}: what was just written cannot be read back at byte {}: {}; check the disk it lies on.",
+           destination_.string(), offset, got == 0 ? "the file ends" : std::generic_category().message(errno));
     }
   }
 }

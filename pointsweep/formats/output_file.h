@@ -21,6 +21,8 @@ class OutputFile {
 
   void append(std::span<const std::byte> bytes);
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
+  /// Fills `bytes` with what was written from `offset` on.
+  void read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
   std::uint64_t size() const { return size_; }  ///< end of what append() wrote
   void commit();
 
