@@ -60,7 +60,7 @@ class Builder {
     } else {
       convert_records();
     }
-    check_record_length();
+    layout_.header.record_length = static_cast<std::uint16_t>(layout_.to.stride);
     if (plan_.count > std::numeric_limits<std::uint32_t>::max()) upgrade_to_las_1_4(layout_.header);
     place_pieces();
     return std::move(layout_);
@@ -87,8 +87,14 @@ class Builder {
     Field stored = field;
     stored.bit_shift = stored.bit_width = 0;
     stored.offset = layout_.to.stride;
+    const std::uint64_t end = layout_.to.stride + std::uint64_t{size_of(field.type)} * field.count;
+    if (end > std::numeric_limits<std::uint16_t>::max() || vlr_.size() + field.count > kMaxExtraBytes) {
+      fail("{}: '{}' does not fit, since LAS allows {} values beyond its own and 65535 bytes a point; write fewer "
+           "attributes, or PLY.",
+           plan_.path.string(), field.name, kMaxExtraBytes);
+    }
     vlr_.append(stored);
-    layout_.to.stride += static_cast<std::uint32_t>(size_of(field.type) * field.count);
+    layout_.to.stride = static_cast<std::uint32_t>(end);
     connect(field, stored);
     extended_ = true;
   }
@@ -184,18 +190,6 @@ class Builder {
            "write PLY.",
            plan_.path.string());
     }
-  }
-
-  void check_record_length() {
-    if (layout_.to.stride > std::numeric_limits<std::uint16_t>::max()) {
-      fail("{}: a point would take {} bytes, and LAS allows 65535; write fewer attributes, or PLY.",
-           plan_.path.string(), layout_.to.stride);
-    }
-    if (extended_ && vlr_.size() > kMaxExtraBytes) {
-      fail("{}: {} attributes beyond those of LAS are more than the {} it can describe; write fewer, or PLY.",
-           plan_.path.string(), vlr_.size(), kMaxExtraBytes);
-    }
-    layout_.header.record_length = static_cast<std::uint16_t>(layout_.to.stride);
   }
 
   void place_pieces() {
