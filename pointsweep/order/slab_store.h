@@ -16,17 +16,22 @@ class TempFolder;
 /// the spill file in large sequential writes. Within a slab the stored order never changes after finish().
 class SlabStore {
  public:
-  /// `spill` null: everything stays in memory. Otherwise memory is slabs * block_bytes while filling, none after finish().
+  /// `spill` null: everything stays in memory. Otherwise memory is slabs * block_bytes while filling, none after
+  /// finish(). `block_bytes` is rounded down to whole records, but never below one.
   SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const TempFolder* spill);
   ~SlabStore();
 
+  /// Makes `slabs` more, empty ones, and returns the first. Nothing else may run meanwhile.
+  std::size_t add_slabs(std::size_t slabs);
   /// Appends whole records to a slab. Thread-safe.
   void append(std::size_t slab, std::span<const std::byte> records);
-  /// No append() after it. Flushes what is buffered.
+  /// Flushes what is buffered. No append() to these slabs after it, only to those that add_slabs() makes later.
   void finish();
+  /// Forgets the records of a slab and gives their space back. Nobody may be reading it.
+  void release(std::size_t slab);
 
   std::uint64_t count(std::size_t slab) const;
-  /// Copies records [first, first + out.size()/record_bytes) of the slab. Thread-safe after finish().
+  /// Copies records [first, first + out.size()/record_bytes) of a finished slab. Thread-safe.
   void read(std::size_t slab, std::uint64_t first, std::span<std::byte> out) const;
   /// Bytes written to the spill file so far.
   std::uint64_t spilled_bytes() const;

@@ -1,45 +1,23 @@
 // SPDX-License-Identifier: MIT
-/// From any cloud to slabs: the survey, the distribution and the ordered stream (paper Sections 3 and 7.1).
+/// From any cloud to slabs in order: the distribution and the ordered stream (paper Sections 3 and 7.1).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "pointsweep/math/box.h"
+#include "pointsweep/order/canonical_order.h"
+#include "pointsweep/order/source.h"
+#include "pointsweep/order/survey.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 
-class SlabStore;
 class TempFolder;
-
-/// Where points come from, without saying what a file is: `read(row, records)` as Reader::read.
-struct PointSource {
-  Schema schema;
-  std::uint64_t count = 0;
-  std::function<std::size_t(std::uint64_t row, std::span<std::byte> records)> read;
-};
-
-/// What a look at a sample of the cloud tells. The sample is strided through all rows and the same in every run.
-struct Survey {
-  std::vector<Vec3> sample;   ///< at most 65,536 finite points
-  Box bounds;                 ///< of the sample, or of all finite points if `exact`
-  bool exact = false;
-  int axis = 0;               ///< sweep axis: largest extent of `bounds` unless chosen
-  double dimension = 2;       ///< estimate of the intrinsic dimension, in [1, 3], by counting occupied boxes
-};
-
-/// `exact` reads the whole cloud, so that the axis does not depend on the order of its points.
-Survey survey(const PointSource& source, std::optional<int> axis, bool exact);
-
-/// Points per slab that keep a slab several point spacings thick: about 16 * n^((D-1)/D) for D = 2, 6 * ... for D = 3
-/// (linear between), never under 16,384.
-std::uint64_t recommended_slab_points(std::uint64_t points, double dimension);
 
 /// A contiguous piece of the stream between two planes; the unit of reading.
 struct Slab {
@@ -91,10 +69,5 @@ class Stream {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// Sort keys of the canonical order within a slab: fills `order` with indices 0..n-1 so that points ascend. Radix sort on the axis
-/// coordinate, ties settled exactly. About 20 ns per point.
-void canonical_order(int axis, std::span<const double> x, std::span<const double> y, std::span<const double> z,
-                     std::span<const std::uint64_t> row, std::vector<std::uint32_t>& order);
 
 }  // namespace pointsweep

@@ -18,6 +18,7 @@ class TempFolder {
 
  private:
   std::filesystem::path path_;
+  int lock_ = -1;  ///< descriptor of the folder, locked while this process uses it
 };
 
 }  // namespace pointsweep

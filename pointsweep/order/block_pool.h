@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+/// Blocks of one size, carved from pieces of memory that grow with what is needed.
+#pragma once
+
+#include <cstddef>
+#include <mutex>
+#include <vector>
+
+#include "pointsweep/order/page_memory.h"
+
+namespace pointsweep {
+
+/// Thread-safe. Memory goes back to the system when the pool is emptied or ends, never block by block.
+class BlockPool {
+ public:
+  explicit BlockPool(std::size_t block_bytes);
+
+  /// A block whose content is undefined.
+  std::byte* take();
+  void give_back(std::byte* block);
+  /// Gives everything back to the system. All blocks must have been given back.
+  void clear();
+  /// Of the blocks that are taken.
+  std::size_t taken_bytes() const;
+
+ private:
+  std::size_t block_bytes_;
+  mutable std::mutex mutex_;
+  std::vector<PageMemory> pieces_;
+  std::size_t piece_used_ = 0;  ///< bytes of pieces_.back()
+  std::size_t held_ = 0;        ///< bytes of all pieces
+  std::vector<std::byte*> free_;
+  std::size_t taken_ = 0;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/order/canonical_order.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <limits>
+#include <memory>
+#include <numeric>
+
+namespace pointsweep {
+namespace {
+
+constexpr int kDigitBits = 11;
+constexpr std::size_t kSmall = 256;  ///< a range up to this size is sorted faster by comparing
+
+/// Bits of a finite double that ascend as the numbers do; -0 and 0 are one number.
+std::uint64_t ascending_bits(double value) {
+  const auto bits = std::bit_cast<std::uint64_t>(value + 0.0);
+  return bits >> 63 ? ~bits : bits | std::uint64_t{1} << 63;
+}
+
+int bits_of(std::uint64_t value) { return 64 - std::countl_zero(value); }
+
+/// Sorts by one coordinate after the other: 32 significant bits at a time by radix, then what these leave tied.
+class CanonicalSort {
+ public:
+  CanonicalSort(int axis, std::span<const double> x, std::span<const double> y, std::span<const double> z,
+                std::span<const std::uint64_t> row, std::span<std::uint32_t> order)
+      : row_(row.data()),
+        order_(order.data()),
+        items_(std::make_unique_for_overwrite<std::uint64_t[]>(2 * order.size())),
+        spare_(items_.get() + order.size()) {
+    const std::array<const double*, 3> xyz = {x.data(), y.data(), z.data()};
+    levels_[0] = xyz[static_cast<std::size_t>(axis)];
+    for (std::size_t a = 0, level = 1; a < 3; ++a)
+      if (static_cast<int>(a) != axis) levels_[level++] = xyz[a];
+  }
+
+  /// Sorts order_[begin, end), all of which are equal in the levels before `level`.
+  void sort(std::size_t level, std::size_t begin, std::size_t end) {
+    if (end - begin <= kSmall) {
+      std::sort(order_ + begin, order_ + end, [&](std::uint32_t a, std::uint32_t b) { return precedes(level, a, b); });
+      return;
+    }
+    std::uint64_t least = std::numeric_limits<std::uint64_t>::max(), greatest = 0, ones = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint64_t k = key(level, order_[i]);
+      least = std::min(least, k);
+      greatest = std::max(greatest, k);
+      ones |= k;
+    }
+    if (least == greatest) {
+      if (level < kLevels) sort(level + 1, begin, end);
+      return;
+    }
+    // Bits that are 0 in all keys (a float's value in a double has 29 of them) tell nothing.
+    const int zeros = std::countr_zero(ones);
+    const int width = bits_of((greatest >> zeros) - (least >> zeros));
+    const int shift = zeros + std::max(0, width - 32);
+    for (std::size_t i = begin; i < end; ++i)
+      items_[i] = ((key(level, order_[i]) >> shift) - (least >> shift)) << 32 | order_[i];
+    radix_sort(begin, end, bits_of((greatest >> shift) - (least >> shift)));
+    for (std::size_t i = begin; i < end; ++i) order_[i] = static_cast<std::uint32_t>(items_[i]);
+    settle_ties(level, begin, end);
+  }
+
+ private:
+  static constexpr std::size_t kLevels = 3;  ///< three coordinates; the level after them is the row
+
+  std::uint64_t key(std::size_t level, std::uint32_t i) const {
+    return level < kLevels ? ascending_bits(levels_[level][i]) : row_[i];
+  }
+
+  bool precedes(std::size_t level, std::uint32_t a, std::uint32_t b) const {
+    for (; level < kLevels; ++level)
+      if (levels_[level][a] != levels_[level][b]) return levels_[level][a] < levels_[level][b];
+    return row_[a] < row_[b];
+  }
+
+  /// Stable, by bits [32, 32 + key_bits) of the items.
+  void radix_sort(std::size_t begin, std::size_t end, int key_bits) {
+    const std::size_t n = end - begin;
+    std::uint64_t* from = items_.get() + begin;
+    std::uint64_t* to = spare_ + begin;
+    for (int bit = 32; bit < 32 + key_bits; bit += kDigitBits) {
+      std::array<std::uint32_t, (1u << kDigitBits) + 1> place{};
+      const auto digit = [bit](std::uint64_t item) { return item >> bit & ((1u << kDigitBits) - 1); };
+      for (std::size_t i = 0; i < n; ++i) ++place[digit(from[i]) + 1];
+      std::partial_sum(place.begin(), place.end(), place.begin());
+      for (std::size_t i = 0; i < n; ++i) to[place[digit(from[i])]++] = from[i];
+      std::swap(from, to);
+    }
+    if (from != items_.get() + begin) std::copy(from, from + n, items_.get() + begin);
+  }
+
+  void settle_ties(std::size_t level, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end;) {
+      const std::uint64_t tied = items_[i] >> 32;
+      std::size_t j = i + 1;
+      while (j < end && items_[j] >> 32 == tied) ++j;
+      if (j - i > 1) sort(level, i, j);
+      i = j;
+    }
+  }
+
+  std::array<const double*, kLevels> levels_{};
+  const std::uint64_t* row_;
+  std::uint32_t* order_;
+  std::unique_ptr<std::uint64_t[]> items_;  ///< key << 32 | index
+  std::uint64_t* spare_;
+};
+
+}  // namespace
+
+void canonical_order(int axis, std::span<const double> x, std::span<const double> y, std::span<const double> z,
+                     std::span<const std::uint64_t> row, std::vector<std::uint32_t>& order) {
+  assert(x.size() == y.size() && y.size() == z.size() && z.size() == row.size());
+  order.resize(x.size());
+  std::iota(order.begin(), order.end(), 0u);
+  CanonicalSort(axis, x, y, z, row, order).sort(0, 0, order.size());
+}
+
+}  // namespace pointsweep

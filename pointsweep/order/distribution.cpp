@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/order/distribution.h"
+
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <numeric>
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kLeastChunk = 1024, kLargestChunk = 32768;  ///< records
+
+/// A box that grows by eight minima, which fit two or four vector registers and one cache line.
+struct alignas(64) GrowingBox {
+  std::array<double, 8> least = {Box::kInf, Box::kInf, Box::kInf, 0, Box::kInf, Box::kInf, Box::kInf, 0};
+
+  void include(double x, double y, double z) {
+    const std::array<double, 8> p = {x, y, z, 0, -x, -y, -z, 0};
+    for (std::size_t i = 0; i < 8; ++i) least[i] = std::min(least[i], p[i]);
+  }
+  void include(const GrowingBox& b) {
+    for (std::size_t i = 0; i < 8; ++i) least[i] = std::min(least[i], b.least[i]);
+  }
+  /// Adding 0 makes -0 to 0: which of them came first must not be seen.
+  Box box() const {
+    return {{least[0] + 0.0, least[1] + 0.0, least[2] + 0.0}, {0.0 - least[4], 0.0 - least[5], 0.0 - least[6]}};
+  }
+};
+
+/// Some records on their way from the source to the store, and all the room that working on them needs.
+struct Chunk {
+  Chunk(const Deal& deal, std::size_t capacity, std::size_t lists)
+      : records(std::make_unique_for_overwrite<std::byte[]>(capacity * deal.schema.stride)),
+        sorted(std::make_unique_for_overwrite<std::byte[]>(capacity * deal.record.schema().stride)),
+        numbers(std::make_unique_for_overwrite<double[]>(4 * capacity)),
+        list(std::make_unique_for_overwrite<std::uint16_t[]>(capacity)),
+        place(std::make_unique_for_overwrite<std::uint32_t[]>(capacity)),
+        begin(lists + 1),
+        boxes(lists) {}
+
+  std::uint64_t first = 0;
+  std::size_t count = 0;
+  std::unique_ptr<std::byte[]> records, sorted;
+  std::unique_ptr<double[]> numbers;      ///< x, then y, then z, then rows if they are the key
+  std::unique_ptr<std::uint16_t[]> list;  ///< by record
+  std::unique_ptr<std::uint32_t[]> place;  ///< by record, in `sorted`
+  std::vector<std::uint32_t> begin;       ///< by list, in `sorted`
+  std::vector<GrowingBox> boxes;          ///< by list, of all records this chunk ever held
+};
+
+class Distribution {
+ public:
+  Distribution(const Deal& deal, SlabStore& store)
+      : deal_(deal),
+        store_(store),
+        position_(position_fields(deal.schema, "the input")),
+        lists_(deal.splitters.pieces() + 1),
+        tokens_(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()) + 1) {
+    const std::size_t per_record = deal.schema.stride + deal.record.schema().stride + 4 * sizeof(double) + 6;
+    capacity_ = std::clamp(deal.memory_bytes / tokens_ / per_record, kLeastChunk, kLargestChunk);
+  }
+
+  void run() {
+    tbb::parallel_pipeline(
+        tokens_, tbb::make_filter<void, Chunk*>(tbb::filter_mode::serial_in_order,
+                                                [this](tbb::flow_control& control) { return read(control); }) &
+                     tbb::make_filter<Chunk*, void>(tbb::filter_mode::parallel, [this](Chunk* chunk) { deal_out(*chunk); }));
+  }
+
+  std::vector<Box> boxes() const {
+    std::vector<Box> result;
+    for (std::size_t list = 0; list + 1 < lists_; ++list) {
+      GrowingBox all;
+      for (const auto& chunk : chunks_) all.include(chunk->boxes[list]);
+      result.push_back(all.box());
+    }
+    return result;
+  }
+
+ private:
+  Chunk* read(tbb::flow_control& control) {
+    if (next_ == deal_.count) {
+      control.stop();
+      return nullptr;
+    }
+    Chunk* chunk = idle_chunk();
+    chunk->first = next_;
+    chunk->count = std::min<std::uint64_t>(capacity_, deal_.count - next_);
+    deal_.read(next_, {chunk->records.get(), chunk->count * deal_.schema.stride});
+    next_ += chunk->count;
+    return chunk;
+  }
+
+  void deal_out(Chunk& chunk) {
+    classify(chunk);
+    sort_by_list(chunk);
+    append(chunk);
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(&chunk);
+  }
+
+  /// Finds the list of each record and grows the boxes.
+  void classify(Chunk& chunk) const {
+    double* x = chunk.numbers.get();
+    double* y = x + capacity_;
+    double* z = y + capacity_;
+    decode_positions(position_, chunk.records.get(), deal_.schema.stride, chunk.count, x, y, z);
+    const double* key = x + static_cast<std::size_t>(deal_.key) * capacity_;
+    if (deal_.key == SortKey::row) decode_rows(chunk, z + capacity_);
+    const auto nonfinite = static_cast<std::uint16_t>(lists_ - 1);
+    const bool check = deal_.nonfinite_list.has_value();
+    for (std::size_t i = 0; i < chunk.count; ++i) {
+      // 0 * v is a zero unless v is NaN or infinite.
+      const bool finite = !check || (0 * x[i] + 0 * y[i]) + 0 * z[i] == 0;
+      const auto list = finite ? static_cast<std::uint16_t>(deal_.splitters.piece_of(key[i])) : nonfinite;
+      chunk.list[i] = list;
+      chunk.boxes[list].include(x[i], y[i], z[i]);
+    }
+  }
+
+  void decode_rows(const Chunk& chunk, double* rows) const {
+    const std::byte* record = chunk.records.get();
+    for (std::size_t i = 0; i < chunk.count; ++i, record += deal_.schema.stride)
+      rows[i] = static_cast<double>(row_of(deal_.schema, record));
+  }
+
+  /// Counting sort; makes the working records in order of their lists.
+  void sort_by_list(Chunk& chunk) const {
+    std::vector<std::uint32_t>& begin = chunk.begin;
+    std::ranges::fill(begin, 0);
+    for (std::size_t i = 0; i < chunk.count; ++i) ++begin[chunk.list[i] + std::size_t{1}];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    for (std::size_t i = 0; i < chunk.count; ++i) chunk.place[i] = begin[chunk.list[i]]++;
+    // Now each begin is the begin of the next list.
+    std::copy_backward(begin.begin(), begin.end() - 1, begin.end());
+    begin[0] = 0;
+    deal_.record.scatter(chunk.records.get(), deal_.schema.stride, chunk.count, chunk.first, chunk.place.get(),
+                         chunk.sorted.get());
+  }
+
+  void append(const Chunk& chunk) {
+    const std::size_t stride = deal_.record.schema().stride;
+    for (std::size_t list = 0; list < lists_; ++list) {
+      const std::size_t begin = chunk.begin[list], end = chunk.begin[list + 1];
+      if (begin == end) continue;
+      const std::size_t target = list + 1 < lists_ ? deal_.first_list + list : *deal_.nonfinite_list;
+      store_.append(target, {chunk.sorted.get() + begin * stride, (end - begin) * stride});
+    }
+  }
+
+  Chunk* idle_chunk() {
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) {
+      chunks_.push_back(std::make_unique<Chunk>(deal_, capacity_, lists_));
+      return chunks_.back().get();
+    }
+    Chunk* chunk = idle_.back();
+    idle_.pop_back();
+    return chunk;
+  }
+
+  const Deal& deal_;
+  SlabStore& store_;
+  PositionFields position_;
+  std::size_t lists_;  ///< pieces, and one more for points without a place in space
+  std::size_t tokens_;
+  std::size_t capacity_ = 0;  ///< records of a chunk
+  std::uint64_t next_ = 0;    ///< first record not yet read
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Chunk>> chunks_;
+  std::vector<Chunk*> idle_;
+};
+
+}  // namespace
+
+std::vector<Box> distribute(const Deal& deal, SlabStore& store) {
+  Distribution distribution(deal, store);
+  distribution.run();
+  return distribution.boxes();
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+/// One pass that deals out a list of points to the slabs of a store, on all threads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/order/slab_store.h"
+#include "pointsweep/order/splitters.h"
+#include "pointsweep/order/working_record.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// What decides to which piece a point goes: a coordinate, or its input row (exact below 2^53, as a double).
+enum class SortKey : std::uint8_t { x, y, z, row };
+
+/// A list of records to be dealt out.
+struct Deal {
+  const Schema& schema;       ///< of the records read
+  std::uint64_t count;
+  std::function<void(std::uint64_t first, std::span<std::byte> records)> read;  ///< called by one thread at a time, in order
+  const WorkingRecord& record;  ///< what the store gets of each
+  SortKey key;
+  const Splitters& splitters;
+  std::size_t first_list;     ///< piece p goes to list first_list + p of the store
+  std::optional<std::size_t> nonfinite_list;  ///< without it all points are taken to be finite, or the key to be the row
+  std::size_t memory_bytes;   ///< aim for all buffers of the pass
+};
+
+/// Returns the tight boxes of the pieces. Which points a piece gets and its box never depend on threads.
+std::vector<Box> distribute(const Deal& deal, SlabStore& store);
+
+}  // namespace pointsweep

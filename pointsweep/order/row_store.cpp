@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/order/row_store.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "pointsweep/error.h"
+#include "pointsweep/order/fixed_copy.h"
+#include "pointsweep/order/page_memory.h"
+#include "pointsweep/order/slab_store.h"
+
+namespace pointsweep {
+namespace {
+
+using Consume = std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>;
+
+constexpr std::size_t kRunBytes = std::size_t{4} << 20;     ///< what one call of `consume` gets at most
+constexpr std::size_t kLeastBlockBytes = 4096;              ///< smaller writes would cost more than they save
+constexpr std::size_t kOffsetBytes = sizeof(std::uint32_t);  ///< a spilled record follows its row in the bucket
+constexpr std::size_t kAhead = 16;                          ///< stores under way at once
+
+std::uint64_t bytes_of(std::uint64_t rows, std::size_t record_bytes) {
+  if (rows > std::numeric_limits<std::uint64_t>::max() / record_bytes)
+    fail("{} rows of {} bytes are more than any memory holds", rows, record_bytes);
+  return rows * record_bytes;
+}
+
+void consume_in_runs(std::uint64_t first_row, std::span<const std::byte> records, std::size_t record_bytes,
+                     const Consume& consume) {
+  const std::size_t run = std::max<std::size_t>(1, kRunBytes / record_bytes) * record_bytes;
+  for (std::size_t at = 0; at < records.size(); at += run)
+    consume(first_row + at / record_bytes, records.subspan(at, std::min(run, records.size() - at)));
+}
+
+/// All rows as one array.
+class RowArray {
+ public:
+  RowArray(std::uint64_t rows, std::size_t record_bytes, std::byte fill)
+      : record_bytes_(record_bytes), memory_(bytes_of(rows, record_bytes)) {
+    if (fill != std::byte{0}) std::memset(memory_.data(), std::to_integer<int>(fill), memory_.size());
+  }
+
+  void put(std::span<const std::uint64_t> rows, const std::byte* records) {
+    with_fixed_size(record_bytes_, [&](auto size) {
+      const std::size_t n = rows.size(), ahead = n < kAhead ? 0 : n - kAhead;
+      for (std::size_t i = 0; i < ahead; ++i) {
+        __builtin_prefetch(memory_.data() + rows[i + kAhead] * record_bytes_, 1);
+        store<size()>(rows[i], records + i * record_bytes_);
+      }
+      for (std::size_t i = ahead; i < n; ++i) store<size()>(rows[i], records + i * record_bytes_);
+    });
+  }
+
+  void drain(const Consume& consume) const {
+    consume_in_runs(0, {memory_.data(), memory_.size()}, record_bytes_, consume);
+  }
+
+ private:
+  template <std::size_t Bytes>
+  void store(std::uint64_t row, const std::byte* record) {
+    assert((row + 1) * record_bytes_ <= memory_.size());
+    copy_bytes<Bytes>(memory_.data() + row * record_bytes_, record, record_bytes_);
+  }
+
+  std::size_t record_bytes_;
+  PageMemory memory_;
+};
+
+/// Rows in buckets of 2^shift consecutive ones. While filling, half of the memory buffers the buckets; afterwards half of
+/// it is the window through which a bucket is put in order. A bucket larger than the window is read more than once.
+class RowBuckets {
+ public:
+  RowBuckets(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const TempFolder& spill,
+             std::size_t buffer_bytes)
+      : rows_(rows),
+        record_bytes_(record_bytes),
+        fill_(fill),
+        window_rows_(std::bit_floor(std::max<std::size_t>(1, buffer_bytes / 2 / record_bytes))) {
+    const std::uint64_t most = std::max<std::uint64_t>(1, buffer_bytes / 2 / kLeastBlockBytes);
+    shift_ = std::min(32, std::countr_zero(window_rows_));
+    while (shift_ < 32 && buckets() > most) ++shift_;
+    const std::size_t block = std::clamp<std::size_t>(buffer_bytes / 2 / std::max<std::uint64_t>(1, buckets()),
+                                                      kLeastBlockBytes, std::size_t{1} << 20);
+    store_ = std::make_unique<SlabStore>(buckets(), kOffsetBytes + record_bytes, block, &spill);
+  }
+
+  void put(std::span<const std::uint64_t> rows, const std::byte* records) {
+    constexpr std::size_t kBatch = 4096;
+    for (std::size_t i = 0; i < rows.size(); i += kBatch)
+      put_batch(rows.subspan(i, std::min(kBatch, rows.size() - i)), records + i * record_bytes_);
+  }
+
+  void drain(const Consume& consume) {
+    store_->finish();
+    std::vector<std::byte> window(std::min(rows_, window_rows_) * record_bytes_);
+    for (std::uint64_t first = 0; first < rows_; first += window_rows_) {
+      const std::span<std::byte> records(window.data(), std::min(rows_ - first, window_rows_) * record_bytes_);
+      std::ranges::fill(records, fill_);
+      // A window is no larger than a bucket, or holds a whole number of them.
+      for (std::uint64_t b = first >> shift_; b << shift_ < std::min(rows_, first + window_rows_); ++b)
+        fill_window(b, first, records);
+      consume_in_runs(first, records, record_bytes_, consume);
+    }
+  }
+
+  std::uint64_t spilled_bytes() const { return store_->spilled_bytes(); }
+
+ private:
+  std::uint64_t buckets() const { return rows_ == 0 ? 0 : ((rows_ - 1) >> shift_) + 1; }
+
+  /// Groups the batch by bucket (counting sort), so that each bucket is locked once.
+  void put_batch(std::span<const std::uint64_t> rows, const std::byte* records) {
+    const auto [least, greatest] = std::ranges::minmax_element(rows);
+    const std::uint64_t first = *least >> shift_;
+    const std::size_t entry = kOffsetBytes + record_bytes_;
+    std::vector<std::uint32_t> begin((*greatest >> shift_) - first + 2);
+    for (const std::uint64_t row : rows) ++begin[(row >> shift_) - first + 1];
+    for (std::size_t b = 1; b < begin.size(); ++b) begin[b] += begin[b - 1];
+    std::vector<std::uint32_t> end(begin.begin(), begin.end() - 1);
+    std::vector<std::byte> grouped(rows.size() * entry);
+    with_fixed_size(record_bytes_, [&](auto size) {
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        std::byte* to = grouped.data() + end[(rows[i] >> shift_) - first]++ * entry;
+        const auto offset = static_cast<std::uint32_t>(rows[i] & ((std::uint64_t{1} << shift_) - 1));
+        std::memcpy(to, &offset, kOffsetBytes);
+        copy_bytes<size()>(to + kOffsetBytes, records + i * record_bytes_, record_bytes_);
+      }
+    });
+    for (std::size_t b = 0; b < end.size(); ++b)
+      if (end[b] != begin[b])
+        store_->append(first + b, {grouped.data() + begin[b] * entry, (end[b] - begin[b]) * entry});
+  }
+
+  /// Copies what bucket `b` holds of the window's rows to their places.
+  void fill_window(std::uint64_t b, std::uint64_t window_first, std::span<std::byte> window) const {
+    const std::size_t entry = kOffsetBytes + record_bytes_;
+    const std::uint64_t rows = window.size() / record_bytes_;
+    const std::uint64_t count = store_->count(b);
+    std::vector<std::byte> chunk(std::min<std::uint64_t>(count, std::max<std::size_t>(1, 65536 / entry)) * entry);
+    for (std::uint64_t first = 0; first < count; first += chunk.size() / entry) {
+      const std::size_t n = std::min<std::uint64_t>(chunk.size() / entry, count - first);
+      store_->read(b, first, {chunk.data(), n * entry});
+      with_fixed_size(record_bytes_, [&](auto size) {
+        for (const std::byte *from = chunk.data(), *end = from + n * entry; from != end; from += entry) {
+          std::uint32_t offset = 0;
+          std::memcpy(&offset, from, kOffsetBytes);
+          const std::uint64_t place = (b << shift_) + offset - window_first;  // wraps far away below the window
+          if (place < rows) copy_bytes<size()>(window.data() + place * record_bytes_, from + kOffsetBytes, record_bytes_);
+        }
+      });
+    }
+  }
+
+  std::uint64_t rows_;
+  std::size_t record_bytes_;
+  std::byte fill_;
+  std::uint64_t window_rows_;
+  int shift_ = 0;
+  std::unique_ptr<SlabStore> store_;
+};
+
+}  // namespace
+
+struct RowStore::State {
+  std::unique_ptr<RowArray> array;
+  std::unique_ptr<RowBuckets> buckets;
+};
+
+RowStore::RowStore(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const TempFolder* spill,
+                   std::size_t buffer_bytes)
+    : state_(std::make_unique<State>()) {
+  if (spill == nullptr)
+    state_->array = std::make_unique<RowArray>(rows, record_bytes, fill);
+  else
+    state_->buckets = std::make_unique<RowBuckets>(rows, record_bytes, fill, *spill, buffer_bytes);
+}
+
+RowStore::~RowStore() = default;
+
+void RowStore::put(std::span<const std::uint64_t> rows, std::span<const std::byte> records) {
+  if (rows.empty()) return;
+  state_->array ? state_->array->put(rows, records.data()) : state_->buckets->put(rows, records.data());
+}
+
+void RowStore::drain(const Consume& consume) {
+  state_->array ? state_->array->drain(consume) : state_->buckets->drain(consume);
+}
+
+std::uint64_t RowStore::spilled_bytes() const { return state_->buckets ? state_->buckets->spilled_bytes() : 0; }
+
+}  // namespace pointsweep

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/order/slab_store.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <deque>
+#include <mutex>
+#include <optional>
+
+#include "pointsweep/order/block_pool.h"
+#include "pointsweep/order/spill_file.h"
+
+namespace pointsweep {
+namespace {
+
+/// A run of records of one slab: in memory, or at `offset` of the spill file.
+struct Block {
+  std::uint64_t first = 0;  ///< index in the slab of its first record
+  std::byte* memory = nullptr;
+  std::uint64_t offset = 0;
+};
+
+struct SlabList {
+  std::mutex mutex;
+  std::vector<Block> blocks;
+  std::byte* open = nullptr;  ///< the block being filled; the last of `blocks` unless spilling
+  std::size_t open_bytes = 0;
+  std::uint64_t count = 0;
+};
+
+}  // namespace
+
+struct SlabStore::State {
+  State(std::size_t record_size, std::size_t wanted_block_bytes, const TempFolder* spill)
+      : record_bytes(record_size),
+        block_bytes(std::max<std::size_t>(1, wanted_block_bytes / record_size) * record_size),
+        pool(block_bytes) {
+    if (spill != nullptr) file.emplace(*spill);
+  }
+
+  /// A full (or last) buffer of a spilling slab on its way to the file.
+  struct Outgoing {
+    std::byte* buffer = nullptr;
+    std::size_t bytes = 0;
+    std::uint64_t offset = 0;
+  };
+
+  void open_block(SlabList& list) {
+    list.open = pool.take();
+    list.open_bytes = 0;
+    if (!file) list.blocks.push_back({list.count, list.open, 0});
+  }
+
+  /// Takes the open buffer away and gives it a place in the file. Needs the lock of the list; write() does not.
+  Outgoing close_block(SlabList& list) {
+    const Outgoing out{list.open, list.open_bytes, file->reserve(list.open_bytes)};
+    list.blocks.push_back({list.count - list.open_bytes / record_bytes, nullptr, out.offset});
+    list.open = nullptr;
+    return out;
+  }
+
+  void write(const Outgoing& out) {
+    file->write(out.offset, {out.buffer, out.bytes});
+    pool.give_back(out.buffer);
+  }
+
+  std::size_t record_bytes, block_bytes;
+  std::deque<SlabList> lists;
+  BlockPool pool;
+  std::optional<SpillFile> file;
+};
+
+SlabStore::SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const TempFolder* spill)
+    : state_(std::make_unique<State>(record_bytes, block_bytes, spill)) {
+  add_slabs(slabs);
+}
+
+SlabStore::~SlabStore() = default;
+
+std::size_t SlabStore::add_slabs(std::size_t slabs) {
+  const std::size_t first = state_->lists.size();
+  for (std::size_t i = 0; i < slabs; ++i) state_->lists.emplace_back();
+  return first;
+}
+
+void SlabStore::append(std::size_t slab, std::span<const std::byte> records) {
+  State& s = *state_;
+  assert(records.size() % s.record_bytes == 0);
+  SlabList& list = s.lists[slab];
+  std::unique_lock lock(list.mutex);
+  while (!records.empty()) {
+    if (list.open == nullptr) s.open_block(list);
+    const std::size_t bytes = std::min(records.size(), s.block_bytes - list.open_bytes);
+    std::memcpy(list.open + list.open_bytes, records.data(), bytes);
+    list.open_bytes += bytes;
+    list.count += bytes / s.record_bytes;
+    records = records.subspan(bytes);
+    if (list.open_bytes < s.block_bytes) continue;
+    if (!s.file) {
+      list.open = nullptr;
+      continue;
+    }
+    const State::Outgoing out = s.close_block(list);
+    lock.unlock();  // others go on filling the slab while this thread waits for the disk
+    s.write(out);
+    lock.lock();
+  }
+}
+
+void SlabStore::finish() {
+  State& s = *state_;
+  for (SlabList& list : s.lists) {
+    if (s.file && list.open != nullptr) s.write(s.close_block(list));
+    list.open = nullptr;
+    list.blocks.shrink_to_fit();
+  }
+  if (s.file) s.pool.clear();
+}
+
+void SlabStore::release(std::size_t slab) {
+  State& s = *state_;
+  SlabList& list = s.lists[slab];
+  for (std::size_t b = 0; b < list.blocks.size(); ++b) {
+    const Block& block = list.blocks[b];
+    const std::uint64_t end = b + 1 < list.blocks.size() ? list.blocks[b + 1].first : list.count;
+    if (s.file)
+      s.file->discard(block.offset, (end - block.first) * s.record_bytes);
+    else
+      s.pool.give_back(block.memory);
+  }
+  list.blocks = {};
+  list.open = nullptr;
+  list.count = 0;
+}
+
+std::uint64_t SlabStore::count(std::size_t slab) const { return state_->lists[slab].count; }
+
+void SlabStore::read(std::size_t slab, std::uint64_t first, std::span<std::byte> out) const {
+  const State& s = *state_;
+  const SlabList& list = s.lists[slab];
+  assert(first + out.size() / s.record_bytes <= list.count);
+  auto block = std::upper_bound(list.blocks.begin(), list.blocks.end(), first,
+                                [](std::uint64_t index, const Block& b) { return index < b.first; });
+  for (; !out.empty(); ++block) {
+    const Block& b = block[-1];
+    const std::uint64_t end = block == list.blocks.end() ? list.count : block->first;
+    const std::uint64_t skip = (first - b.first) * s.record_bytes;
+    const std::size_t bytes = std::min<std::uint64_t>(out.size(), (end - first) * s.record_bytes);
+    if (s.file)
+      s.file->read(b.offset + skip, out.first(bytes));
+    else
+      std::memcpy(out.data(), b.memory + skip, bytes);
+    out = out.subspan(bytes);
+    first = end;
+  }
+}
+
+std::uint64_t SlabStore::spilled_bytes() const { return state_->file ? state_->file->written_bytes() : 0; }
+
+std::uint64_t SlabStore::memory_bytes() const {
+  std::uint64_t bytes = state_->pool.taken_bytes();
+  for (const SlabList& list : state_->lists) bytes += sizeof(SlabList) + list.blocks.capacity() * sizeof(Block);
+  return bytes;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/order/split.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <span>
+
+#include "pointsweep/order/distribution.h"
+#include "pointsweep/order/mix.h"
+#include "pointsweep/order/splitters.h"
+#include "pointsweep/order/working_record.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::uint64_t kSamplesPerPiece = 64, kLeastSample = 4096;
+constexpr std::size_t kReadBytes = 256 << 10;
+
+class Splitting {
+ public:
+  Splitting(const Schema& working, const SplitOptions& options, SlabStore& store)
+      : working_(working), record_(working), position_(position_fields(working, "the stream")), options_(options),
+        store_(store), keys_{static_cast<SortKey>(options.axis)} {
+    for (const SortKey key : {SortKey::x, SortKey::y, SortKey::z})
+      if (key != keys_[0]) keys_.push_back(key);
+    keys_.push_back(SortKey::row);
+  }
+
+  /// Appends `piece`, or what it is split into, to `done`. All its points are equal in the keys before `level`.
+  void split(const StreamPiece& piece, std::size_t level) {
+    if (piece.count == 0) return;
+    if (piece.count <= options_.most) {
+      done.push_back(piece);
+      return;
+    }
+    while (keys_[level] != SortKey::row && !(lowest(piece, level) < highest(piece, level))) ++level;
+    for (const StreamPiece& part : parts_of(piece, level)) split(part, level);
+  }
+
+  void split_by_row(const StreamPiece& piece) { split(piece, keys_.size() - 1); }
+
+  std::vector<StreamPiece> done;
+
+ private:
+  double lowest(const StreamPiece& piece, std::size_t level) const {
+    return piece.box.lo[static_cast<int>(keys_[level])];
+  }
+  double highest(const StreamPiece& piece, std::size_t level) const {
+    return piece.box.hi[static_cast<int>(keys_[level])];
+  }
+
+  std::vector<StreamPiece> parts_of(const StreamPiece& piece, std::size_t level) {
+    const Splitters splitters(limits(piece, level));
+    const std::size_t first = store_.add_slabs(splitters.pieces());
+    const std::vector<Box> boxes = distribute(
+        {.schema = working_,
+         .count = piece.count,
+         .read = [&](std::uint64_t i, std::span<std::byte> records) { store_.read(piece.list, i, records); },
+         .record = record_,
+         .key = keys_[level],
+         .splitters = splitters,
+         .first_list = first,
+         .nonfinite_list = {},
+         .memory_bytes = options_.buffer_bytes},
+        store_);
+    store_.finish();
+    store_.release(piece.list);
+    std::vector<StreamPiece> parts;
+    for (std::size_t p = 0; p < boxes.size(); ++p) parts.push_back({first + p, store_.count(first + p), boxes[p]});
+    return parts;
+  }
+
+  /// Limits that leave points on both sides, so that every split makes progress.
+  std::vector<double> limits(const StreamPiece& piece, std::size_t level) const {
+    const std::size_t parts = std::clamp<std::uint64_t>((piece.count - 1) / options_.aim + 1, 2, options_.most_pieces);
+    std::vector<double> sample = sample_keys(piece, keys_[level], std::max(kLeastSample, kSamplesPerPiece * parts));
+    std::vector<double> result = quantile_limits(sample, parts);
+    if (keys_[level] == SortKey::row) return result;  // no two points are equal, so quantiles of them differ
+    const double lo = lowest(piece, level), hi = highest(piece, level);
+    std::erase_if(result, [&](double limit) { return limit <= lo || limit > hi; });
+    if (result.empty()) result.push_back(std::nextafter(lo, std::numeric_limits<double>::infinity()));
+    return result;
+  }
+
+  /// The keys of about `size` records. Who is in the sample depends on the rows alone, since the order in which threads
+  /// stored the records is not the same in every run.
+  std::vector<double> sample_keys(const StreamPiece& piece, SortKey key, std::uint64_t size) const {
+    const std::uint64_t every = piece.count / size + 1;
+    const std::uint64_t below = std::numeric_limits<std::uint64_t>::max() / every;
+    const std::size_t stride = working_.stride;
+    const std::uint64_t chunk = std::max<std::size_t>(1, kReadBytes / stride);
+    std::vector<std::byte> records(std::min(chunk, piece.count) * stride);
+    std::vector<double> sample;
+    for (std::uint64_t first = 0; first < piece.count; first += chunk) {
+      const std::size_t n = std::min(chunk, piece.count - first);
+      store_.read(piece.list, first, {records.data(), n * stride});
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::byte* record = records.data() + i * stride;
+        if (mix(row_of(working_, record)) <= below) sample.push_back(value_of_key(record, key));
+      }
+    }
+    return sample;
+  }
+
+  double value_of_key(const std::byte* record, SortKey key) const {
+    if (key == SortKey::row) return static_cast<double>(row_of(working_, record));
+    Vec3 p;
+    decode_positions(position_, record, working_.stride, 1, &p.x, &p.y, &p.z);
+    return p[static_cast<int>(key)];
+  }
+
+  const Schema& working_;
+  WorkingRecord record_;
+  PositionFields position_;
+  const SplitOptions& options_;
+  SlabStore& store_;
+  std::vector<SortKey> keys_;  ///< the canonical order
+};
+
+}  // namespace
+
+std::vector<StreamPiece> split_large_pieces(const std::vector<StreamPiece>& pieces, const Schema& working,
+                                            const SplitOptions& options, SlabStore& store) {
+  Splitting splitting(working, options, store);
+  for (const StreamPiece& piece : pieces) splitting.split(piece, 0);
+  return std::move(splitting.done);
+}
+
+std::size_t sort_list_by_row(std::size_t list, const Schema& working, const SplitOptions& options, SlabStore& store) {
+  Splitting splitting(working, options, store);
+  splitting.split_by_row({list, store.count(list), {}});
+  const std::size_t sorted_list = store.add_slabs(1);
+  const std::size_t stride = working.stride;
+  for (const StreamPiece& piece : splitting.done) {
+    std::vector<std::byte> records(piece.count * stride), sorted(piece.count * stride);
+    store.read(piece.list, 0, records);
+    store.release(piece.list);
+    std::vector<std::pair<std::uint64_t, std::size_t>> order;
+    for (std::size_t i = 0; i < piece.count; ++i) order.emplace_back(row_of(working, &records[i * stride]), i);
+    std::ranges::sort(order);
+    for (std::size_t i = 0; i < piece.count; ++i)
+      std::memcpy(&sorted[i * stride], &records[order[i].second * stride], stride);
+    store.append(sorted_list, sorted);
+  }
+  store.finish();
+  return sorted_list;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+/// Splitting slabs that turned out too big: many points share a coordinate, or the sample missed a dense place.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/order/slab_store.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// The records of one list of a store: a run of the stream whose own order is open.
+struct StreamPiece {
+  std::size_t list = 0;
+  std::uint64_t count = 0;
+  Box box;
+};
+
+struct SplitOptions {
+  int axis = 0;
+  std::uint64_t aim = 1;         ///< points of a piece
+  std::uint64_t most = 1;        ///< points of a piece that is left alone
+  std::size_t most_pieces = 2;   ///< made at once
+  std::size_t buffer_bytes = 0;  ///< for the buffers of a pass
+};
+
+/// Splits `pieces`, which ascend in canonical order, until none holds more than `most` points, and keeps their order. Working
+/// records of the schema `working` are streamed from list to list; no piece is ever loaded.
+std::vector<StreamPiece> split_large_pieces(const std::vector<StreamPiece>& pieces, const Schema& working,
+                                            const SplitOptions& options, SlabStore& store);
+
+/// Moves the records of a list to a new one in ascending row, holding at most about `options.most` of them in memory.
+std::size_t sort_list_by_row(std::size_t list, const Schema& working, const SplitOptions& options, SlabStore& store);
+
+}  // namespace pointsweep

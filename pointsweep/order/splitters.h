@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// Where the stream is cut into slabs: limits on the coordinate along the axis, taken from a sample's quantiles.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pointsweep {
+
+/// Pieces of the real line. Piece p holds the finite values v with limits[p-1] <= v < limits[p].
+class Splitters {
+ public:
+  /// One piece.
+  Splitters() : Splitters(std::vector<double>()) {}
+  /// `limits` strictly ascending, at most 65,534.
+  explicit Splitters(std::vector<double> limits);
+
+  std::size_t pieces() const { return limits_.size(); }
+
+  /// One table look-up and one comparison for nearly every value; exact for all of them.
+  std::uint32_t piece_of(double value) const {
+    const std::size_t cell = cell_of(value);
+    std::uint32_t piece = first_[cell];
+    piece += limits_[piece] <= value;
+    if (limits_[piece] <= value) [[unlikely]] piece = search(cell, value);
+    return piece;
+  }
+
+ private:
+  /// Never descends as the value ascends, whatever is rounded, so that the limits of a lower cell are below the value
+  /// and those of a higher cell above it.
+  std::size_t cell_of(double value) const {
+    const double cell = (value - lo_) * scale_;
+    return static_cast<std::size_t>(cell > 0 ? std::min(cell, last_cell_) : 0.0);
+  }
+  std::uint32_t search(std::size_t cell, double value) const;
+
+  std::vector<double> limits_;        ///< then infinity, which no value reaches
+  std::vector<std::uint16_t> first_;  ///< by cell: limits in lower cells; one more at the end
+  double lo_ = 0, scale_ = 0, last_cell_ = 0;
+};
+
+/// At most `pieces` - 1 quantiles of a sample. A value that fills more than one piece gets a piece of its own, so that
+/// it can be split by something else. Reorders the sample.
+std::vector<double> quantile_limits(std::vector<double>& sample, std::size_t pieces);
+
+}  // namespace pointsweep

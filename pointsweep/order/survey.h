@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+/// A look at a sample of the cloud before the work starts.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/order/source.h"
+
+namespace pointsweep {
+
+/// What a look at a sample of the cloud tells. The sample is strided through all rows and the same in every run.
+struct Survey {
+  std::vector<Vec3> sample;   ///< at most 65,536 finite points
+  Box bounds;                 ///< of the sample, or of all finite points if `exact`
+  bool exact = false;
+  int axis = 0;               ///< sweep axis: largest extent of `bounds` unless chosen
+  double dimension = 2;       ///< estimate of the intrinsic dimension, in [1, 3], by counting occupied boxes
+};
+
+/// `exact` reads the whole cloud, so that the axis does not depend on the order of its points.
+Survey survey(const PointSource& source, std::optional<int> axis, bool exact);
+
+/// Box-counting dimension of a sample, in [1, 3]; outliers beyond the middle 98 % of each coordinate do not count.
+/// 2 where the sample says too little.
+double box_counting_dimension(std::span<const Vec3> sample);
+
+/// Points per slab that keep a slab several point spacings thick: about 16 * n^((D-1)/D) for D = 2, 6 * ... for D = 3
+/// (linear between), never under 16,384.
+std::uint64_t recommended_slab_points(std::uint64_t points, double dimension);
+
+}  // namespace pointsweep

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/order/temp_folder.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::string_view kPrefix = "pointsweep-";
+constexpr std::string_view kRandom = "XXXXXX";  // what mkdtemp replaces
+
+/// The process that made a folder of this name, or nothing when the name is not one of ours.
+std::optional<pid_t> maker_of(std::string_view name) {
+  if (!name.starts_with(kPrefix)) return {};
+  name.remove_prefix(kPrefix.size());
+  pid_t pid = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), pid);
+  const std::string_view rest = name.substr(static_cast<std::size_t>(end - name.data()));
+  if (error != std::errc() || pid <= 0 || rest.size() != 1 + kRandom.size() || rest[0] != '-') return {};
+  return pid;
+}
+
+bool is_alive(pid_t pid) { return ::kill(pid, 0) == 0 || errno != ESRCH; }
+
+int open_folder(const std::filesystem::path& path) {
+  return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+}
+
+/// Removes a folder nobody uses. The lock protects the folder of a process this one cannot see (another container on
+/// the same disk).
+void remove_if_abandoned(const std::filesystem::path& path) {
+  const int descriptor = open_folder(path);
+  if (descriptor < 0) return;
+  struct stat status {};
+  const bool ours = ::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid();
+  if (ours && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+  ::close(descriptor);
+}
+
+void remove_abandoned_folders(const std::filesystem::path& parent) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(parent, error), end; !error && entry != end; entry.increment(error)) {
+    const std::optional<pid_t> pid = maker_of(entry->path().filename().string());
+    if (pid && !is_alive(*pid)) remove_if_abandoned(entry->path());
+  }
+}
+
+}  // namespace
+
+TempFolder::TempFolder(const std::filesystem::path& parent) {
+  remove_abandoned_folders(parent);
+  std::string name = (parent / std::string(kPrefix)).string() + std::to_string(::getpid()) + "-" + std::string(kRandom);
+  if (::mkdtemp(name.data()) == nullptr)
+    fail("cannot make a temporary folder in '{}': {}; name a writable folder with --temp-dir", parent.string(),
+         std::strerror(errno));
+  path_ = name;
+  lock_ = open_folder(path_);
+  if (lock_ >= 0) ::flock(lock_, LOCK_EX | LOCK_NB);  // best effort: some file systems know no locks
+}
+
+TempFolder::~TempFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+  if (lock_ >= 0) ::close(lock_);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/order/working_record.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "pointsweep/error.h"
+#include "pointsweep/order/fixed_copy.h"
+
+namespace pointsweep {
+namespace {
+
+template <class Row>
+void scatter_rows(std::uint64_t first_row, const std::uint32_t* place, std::size_t count, std::byte* to,
+                  std::size_t stride) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = static_cast<Row>(first_row + i);
+    std::memcpy(to + place[i] * stride, &row, sizeof(Row));
+  }
+}
+
+}  // namespace
+
+WorkingRecord::WorkingRecord(const Schema& source, bool whole, std::span<const std::size_t> payload,
+                             std::uint64_t rows) {
+  if (whole) {
+    schema_ = source;
+    pieces_.push_back({0, 0, source.stride});
+  } else {
+    position_fields(source, "the input");  // throws when there is none
+    const std::size_t xyz[] = {*source.find("x"), *source.find("y"), *source.find("z")};
+    for (const std::size_t field : xyz) carry(source, field);
+    for (const std::size_t field : payload)
+      if (std::ranges::find(xyz, field) == std::end(xyz)) carry(source, field);
+  }
+  add_row(rows);
+}
+
+WorkingRecord::WorkingRecord(const Schema& working) : schema_(working) { pieces_.push_back({0, 0, working.stride}); }
+
+void WorkingRecord::carry(const Schema& source, std::size_t index) {
+  Field field = source.fields.at(index);
+  const auto bytes = static_cast<std::uint32_t>(size_of(field.type) * field.count);
+  const Piece piece{field.offset, schema_.stride, bytes};
+  field.offset = schema_.stride;
+  schema_.fields.push_back(std::move(field));
+  schema_.stride += bytes;
+  if (!pieces_.empty() && pieces_.back().from + pieces_.back().bytes == piece.from)
+    pieces_.back().bytes += bytes;  // neighbours in the source stay neighbours
+  else
+    pieces_.push_back(piece);
+}
+
+void WorkingRecord::add_row(std::uint64_t rows) {
+  schema_.append("row", rows <= std::numeric_limits<std::uint32_t>::max() ? Type::u32 : Type::u64);
+  makes_row_ = true;
+}
+
+void WorkingRecord::scatter(const std::byte* from, std::size_t from_stride, std::size_t count,
+                            std::uint64_t first_row, const std::uint32_t* place, std::byte* to) const {
+  const std::size_t stride = schema_.stride;
+  for (const Piece& piece : pieces_)
+    with_fixed_size(piece.bytes, [&](auto size) {
+      const std::byte* source = from + piece.from;
+      std::byte* target = to + piece.to;
+      for (std::size_t i = 0; i < count; ++i)
+        copy_bytes<size()>(target + place[i] * stride, source + i * from_stride, piece.bytes);
+    });
+  if (!makes_row_) return;
+  const Field& row = schema_.fields.back();
+  if (row.type == Type::u32)
+    scatter_rows<std::uint32_t>(first_row, place, count, to + row.offset, stride);
+  else
+    scatter_rows<std::uint64_t>(first_row, place, count, to + row.offset, stride);
+}
+
+std::uint64_t row_of(const Schema& working, const std::byte* record) {
+  const Field& field = working.fields.back();
+  if (field.type == Type::u64) {
+    std::uint64_t row = 0;
+    std::memcpy(&row, record + field.offset, sizeof row);
+    return row;
+  }
+  std::uint32_t row = 0;
+  std::memcpy(&row, record + field.offset, sizeof row);
+  return row;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+/// What of a point travels along the stream: its position, the fields somebody needs, and its input row.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// How working records are made of source records: pieces copied bit for bit, then the row.
+class WorkingRecord {
+ public:
+  /// Carries the position and the fields `payload`, or every byte of a record if `whole`; rows below `rows`.
+  WorkingRecord(const Schema& source, bool whole, std::span<const std::size_t> payload, std::uint64_t rows);
+  /// Takes working records as they are.
+  explicit WorkingRecord(const Schema& working);
+
+  /// Source schema (with names, types, scales), then "row".
+  const Schema& schema() const { return schema_; }
+
+  /// Makes `count` working records. Record i, of row first_row + i, becomes the one numbered place[i] of `to`.
+  void scatter(const std::byte* from, std::size_t from_stride, std::size_t count, std::uint64_t first_row,
+               const std::uint32_t* place, std::byte* to) const;
+
+ private:
+  struct Piece {
+    std::uint32_t from, to, bytes;
+  };
+  void carry(const Schema& source, std::size_t field);
+  void add_row(std::uint64_t rows);
+
+  Schema schema_;
+  std::vector<Piece> pieces_;
+  bool makes_row_ = false;
+};
+
+/// The input row of a working record of this schema.
+std::uint64_t row_of(const Schema& working, const std::byte* record);
+
+}  // namespace pointsweep

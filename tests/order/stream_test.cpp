@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/order/stream.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "pointsweep/error.h"
+#include "pointsweep/order/temp_folder.h"
+#include "tests/order/cloud_source.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+struct Entry {
+  Vec3 p;
+  std::uint64_t row = 0;
+  std::vector<std::byte> bytes;  ///< of the working record
+};
+
+/// The canonical order, said once more.
+bool precedes(int axis, const Entry& a, const Entry& b) {
+  const auto key = [axis](const Entry& e) { return std::tuple(e.p[axis], e.p.x, e.p.y, e.p.z, e.row); };
+  return key(a) < key(b);
+}
+
+std::vector<Entry> entries_of(const Stream& stream, const std::vector<std::byte>& records) {
+  const Schema& schema = stream.record_schema();
+  std::vector<Entry> entries;
+  for (std::size_t at = 0; at < records.size(); at += schema.stride) {
+    Entry e;
+    const std::byte* record = records.data() + at;
+    for (int a = 0; a < 3; ++a) e.p[a] = value_of(schema.fields[*schema.find(a == 0 ? "x" : a == 1 ? "y" : "z")], record);
+    e.row = static_cast<std::uint64_t>(value_of(schema.fields.back(), record));
+    e.bytes.assign(record, record + schema.fields.back().offset);
+    entries.push_back(std::move(e));
+  }
+  return entries;
+}
+
+struct Streamed {
+  std::vector<Slab> slabs;
+  std::vector<std::vector<Entry>> points;  ///< by slab, sorted by row
+  std::vector<Entry> nonfinite;
+};
+
+Streamed run(const PointSource& source, const StreamOptions& options, const Survey& look) {
+  const Stream stream(source, look, options);
+  Streamed result{stream.slabs(), {}, {}};
+  for (std::size_t s = 0; s < stream.slabs().size(); ++s) {
+    std::vector<std::byte> records(stream.slabs()[s].count * stream.record_schema().stride);
+    stream.read(s, records);
+    result.points.push_back(entries_of(stream, records));
+    std::ranges::sort(result.points.back(), {}, &Entry::row);
+  }
+  std::vector<std::byte> records(stream.nonfinite_count() * stream.record_schema().stride);
+  stream.read_nonfinite(0, records);
+  result.nonfinite = entries_of(stream, records);
+  return result;
+}
+
+/// Everything stream.h promises, checked against the source itself.
+template <class T>
+void check(const CloudSource<T>& cloud, const StreamOptions& options, const Streamed& streamed) {
+  const std::uint32_t stride = cloud.source.schema.stride;
+  const std::uint64_t most = options.max_slab_points != 0 ? options.max_slab_points : 4 * options.slab_points;
+  std::vector<int> seen(cloud.source.count, 0);
+  const auto see = [&](const Entry& e) {
+    ASSERT_LT(e.row, cloud.source.count);
+    ++seen[e.row];
+    ASSERT_EQ(std::memcmp(e.bytes.data(), &cloud.bytes[e.row * stride], stride), 0);
+  };
+  std::uint64_t first = 0;
+  const Entry* greatest = nullptr;
+  for (std::size_t s = 0; s < streamed.slabs.size(); ++s) {
+    const Slab& slab = streamed.slabs[s];
+    ASSERT_EQ(slab.first, first);
+    ASSERT_GT(slab.count, 0u);
+    ASSERT_LE(slab.count, most);
+    first += slab.count;
+    Box box;
+    for (const Entry& e : streamed.points[s]) {
+      see(e);
+      ASSERT_TRUE(is_finite(e.p));
+      box.include(e.p);
+    }
+    ASSERT_EQ(slab.box, box);
+    const auto [low, high] = std::ranges::minmax_element(
+        streamed.points[s], [&](const Entry& a, const Entry& b) { return precedes(options.axis, a, b); });
+    ASSERT_TRUE(greatest == nullptr || precedes(options.axis, *greatest, *low));
+    greatest = &*high;
+  }
+  for (std::size_t i = 0; i < streamed.nonfinite.size(); ++i) {
+    see(streamed.nonfinite[i]);
+    ASSERT_FALSE(is_finite(streamed.nonfinite[i].p));
+    ASSERT_TRUE(i == 0 || streamed.nonfinite[i - 1].row < streamed.nonfinite[i].row);
+  }
+  ASSERT_EQ(std::ranges::count(seen, 1), static_cast<std::ptrdiff_t>(seen.size()));
+}
+
+StreamOptions small_options(int axis) {
+  StreamOptions options;
+  options.axis = axis;
+  options.slab_points = 50;
+  options.max_slab_points = 120;
+  options.payload = {3};
+  options.buffer_bytes = 1 << 17;
+  return options;
+}
+
+std::filesystem::path temp_parent() { return std::filesystem::temp_directory_path(); }
+
+bool same(const Streamed& a, const Streamed& b) {
+  const auto equal = [](const Entry& p, const Entry& q) { return p.row == q.row && p.bytes == q.bytes; };
+  if (a.slabs.size() != b.slabs.size()) return false;
+  for (std::size_t s = 0; s < a.slabs.size(); ++s) {
+    if (a.slabs[s].first != b.slabs[s].first || a.slabs[s].count != b.slabs[s].count) return false;
+    if (std::memcmp(&a.slabs[s].box, &b.slabs[s].box, sizeof(Box)) != 0) return false;
+    if (!std::ranges::equal(a.points[s], b.points[s], equal)) return false;
+  }
+  return std::ranges::equal(a.nonfinite, b.nonfinite, equal);
+}
+
+/// In memory and spilled, with one thread and four: all promises kept, and all the same.
+template <class T>
+void check_all_ways(const std::vector<Vec3>& points, StreamOptions options) {
+  const CloudSource<T> cloud(points);
+  const Survey look = survey(cloud.source, options.axis, false);
+  const TempFolder folder(temp_parent());
+  std::vector<Streamed> results;
+  for (const std::size_t threads : {1, 4}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    for (const TempFolder* spill : {static_cast<const TempFolder*>(nullptr), &folder}) {
+      options.spill = spill;
+      results.push_back(run(cloud.source, options, look));
+      check(cloud, options, results.back());
+      if (testing::Test::HasFatalFailure()) return;
+      EXPECT_TRUE(same(results.front(), results.back())) << threads << " threads, spilled: " << (spill != nullptr);
+    }
+  }
+}
+
+std::vector<Vec3> made_by(std::size_t n, const std::function<Vec3(std::size_t)>& point) {
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < n; ++i) points.push_back(point(i));
+  return points;
+}
+
+TEST(Stream, HoldsEveryPointOnceWhateverTheCloud) {
+  rc::check([] {
+    // Few different coordinates, so that ties are frequent, and some that are no numbers.
+    const auto coordinate =
+        rc::gen::weightedOneOf<double>({{60, rc::gen::map(rc::gen::inRange(-4, 5), [](int i) { return i * 0.25; })},
+                                        {30, rc::gen::map(rc::gen::arbitrary<std::int16_t>(), [](int i) { return i * 1e-3; })},
+                                        {1, rc::gen::element(kNaN, kInf, -kInf, -0.0, 1e300, -1e300, 5e-324)}});
+    const auto point = rc::gen::apply([](double x, double y, double z) { return Vec3{x, y, z}; }, coordinate, coordinate, coordinate);
+    const auto points = *rc::gen::container<std::vector<Vec3>>(*rc::gen::inRange<std::size_t>(0, 600), point);
+    StreamOptions options = small_options(*rc::gen::inRange(0, 3));
+    options.slab_points = *rc::gen::inRange<std::uint64_t>(1, 40);
+    options.max_slab_points = *rc::gen::inRange<std::uint64_t>(1, 100);
+    check_all_ways<double>(points, options);
+    RC_ASSERT(!testing::Test::HasFailure());
+  });
+}
+
+TEST(Stream, OfRandomPointsHasSlabsOfAboutTheSizeAskedFor) {
+  const CloudSource<float> cloud(random_points(100000, 1));
+  StreamOptions options;
+  options.slab_points = 5000;
+  options.payload = {3};
+  const Streamed streamed = run(cloud.source, options, survey(cloud.source, {}, false));
+  check(cloud, options, streamed);
+  EXPECT_GE(streamed.slabs.size(), 15u);
+  EXPECT_LE(streamed.slabs.size(), 25u);
+}
+
+TEST(Stream, KeepsItsPromisesForRandomPointsOnEveryAxis) {
+  for (int axis = 0; axis < 3; ++axis) check_all_ways<float>(random_points(20000, 2), small_options(axis));
+}
+
+TEST(Stream, SplitsPointsThatAreEqualAlongTheAxisByTheOtherCoordinates) {
+  std::vector<Vec3> points = random_points(5000, 3);
+  for (Vec3& p : points) p.x = 7;
+  check_all_ways<double>(points, small_options(0));
+  for (Vec3& p : points) p.y = -1;
+  check_all_ways<double>(points, small_options(0));
+}
+
+TEST(Stream, SplitsIdenticalPointsByTheirRows) {
+  check_all_ways<float>(made_by(5000, [](std::size_t) { return Vec3{1, 2, 3}; }), small_options(1));
+}
+
+TEST(Stream, TakesTheTwoZerosForOneNumber) {
+  check_all_ways<double>(made_by(3000, [](std::size_t i) { return Vec3{i % 2 ? 0.0 : -0.0, i % 3 ? -0.0 : 0.0, 0.0}; }),
+                         small_options(0));
+}
+
+TEST(Stream, SplitsACloudOfTwoValues) {
+  check_all_ways<float>(made_by(5000, [](std::size_t i) { return Vec3{i % 7 ? 1.0 : 2.0, static_cast<double>(i % 11), 0}; }),
+                        small_options(0));
+}
+
+TEST(Stream, DoesNotCareHowTheInputIsSorted) {
+  const auto ascending = made_by(9000, [](std::size_t i) { return Vec3{static_cast<double>(i), 0, 1}; });
+  check_all_ways<double>(ascending, small_options(0));
+  check_all_ways<double>({ascending.rbegin(), ascending.rend()}, small_options(0));
+  check_all_ways<double>(made_by(9000, [](std::size_t i) { return Vec3{std::abs(static_cast<double>(i) - 4500), 0, 1}; }),
+                         small_options(0));
+}
+
+TEST(Stream, SplitsADensePlaceThatTheSampleMissed) {
+  // The survey claims a sample of evenly spread points; nearly all of them are in one spot in truth.
+  std::vector<Vec3> points = random_points(20000, 4);
+  const CloudSource<double> even(points);
+  for (std::size_t i = 0; i < points.size(); i += 1 + (i % 50 != 0)) points[i] = {1 + 1e-9 * points[i].x, 1, points[i].z};
+  const CloudSource<double> cloud(points);
+  const StreamOptions options = small_options(0);
+  check(cloud, options, run(cloud.source, options, survey(even.source, 0, false)));
+}
+
+TEST(Stream, SplitsPointsThatGetCloserWithoutEnd) {
+  check_all_ways<double>(made_by(8000, [](std::size_t i) { return Vec3{std::ldexp(1.0 + static_cast<double>(i % 16) / 16, -static_cast<int>(i / 8)), 0, 0}; }),
+                         small_options(0));
+}
+
+TEST(Stream, PutsPointsWithoutAPlaceAsideInAscendingRow) {
+  std::vector<Vec3> points = random_points(30000, 5);
+  for (std::size_t i = 0; i < points.size(); i += 3) points[i][static_cast<int>(i % 2)] = i % 9 ? kNaN : -kInf;
+  check_all_ways<float>(points, small_options(2));
+}
+
+TEST(Stream, MayConsistOfPointsWithoutAPlaceOnly) {
+  StreamOptions options = small_options(0);
+  options.buffer_bytes = 4096;  // so few that sorting them by row takes several pieces
+  check_all_ways<float>(made_by(20000, [](std::size_t) { return Vec3{kNaN, 0, kInf}; }), options);
+}
+
+TEST(Stream, MayBeTiny) {
+  for (const std::size_t n : {0, 1, 2, 3}) check_all_ways<float>(random_points(n, 6), small_options(0));
+}
+
+TEST(Stream, OfLargeCoordinatesLosesNothing) {
+  std::vector<Vec3> points = random_points(5000, 7);
+  for (Vec3& p : points) p = p + Vec3{4.5e5, 5.2e6, 300};
+  check_all_ways<double>(points, small_options(1));
+}
+
+}  // namespace
+}  // namespace pointsweep
