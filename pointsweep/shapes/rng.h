@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/// Random numbers that belong to a point, not to a sequence: point i of seed S draws the same numbers always, so points
+/// can be made in any order, on any thread, and again.
+#pragma once
+
+#include <cstdint>
+
+namespace pointsweep {
+
+/// SplitMix64 (Steele, Lea, Flood: Fast Splittable Pseudorandom Number Generators, OOPSLA 2014) with one stream per
+/// (seed, index): each has its own start and its own odd increment, as the paper's split() gives them.
+class Rng {
+ public:
+  Rng(std::uint64_t seed, std::uint64_t index)
+      : state_(mix(mix(seed + kGolden) + index * kGolden)), increment_(mix(state_ ^ kGolden) | 1) {}
+
+  std::uint64_t next() { return mix(state_ += increment_); }
+  /// Uniform in [0, 1), a multiple of 2^-53.
+  double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+
+ private:
+  static constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15;
+
+  static std::uint64_t mix(std::uint64_t z) {
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+    return z ^ (z >> 31);
+  }
+
+  std::uint64_t state_, increment_;
+};
+
+}  // namespace pointsweep

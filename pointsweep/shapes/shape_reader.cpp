@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/shapes/shape_reader.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "pointsweep/error.h"
+#include "pointsweep/shapes/distributions.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kGrain = 4096;  // points made by one task
+
+void check(const Sampling& s) {
+  if (!(s.noise >= 0) || !std::isfinite(s.noise)) fail_usage("noise must be a length of 0 or more, not {}", s.noise);
+  if (!(s.outliers >= 0 && s.outliers <= 1)) fail_usage("the share of outliers must lie in [0, 1], not {}", s.outliers);
+  if (!(s.outlier_box > 0) || !std::isfinite(s.outlier_box))
+    fail_usage("the outlier box must have a positive size, not {}", s.outlier_box);
+  if (!is_finite(s.origin)) fail_usage("the origin must be finite");
+}
+
+template <class T>
+void store_triple(Vec3 v, std::byte* to) {
+  const std::array<T, 3> values{static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z)};
+  std::memcpy(to, values.data(), sizeof values);
+}
+
+}  // namespace
+
+ShapeReader::ShapeReader(std::shared_ptr<const Shape> shape, const Sampling& sampling)
+    : shape_(std::move(shape)), sampling_(sampling) {
+  check(sampling);
+  const Box box = shape_->bounds();
+  const Vec3 half = (0.5 * sampling.outlier_box) * box.extent();
+  outlier_box_ = {box.center() - half, box.center() + half};
+
+  info_.path = shape_->name();
+  info_.format = "generated " + shape_->name();
+  for (const char* name : {"x", "y", "z"}) info_.schema.append(name, sampling.float64 ? Type::f64 : Type::f32);
+  if (shape_->has_normals())
+    for (const char* name : {"nx", "ny", "nz"}) info_.schema.append(name, Type::f32);
+  info_.count = sampling.count;
+}
+
+SurfacePoint ShapeReader::point(std::uint64_t row) const {
+  Rng rng(sampling_.seed, row);
+  const bool outlier = rng.uniform() < sampling_.outliers;
+  SurfacePoint p;
+  if (outlier) {
+    for (int axis = 0; axis < 3; ++axis) p.position[axis] = rng.uniform(outlier_box_.lo[axis], outlier_box_.hi[axis]);
+  } else {
+    p = shape_->sample(rng);
+    if (sampling_.noise > 0) {
+      const Vec2 xy = gaussian_pair(rng), z = gaussian_pair(rng);
+      p.position = p.position + sampling_.noise * Vec3{xy.x, xy.y, z.x};
+    }
+  }
+  p.position = p.position + sampling_.origin;
+  return p;
+}
+
+void ShapeReader::store(std::uint64_t row, std::byte* record) const {
+  const SurfacePoint p = point(row);
+  if (sampling_.float64)
+    store_triple<double>(p.position, record);
+  else
+    store_triple<float>(p.position, record);
+  if (shape_->has_normals()) store_triple<float>(p.normal, record + info_.schema.fields[3].offset);
+}
+
+std::size_t ShapeReader::read(std::uint64_t row, std::span<std::byte> records) {
+  if (row >= info_.count) return 0;
+  const std::size_t stride = info_.schema.stride;
+  const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(records.size() / stride, info_.count - row));
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) store(row + i, records.data() + i * stride);
+  });
+  return count;
+}
+
+}  // namespace pointsweep
