@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+/// Eigenvectors and exponentials of many arguments at once, in the widest vector lanes of the machine. Every result has
+/// the bits of eigen_symmetric3() and exp_negative(), whatever the machine and whatever shares the batch.
+#pragma once
+
+#include <span>
+
+#include "pointsweep/math/symmetric3.h"
+
+namespace pointsweep {
+
+/// out[i] = eigen_symmetric3(matrices[i]); both spans have the same size. About 35 to 60 ns each on one core with AVX-512.
+void batch_eigen_symmetric3(std::span<const Symmetric3> matrices, std::span<Eigen3> out);
+
+/// out[i] = exp_negative(x[i]); both spans have the same size and may be the same. About 1 ns each with AVX-512.
+void batch_exp_negative(std::span<const double> x, std::span<double> out);
+
+}  // namespace pointsweep
