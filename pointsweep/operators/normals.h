@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+/// Unit normals of the surface the points were taken from (paper Section 3.2, Equation 1).
+#pragma once
+
+#include <string>
+
+#include "pointsweep/math/vec3.h"
+#include "pointsweep/operators/operator.h"
+
+namespace pointsweep {
+
+/// Which of its two directions a normal takes. Whatever leaves the choice open (a dot product of 0) falls back to `none`.
+enum class Orient {
+  none,       ///< the component of largest magnitude is positive, the first of equal ones
+  up,         ///< nz >= 0
+  viewpoint,  ///< towards NormalsOptions::viewpoint
+  input,      ///< agrees with the normal the file has
+};
+
+struct NormalsOptions {
+  Orient orient = Orient::none;
+  Vec3 viewpoint;  ///< in the coordinates of the cloud; only for Orient::viewpoint
+};
+
+/// n_i = eigenvector of the smallest eigenvalue of
+///   M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)^T θ(|p_j - p_i|),  θ(r) = exp(-r²/2σ²),  σ² = π max_j |p_j - p_i|² / |N_i|,
+/// with p_i itself, not the mean, as the centre, |N_i| without p_i, and sums in the order of the neighbours.
+///
+/// Makes "normal". It is (0, 0, 0) and counted as degenerate where the data define no plane: fewer than two neighbours;
+/// all of them on p_i; p_i and they on a line to rounding, that is λ1 <= 1e-12 λ2 (nothing is wider than a millionth of the
+/// length) or λ1 no larger than what rounding coordinates of the size of p_i to double leaves; or offsets that overflow.
+class Normals : public Operator {
+ public:
+  explicit Normals(const NormalsOptions& options = {});
+  std::string name() const override { return "normals"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods& in, Columns& out) const override;
+
+ private:
+  NormalsOptions options_;
+};
+
+}  // namespace pointsweep
