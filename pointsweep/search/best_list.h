@@ -40,9 +40,10 @@ struct Neighborhood {
 /// Keeps up to 2k + 32 candidates and cuts them back to k when full: constant time per candidate on average.
 class BestList {
  public:
-  void start(const Neighborhood& what) {
+  /// `reach2`: squared distance within which the neighbourhood is known to end, if it is.
+  void start(const Neighborhood& what, double reach2 = std::numeric_limits<double>::infinity()) {
     k_ = what.k;
-    limit_ = what.radius2();
+    limit_ = std::min(what.radius2(), reach2);
     full_ = false;
     kept_.clear();
   }

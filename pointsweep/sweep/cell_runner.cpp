@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/sweep/cell_runner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+namespace pointsweep {
+
+namespace {
+
+/// The `share` quantile of the reach of a cell's points.
+double reach_of_most(const std::vector<double>& reach2, double share) {
+  std::vector<double> sorted = reach2;
+  const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(sorted.size() - 1) * share);
+  std::nth_element(sorted.begin(), at, sorted.end());
+  return std::sqrt(*at);
+}
+
+/// One in eight may be left behind before a whole cell waits again.
+constexpr std::size_t kStragglers = 8;
+
+}  // namespace
+
+void CellRunner::run(std::uint32_t slot, std::uint32_t step, Worker& worker) const {
+  WindowCell& cell = window_.at(slot);
+  if (step == 0) {
+    if (!search(slot, worker)) return;
+  } else {
+    defer_points_of_deferred_neighbors(cell, worker);
+  }
+  apply(cell, step, step == 0 && plan_.step_count() == 1 ? worker.neighbors : cell.lists, worker);
+  cell.steps_done = step + 1;
+  if (cell.steps_done == plan_.step_count()) finish(cell, worker);
+}
+
+bool CellRunner::search(std::uint32_t slot, Worker& worker) const {
+  const auto start = std::chrono::steady_clock::now();
+  WindowCell& cell = window_.at(slot);
+  search_cell(window_.directory(), slot, plan_.neighborhood, worker.search, worker.neighbors);
+  const bool complete = certify(cell, worker.neighbors, worker);
+  if (complete) {
+    cell.reach = std::min(reach_of_most(worker.neighbors.reach2, 0.9), cell.cell.box.diagonal() + cell.wait_reach);
+    if (plan_.step_count() > 1) {
+      cell.lists = worker.neighbors;
+      cell.lists.reach2.clear();
+      std::vector<std::uint32_t>& slots = cell.refers_to;
+      for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
+        if (cell.is_deferred(i)) continue;
+        for (std::uint32_t j = cell.lists.begin[i]; j < cell.lists.begin[i + 1]; ++j) {
+          const std::uint32_t other = slot_of(cell.lists.refs[j]);
+          if (slots.empty() || slots.back() != other) slots.push_back(other);
+        }
+      }
+      std::sort(slots.begin(), slots.end());
+      slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+    }
+  }
+  worker.search_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return complete;
+}
+
+/// Every ball must be clear of unread slabs and of dropped cells. False if the cell is to wait and be searched again.
+bool CellRunner::certify(WindowCell& cell, const CellNeighbors& found, Worker& worker) const {
+  const Box& box = cell.cell.box;
+  const double most = *std::max_element(found.reach2.begin(), found.reach2.end());
+  const bool ahead = outside_.unread_distance2(box, most) <= most;
+  outside_.dropped_near(box, most, worker.dropped);
+  std::vector<std::uint32_t> early, behind;
+  for (std::uint32_t i = 0; (ahead || !worker.dropped.empty()) && i < cell.cell.size(); ++i) {
+    const Vec3 p = cell.cell.position(i);
+    const double reach2 = found.reach2[i];
+    if (ahead && outside_.unread_within(p, reach2)) {
+      early.push_back(i);
+    } else if (std::any_of(worker.dropped.begin(), worker.dropped.end(),
+                           [&](const Box& b) { return distance2(b, p) <= reach2; })) {
+      behind.push_back(i);
+    }
+  }
+  if (early.size() * kStragglers > cell.cell.size()) {
+    const double needed = reach_of_most(found.reach2, 1 - 1.0 / kStragglers);
+    cell.wait_reach = std::max(cell.wait_reach, std::isfinite(needed) ? needed : 0);
+    cell.wait_for_slabs = outside_.slabs_read() + 1;
+    return false;
+  }
+  for (const std::uint32_t i : early) defer(cell, i, found.reach2[i], worker);
+  for (const std::uint32_t i : behind) defer(cell, i, found.reach2[i], worker);
+  worker.certified += cell.cell.size() - early.size() - behind.size();
+  return true;
+}
+
+void CellRunner::defer(WindowCell& cell, std::uint32_t i, double reach2, Worker& worker) const {
+  if (cell.deferred.empty()) cell.deferred.resize(cell.cell.size(), 0);
+  cell.deferred[i] = 1;
+  worker.deferred.push_back({cell.cell.position(i), cell.cell.row[i], cell.slab, cell.index_in_slab[i], reach2,
+                             cell.steps_done});
+}
+
+/// What a neighbour could not give in time, its dependants cannot use: they follow it into the recall.
+void CellRunner::defer_points_of_deferred_neighbors(WindowCell& cell, Worker& worker) const {
+  const auto any = std::any_of(cell.refers_to.begin(), cell.refers_to.end(),
+                               [&](std::uint32_t slot) { return !window_.at(slot).deferred_before.empty(); });
+  if (!any) return;
+  std::vector<std::uint32_t> follow;
+  for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
+    if (cell.is_deferred(i)) continue;
+    for (std::uint32_t j = cell.lists.begin[i]; j < cell.lists.begin[i + 1]; ++j) {
+      const NeighborRef ref = cell.lists.refs[j];
+      if (window_.at(slot_of(ref)).was_deferred(index_of(ref))) {
+        follow.push_back(i);
+        break;
+      }
+    }
+  }
+  worker.certified -= follow.size();
+  for (const std::uint32_t i : follow) defer(cell, i, Box::kInf, worker);
+}
+
+void CellRunner::apply(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const {
+  for (std::size_t s = plan_.steps[step]; s < plan_.steps[step + 1]; ++s) {
+    for (const std::uint16_t column : plan_.stages[s].makes) cell.make_column(column, plan_.column_bytes[column]);
+  }
+  if (!cell.deferred.empty()) return apply_to_some(cell, step, lists, worker);
+  worker.made.clear();
+  for (auto& column : cell.columns) worker.made.push_back(column.data());
+  const Batch batch{cell.view(), cell.cell.size(), window_.slots(), lists.begin.data(), lists.refs.data(),
+                    worker.made.data()};
+  run_step(plan_, step, batch, worker.tally);
+}
+
+/// The same for a cell some of whose points are deferred: on a copy that holds only the others.
+void CellRunner::apply_to_some(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const {
+  std::vector<std::uint32_t> chosen;
+  for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
+    if (!cell.is_deferred(i)) chosen.push_back(i);
+  }
+  std::vector<double> x, y, z;
+  std::vector<std::uint64_t> row;
+  CellNeighbors some;
+  some.begin.push_back(0);
+  for (const std::uint32_t i : chosen) {
+    x.push_back(cell.cell.x[i]), y.push_back(cell.cell.y[i]), z.push_back(cell.cell.z[i]), row.push_back(cell.cell.row[i]);
+    some.refs.insert(some.refs.end(), lists.refs.begin() + lists.begin[i], lists.refs.begin() + lists.begin[i + 1]);
+    some.begin.push_back(static_cast<std::uint32_t>(some.refs.size()));
+  }
+  std::vector<std::vector<std::byte>> columns(cell.columns.size());
+  std::vector<const std::byte*> pointers;
+  worker.made.clear();
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (!cell.columns[c].empty()) {
+      const std::size_t bytes = plan_.column_bytes[c];
+      columns[c].resize(chosen.size() * bytes);
+      for (std::size_t i = 0; i < chosen.size(); ++i) {
+        std::memcpy(columns[c].data() + i * bytes, cell.columns[c].data() + chosen[i] * bytes, bytes);
+      }
+    }
+    worker.made.push_back(columns[c].data());
+    pointers.push_back(columns[c].data());
+  }
+  const Batch batch{{x.data(), y.data(), z.data(), row.data(), pointers.data()}, chosen.size(), window_.slots(),
+                    some.begin.data(), some.refs.data(), worker.made.data()};
+  run_step(plan_, step, batch, worker.tally);
+  for (std::size_t s = plan_.steps[step]; s < plan_.steps[step + 1]; ++s) {
+    for (const std::uint16_t c : plan_.stages[s].makes) {
+      const std::size_t bytes = plan_.column_bytes[c];
+      for (std::size_t i = 0; i < chosen.size(); ++i) {
+        std::memcpy(cell.columns[c].data() + chosen[i] * bytes, columns[c].data() + i * bytes, bytes);
+      }
+    }
+  }
+}
+
+void CellRunner::finish(WindowCell& cell, Worker& worker) const {
+  collect_results(plan_, cell.column_pointers.data(), cell.cell.size(), worker.results);
+  // Runs between deferred points, which are somebody else's to finish.
+  for (std::uint32_t i = 0; i < cell.cell.size();) {
+    std::uint32_t end = i;
+    while (end < cell.cell.size() && !cell.is_deferred(end)) ++end;
+    if (end > i) {
+      sink_.finished({cell.slab, cell.index_in_slab.data() + i, cell.cell.row + i,
+                      worker.results.data() + std::size_t{i} * plan_.result_bytes, end - i});
+    }
+    i = end + 1;
+  }
+  cell.lists = {};
+  cell.refers_to = {};
+  if (plan_.step_count() == 1) {
+    for (auto& column : cell.columns) column = {};
+    std::fill(cell.column_pointers.begin(), cell.column_pointers.end(), nullptr);
+  }
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+/// Takes one cell through one step: search, certificate, stages, and out (the pull-push of a point, Figures 12 and 14,
+/// done for a thousand points at once).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/sweep/stage_runner.h"
+#include "pointsweep/sweep/window.h"
+
+namespace pointsweep {
+
+/// A point that the sweep could not finish: its neighbourhood touches something already dropped or not read in time.
+struct DeferredPoint {
+  Vec3 position;
+  std::uint64_t row;
+  std::uint32_t slab;
+  std::uint32_t index_in_slab;
+  double reach2;       ///< its neighbourhood ends within it; infinite if unknown
+  std::uint32_t step;  ///< the first step it has not taken
+};
+
+/// Memory and counters of one thread.
+struct Worker {
+  SearchScratch search;
+  CellNeighbors neighbors;
+  std::vector<Box> dropped;
+  std::vector<std::byte*> made;
+  std::vector<std::byte> results;
+  std::vector<DeferredPoint> deferred;
+  StageTally tally;
+  double search_seconds = 0;
+  std::uint64_t certified = 0;
+};
+
+class CellRunner {
+ public:
+  CellRunner(const SweepPlan& plan, Window& window, const Outside& outside, Sink& sink)
+      : plan_(plan), window_(window), outside_(outside), sink_(sink) {}
+
+  /// Thread-safe for different cells that are ready for the step, each thread with a worker of its own.
+  void run(std::uint32_t slot, std::uint32_t step, Worker& worker) const;
+
+ private:
+  bool search(std::uint32_t slot, Worker& worker) const;
+  bool certify(WindowCell& cell, const CellNeighbors& found, Worker& worker) const;
+  void defer_points_of_deferred_neighbors(WindowCell& cell, Worker& worker) const;
+  void defer(WindowCell& cell, std::uint32_t i, double reach2, Worker& worker) const;
+  void apply(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const;
+  void apply_to_some(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const;
+  void finish(WindowCell& cell, Worker& worker) const;
+
+  const SweepPlan& plan_;
+  Window& window_;
+  const Outside& outside_;
+  Sink& sink_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+/// What the sweep is to do, with every name already turned into a column number.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operators/operator.h"
+#include "pointsweep/search/best_list.h"
+
+namespace pointsweep {
+
+/// An operator at its place in the chain (the paper's Φ_k). Columns are numbered; remaking an attribute makes a new
+/// column, so that no column is ever overwritten while a neighbour may still be read.
+struct Stage {
+  std::shared_ptr<const Operator> op;
+  std::vector<std::uint16_t> reads, reads_neighbors, makes;
+};
+
+/// A column that comes from the file: field `field` (and the next components) of the working record, bit for bit.
+struct FileColumn {
+  std::uint16_t column;
+  std::vector<std::size_t> fields;  ///< one per component
+  Type type;                        ///< what the operator was promised; values are converted to it
+};
+
+/// A made column that is written: copied to `offset` of the result record.
+struct ResultColumn {
+  std::uint16_t column;
+  std::uint32_t offset;
+  std::uint32_t bytes;
+};
+
+struct SweepPlan {
+  Neighborhood neighborhood;
+  std::vector<Stage> stages;
+  /// Stages run in steps: step s is stages [steps[s], steps[s+1]). A step begins with the search (step 0) or with a
+  /// pre-buffered stage, whose neighbours must all have finished the step before; the stages behind it in the step are
+  /// through-buffered and run at once, while the cell is in cache (paper Section 5.2).
+  std::vector<std::size_t> steps;
+  std::vector<std::uint32_t> column_bytes;  ///< per point, by column number
+  std::vector<FileColumn> file_columns;
+  std::vector<ResultColumn> results;
+  std::uint32_t result_bytes = 0;
+
+  std::size_t step_count() const { return steps.size() - 1; }
+};
+
+/// A batch of finished points.
+struct Finished {
+  std::uint32_t slab;
+  const std::uint32_t* index_in_slab;  ///< place among the slab's working records
+  const std::uint64_t* rows;           ///< input rows
+  const std::byte* results;            ///< plan.result_bytes each
+  std::size_t size;
+};
+
+/// Where finished points go: the deferred-write operator Φ_W (paper Section 4.2.1). finished() is called from many
+/// threads, once for every point that has a slab.
+class Sink {
+ public:
+  virtual ~Sink() = default;
+  virtual void finished(const Finished& points) = 0;
+  /// The working records of a slab, as they were read, before any point of it is finished. Only if wants_records().
+  virtual bool wants_records() const { return false; }
+  virtual void slab_read(std::uint32_t slab, std::vector<std::byte> records) {
+    (void)slab;
+    (void)records;
+  }
+};
+
+}  // namespace pointsweep

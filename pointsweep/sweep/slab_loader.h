@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+/// Reads a slab of the ordered stream and cuts it into cells (the read operator Φ_R, paper Section 4.2.1).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pointsweep/order/stream.h"
+#include "pointsweep/sweep/plan.h"
+#include "pointsweep/sweep/window_cell.h"
+
+namespace pointsweep {
+
+struct LoadedSlab {
+  std::vector<std::unique_ptr<WindowCell>> cells;
+  std::vector<std::byte> records;  ///< kept only if asked for
+};
+
+/// The same slab gives the same cells every time, so that a recall finds what the sweep had. Thread-safe.
+class SlabLoader {
+ public:
+  SlabLoader(const Stream& stream, const SweepPlan& plan, std::uint32_t cell_points);
+  LoadedSlab load(std::uint32_t slab, bool keep_records) const;
+
+ private:
+  void fill_file_columns(const std::vector<std::byte>& records, WindowCell& cell) const;
+
+  const Stream& stream_;
+  const SweepPlan& plan_;
+  std::uint32_t cell_points_;
+  PositionFields position_;
+  Field row_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/sweep/stage_runner.h"
+
+#include <chrono>
+#include <cstring>
+
+namespace pointsweep {
+
+void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, StageTally& tally) {
+  tally.seconds.resize(plan.stages.size());
+  for (std::size_t s = plan.steps[step]; s < plan.steps[step + 1]; ++s) {
+    const auto start = std::chrono::steady_clock::now();
+    const Stage& stage = plan.stages[s];
+    std::vector<std::byte*> made;
+    for (const std::uint16_t column : stage.makes) made.push_back(batch.made[column]);
+    const Neighborhoods in(batch.own, batch.size, batch.slots, batch.begin, batch.refs, stage.reads,
+                           stage.reads_neighbors);
+    Columns out(made, batch.size);
+    stage.op->apply(in, out);
+    tally.degenerate += out.degenerate;
+    tally.seconds[s] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+}
+
+void collect_results(const SweepPlan& plan, const std::byte* const* columns, std::size_t size,
+                     std::vector<std::byte>& results) {
+  results.resize(size * plan.result_bytes);
+  for (const ResultColumn& r : plan.results) {
+    const std::byte* from = columns[r.column];
+    std::byte* to = results.data() + r.offset;
+    for (std::size_t i = 0; i < size; ++i, from += r.bytes, to += plan.result_bytes) std::memcpy(to, from, r.bytes);
+  }
+}
+
+}  // namespace pointsweep

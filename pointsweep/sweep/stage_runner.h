@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+/// Applies the stages of a step to a batch of points whose neighbourhoods are known.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/sweep/plan.h"
+
+namespace pointsweep {
+
+/// What one thread did in one operator, or in all.
+struct StageTally {
+  std::vector<double> seconds;  ///< by stage
+  std::uint64_t degenerate = 0;
+};
+
+/// A batch as the stages see it. `own_columns` are the columns of the batch itself, which a stage both reads and fills.
+struct Batch {
+  PointColumns own;             ///< own.columns = own_columns.data()
+  std::size_t size = 0;
+  const PointColumns* slots = nullptr;
+  const std::uint32_t* begin = nullptr;
+  const NeighborRef* refs = nullptr;
+  std::byte* const* made = nullptr;  ///< writable columns by column number
+};
+
+void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, StageTally& tally);
+
+/// Copies the result columns of the batch into result records.
+void collect_results(const SweepPlan& plan, const std::byte* const* columns, std::size_t size,
+                     std::vector<std::byte>& results);
+
+}  // namespace pointsweep

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/sweep/sweep.h"
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "pointsweep/sweep/cell_runner.h"
+#include "pointsweep/sweep/read_ahead.h"
+#include "pointsweep/sweep/recall.h"
+
+namespace pointsweep {
+
+namespace {
+
+class Sweep {
+ public:
+  Sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options)
+      : stream_(stream), plan_(plan), sink_(sink), options_(options), loader_(stream, plan, options.cell_points),
+        outside_(stream.slabs(), stream.axis()), window_(plan, outside_), runner_(plan, window_, outside_, sink) {}
+
+  /// The paper's main loop: while the stream has points, read some; then let every operator in turn pull what has
+  /// become ready; what is finished leaves. At the end, whatever had to be deferred is recalled.
+  SweepStatistics run() {
+    const std::size_t slabs = stream_.slabs().size();
+    ReadAhead read_ahead(loader_, slabs, options_.read_ahead, sink_.wants_records());
+    for (std::uint32_t slab = 0; slab < slabs; ++slab) {
+      read(read_ahead.next(), slab);
+      for (std::uint32_t step = 0; step < plan_.step_count(); ++step) pull(step);
+      take_note();
+      window_.drop();
+    }
+    statistics_.read_seconds = read_ahead.seconds();
+    recall();
+    return gather_statistics();
+  }
+
+ private:
+  void read(LoadedSlab loaded, std::uint32_t slab) {
+    outside_.slab_was_read();
+    points_read_ += stream_.slabs()[slab].count;
+    if (sink_.wants_records()) sink_.slab_read(slab, std::move(loaded.records));
+    for (auto& cell : loaded.cells) window_.admit(std::move(cell));
+  }
+
+  void pull(std::uint32_t step) {
+    const std::vector<std::uint32_t> ready = window_.ready_for(step);
+    oneapi::tbb::parallel_for(std::size_t{0}, ready.size(),
+                              [&](std::size_t i) { runner_.run(ready[i], step, workers_.local()); });
+    for (const std::uint32_t slot : ready) {
+      WindowCell& cell = window_.at(slot);
+      if (!cell.deferred.empty()) cell.deferred_before = cell.deferred;
+    }
+  }
+
+  void take_note() {
+    const std::uint64_t active = window_.points();
+    statistics_.peak_points = std::max(statistics_.peak_points, active);
+    active_sum_ += static_cast<double>(active);
+    statistics_.series.emplace_back(points_read_, active);
+    if (options_.progress) options_.progress(points_read_, active);
+  }
+
+  void recall() {
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<DeferredPoint> deferred;
+    for (Worker& worker : workers_) {
+      deferred.insert(deferred.end(), worker.deferred.begin(), worker.deferred.end());
+      worker.deferred.clear();
+    }
+    std::sort(deferred.begin(), deferred.end(), [](const DeferredPoint& a, const DeferredPoint& b) {
+      return a.slab != b.slab ? a.slab < b.slab : a.index_in_slab < b.index_in_slab;
+    });
+    Recall recall(stream_, plan_, loader_);
+    const std::size_t batch = recall.batch_points(options_.recall_bytes);
+    StageTally& tally = workers_.local().tally;
+    for (std::size_t first = 0; first < deferred.size(); first += batch) {
+      const auto begin = deferred.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto end = begin + static_cast<std::ptrdiff_t>(std::min(batch, deferred.size() - first));
+      recall.run({begin, end}, sink_, tally);
+      if (options_.progress) options_.progress(points_read_, deferred.size() - first);
+    }
+    statistics_.recalled = deferred.size();
+    statistics_.recalled_slabs = recall.slabs_read();
+    statistics_.certified += deferred.size();
+    statistics_.recall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+
+  SweepStatistics gather_statistics() {
+    statistics_.stage_seconds.assign(plan_.stages.size(), 0);
+    for (const Worker& worker : workers_) {
+      statistics_.certified += worker.certified;
+      statistics_.degenerate += worker.tally.degenerate;
+      statistics_.search_seconds += worker.search_seconds;
+      for (std::size_t s = 0; s < worker.tally.seconds.size(); ++s) {
+        statistics_.stage_seconds[s] += worker.tally.seconds[s];
+      }
+    }
+    const double slabs = static_cast<double>(std::max<std::size_t>(stream_.slabs().size(), 1));
+    statistics_.mean_points = active_sum_ / slabs;
+    statistics_.lifespan_mean = window_.lifespan_sum() / static_cast<double>(std::max<std::uint64_t>(points_read_, 1));
+    statistics_.lifespan_max = window_.lifespan_max();
+    return std::move(statistics_);
+  }
+
+  const Stream& stream_;
+  const SweepPlan& plan_;
+  Sink& sink_;
+  const SweepOptions& options_;
+  const SlabLoader loader_;
+  Outside outside_;
+  Window window_;
+  const CellRunner runner_;
+  oneapi::tbb::enumerable_thread_specific<Worker> workers_;
+  SweepStatistics statistics_;
+  std::uint64_t points_read_ = 0;
+  double active_sum_ = 0;
+};
+
+}  // namespace
+
+SweepStatistics sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options) {
+  return Sweep(stream, plan, sink, options).run();
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+/// The engine: one pass of the sweep plane over the ordered stream (paper Section 5.3 and Figure 16).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/order/stream.h"
+#include "pointsweep/sweep/plan.h"
+
+namespace pointsweep {
+
+struct SweepOptions {
+  std::uint32_t cell_points = 1024;      ///< a multiple of 16, at most kCellCapacity
+  std::size_t read_ahead = 1;            ///< slabs being read and cut while others are worked on
+  std::size_t recall_bytes = 64u << 20;  ///< memory for a batch of recalled points
+  /// Called by the sweep's thread after each slab with the points read and finished so far; may throw to end the run.
+  std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
+};
+
+struct SweepStatistics {
+  std::uint64_t certified = 0;   ///< points whose neighbourhood is proven exact; in the end all of them
+  std::uint64_t recalled = 0;    ///< of these, in the recall
+  std::uint64_t recalled_slabs = 0;
+  std::uint64_t degenerate = 0;
+  double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads (recall: wall)
+  std::vector<double> stage_seconds;                                ///< by stage, summed over threads
+  std::uint64_t peak_points = 0;
+  double mean_points = 0;
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active; one entry a slab
+  double lifespan_mean = 0, lifespan_max = 0;                   ///< seconds
+};
+
+/// Runs the plan over the whole stream; every point of every slab is handed to `sink` exactly once. Uses all threads of the
+/// calling arena. The results do not depend on threads, slabs, cells or memory. An exception in any part ends the run and is thrown.
+SweepStatistics sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options);
+
+}  // namespace pointsweep

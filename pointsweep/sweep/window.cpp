@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/sweep/window.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace pointsweep {
+
+namespace {
+
+/// How far neighbourhoods of a leaf's points should reach, from its own density, taken as a surface or as a volume.
+double expected_reach(const Cell& cell, std::uint32_t leaf, const Neighborhood& what) {
+  double side[3];
+  for (int a = 0; a < 3; ++a) side[a] = double{cell.leaf_box[a + 3][leaf]} - double{cell.leaf_box[a][leaf]};
+  std::sort(side, side + 3);
+  const double per_point = static_cast<double>(what.k) / cell.leaf_size(leaf);
+  const double surface = std::sqrt(per_point * side[2] * side[1] / std::numbers::pi);
+  const double volume = std::cbrt(per_point * side[2] * side[1] * side[0] * 3 / (4 * std::numbers::pi));
+  return 1.3 * std::max(surface, volume);
+}
+
+double expected_reach(const Cell& cell, const Neighborhood& what) {
+  if (what.k == Neighborhood::kUnlimited) return what.radius;
+  std::vector<double> reach(cell.leaf_count());
+  for (std::uint32_t l = 0; l < reach.size(); ++l) reach[l] = expected_reach(cell, l, what);
+  const auto most = reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * 7 / 8);
+  std::nth_element(reach.begin(), most, reach.end());
+  return std::min(*most, what.radius);
+}
+
+}  // namespace
+
+void Window::admit(std::unique_ptr<WindowCell> cell) {
+  std::uint32_t slot;
+  if (free_.empty()) {
+    slot = static_cast<std::uint32_t>(cells_.size());
+    cells_.emplace_back();
+    views_.emplace_back();
+  } else {
+    slot = free_.back();
+    free_.pop_back();
+  }
+  cell->wait_reach = expected_reach(cell->cell, plan_.neighborhood);
+  cell->read_at = std::chrono::steady_clock::now();
+  points_ += cell->cell.size();
+  directory_.add(slot, &cell->cell);
+  views_[slot] = cell->view();
+  cells_[slot] = std::move(cell);
+}
+
+bool Window::ready(const WindowCell& cell, std::uint32_t step) const {
+  if (cell.steps_done != step) return false;
+  if (step == 0) {
+    const double reach2 = cell.wait_reach * cell.wait_reach;
+    return outside_.slabs_read() >= cell.wait_for_slabs && outside_.unread_distance2(cell.cell.box, reach2) > reach2;
+  }
+  return std::all_of(cell.refers_to.begin(), cell.refers_to.end(),
+                     [&](std::uint32_t slot) { return cells_[slot]->steps_done >= step; });
+}
+
+std::vector<std::uint32_t> Window::ready_for(std::uint32_t step) const {
+  std::vector<std::uint32_t> slots;
+  for (const std::uint32_t slot : occupied()) {
+    if (ready(*cells_[slot], step)) slots.push_back(slot);
+  }
+  std::sort(slots.begin(), slots.end());
+  return slots;
+}
+
+/// A later point may need a cell that needs nothing later itself. Twice its own reach is kept clear of unread slabs
+/// and of waiting cells, and of waiting cells of similar density as much as these reach. What is denser than
+/// four times a waiting cell is not kept for it: its few points that fall on dropped cells are recalled instead.
+bool Window::still_needed(const WindowCell& cell, const std::vector<const WindowCell*>& unsearched) const {
+  const double own = 2 * cell.reach;
+  if (outside_.unread_distance2(cell.cell.box, own * own) <= own * own) return true;
+  return std::any_of(unsearched.begin(), unsearched.end(), [&](const WindowCell* other) {
+    const double reach = std::max(own, std::min(2 * other->wait_reach, 4 * cell.reach));
+    return distance2(other->cell.box, cell.cell.box) <= reach * reach;
+  });
+}
+
+void Window::drop() {
+  std::vector<std::uint8_t> referred(cells_.size(), 0);
+  std::vector<const WindowCell*> unsearched;
+  for (const std::uint32_t slot : occupied()) {
+    const WindowCell& cell = *cells_[slot];
+    if (cell.steps_done == 0) unsearched.push_back(&cell);
+    if (cell.steps_done == plan_.step_count()) continue;
+    for (const std::uint32_t other : cell.refers_to) referred[other] = 1;
+  }
+  std::vector<std::uint32_t> leaving;
+  for (const std::uint32_t slot : occupied()) {
+    const WindowCell& cell = *cells_[slot];
+    if (cell.steps_done == plan_.step_count() && !referred[slot] && !still_needed(cell, unsearched)) {
+      leaving.push_back(slot);
+    }
+  }
+  const auto now = std::chrono::steady_clock::now();
+  for (const std::uint32_t slot : leaving) {
+    const WindowCell& cell = *cells_[slot];
+    const double lifespan = std::chrono::duration<double>(now - cell.read_at).count();
+    lifespan_sum_ += lifespan * cell.cell.size();
+    lifespan_max_ = std::max(lifespan_max_, lifespan);
+    outside_.cell_was_dropped(cell.slab, cell.cell.box);
+    directory_.remove(slot);
+    points_ -= cell.cell.size();
+    cells_[slot].reset();
+    free_.push_back(slot);
+  }
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+/// The window: the cells now in memory (the paper's active working set A).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "pointsweep/search/directory.h"
+#include "pointsweep/sweep/certificate.h"
+#include "pointsweep/sweep/plan.h"
+#include "pointsweep/sweep/window_cell.h"
+
+namespace pointsweep {
+
+/// Cells live and leave one by one: a dense cell goes at once while a sparse one beside it stays, so that neither an
+/// outlier nor a scanner's far field holds the dense part in memory. Changed by the sweep's own thread only.
+class Window {
+ public:
+  Window(const SweepPlan& plan, Outside& outside) : plan_(plan), outside_(outside) {}
+
+  void admit(std::unique_ptr<WindowCell> cell);
+  /// Slots of the cells that can take step `step` now, ascending.
+  std::vector<std::uint32_t> ready_for(std::uint32_t step) const;
+  /// Lets go of every cell that is finished, that no unfinished cell refers to and that nothing to come is likely to need.
+  void drop();
+
+  WindowCell& at(std::uint32_t slot) { return *cells_[slot]; }
+  const WindowCell& at(std::uint32_t slot) const { return *cells_[slot]; }
+  const CellDirectory& directory() const { return directory_; }
+  const PointColumns* slots() const { return views_.data(); }
+  const std::vector<std::uint32_t>& occupied() const { return directory_.slots(); }
+  std::uint64_t points() const { return points_; }
+  double lifespan_sum() const { return lifespan_sum_; }  ///< seconds × points, over cells that have left
+  double lifespan_max() const { return lifespan_max_; }
+
+ private:
+  bool ready(const WindowCell& cell, std::uint32_t step) const;
+  bool still_needed(const WindowCell& cell, const std::vector<const WindowCell*>& unsearched) const;
+
+  const SweepPlan& plan_;
+  Outside& outside_;
+  std::vector<std::unique_ptr<WindowCell>> cells_;  ///< by slot
+  std::vector<PointColumns> views_;                 ///< by slot
+  std::vector<std::uint32_t> free_;
+  CellDirectory directory_;
+  std::uint64_t points_ = 0;
+  double lifespan_sum_ = 0, lifespan_max_ = 0;
+};
+
+}  // namespace pointsweep

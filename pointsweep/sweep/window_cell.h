@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// A cell in the window, with all that is known of its points while they are active.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/search/cell.h"
+#include "pointsweep/search/cell_search.h"
+
+namespace pointsweep {
+
+struct WindowCell {
+  Cell cell;
+  std::uint32_t slab = 0;
+  std::vector<std::uint32_t> index_in_slab;
+  std::vector<std::vector<std::byte>> columns;    ///< by column number; empty where not made
+  std::vector<const std::byte*> column_pointers;  ///< the same, as Neighborhoods wants them
+
+  std::uint32_t steps_done = 0;
+  double wait_reach = 0;          ///< the search waits until nothing unread is as near as this
+  std::size_t wait_for_slabs = 0;  ///< and until so many slabs have been read
+  double reach = 0;               ///< how far most of its neighbourhoods reached, once searched
+  CellNeighbors lists;            ///< kept only if a later step needs them
+  std::vector<std::uint32_t> refers_to;  ///< slots of the cells its lists name
+  /// Points that could not be finished in the sweep and are left to the recall; empty if there are none. While cells are worked on
+  /// in parallel a cell marks its own in `deferred`; others look at `deferred_before`, as it was before the step.
+  std::vector<std::uint8_t> deferred, deferred_before;
+  std::chrono::steady_clock::time_point read_at;
+
+  PointColumns view() const { return {cell.x, cell.y, cell.z, cell.row, column_pointers.data()}; }
+  bool is_deferred(std::uint32_t i) const { return !deferred.empty() && deferred[i] != 0; }
+  bool was_deferred(std::uint32_t i) const { return !deferred_before.empty() && deferred_before[i] != 0; }
+  void make_column(std::uint16_t column, std::size_t bytes_per_point) {
+    columns[column].resize(bytes_per_point * cell.size());
+    column_pointers[column] = columns[column].data();
+  }
+};
+
+}  // namespace pointsweep
