@@ -22,6 +22,7 @@ struct Attribute {
   std::vector<std::string> fields;  ///< the library's name of each component in files
   std::string unit;
   std::string meaning;
+  std::byte fill{0};  ///< every byte of the value of a point that has none (its coordinates are not finite)
 
   std::size_t bytes() const { return size_of(type) * fields.size(); }
 };

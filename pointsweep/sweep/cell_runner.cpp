@@ -93,6 +93,7 @@ bool CellRunner::certify(WindowCell& cell, const CellNeighbors& found, Worker& w
 void CellRunner::defer(WindowCell& cell, std::uint32_t i, double reach2, Worker& worker) const {
   if (cell.deferred.empty()) cell.deferred.resize(cell.cell.size(), 0);
   cell.deferred[i] = 1;
+  sink_.deferred(cell.slab, cell.index_in_slab[i]);
   worker.deferred.push_back({cell.cell.position(i), cell.cell.row[i], cell.slab, cell.index_in_slab[i], reach2,
                              cell.steps_done});
 }

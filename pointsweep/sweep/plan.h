@@ -64,6 +64,11 @@ class Sink {
  public:
   virtual ~Sink() = default;
   virtual void finished(const Finished& points) = 0;
+  /// A point of this slab will be finished only after the whole stream has been read. Thread-safe.
+  virtual void deferred(std::uint32_t slab, std::uint32_t index_in_slab) {
+    (void)slab;
+    (void)index_in_slab;
+  }
   /// The working records of a slab, as they were read, before any point of it is finished. Only if wants_records().
   virtual bool wants_records() const { return false; }
   virtual void slab_read(std::uint32_t slab, std::vector<std::byte> records) {

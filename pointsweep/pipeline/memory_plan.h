@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+/// What is kept in memory and what is spilled, so that a run stays inside its budget.
+#pragma once
+
+#include <cstdint>
+
+#include "pointsweep/pipeline/chain.h"
+
+namespace pointsweep {
+
+struct MemoryDemand {
+  std::uint64_t points = 0;
+  std::uint64_t working_record_bytes = 0;
+  std::uint64_t result_record_bytes = 0;
+  std::uint64_t slab_points = 0;
+  unsigned threads = 1;
+};
+
+struct MemoryPlan {
+  bool spill_stream = false;
+  bool spill_results = false;
+  std::uint64_t slab_points = 0;
+  std::uint64_t stream_buffer_bytes = 0;  ///< for the distribution pass
+  std::uint64_t result_buffer_bytes = 0;
+  std::uint64_t recall_bytes = 0;
+  std::uint64_t window_bytes = 0;    ///< expected
+  std::uint64_t expected_bytes = 0;  ///< in all
+};
+
+/// What a run needs besides anything that grows with the cloud: code, thread stacks, chunks being read and written.
+inline constexpr std::uint64_t kFixedBytes = 24u << 20;
+
+/// Prefers memory, then thinner slabs, then spilling. Throws Error with the figure needed when the budget cannot do.
+MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand);
+
+/// Memory that is free for the taking on this machine, in bytes: MemAvailable, or less inside a control group.
+std::uint64_t available_memory();
+
+/// Half of available_memory().
+std::uint64_t default_memory_budget();
+
+}  // namespace pointsweep

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// The files of a run, opened before the work and completed after it.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pointsweep/pipeline/output_layout.h"
+#include "pointsweep/pipeline/pipeline.h"
+
+namespace pointsweep {
+
+class OutputSet {
+ public:
+  /// Refuses before any work: unknown formats, existing files, missing folders, names of attributes nobody makes.
+  OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const Outputs& outputs, bool overwrite,
+            std::optional<Box> bounds);
+
+  const OutputLayout& layout() const { return layout_; }
+  /// The next rows in input order: reads the same rows of the cloud and puts the results to them.
+  void write_results(Cloud& cloud, std::uint64_t first_row, std::span<const std::byte> results);
+  /// The next whole records of layout().
+  void write_records(std::span<const std::byte> records);
+  /// Gives the files their names.
+  void finish();
+  std::uint64_t bytes_written() const;
+
+ private:
+  struct Array {
+    std::unique_ptr<Writer> writer;
+    std::size_t offset, bytes;  ///< in a result record
+  };
+  OutputLayout layout_;
+  std::uint32_t input_stride_;
+  std::size_t result_bytes_ = 0;
+  std::vector<std::unique_ptr<Writer>> writers_;
+  std::vector<Array> arrays_;
+  std::vector<std::byte> inputs_, assembled_, column_;
+};
+
+}  // namespace pointsweep
