@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "pointsweep/formats/common_schema.h"
 #include "pointsweep/formats/reader.h"
 #include "pointsweep/points/schema.h"
 
@@ -16,7 +17,8 @@ namespace pointsweep {
 
 /// One schema serves all inputs: the common one where all agree bit for bit; otherwise the union of their fields by
 /// name, coordinates without loss (float64 unless all are float32, LAS integers where scale agrees and offsets
-/// differ by whole steps that fit), and a field that an input lacks is 0 there.
+/// differ by whole steps that fit), other fields in the smallest type that holds the values of all inputs, and a field
+/// that an input lacks is 0 there.
 class Cloud {
  public:
   explicit Cloud(const std::vector<std::filesystem::path>& paths);
@@ -34,9 +36,11 @@ class Cloud {
   std::size_t read(std::uint64_t row, std::span<std::byte> records);
 
  private:
+  std::size_t read_input(std::size_t input, std::uint64_t row, std::span<std::byte> records);
+
   std::vector<std::unique_ptr<Reader>> readers_;
   std::vector<std::uint64_t> first_row_;
-  std::vector<std::unique_ptr<RecordConversion>> conversions_;  ///< null where the input already has the schema
+  std::vector<InputMapping> mappings_;
   std::vector<std::byte> scratch_;
   Schema schema_;
   std::uint64_t count_ = 0;

@@ -2,7 +2,6 @@
 /// The names under which programs store the same attribute.
 #include <algorithm>
 #include <array>
-#include <span>
 
 #include "pointsweep/points/schema.h"
 
@@ -34,6 +33,11 @@ constexpr Row kRows[] = {
     {"surface_variation", "curvature", "scalar_surface_variation", "scalar_curvature"},
 };
 
+bool same_word(std::string_view spelling, std::string_view lower_case) {
+  return std::equal(spelling.begin(), spelling.end(), lower_case.begin(), lower_case.end(),
+                    [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+}
+
 }  // namespace
 
 std::vector<std::string> spellings_of(std::string_view name) {
@@ -43,6 +47,14 @@ std::vector<std::string> spellings_of(std::string_view name) {
     return {row.begin(), end};
   }
   return {std::string(name)};
+}
+
+std::string library_name_of(std::string_view spelling) {
+  for (const Row& row : kRows) {
+    const auto known = [&](std::string_view name) { return !name.empty() && same_word(spelling, name); };
+    if (std::any_of(row.begin(), row.end(), known)) return std::string(row.front());
+  }
+  return std::string(spelling);
 }
 
 }  // namespace pointsweep

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/cloud.h"
+
+#include <algorithm>
+
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kScratchBytes = 1 << 20;
+
+std::vector<std::unique_ptr<Reader>> open_all(const std::vector<std::filesystem::path>& paths) {
+  std::vector<std::unique_ptr<Reader>> readers;
+  for (const auto& path : paths) readers.push_back(open_reader(path));
+  return readers;
+}
+
+}  // namespace
+
+Cloud::Cloud(const std::vector<std::filesystem::path>& paths) : Cloud(open_all(paths)) {}
+
+Cloud::Cloud(std::vector<std::unique_ptr<Reader>> readers) : readers_(std::move(readers)) {
+  if (readers_.empty()) fail_usage("no input was given; name at least one point file.");
+  CommonSchema common = common_schema(readers_);
+  schema_ = std::move(common.schema);
+  mappings_ = std::move(common.mappings);
+  for (const auto& reader : readers_) {
+    first_row_.push_back(count_);
+    count_ += reader->info().count;
+  }
+}
+
+std::shared_ptr<const FormatExtras> Cloud::extras() const { return readers_.front()->info().extras; }
+
+std::uint64_t Cloud::bytes() const {
+  std::uint64_t bytes = 0;
+  for (const auto& reader : readers_) bytes += reader->info().bytes;
+  return bytes;
+}
+
+std::size_t Cloud::read(std::uint64_t row, std::span<std::byte> records) {
+  std::size_t done = 0;
+  for (const std::size_t wanted = records.size() / schema_.stride; done < wanted && row + done < count_;) {
+    const auto next = std::upper_bound(first_row_.begin(), first_row_.end(), row + done);
+    const auto input = static_cast<std::size_t>(next - first_row_.begin()) - 1;
+    done += read_input(input, row + done - first_row_[input], records.subspan(done * schema_.stride));
+  }
+  return done;
+}
+
+/// As read(), from one input whose rows start at 0 and which has at least one more.
+std::size_t Cloud::read_input(std::size_t input, std::uint64_t row, std::span<std::byte> records) {
+  Reader& reader = *readers_[input];
+  const InputMapping& mapping = mappings_[input];
+  const std::size_t stride = reader.info().schema.stride;
+  std::span<std::byte> target = records;
+  if (mapping.conversion) {
+    const std::size_t most = std::max<std::size_t>(1, kScratchBytes / stride);
+    const std::size_t rows = std::min(records.size() / schema_.stride, most);
+    scratch_.resize(std::max(scratch_.size(), rows * stride));
+    target = std::span(scratch_).first(rows * stride);
+  }
+  const std::size_t rows = reader.read(row, target);
+  if (rows == 0) fail("{}: ends before its last point; run again when nobody writes to it.", reader.info().path.string());
+  if (mapping.shift.is_needed()) mapping.shift.run(target.first(rows * stride), stride, reader.info().path);
+  if (mapping.conversion) mapping.conversion->run(target.data(), records.data(), rows);
+  return rows;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/common_schema.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+namespace {
+
+using Readers = std::vector<std::unique_ptr<Reader>>;
+constexpr std::array kAxes{"x", "y", "z"};
+
+bool is_grid(const Field& field) {
+  return field.type == Type::i32 && field.count == 1 && field.bit_width == 0 && field.scale > 0;
+}
+
+/// Whole steps from the grid of `field` to that of `base`, if all coordinates within [lo, hi] stay in 32 bits.
+std::optional<std::int64_t> steps_between(const Field& field, const Field& base, double lo, double hi) {
+  if (!is_grid(field) || !is_grid(base) || field.scale != base.scale) return std::nullopt;
+  if (field.bias == base.bias) return 0;
+  const double steps = std::nearbyint((field.bias - base.bias) / base.scale);
+  if (!(std::abs(steps) < 4294967296.0)) return std::nullopt;
+  if (!(std::abs((field.bias - base.bias) / base.scale - steps) < 1e-6)) return std::nullopt;
+  const double first = (lo - base.bias) / base.scale, last = (hi - base.bias) / base.scale;
+  if (!(first > -2147483647.0 && last < 2147483646.0)) return std::nullopt;
+  return static_cast<std::int64_t>(steps);
+}
+
+/// The shift of a file to the grid of `base`; nothing where the grids do not agree or the file's bounds do not fit.
+std::optional<GridShift> shift_between(const FileInfo& info, const Schema& base) {
+  const Box box = info.bounds.value_or(Box{});
+  GridShift shift;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Field& field = info.schema.fields[*info.schema.find(kAxes[axis])];
+    const auto steps = steps_between(field, base.fields[*base.find(kAxes[axis])], box.lo[axis], box.hi[axis]);
+    if (!steps) return std::nullopt;
+    shift.offsets[axis] = field.offset;
+    shift.steps[axis] = *steps;
+  }
+  return shift;
+}
+
+/// The schema as it is once its coordinates are on the grid of `base`.
+Schema on_grid_of(Schema schema, const Schema& base) {
+  for (const char* axis : kAxes) schema.fields[*schema.find(axis)].bias = base.fields[*base.find(axis)].bias;
+  return schema;
+}
+
+struct IntegerRange {
+  double lo, hi;
+};
+
+/// The integers that a field can hold, or nothing if it is scaled or floating.
+std::optional<IntegerRange> integers_of(const Field& field) {
+  if (field.scale != 1 || field.bias != 0) return std::nullopt;
+  if (field.bit_width != 0) return IntegerRange{0, std::ldexp(1.0, field.bit_width) - 1};
+  const int bits = static_cast<int>(8 * size_of(field.type));
+  switch (field.type) {
+    case Type::u8:
+    case Type::u16:
+    case Type::u32:
+    case Type::u64: return IntegerRange{0, std::ldexp(1.0, bits) - 1};
+    case Type::i8:
+    case Type::i16:
+    case Type::i32:
+    case Type::i64: return IntegerRange{-std::ldexp(1.0, bits - 1), std::ldexp(1.0, bits - 1) - 1};
+    default: return std::nullopt;
+  }
+}
+
+bool is_plain_float(const Field& field) { return field.type == Type::f32 && field.is_plain(); }
+
+/// Whether a float holds every value of the field.
+bool fits_float(const Field& field) {
+  const auto integers = integers_of(field);
+  return is_plain_float(field) || (integers && integers->lo >= -16777216 && integers->hi <= 16777216);
+}
+
+/// The smallest type that holds every value of both fields; float64 where none does.
+Type common_type(const Field& a, const Field& b) {
+  const auto p = integers_of(a), q = integers_of(b);
+  if (!p || !q) return fits_float(a) && fits_float(b) ? Type::f32 : Type::f64;
+  for (const Type type : {Type::u8, Type::i8, Type::u16, Type::i16, Type::u32, Type::i32, Type::u64, Type::i64}) {
+    Field whole;
+    whole.type = type;
+    const IntegerRange range = *integers_of(whole);
+    if (range.lo <= std::min(p->lo, q->lo) && range.hi >= std::max(p->hi, q->hi)) return type;
+  }
+  return Type::f64;
+}
+
+bool same_storage(const Field& a, const Field& b) {
+  return a.type == b.type && a.bit_width == b.bit_width && a.scale == b.scale && a.bias == b.bias;
+}
+
+/// `field` without its place: bit fields get a word of their own.
+Field unpacked(const Field& field) {
+  Field out = field;
+  out.offset = 0;
+  if (field.bit_width == 0) return out;
+  out.bit_shift = out.bit_width = 0;
+  if (const auto range = integers_of(field); range && range->hi <= 255) out.type = Type::u8;
+  return out;
+}
+
+/// Makes `into` able to hold the values of `field` too.
+void widen(Field& into, const Field& field) {
+  into.count = std::max(into.count, field.count);
+  const Field other = unpacked(field);
+  if (same_storage(into, other)) return;
+  into.type = common_type(into, other);
+  into.scale = 1;
+  into.bias = 0;
+}
+
+/// Fields of many schemas, gathered under the names of the first that has each.
+class Union {
+ public:
+  /// Adds a schema and returns it with its fields renamed to those of the union.
+  Schema add(Schema schema) {
+    std::vector<bool> taken(fields_.size());
+    for (Field& field : schema.fields) {
+      const std::string key = library_name_of(field.name);
+      std::size_t i = 0;
+      while (i < fields_.size() && (taken[i] || keys_[i] != key)) ++i;
+      if (i == fields_.size()) {
+        fields_.push_back(unpacked(field));
+        keys_.push_back(key);
+        taken.push_back(true);
+      } else {
+        widen(fields_[i], field);
+        taken[i] = true;
+      }
+      field.name = fields_[i].name;
+    }
+    return schema;
+  }
+
+  Schema schema() const {
+    Schema schema;
+    for (const Field& field : fields_) {
+      const std::size_t i = schema.append(field.name, field.type, field.count);
+      schema.fields[i].scale = field.scale;
+      schema.fields[i].bias = field.bias;
+    }
+    return schema;
+  }
+
+ private:
+  std::vector<Field> fields_;
+  std::vector<std::string> keys_;
+};
+
+}  // namespace
+
+void GridShift::run(std::span<std::byte> records, std::size_t stride, const std::filesystem::path& path) const {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (steps[axis] == 0) continue;
+    for (std::size_t at = offsets[axis]; at < records.size(); at += stride) {
+      std::int32_t raw = 0;
+      std::memcpy(&raw, records.data() + at, sizeof raw);
+      const std::int64_t moved = raw + steps[axis];
+      if (moved != static_cast<std::int32_t>(moved)) {
+        fail("{}: has points far outside the bounds in its header; correct the header or process the file alone.",
+             path.string());
+      }
+      raw = static_cast<std::int32_t>(moved);
+      std::memcpy(records.data() + at, &raw, sizeof raw);
+    }
+  }
+}
+
+CommonSchema common_schema(const Readers& readers) {
+  for (const auto& reader : readers) position_fields(reader->info().schema, reader->info().path.string());
+  const Schema& base = readers.front()->info().schema;
+  std::vector<std::optional<GridShift>> shifts;
+  for (const auto& reader : readers) shifts.push_back(shift_between(reader->info(), base));
+  const bool one_grid = std::all_of(shifts.begin(), shifts.end(), [](const auto& shift) { return shift.has_value(); });
+
+  CommonSchema common;
+  std::vector<Schema> schemas;
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    const Schema& schema = readers[i]->info().schema;
+    common.mappings.push_back({one_grid ? *shifts[i] : GridShift{}, nullptr});
+    schemas.push_back(one_grid ? on_grid_of(schema, base) : schema);
+  }
+  common.schema = base;
+  if (std::all_of(schemas.begin(), schemas.end(), [&](const Schema& s) { return s == base; })) return common;
+
+  Union all;
+  for (Schema& schema : schemas) schema = all.add(std::move(schema));
+  common.schema = all.schema();
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    common.mappings[i].conversion = std::make_unique<RecordConversion>(schemas[i], common.schema);
+  }
+  return common;
+}
+
+}  // namespace pointsweep

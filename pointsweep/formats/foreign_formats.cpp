@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/foreign_formats.h"
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/extension.h"
+
+namespace pointsweep {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr std::string_view kWithPcl = "convert it to PLY, e.g. with 'pcl_pcd2ply IN.pcd OUT.ply'";
+constexpr std::string_view kWithPdal = "convert it to LAS, e.g. with 'pdal translate IN OUT.las'";
+constexpr std::string_view kWithMeshTool = "export its points as PLY, e.g. with MeshLab or CloudCompare";
+constexpr std::string_view kUnpack = "unpack it first";
+
+struct Magic {
+  std::string_view bytes;
+  std::string_view what;
+  std::string_view remedy;
+};
+constexpr Magic kMagics[] = {
+    {"# .PCD"sv, "a PCD file", kWithPcl},
+    {"VERSION .7"sv, "a PCD file", kWithPcl},
+    {"VERSION 0.7"sv, "a PCD file", kWithPcl},
+    {"ASTM-E57"sv, "an E57 file", kWithPdal},
+    {"\x1f\x8b"sv, "a gzip archive", kUnpack},
+    {"PK\x03\x04"sv, "a zip archive", kUnpack},
+    {"BZh"sv, "a bzip2 archive", kUnpack},
+    {"\xfd\x37zXZ\0"sv, "an xz archive", kUnpack},
+    {"\x28\xb5\x2f\xfd"sv, "a zstd archive", kUnpack},
+    {"\x93NUMPY"sv, "a NumPy array", "write it as text (numpy.savetxt) or PLY first"},
+    {"\x89HDF"sv, "an HDF5 file", "export its points as PLY or LAS"},
+    {"glTF"sv, "a glTF file", kWithMeshTool},
+    {"# vtk DataFile"sv, "a VTK file", kWithMeshTool},
+    {"OFF"sv, "an OFF file", kWithMeshTool},
+    {"COFF"sv, "an OFF file", kWithMeshTool},
+    {"NOFF"sv, "an OFF file", kWithMeshTool},
+    {"solid "sv, "an STL file", kWithMeshTool},
+    {"mtllib "sv, "an OBJ file", kWithMeshTool},
+    {"v "sv, "an OBJ file", kWithMeshTool},
+    {"<?xml"sv, "an XML file", "give the file that holds the points"},
+    {"{"sv, "a JSON file", "give the file that holds the points"},
+    {"\xff\xfe"sv, "text in UTF-16", "save it as UTF-8"},
+    {"\xfe\xff"sv, "text in UTF-16", "save it as UTF-8"},
+};
+
+/// Text formats without a magic number go by their extension.
+constexpr Magic kExtensions[] = {
+    {".pcd"sv, "a PCD file", kWithPcl},       {".ptx"sv, "a PTX file", kWithPdal},
+    {".obj"sv, "an OBJ file", kWithMeshTool}, {".off"sv, "an OFF file", kWithMeshTool},
+    {".stl"sv, "an STL file", kWithMeshTool},
+};
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const Magic& magic) {
+  fail("{}: is {}, which pointsweep does not read; {}.", path.string(), magic.what, magic.remedy);
+}
+
+}  // namespace
+
+void refuse_foreign_format(const std::filesystem::path& path, std::string_view head) {
+  for (const Magic& magic : kMagics) {
+    if (head.starts_with(magic.bytes)) refuse(path, magic);
+  }
+  for (const Magic& magic : kExtensions) {
+    if (extension_of(path) == magic.bytes) refuse(path, magic);
+  }
+  const std::size_t zero = head.find('\0');
+  if (zero != head.npos) {
+    fail("{}: is binary (byte {} is 0) but neither PLY nor LAS, the binary formats that are read; convert it to one.",
+         path.string(), zero);
+  }
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+/// Files that are recognised only to say what they are.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace pointsweep {
+
+/// Throws Error for a file that starts with `head` and is of a known format that is not read: what it is, and what to
+/// do. Returns for anything else.
+void refuse_foreign_format(const std::filesystem::path& path, std::string_view head);
+
+}  // namespace pointsweep

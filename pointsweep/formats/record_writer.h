@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+/// Output files that are a header and then records of a fixed size.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/formats/output_file.h"
+#include "pointsweep/formats/writer.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// A writer whose file is `header`, then for each record of the plan one of `stored`: the same bytes where the schemas
+/// are equal, converted a block at a time otherwise.
+class RecordWriter : public Writer {
+ public:
+  void write(std::span<const std::byte> records) override;
+  bool can_write_at() const override { return true; }
+  void write_at(std::uint64_t row, std::span<const std::byte> records) override;
+  void finish() override;
+
+ protected:
+  RecordWriter(const OutputPlan& plan, std::string_view header, const Schema& stored);
+
+  /// Called with every block of input records before it is stored; may throw.
+  virtual void check(std::span<const std::byte>) const {}
+  const OutputPlan& plan() const { return plan_; }
+
+ private:
+  OutputPlan plan_;
+  OutputFile file_;
+  std::uint64_t header_bytes_;
+  std::uint32_t stored_stride_;
+  RecordConversion conversion_;
+  std::vector<std::byte> converted_;
+  std::uint64_t rows_written_ = 0;  ///< by write() and write_at() together
+};
+
+}  // namespace pointsweep
