@@ -62,7 +62,8 @@ std::size_t Cloud::read_input(std::size_t input, std::uint64_t row, std::span<st
     target = std::span(scratch_).first(rows * stride);
   }
   const std::size_t rows = reader.read(row, target);
-  if (rows == 0) fail("{}: ends before its last point; run again when nobody writes to it.", reader.info().path.string());
+  if (rows == 0)
+    fail("{}: ends before its last point; run again when nobody writes to it.", reader.info().path.string());
   if (mapping.shift.is_needed()) mapping.shift.run(target.first(rows * stride), stride, reader.info().path);
   if (mapping.conversion) mapping.conversion->run(target.data(), records.data(), rows);
   return rows;

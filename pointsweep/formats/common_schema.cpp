@@ -64,12 +64,15 @@ std::optional<IntegerRange> integers_of(const Field& field) {
     case Type::u8:
     case Type::u16:
     case Type::u32:
-    case Type::u64: return IntegerRange{0, std::ldexp(1.0, bits) - 1};
+    case Type::u64:
+      return IntegerRange{0, std::ldexp(1.0, bits) - 1};
     case Type::i8:
     case Type::i16:
     case Type::i32:
-    case Type::i64: return IntegerRange{-std::ldexp(1.0, bits - 1), std::ldexp(1.0, bits - 1) - 1};
-    default: return std::nullopt;
+    case Type::i64:
+      return IntegerRange{-std::ldexp(1.0, bits - 1), std::ldexp(1.0, bits - 1) - 1};
+    default:
+      return std::nullopt;
   }
 }
 

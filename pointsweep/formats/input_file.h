@@ -9,7 +9,8 @@
 
 namespace pointsweep {
 
-/// Every failure is an Error that names the file and says what to do. Reads nothing on opening, keeps nothing in memory.
+/// Every failure is an Error that names the file and says what to do. Reads nothing on opening, keeps nothing in
+/// memory.
 class InputFile {
  public:
   /// Throws when the file is missing, a folder, no regular file, or may not be read.

@@ -32,11 +32,16 @@ fs::path folder_of(const fs::path& destination) {
       fail("{}: no space left in {}; free some or write to another disk (nothing was left behind).", name,
            folder_of(destination).string());
     case EACCES:
-    case EPERM: fail("{}: no permission to write in {}; choose another folder.", name, folder_of(destination).string());
-    case EROFS: fail("{}: {} is read-only; choose another folder.", name, folder_of(destination).string());
-    case EFBIG: fail("{}: has become larger than its file system or a limit (ulimit -f) allows.", name);
-    case ENAMETOOLONG: fail("{}: its name is too long; choose a shorter one.", name);
-    default: fail("{}: cannot be written: {}.", name, std::generic_category().message(error));
+    case EPERM:
+      fail("{}: no permission to write in {}; choose another folder.", name, folder_of(destination).string());
+    case EROFS:
+      fail("{}: {} is read-only; choose another folder.", name, folder_of(destination).string());
+    case EFBIG:
+      fail("{}: has become larger than its file system or a limit (ulimit -f) allows.", name);
+    case ENAMETOOLONG:
+      fail("{}: its name is too long; choose a shorter one.", name);
+    default:
+      fail("{}: cannot be written: {}.", name, std::generic_category().message(error));
   }
 }
 
@@ -105,8 +110,7 @@ int rename_to_new(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-OutputFile::OutputFile(const fs::path& destination, bool overwrite)
-    : destination_(destination), overwrite_(overwrite) {
+OutputFile::OutputFile(const fs::path& destination, bool overwrite) : destination_(destination), overwrite_(overwrite) {
   check_destination(destination, overwrite);
   // An output that is a link replaces what the link points to.
   std::error_code error;

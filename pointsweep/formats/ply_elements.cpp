@@ -77,7 +77,8 @@ std::uint64_t end_of_binary_element(const InputFile& file, const PlyElement& ele
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (const PlyProperty& property : element.properties) {
       const std::uint64_t items =
-          property.is_list ? take_count(walker, property, encoding == PlyEncoding::big_endian, file.path(), element) : 1;
+          property.is_list ? take_count(walker, property, encoding == PlyEncoding::big_endian, file.path(), element)
+                           : 1;
       walker.skip(items * size_of(property.type));
       if (walker.offset() > file.size()) fail_inside(file.path(), element);
     }

@@ -18,11 +18,10 @@ struct TypeName {
   Type type;
 };
 constexpr TypeName kTypeNames[] = {
-    {"char", Type::i8},    {"uchar", Type::u8},    {"short", Type::i16},   {"ushort", Type::u16},
-    {"int", Type::i32},    {"uint", Type::u32},    {"float", Type::f32},   {"double", Type::f64},
-    {"int8", Type::i8},    {"uint8", Type::u8},    {"int16", Type::i16},   {"uint16", Type::u16},
-    {"int32", Type::i32},  {"uint32", Type::u32},  {"int64", Type::i64},   {"uint64", Type::u64},
-    {"float32", Type::f32}, {"float64", Type::f64},
+    {"char", Type::i8},    {"uchar", Type::u8},    {"short", Type::i16},   {"ushort", Type::u16}, {"int", Type::i32},
+    {"uint", Type::u32},   {"float", Type::f32},   {"double", Type::f64},  {"int8", Type::i8},    {"uint8", Type::u8},
+    {"int16", Type::i16},  {"uint16", Type::u16},  {"int32", Type::i32},   {"uint32", Type::u32}, {"int64", Type::i64},
+    {"uint64", Type::u64}, {"float32", Type::f32}, {"float64", Type::f64},
 };
 
 std::vector<std::string_view> words_of(std::string_view line) {
@@ -158,9 +157,12 @@ PlyHeader read_ply_header(const InputFile& file) { return Parser(file).run(); }
 
 std::string_view name_of(PlyEncoding encoding) {
   switch (encoding) {
-    case PlyEncoding::little_endian: return "binary_little_endian";
-    case PlyEncoding::big_endian: return "binary_big_endian";
-    case PlyEncoding::ascii: break;
+    case PlyEncoding::little_endian:
+      return "binary_little_endian";
+    case PlyEncoding::big_endian:
+      return "binary_big_endian";
+    case PlyEncoding::ascii:
+      break;
   }
   return "ascii";
 }

@@ -17,7 +17,7 @@ enum class PlyEncoding : std::uint8_t { ascii, little_endian, big_endian };
 
 struct PlyProperty {
   std::string name;
-  Type type = Type::f32;       ///< of the value, or of the items of a list
+  Type type = Type::f32;  ///< of the value, or of the items of a list
   bool is_list = false;
   Type count_type = Type::u8;  ///< of the count before the items of a list
 };

@@ -18,9 +18,10 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "records are the bytes of little-endian files");
 
 [[noreturn]] void fail_truncated(const InputFile& file, std::uint64_t expected, std::uint64_t found) {
-  fail("{}: the header says {} vertices, but the file ends after {}; it is truncated or its header lies, so get the "
-       "whole file or correct the line 'element vertex'.",
-       file.path().string(), expected, found);
+  fail(
+      "{}: the header says {} vertices, but the file ends after {}; it is truncated or its header lies, so get the "
+      "whole file or correct the line 'element vertex'.",
+      file.path().string(), expected, found);
 }
 
 class PlyReader : public Reader {
@@ -116,7 +117,8 @@ class AsciiPlyReader final : public PlyReader {
         return true;
       });
       if (!good) {
-        complain(fmt::format("'{}' is no {} for the property '{}'", word.substr(0, 40), name_of(field.type), field.name));
+        complain(
+            fmt::format("'{}' is no {} for the property '{}'", word.substr(0, 40), name_of(field.type), field.name));
       }
     }
     if (!take_word(line, at).empty()) {

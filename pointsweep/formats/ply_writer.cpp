@@ -15,16 +15,26 @@ namespace {
 
 std::string_view ply_name_of(Type type) {
   switch (type) {
-    case Type::i8: return "char";
-    case Type::u8: return "uchar";
-    case Type::i16: return "short";
-    case Type::u16: return "ushort";
-    case Type::i32: return "int";
-    case Type::u32: return "uint";
-    case Type::f32: return "float";
-    case Type::f64: return "double";
-    case Type::i64: return "int64";
-    case Type::u64: break;
+    case Type::i8:
+      return "char";
+    case Type::u8:
+      return "uchar";
+    case Type::i16:
+      return "short";
+    case Type::u16:
+      return "ushort";
+    case Type::i32:
+      return "int";
+    case Type::u32:
+      return "uint";
+    case Type::f32:
+      return "float";
+    case Type::f64:
+      return "double";
+    case Type::i64:
+      return "int64";
+    case Type::u64:
+      break;
   }
   return "uint64";
 }

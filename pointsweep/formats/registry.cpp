@@ -7,6 +7,8 @@
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/foreign_formats.h"
 #include "pointsweep/formats/input_file.h"
+#include "pointsweep/formats/las_reader.h"
+#include "pointsweep/formats/las_writer.h"
 #include "pointsweep/formats/ply_reader.h"
 #include "pointsweep/formats/ply_writer.h"
 #include "pointsweep/formats/reader.h"
@@ -35,8 +37,9 @@ struct WriterOf {
   std::unique_ptr<Writer> (*create)(const OutputPlan& plan);
 };
 constexpr WriterOf kWriters[] = {
-    {".ply", create_ply_writer},  {".xyz", create_text_writer}, {".txt", create_text_writer},
-    {".csv", create_text_writer}, {".asc", create_text_writer}, {".pts", create_text_writer},
+    {".ply", create_ply_writer},  {".las", create_las_writer},  {".xyz", create_text_writer},
+    {".txt", create_text_writer}, {".csv", create_text_writer}, {".asc", create_text_writer},
+    {".pts", create_text_writer},
 };
 
 }  // namespace
@@ -44,6 +47,7 @@ constexpr WriterOf kWriters[] = {
 std::unique_ptr<Reader> open_reader(const std::filesystem::path& path) {
   const std::string head = head_of(path);
   if (starts_as_ply(head)) return open_ply(path);
+  if (head.starts_with("LASF")) return open_las(path);
   refuse_foreign_format(path, head);
   return open_text(path);
 }

@@ -45,7 +45,8 @@ std::string_view RowLines::advance() {
   while (const auto line = lines_.next()) {
     if (is_row_(*line)) return *line;
   }
-  fail("{}: has fewer rows than when it was opened; run again when nobody writes to it.", lines_.file().path().string());
+  fail("{}: has fewer rows than when it was opened; run again when nobody writes to it.",
+       lines_.file().path().string());
 }
 
 }  // namespace pointsweep

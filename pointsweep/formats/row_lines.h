@@ -11,7 +11,8 @@
 
 namespace pointsweep {
 
-/// Lines that hold values, counted once, with the place of each 65,536th kept, so that a jump rescans at most that many.
+/// Lines that hold values, counted once, with the place of each 65,536th kept, so that a jump rescans at most that
+/// many.
 class RowLines {
  public:
   using IsRow = bool (*)(std::string_view line);

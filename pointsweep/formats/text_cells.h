@@ -7,7 +7,8 @@
 
 namespace pointsweep {
 
-/// What stands between the cells of a line: a semicolon or comma if there is one outside quotes, spaces and tabs otherwise.
+/// What stands between the cells of a line: a semicolon or comma if there is one outside quotes, spaces and tabs
+/// otherwise.
 enum class Separator : char { space = ' ', comma = ',', semicolon = ';' };
 
 Separator separator_of(std::string_view line);

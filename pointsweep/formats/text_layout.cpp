@@ -91,9 +91,10 @@ class LayoutFinder {
 
   void take_header() {
     if (!names_a_point(cells_)) {
-      fail("{}: line {} is neither numbers nor a header that names x, y and z; this is no text file of points, or its "
-           "columns need a header.",
-           file_.path().string(), lines_.line());
+      fail(
+          "{}: line {} is neither numbers nor a header that names x, y and z; this is no text file of points, or its "
+          "columns need a header.",
+          file_.path().string(), lines_.line());
     }
     layout_.names = copies_of(cells_);
     layout_.has_header = true;

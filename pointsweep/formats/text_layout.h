@@ -13,7 +13,7 @@
 namespace pointsweep {
 
 struct TextLayout {
-  std::vector<std::string> names;  ///< one for each column
+  std::vector<std::string> names;          ///< one for each column
   Separator separator = Separator::space;  ///< of the rows; that of the header may differ
   bool has_header = false;
   std::optional<std::uint64_t> announced;  ///< rows, as a first line that is nothing but an integer says (.pts)

@@ -14,9 +14,12 @@ namespace {
 
 std::string_view word_for(Separator separator) {
   switch (separator) {
-    case Separator::comma: return "comma";
-    case Separator::semicolon: return "semicolon";
-    case Separator::space: break;
+    case Separator::comma:
+      return "comma";
+    case Separator::semicolon:
+      return "semicolon";
+    case Separator::space:
+      break;
   }
   return "space";
 }

@@ -58,7 +58,10 @@ PositionFields position_fields(const Schema& schema, std::string_view where) {
   const auto x = schema.find("x"), y = schema.find("y"), z = schema.find("z");
   if (!x || !y || !z) {
     fail("{}: its points have no {}; a point cloud needs the fields x, y and z (fields found: {}).", where,
-         !x ? "x" : !y ? "y" : "z", names_of(schema));
+         !x   ? "x"
+         : !y ? "y"
+              : "z",
+         names_of(schema));
   }
   return {schema.fields[*x], schema.fields[*y], schema.fields[*z]};
 }

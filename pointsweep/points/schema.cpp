@@ -104,9 +104,8 @@ std::size_t Schema::append(std::string name, Type type, std::uint32_t count) {
 }
 
 double value_of(const Field& field, const std::byte* record, std::uint32_t component) {
-  return with_type(field.type, [&]<class T>() {
-    return load_value<T>(field, record + field.offset + component * sizeof(T));
-  });
+  return with_type(field.type,
+                   [&]<class T>() { return load_value<T>(field, record + field.offset + component * sizeof(T)); });
 }
 
 void set_value(const Field& field, std::byte* record, double value, std::uint32_t component) {

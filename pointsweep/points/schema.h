@@ -25,7 +25,8 @@ std::size_t size_of(Type type);
 std::string_view name_of(Type type);
 
 /// One named value (or `count` equal ones) inside a record.
-/// value = bits(raw) * scale + bias, where bits() takes `bit_width` bits from `bit_shift` on, or all if `bit_width` is 0.
+/// value = bits(raw) * scale + bias, where bits() takes `bit_width` bits from `bit_shift` on, or all if `bit_width` is
+/// 0.
 struct Field {
   std::string name;  ///< as the file calls it
   Type type = Type::f32;

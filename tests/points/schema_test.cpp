@@ -50,9 +50,7 @@ TEST(Schema, FindsEverySpellingInAnyCase) {
   EXPECT_EQ(schema_of({"x", "y"}).find("nx"), std::nullopt);
 }
 
-TEST(Schema, PrefersTheBetterSpellingWhereverItStands) {
-  EXPECT_EQ(schema_of({"normal_x", "nx"}).find("nx"), 1u);
-}
+TEST(Schema, PrefersTheBetterSpellingWhereverItStands) { EXPECT_EQ(schema_of({"normal_x", "nx"}).find("nx"), 1u); }
 
 TEST(Schema, AnUnknownNameIsItsOnlySpelling) {
   EXPECT_EQ(spellings_of("roughness"), std::vector<std::string>{"roughness"});
@@ -129,8 +127,8 @@ TEST(Positions, EqualValueOfForEveryTypeAndScale) {
       if (*rc::gen::arbitrary<bool>()) schema.fields[i].scale = 0.01, schema.fields[i].bias = 4.5e6;
     }
     const auto count = *rc::gen::inRange<std::size_t>(0, 700);
-    const auto bytes = *rc::gen::container<std::vector<std::uint8_t>>(count * schema.stride,
-                                                                     rc::gen::arbitrary<std::uint8_t>());
+    const auto bytes =
+        *rc::gen::container<std::vector<std::uint8_t>>(count * schema.stride, rc::gen::arbitrary<std::uint8_t>());
     const auto* records = reinterpret_cast<const std::byte*>(bytes.data());
     std::vector<double> x(count), y(count), z(count);
     const PositionFields fields = position_fields(schema, "here");

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+/// What tests of formats share: whole files as bytes and values, and where the real data lies.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/reader.h"
+#include "pointsweep/formats/writer.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// All records, read `block` at a time.
+template <class Source>
+std::vector<std::byte> all_records(Source& source, const Schema& schema, std::uint64_t count,
+                                   std::size_t block = 1000) {
+  std::vector<std::byte> records(count * schema.stride);
+  for (std::uint64_t row = 0; row < count;) {
+    const std::size_t rows = source.read(row, std::span(records)
+                                                  .subspan(row * schema.stride)
+                                                  .first(std::min<std::uint64_t>(block, count - row) * schema.stride));
+    if (rows == 0) throw std::runtime_error("read() gave nothing before the end");
+    row += rows;
+  }
+  return records;
+}
+
+inline std::vector<std::byte> all_records(Reader& reader, std::size_t block = 1000) {
+  return all_records(reader, reader.info().schema, reader.info().count, block);
+}
+
+/// The values of one field, by its name in the file.
+template <class Source>
+std::vector<double> values_of(Source& source, const Schema& schema, std::uint64_t count, const std::string& name) {
+  const auto records = all_records(source, schema, count);
+  for (const Field& field : schema.fields) {
+    if (field.name != name) continue;
+    std::vector<double> values;
+    for (std::uint64_t i = 0; i < count; ++i) values.push_back(value_of(field, records.data() + i * schema.stride));
+    return values;
+  }
+  throw std::runtime_error("no field " + name);
+}
+
+inline std::vector<double> values_of(Reader& reader, const std::string& name) {
+  return values_of(reader, reader.info().schema, reader.info().count, name);
+}
+
+inline std::vector<std::string> field_names(const Schema& schema) {
+  std::vector<std::string> names;
+  for (const Field& field : schema.fields) names.push_back(field.name);
+  return names;
+}
+
+inline OutputPlan plan_for(const std::filesystem::path& path, std::uint64_t count, Schema schema = {}) {
+  OutputPlan plan;
+  plan.path = path;
+  plan.schema = std::move(schema);
+  plan.count = count;
+  return plan;
+}
+
+/// Writes `records` in two calls and completes the file.
+inline void write_all(const OutputPlan& plan, std::span<const std::byte> records) {
+  const auto writer = create_writer(plan);
+  const std::size_t half = plan.count / 2 * plan.schema.stride;
+  writer->write(records.first(half));
+  writer->write(records.subspan(half));
+  writer->finish();
+}
+
+/// The folder of real point clouds, empty if there is none.
+inline std::filesystem::path real_data() {
+  const char* set = std::getenv("POINTSWEEP_DATA");
+  const std::filesystem::path folder =
+      set != nullptr && *set != '\0' ? set : std::filesystem::path(POINTSWEEP_SOURCE_DIR) / "../shared/data";
+  return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
+}
+
+}  // namespace pointsweep

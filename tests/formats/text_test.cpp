@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/text_layout.h"
+#include "pointsweep/formats/text_reader.h"
+#include "tests/formats/point_files.h"
+#include "tests/formats/temporary_folder.h"
+
+namespace pointsweep {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+struct Case {
+  const char* what;
+  const char* content;
+  std::vector<std::string> names;
+};
+
+TEST(Text, ReadsTheSameTwoPointsHoweverTheyAreWritten) {
+  const std::vector<std::string> xyzi{"x", "y", "z", "intensity"}, upper{"X", "Y", "Z", "I"};
+  const Case cases[] = {
+      {"spaces", "1 2 3 4\n-5 0.25 1e3 7\n", xyzi},
+      {"tabs, carriage returns, blank lines, no last line end", "\r\n1\t2\t3\t4\r\n\r\n -5 0.25 1e3 7", xyzi},
+      {"commas and spaces", "1 , 2, 3,4\n-5,0.25,1e3,7\n", xyzi},
+      {"semicolons", "1;2;3;4\n-5;0.25;1e3;7\n", xyzi},
+      {"trailing separators", "1,2,3,4,\n-5,0.25,1e3,7,\n", xyzi},
+      {"header", "X Y Z I\n1 2 3 4\n-5 0.25 1e3 7\n", upper},
+      {"quoted header of commas before rows of spaces", "\"X\",\"Y\",\"Z\",\"I\"\n1 2 3 4\n-5 0.25 1e3 7\n", upper},
+      {"header in a comment", "# scanned in May\n# X Y Z I\n1 2 3 4\n-5 0.25 1e3 7\n", upper},
+      {"header of CloudCompare", "//X,Y,Z,I\n1,2,3,4\n// a remark\n-5,0.25,1e3,7\n", upper},
+      {"comment that is no header", "# x y z\n1 2 3 4\n# x y z i\n-5 0.25 1e3 7\n", xyzi},
+      {"count", "2\n1 2 3 4\n-5 0.25 1e3 7\n", xyzi},
+      {"count, then header in a comment", "2\n# X Y Z I\n1 2 3 4\n-5 0.25 1e3 7\n", upper},
+      {"byte order mark",
+       "\xef\xbb\xbf"
+       "1 2 3 4\n-5 0.25 1e3 7\n",
+       xyzi},
+      {"byte order mark and header",
+       "\xef\xbb\xbf"
+       "X,Y,Z,I\n1,2,3,4\n-5,0.25,1e3,7\n",
+       upper},
+      {"quoted values", "'1' \"2\" 3 4\n-5 \"0.25\" 1e3 +7\n", xyzi},
+  };
+  const TemporaryFolder folder;
+  for (const Case& c : cases) {
+    const auto reader = open_text(folder.write("in.txt", c.content));
+    ASSERT_EQ(reader->info().count, 2u) << c.what;
+    EXPECT_EQ(field_names(reader->info().schema), c.names) << c.what;
+    EXPECT_TRUE(reader->info().warnings.empty()) << c.what;
+    EXPECT_THAT(values_of(*reader, c.names[0]), ElementsAre(1, -5)) << c.what;
+    EXPECT_THAT(values_of(*reader, c.names[1]), ElementsAre(2, 0.25)) << c.what;
+    EXPECT_THAT(values_of(*reader, c.names[2]), ElementsAre(3, 1000)) << c.what;
+    EXPECT_THAT(values_of(*reader, c.names[3]), ElementsAre(4, 7)) << c.what;
+  }
+}
+
+TEST(Text, NamesColumnsWithoutHeaderByTheirNumberAndValues) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(default_column_names({}), (Names{"x", "y", "z"}));
+  EXPECT_EQ(default_column_names({{1, 2, 3, 4}}), (Names{"x", "y", "z", "intensity"}));
+  EXPECT_EQ(default_column_names({{1, 2, 3, 0, 0.6, 0.8}, {1, 2, 3, 0, 0, 0}}),
+            (Names{"x", "y", "z", "nx", "ny", "nz"}));
+  EXPECT_EQ(default_column_names({{1, 2, 3, 0, 255, 8}}), (Names{"x", "y", "z", "red", "green", "blue"}));
+  EXPECT_EQ(default_column_names({{1, 2, 3, 0, 256, 8}}), (Names{"x", "y", "z", "column_4", "column_5", "column_6"}));
+  EXPECT_EQ(default_column_names({{1, 2, 3, -900, 1, 2, 3}}),
+            (Names{"x", "y", "z", "intensity", "red", "green", "blue"}));
+  EXPECT_EQ(default_column_names({{1, 2, 3, 9, 9, 9, 1, 0, 0}}),
+            (Names{"x", "y", "z", "red", "green", "blue", "nx", "ny", "nz"}));
+  EXPECT_EQ(default_column_names({{1, 2, 3, 4, 5}}), (Names{"x", "y", "z", "column_4", "column_5"}));
+}
+
+TEST(Text, WordsForMissingValuesAreNaN) {
+  const TemporaryFolder folder;
+  const auto reader =
+      open_text(folder.write("in.csv", "x,y,z,a\n1,nan,-inf,\n,NA,n/a,2\nNULL,-1.#IND,1.#INF,1e999\n1,2,3,4\n"));
+  EXPECT_THAT(values_of(*reader, "x"), ElementsAre(1, testing::IsNan(), testing::IsNan(), 1));
+  EXPECT_THAT(values_of(*reader, "y"), ElementsAre(testing::IsNan(), testing::IsNan(), testing::IsNan(), 2));
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(values_of(*reader, "z"), ElementsAre(-infinity, testing::IsNan(), infinity, 3));
+  EXPECT_THAT(values_of(*reader, "a"), ElementsAre(testing::IsNan(), 2, infinity, 4));
+}
+
+TEST(Text, AnnouncedCountThatIsWrongIsAWarning) {
+  const TemporaryFolder folder;
+  const auto reader = open_text(folder.write("in.pts", "9999999999\n1 2 3\n4 5 6\n"));
+  EXPECT_EQ(reader->info().count, 2u);
+  ASSERT_EQ(reader->info().warnings.size(), 1u);
+  EXPECT_THAT(reader->info().warnings[0], HasSubstr("announces 9999999999 points but holds 2"));
+}
+
+TEST(Text, FilesWithoutRowsHaveNoPoints) {
+  const TemporaryFolder folder;
+  for (const char* content : {"\n", "# nothing\n", "x,y,z\n", "0\n"}) {
+    EXPECT_EQ(open_text(folder.write("in.txt", content))->info().count, 0u) << content;
+  }
+}
+
+TEST(Text, SaysInWhichLineSomethingIsWrong) {
+  const TemporaryFolder folder;
+  const auto sentence_for = [&](const std::string& content) {
+    const auto path = folder.write("in.txt", content);
+    return sentence_of<Error>([&] { all_records(*open_text(path)); });
+  };
+  EXPECT_THAT(sentence_for("1 2 3\n\n4 5\n"),
+              HasSubstr("line 3 has 2 values where 3 are expected (as in the first row)"));
+  EXPECT_THAT(sentence_for("x,y,z\n1,2,3\n1,2,3,4\n"),
+              HasSubstr("line 3 has 4 values where 3 are expected (as in the"));
+  EXPECT_THAT(sentence_for("1 2 3\n4 5 six\n"), HasSubstr("line 2: 'six' in column 'z' is no number"));
+  EXPECT_THAT(sentence_for("X,Y,X\n1,2,3\n"),
+              HasSubstr("line 1 is neither numbers nor a header that names x, y and z"));
+  EXPECT_THAT(sentence_for("Dear reader,\n"), HasSubstr("line 1 is neither"));
+  EXPECT_THAT(sentence_for("1 2\n3 4\n"), HasSubstr("line 1 has 2 values; a point needs x, y and z"));
+  EXPECT_THAT(sentence_for("15\n1\n0 0 0\n"), HasSubstr("line 2 has 1 value;"));
+  EXPECT_THAT(sentence_for(std::string(3000000, '7')), HasSubstr("line 1 is longer than"));
+}
+
+TEST(Text, JumpsGiveTheSameRowsAsReadingOn) {
+  const TemporaryFolder folder;
+  std::string content = "x y z\n";
+  for (int i = 0; i < 140000; ++i) content += fmt::format("{} 0 0\n{}", i, i % 1000 == 0 ? "# a remark\n\n" : "");
+  const auto reader = open_text(folder.write("in.txt", content));
+  ASSERT_EQ(reader->info().count, 140000u);
+  for (const std::uint64_t row : {139999u, 0u, 65536u, 65535u, 131072u, 100000u, 100001u}) {
+    std::vector<std::byte> record(reader->info().schema.stride);
+    ASSERT_EQ(reader->read(row, record), 1u);
+    EXPECT_EQ(value_of(reader->info().schema.fields[0], record.data()), static_cast<double>(row));
+  }
+}
+
+TEST(Text, NoticesThatRowsHaveVanished) {
+  const TemporaryFolder folder;
+  const auto reader = open_text(folder.write("in.txt", "1 2 3\n4 5 6\n"));
+  std::filesystem::resize_file(folder / "in.txt", 6);
+  EXPECT_THAT(sentence_of<Error>([&] { all_records(*reader); }), HasSubstr("fewer rows than when it was opened"));
+}
+
+TEST(TextWriter, EveryDoubleSurvivesInEveryExtension) {
+  rc::check([] {
+    const TemporaryFolder folder;
+    const char* const extension = *rc::gen::elementOf(std::vector{".xyz", ".txt", ".csv", ".asc", ".pts"});
+    OutputPlan plan = plan_for(folder / (std::string("out") + extension), 0);
+    for (const char* name : {"x", "y", "z"}) plan.schema.append(name, Type::f64);
+    const auto more = *rc::gen::inRange(0, 6);
+    for (int i = 0; i < more; ++i) plan.schema.append(fmt::format("field {}", i), Type::f64);
+    plan.count = *rc::gen::inRange<std::uint64_t>(1, 30);
+    const auto bits = *rc::gen::container<std::vector<std::uint64_t>>(plan.count * plan.schema.fields.size(),
+                                                                      rc::gen::arbitrary<std::uint64_t>());
+    std::vector<double> values;
+    for (const std::uint64_t b : bits) values.push_back(std::bit_cast<double>(b * 0x9e3779b97f4a7c15u));
+    write_all(plan, std::as_bytes(std::span(values)));
+    const auto again = open_reader(plan.path);
+    RC_ASSERT(again->info().count == plan.count);
+    RC_ASSERT(again->info().schema.fields.size() == plan.schema.fields.size());
+    const auto records = all_records(*again);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double value = value_of(plan.schema.fields[0], records.data() + 8 * i);
+      RC_ASSERT(std::isnan(value) == std::isnan(values[i]));
+      RC_ASSERT(std::isnan(value) || std::bit_cast<std::uint64_t>(value) == std::bit_cast<std::uint64_t>(values[i]));
+    }
+  });
+}
+
+TEST(TextWriter, WritesEachTypeInItsShortestForm) {
+  const TemporaryFolder folder;
+  OutputPlan plan = plan_for(folder / "out.csv", 1);
+  for (const char* name : {"x", "y", "z"}) plan.schema.append(name, Type::f32);
+  plan.schema.append("id", Type::u64);
+  plan.schema.append("class, old", Type::i8);
+  plan.schema.append("v", Type::f64, 2);
+  std::vector<std::byte> record(plan.schema.stride);
+  set_value(plan.schema.fields[0], record.data(), 0.1);
+  set_value(plan.schema.fields[1], record.data(), -2);
+  const std::uint64_t id = 18446744073709551615u;
+  std::memcpy(record.data() + 12, &id, 8);
+  set_value(plan.schema.fields[4], record.data(), -7);
+  set_value(plan.schema.fields[5], record.data(), 1e300, 1);
+  write_all(plan, record);
+  EXPECT_EQ(content_of(plan.path), "x,y,z,id,class__old,v_0,v_1\n0.1,-2,0,18446744073709551615,-7,0,1e+300\n");
+}
+
+TEST(TextWriter, StartsAsProgramsExpectOfTheExtension) {
+  const TemporaryFolder folder;
+  const auto text_of = [&](const char* name, std::vector<std::string> fields) {
+    OutputPlan plan = plan_for(folder / name, 1);
+    plan.overwrite = true;
+    for (const std::string& field : fields) plan.schema.append(field, Type::u8);
+    write_all(plan, std::vector<std::byte>(plan.schema.stride));
+    return content_of(plan.path);
+  };
+  EXPECT_EQ(text_of("a.xyz", {"x", "y", "z", "nx"}), "# x y z nx\n0 0 0 0\n");
+  EXPECT_EQ(text_of("a.CSV", {"x", "y", "z"}), "x,y,z\n0,0,0\n");
+  EXPECT_EQ(text_of("a.pts", {"x", "y", "z", "intensity"}), "1\n0 0 0 0\n");
+  EXPECT_EQ(text_of("a.pts", {"x", "y", "z", "nx"}), "1\n# x y z nx\n0 0 0 0\n");
+}
+
+TEST(TextWriter, RefusesMoreOrFewerPointsThanAnnounced) {
+  const TemporaryFolder folder;
+  OutputPlan plan = plan_for(folder / "out.txt", 2);
+  for (const char* name : {"x", "y", "z"}) plan.schema.append(name, Type::u8);
+  const std::vector<std::byte> records(9);
+  EXPECT_THAT(sentence_of<Error>([&] { create_writer(plan)->write(records); }), HasSubstr("more points came"));
+  EXPECT_THAT(sentence_of<Error>([&] { create_writer(plan)->finish(); }), HasSubstr("only 0 of the 2 points"));
+  EXPECT_FALSE(create_writer(plan)->can_write_at());
+  EXPECT_FALSE(std::filesystem::exists(plan.path));
+}
+
+}  // namespace
+}  // namespace pointsweep
