@@ -65,7 +65,7 @@ bool CellRunner::search(std::uint32_t slot, Worker& worker) const {
 bool CellRunner::certify(WindowCell& cell, const CellNeighbors& found, Worker& worker) const {
   const Box& box = cell.cell.box;
   const double most = *std::max_element(found.reach2.begin(), found.reach2.end());
-  const bool ahead = outside_.unread_distance2(box, most) <= most;
+  const bool ahead = outside_.unread_within(box, most);
   outside_.dropped_near(box, most, worker.dropped);
   std::vector<std::uint32_t> early, behind;
   for (std::uint32_t i = 0; (ahead || !worker.dropped.empty()) && i < cell.cell.size(); ++i) {

@@ -10,18 +10,14 @@ void Outside::cell_was_dropped(std::uint32_t slab, const Box& box) {
   dropped_[slab].push_back(box);
 }
 
-double Outside::unread_distance2(const Box& box, double reach2) const {
-  double nearest = Box::kInf;
+bool Outside::unread_within(const Box& box, double reach2) const {
   for (std::size_t s = read_; s < slabs_.size(); ++s) {
     const double ahead = slabs_[s].box.lo[axis_] - box.hi[axis_];
-    if (ahead > 0 && ahead * ahead > reach2) break;  // slabs ascend along the axis: the rest is farther still
-    nearest = std::min(nearest, distance2(slabs_[s].box, box));
-    if (nearest <= reach2) break;
+    if (ahead > 0 && ahead * ahead > reach2) return false;  // slabs ascend along the axis: the rest is farther still
+    if (distance2(slabs_[s].box, box) <= reach2) return true;
   }
-  return nearest;
+  return false;
 }
-
-bool Outside::unread_within(Vec3 p, double reach2) const { return unread_distance2({p, p}, reach2) <= reach2; }
 
 void Outside::dropped_near(const Box& box, double reach2, std::vector<Box>& out) const {
   out.clear();

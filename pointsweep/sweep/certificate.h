@@ -22,9 +22,9 @@ class Outside {
   void slab_was_read() { ++read_; }
   void cell_was_dropped(std::uint32_t slab, const Box& box);
 
-  /// Squared distance from a box to the nearest unread slab, or more than `reach2` where all are farther than that.
-  double unread_distance2(const Box& box, double reach2) const;
-  bool unread_within(Vec3 p, double reach2) const;
+  /// Whether a slab still to come lies within sqrt(reach2) of a box. Never once all are read, however far the reach.
+  bool unread_within(const Box& box, double reach2) const;
+  bool unread_within(Vec3 p, double reach2) const { return unread_within(Box{p, p}, reach2); }
   /// Boxes of dropped cells within sqrt(reach2) of a box.
   void dropped_near(const Box& box, double reach2, std::vector<Box>& out) const;
 

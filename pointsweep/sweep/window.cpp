@@ -53,7 +53,7 @@ bool Window::ready(const WindowCell& cell, std::uint32_t step) const {
   if (cell.steps_done != step) return false;
   if (step == 0) {
     const double reach2 = cell.wait_reach * cell.wait_reach;
-    return outside_.slabs_read() >= cell.wait_for_slabs && outside_.unread_distance2(cell.cell.box, reach2) > reach2;
+    return outside_.slabs_read() >= cell.wait_for_slabs && !outside_.unread_within(cell.cell.box, reach2);
   }
   return std::all_of(cell.refers_to.begin(), cell.refers_to.end(),
                      [&](std::uint32_t slot) { return cells_[slot]->steps_done >= step; });
@@ -73,7 +73,7 @@ std::vector<std::uint32_t> Window::ready_for(std::uint32_t step) const {
 /// four times a waiting cell is not kept for it: its few points that fall on dropped cells are recalled instead.
 bool Window::still_needed(const WindowCell& cell, const std::vector<const WindowCell*>& unsearched) const {
   const double own = 2 * cell.reach;
-  if (outside_.unread_distance2(cell.cell.box, own * own) <= own * own) return true;
+  if (outside_.unread_within(cell.cell.box, own * own)) return true;
   return std::any_of(unsearched.begin(), unsearched.end(), [&](const WindowCell* other) {
     const double reach = std::max(own, std::min(2 * other->wait_reach, 4 * cell.reach));
     return distance2(other->cell.box, cell.cell.box) <= reach * reach;

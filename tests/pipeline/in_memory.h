@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+/// Runs of the pipeline on points in memory, and slow evaluations of the same on the whole cloud.
+#pragma once
+
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/arrays.h"
+#include "pointsweep/math/vec3.h"
+#include "pointsweep/pipeline/pipeline.h"
+
+namespace pointsweep {
+
+struct RunResult {
+  Statistics statistics;
+  Schema schema;
+  std::vector<std::byte> records;  ///< whole output records
+
+  /// All values of a field, row by row.
+  std::vector<double> field(const std::string& name) const {
+    const Field& f = schema.fields[*schema.find(name)];
+    std::vector<double> values;
+    for (std::size_t at = 0; at < records.size(); at += schema.stride) values.push_back(value_of(f, records.data() + at));
+    return values;
+  }
+};
+
+/// Keeps whole records.
+class RecordKeeper final : public Writer {
+ public:
+  explicit RecordKeeper(std::vector<std::byte>& out) : out_(out) {}
+  void write(std::span<const std::byte> records) override { out_.insert(out_.end(), records.begin(), records.end()); }
+  void finish() override {}
+
+ private:
+  std::vector<std::byte>& out_;
+};
+
+inline RunResult run_in_memory(const std::vector<Vec3>& points, const Chain& chain, const RunOptions& options) {
+  std::vector<double> xyz;
+  for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
+  std::vector<std::unique_ptr<Reader>> readers;
+  readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
+  Cloud cloud(std::move(readers));
+  RunResult result;
+  Outputs outputs;
+  outputs.writer = [&](const OutputPlan& plan) {
+    result.schema = plan.schema;
+    return std::make_unique<RecordKeeper>(result.records);
+  };
+  result.statistics = run(cloud, chain, outputs, options);
+  return result;
+}
+
+}  // namespace pointsweep

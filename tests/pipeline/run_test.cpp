@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/normals.h"
+#include "tests/pipeline/hostile_clouds.h"
+#include "tests/pipeline/in_memory.h"
+#include "tests/support/brute_force.h"
+
+namespace pointsweep {
+namespace {
+
+Chain graph(std::size_t k, std::size_t n, double radius = std::numeric_limits<double>::infinity()) {
+  return {{.k = k, .radius = radius}, {std::make_shared<NeighborRows>(k, n, false)}};
+}
+
+/// Slabs and cells so small that every boundary case happens.
+RunOptions tiny(std::uint64_t slab_points, std::uint32_t cell_points, unsigned threads = 2) {
+  RunOptions options;
+  options.slab_points = slab_points;
+  options.cell_points = cell_points;
+  options.threads = threads;
+  options.memory_bytes = 1ull << 30;
+  return options;
+}
+
+void expect_brute_force(const std::vector<Vec3>& points, std::size_t k, double radius, const RunOptions& options) {
+  const RunResult result = run_in_memory(points, graph(k, points.size(), radius), options);
+  const auto expected = brute_force_neighbors(points, k, radius);
+  ASSERT_EQ(result.records.size(), points.size() * result.schema.stride);
+  const std::size_t offset = result.schema.fields[*result.schema.find("neighbor_0")].offset;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = 0; j < k; ++j) {
+      std::uint32_t row;
+      std::memcpy(&row, result.records.data() + i * result.schema.stride + offset + 4 * j, 4);
+      ASSERT_EQ(row, j < expected[i].size() ? expected[i][j] : 0xFFFFFFFFu) << "row " << i << ", neighbour " << j;
+    }
+  }
+  std::size_t finite = 0;
+  for (const Vec3& p : points) finite += is_finite(p);
+  EXPECT_EQ(result.statistics.certified, finite);
+  EXPECT_EQ(result.statistics.nonfinite, points.size() - finite);
+}
+
+TEST(Run, NeighborsEqualBruteForceWhateverTheSlabsAndCells) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    const std::vector<Vec3> points = make_cloud(shape, 2500, 5);
+    for (const auto& [slab, cell] : {std::pair<std::uint64_t, std::uint32_t>{64, 16}, {300, 64}, {1000, 1024}, {100000, 256}}) {
+      for (const std::size_t k : {1, 8, 64}) {
+        SCOPED_TRACE(name + ", slabs of " + std::to_string(slab) + ", cells of " + std::to_string(cell) + ", k = " + std::to_string(k));
+        expect_brute_force(points, k, std::numeric_limits<double>::infinity(), tiny(slab, cell));
+        if (HasFatalFailure()) return;
+      }
+    }
+  }
+}
+
+TEST(Run, RadiusAndHybridNeighborsEqualBruteForce) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    const std::vector<Vec3> points = make_cloud(shape, 1500, 6);
+    for (const double radius : {0.01, 0.2, 50.0}) {
+      SCOPED_TRACE(name + ", radius " + std::to_string(radius));
+      expect_brute_force(points, 12, radius, tiny(100, 32));
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+TEST(Run, FewPointsHaveFewNeighbors) {
+  for (const std::size_t n : {1, 2, 7, 8, 9}) {
+    SCOPED_TRACE(n);
+    expect_brute_force(make_cloud(hostile_shapes()[0].second, n, 1), 8, std::numeric_limits<double>::infinity(), tiny(64, 16));
+  }
+}
+
+TEST(Run, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
+  for (const Order order : {Order::input, Order::sweep}) {
+    for (const auto& [name, shape] : hostile_shapes()) {
+      SCOPED_TRACE(name + (order == Order::input ? ", input order" : ", sweep order"));
+      const std::vector<Vec3> points = make_cloud(shape, 3000, 8);
+      const Chain chain{{.k = 8}, {std::make_shared<Normals>()}};
+      std::vector<std::byte> first;
+      for (const unsigned threads : {1u, 2u, 4u}) {
+        for (const std::uint64_t slab : {100, 700, 50000}) {
+          for (const std::uint64_t memory : {1ull << 30, 40ull << 20}) {
+            RunOptions options = tiny(slab, slab < 500 ? 32 : 512, threads);
+            options.order = order;
+            options.memory_bytes = memory;
+            const RunResult result = run_in_memory(points, chain, options);
+            if (first.empty()) first = result.records;
+            ASSERT_EQ(result.records.size(), first.size());
+            ASSERT_EQ(std::memcmp(result.records.data(), first.data(), first.size()), 0)
+                << threads << " threads, slabs of " << slab << ", memory " << memory;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Run, ShufflingTheInputShufflesTheOutputAndNothingElse) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    SCOPED_TRACE(name);
+    const std::vector<Vec3> points = make_cloud(shape, 2000, 9);
+    std::vector<std::uint32_t> from(points.size());
+    std::iota(from.begin(), from.end(), 0u);
+    std::shuffle(from.begin(), from.end(), std::mt19937_64(3));
+    std::vector<Vec3> shuffled;
+    for (const std::uint32_t i : from) shuffled.push_back(points[i]);
+    const Chain chain{{.k = 8}, {std::make_shared<Normals>()}};
+    const RunResult a = run_in_memory(points, chain, tiny(200, 64));
+    const RunResult b = run_in_memory(shuffled, chain, tiny(200, 64));
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      ASSERT_EQ(std::memcmp(b.records.data() + i * b.schema.stride, a.records.data() + from[i] * a.schema.stride, a.schema.stride), 0) << i;
+    }
+  }
+}
+
+/// Mean of the neighbours' normals: looks at what an earlier stage made, so that it must wait for its neighbours.
+class MeanNormal final : public Operator {
+ public:
+  std::string name() const override { return "mean_normal"; }
+  Contract contract() const override {
+    return {{normal_attribute()}, {normal_attribute()}, {scalar("agreement", Type::f64, "1", "mean |cos| to the neighbours' normals")}};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    using Normal = std::array<float, 3>;
+    auto agreement = out.column<double>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const Normal n = in.value<Normal>(0, i);
+      double sum = 0;
+      for (std::size_t j = 0; j < in.count(i); ++j) {
+        const Normal m = in.neighbor_value<Normal>(0, i, j);
+        sum += std::abs(double{n[0]} * m[0] + double{n[1]} * m[1] + double{n[2]} * m[2]);
+      }
+      agreement[i] = in.count(i) == 0 ? 0 : sum / static_cast<double>(in.count(i));
+    }
+  }
+};
+
+/// And one that looks at that: the largest agreement around.
+class LargestAgreement final : public Operator {
+ public:
+  std::string name() const override { return "largest"; }
+  Contract contract() const override {
+    const Attribute agreement = scalar("agreement", Type::f64, "1", "");
+    return {{}, {agreement}, {scalar("largest", Type::f64, "1", "largest agreement among the neighbours")}};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    auto largest = out.column<double>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      largest[i] = 0;
+      for (std::size_t j = 0; j < in.count(i); ++j) largest[i] = std::max(largest[i], in.neighbor_value<double>(0, i, j));
+    }
+  }
+};
+
+TEST(Run, ChainsThatLookAtNeighborsAttributesEqualTheEvaluationOfTheWholeCloud) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    std::vector<Vec3> points = make_cloud(shape, 2000, 10);
+    const Chain chain{{.k = 8}, {std::make_shared<Normals>(), std::make_shared<MeanNormal>(), std::make_shared<LargestAgreement>()}};
+    const auto neighbors = brute_force_neighbors(points, 8);
+    for (const auto& [slab, cell] : {std::pair<std::uint64_t, std::uint32_t>{80, 16}, {400, 64}, {100000, 1024}}) {
+      SCOPED_TRACE(name + ", slabs of " + std::to_string(slab));
+      const RunResult result = run_in_memory(points, chain, tiny(slab, cell));
+      const auto nx = result.field("nx"), ny = result.field("ny"), nz = result.field("nz");
+      const auto agreement = result.field("agreement"), largest = result.field("largest");
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        double sum = 0, most = 0;
+        for (const std::uint32_t j : neighbors[i]) {
+          sum += std::abs(nx[i] * nx[j] + ny[i] * ny[j] + nz[i] * nz[j]);
+          most = std::max(most, agreement[j]);
+        }
+        ASSERT_EQ(agreement[i], neighbors[i].empty() ? 0 : sum / static_cast<double>(neighbors[i].size())) << i;
+        ASSERT_EQ(largest[i], most) << i;
+      }
+    }
+  }
+}
+
+TEST(Run, AChainThatDoesNotFitIsRefusedBeforeAnyWork) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 10, 1);
+  try {
+    run_in_memory(points, {{.k = 8}, {std::make_shared<MeanNormal>()}}, {});
+    FAIL() << "accepted";
+  } catch (const UsageError& e) {
+    EXPECT_NE(std::string(e.what()).find("needs 'normal'"), std::string::npos) << e.what();
+  }
+  EXPECT_THROW(run_in_memory(points, graph(0, 10), {}), UsageError);
+  EXPECT_THROW(run_in_memory({}, graph(8, 10), {}), Error);
+}
+
+TEST(Run, AnExceptionInAnOperatorEndsTheRun) {
+  class Failing final : public Operator {
+   public:
+    std::string name() const override { return "failing"; }
+    Contract contract() const override { return {{}, {}, {scalar("x2", Type::f32, "", "")}}; }
+    void apply(const Neighborhoods&, Columns&) const override { throw Error("this operator fails"); }
+  };
+  EXPECT_THROW(run_in_memory(make_cloud(hostile_shapes()[0].second, 5000, 1), {{.k = 8}, {std::make_shared<Failing>()}}, tiny(300, 64)), Error);
+}
+
+}  // namespace
+}  // namespace pointsweep
