@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// Lesson 3: an operator of one's own. Roughness is the distance of a point to the plane of its neighbours: through their
+// centre, across the normal that the stage before has made. The result reaches the output as attribute "roughness".
+//
+//   03_own_operator scan.ply out.ply
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "pointsweep/operators/normals.h"
+#include "pointsweep/pipeline/pipeline.h"
+
+using namespace pointsweep;
+
+class Roughness final : public Operator {
+ public:
+  std::string name() const override { return "roughness"; }
+
+  // What it looks at and what it makes. The engine derives from this how long points are buffered before it.
+  Contract contract() const override {
+    return {.reads = {normal_attribute()},
+            .reads_neighbors = {},
+            .makes = {scalar("roughness", Type::f32, "length", "distance to the plane of the neighbours")}};
+  }
+
+  // One batch of points with their exact neighbourhoods; called from many threads at once, so it keeps no state.
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const auto roughness = out.column<float>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const auto n = in.value<std::array<float, 3>>(0, i);
+      Vec3 center;  // of the neighbours, relative to the point
+      for (std::size_t j = 0; j < in.count(i); ++j) center = center + in.offset(i, j);
+      if (in.count(i) == 0 || (n[0] == 0 && n[1] == 0 && n[2] == 0)) {
+        roughness[i] = 0;
+        ++out.degenerate;
+      } else {
+        center = (1.0 / static_cast<double>(in.count(i))) * center;
+        roughness[i] = static_cast<float>(std::abs(dot(center, Vec3{n[0], n[1], n[2]})));
+      }
+    }
+  }
+};
+
+int main(int argc, char** argv) try {
+  if (argc != 3) return std::fprintf(stderr, "usage: %s IN OUT\n", argv[0]), 2;
+  Cloud cloud({argv[1]});
+  const Chain chain{.neighborhood = {.k = 16}, .operators = {std::make_shared<Normals>(), std::make_shared<Roughness>()}};
+  RunOptions options;
+  options.overwrite = true;
+  const Statistics statistics = run(cloud, chain, {.points = argv[2], .arrays = {}, .writer = {}}, options);
+  for (const auto& [name, seconds] : statistics.operator_seconds) std::printf("%-10s %.3f s\n", name.c_str(), seconds);
+  return 0;
+} catch (const std::exception& error) {
+  return std::fprintf(stderr, "%s\n", error.what()), 1;
+}
