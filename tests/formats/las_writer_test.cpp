@@ -272,6 +272,18 @@ TEST(LasWriter, AcceptsRowsInAnyOrderAndMoreThanOnce) {
   }
 }
 
+TEST(LasWriter, MayReplaceItsOwnInput) {
+  const TemporaryFolder folder;
+  File file = file_with_everything(4, 6);
+  const auto reader = open_las(folder.write("in.las", file.bytes()));
+  OutputPlan plan = plan_like(*reader, folder / "in.las");
+  plan.overwrite = true;
+  const auto writer = create_las_writer(plan);
+  writer->write(as_bytes(all_records(*reader)));
+  writer->finish();
+  EXPECT_TRUE(content_of(folder / "in.las") == file.bytes());
+}
+
 TEST(LasWriter, LeavesNothingBehindWhenRowsAreMissingOrTooMany) {
   const TemporaryFolder folder;
   const File file;
