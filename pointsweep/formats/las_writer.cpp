@@ -2,6 +2,7 @@
 #include "pointsweep/formats/las_writer.h"
 
 #include <algorithm>
+#include <cassert>
 #include <string>
 #include <utility>
 #include <vector>
@@ -78,6 +79,7 @@ class LasWriter : public Writer {
   void encode(std::uint64_t row, std::span<const std::byte> records) {
     const std::size_t in = encoder_.record_bytes_in(), out = encoder_.record_bytes_out();
     std::size_t rows = records.size() / in;
+    assert(records.size() % in == 0 && "records come whole");
     if (row > planned_ || rows > planned_ - row) {
       fail("{}: {} points were announced, but more came; nothing was written.", path_, planned_);
     }
