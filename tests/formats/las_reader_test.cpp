@@ -272,6 +272,20 @@ TEST(LasReader, WarnsOfExtendedVlrsThatRunOutOfTheFile) {
   EXPECT_NE(cut->info().warnings[0].find("promises 2 extended VLRs, but only 1 fit"), std::string::npos);
 }
 
+TEST(LasReader, FindsExtraBytesInAnExtendedVlr) {
+  const TemporaryFolder folder;
+  File file;
+  file.minor = 4;
+  file.format = 6;
+  file.extra_bytes = 4;
+  file.evlrs = {las_test::vlr("me", 1, "abc", true),
+                las_test::vlr("LASF_Spec", 4, las_test::descriptor("NormalX", 9), true)};
+  const auto reader = open_las(folder.write("a.las", file.bytes()));
+  const Schema& schema = reader->info().schema;
+  ASSERT_TRUE(schema.find("nx"));
+  EXPECT_EQ(schema.fields[*schema.find("nx")].offset, 30u);
+}
+
 TEST(LasReader, BoundsAreAHintAndAbsentWhenTheyCannotBe) {
   const TemporaryFolder folder;
   std::string bytes = File{}.bytes();

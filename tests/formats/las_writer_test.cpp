@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
+#include <random>
 #include <span>
 #include <vector>
 
@@ -300,6 +302,44 @@ TEST(LasWriter, LeavesNothingBehindWhenRowsAreMissingOrTooMany) {
     EXPECT_THROW(writer->write_at(101, as_bytes(std::string(20, 'x'))), Error);
   }
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(LasWriter, WhatADamagedFileStillHoldsReachesTheOutput) {
+  const TemporaryFolder folder;
+  File file;
+  file.minor = 4;
+  file.format = 7;
+  file.extra_bytes = 6;
+  file.count = 20;
+  file.vlrs = {vlr("LASF_Projection", 34735, std::string(40, 'k')),
+               vlr("LASF_Spec", 4, descriptor("Pulse width", 3) + descriptor("Amplitude", 6, 24, {0.5}, {1.0}))};
+  file.evlrs = {vlr("me", 1, "abc", true)};
+  std::mt19937 random(8);
+  int written = 0;
+  for (int round = 0; round < 1500; ++round) {
+    std::string bytes = file.bytes();
+    for (int i = 0; i < 3; ++i) bytes[26 + random() % (file.points_at() - 26)] = static_cast<char>(random());
+    std::filesystem::remove(folder / "in.las");
+    std::unique_ptr<Reader> reader;
+    try {
+      reader = open_las(folder.write("in.las", bytes));
+    } catch (const Error&) {
+      continue;
+    }
+    OutputPlan plan = plan_like(*reader, folder / "out.las");
+    plan.overwrite = true;
+    const std::size_t stride = plan.schema.stride;
+    plan.schema.append("nx", Type::f32);
+    const std::string records = with_made(all_records(*reader), stride, 4);
+    const auto writer = create_las_writer(plan);
+    writer->write(as_bytes(records));
+    writer->finish();
+    const auto again = open_las(folder / "out.las");
+    ASSERT_TRUE(all_records(*again) == records) << round;
+    ASSERT_TRUE(again->info().schema.find("nx")) << round;
+    ++written;
+  }
+  EXPECT_GT(written, 500);
 }
 
 TEST(LasWriter, RefusesRecordsLongerThanLasAllows) {
