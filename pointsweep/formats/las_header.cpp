@@ -65,8 +65,7 @@ void check_signature(std::span<const std::byte> bytes, std::string_view path) {
 
 void check_point_format(const LasHeader& h, std::string_view path) {
   if ((h.point_format & 0xC0) != 0) {
-    fail("{}: is compressed (LAZ); decompress it first, with 'laszip -i FILE' or 'pdal translate FILE out.las'.",
-         path);
+    fail("{}: is compressed (LAZ); decompress it first, with 'laszip -i FILE' or 'pdal translate FILE out.las'.", path);
   }
   const std::optional<std::uint16_t> least = las_record_length(h.point_format);
   if (!least) fail("{}: point format {} (byte 104) is not defined; LAS has 0 to 10.", path, h.point_format);
@@ -79,18 +78,20 @@ void check_point_format(const LasHeader& h, std::string_view path) {
 void check_places(const LasHeader& h, std::uint64_t file_size, std::string_view path) {
   const std::uint16_t least = standard_header_size(h.minor);
   if (h.header_size < least) {
-    fail("{}: a header of {} bytes (byte 94) is too short for LAS 1.{}, which takes {}; repair it, e.g. with "
-         "'lasinfo -repair'.",
-         path, h.header_size, h.minor, least);
+    fail(
+        "{}: a header of {} bytes (byte 94) is too short for LAS 1.{}, which takes {}; repair it, e.g. with "
+        "'lasinfo -repair'.",
+        path, h.header_size, h.minor, least);
   }
   if (h.offset_to_points < h.header_size) {
-    fail("{}: the points cannot begin at byte {} (byte 96), inside the header of {} bytes.", path,
-         h.offset_to_points, h.header_size);
+    fail("{}: the points cannot begin at byte {} (byte 96), inside the header of {} bytes.", path, h.offset_to_points,
+         h.header_size);
   }
   if (h.offset_to_points > file_size) {
-    fail("{}: the points should begin at byte {} (byte 96), but the file ends at byte {}; it is truncated, copy or "
-         "export it again.",
-         path, h.offset_to_points, file_size);
+    fail(
+        "{}: the points should begin at byte {} (byte 96), but the file ends at byte {}; it is truncated, copy or "
+        "export it again.",
+        path, h.offset_to_points, file_size);
   }
 }
 
@@ -113,9 +114,10 @@ void check_count(const LasHeader& h, std::uint64_t file_size, std::string_view p
   const std::uint64_t promised = point_count(h);
   const std::uint64_t found = (file_size - h.offset_to_points) / h.record_length;
   if (found < promised) {
-    fail("{}: is truncated; the header counts {} points, but the file ends after {} of them (byte {}); copy or "
-         "export it again.",
-         path, promised, found, file_size);
+    fail(
+        "{}: is truncated; the header counts {} points, but the file ends after {} of them (byte {}); copy or "
+        "export it again.",
+        path, promised, found, file_size);
   }
   if (h.minor >= 4 && h.legacy_count != 0 && h.legacy_count != promised) {
     warnings.push_back(fmt::format("the header counts {} points with 64 bits and {} with 32: the former was taken.",
@@ -125,8 +127,8 @@ void check_count(const LasHeader& h, std::uint64_t file_size, std::string_view p
     warnings.push_back(fmt::format("the 64-bit count of points is 0: the legacy count {} was taken.", h.legacy_count));
   }
   if (promised == 0 && found != 0) {
-    warnings.push_back(fmt::format("the header counts no points, though {} bytes follow it.",
-                                   file_size - h.offset_to_points));
+    warnings.push_back(
+        fmt::format("the header counts no points, though {} bytes follow it.", file_size - h.offset_to_points));
   }
 }
 
@@ -147,9 +149,8 @@ LasHeader parse_las_header(std::span<const std::byte> bytes, std::uint64_t file_
     fail("{}: ends at byte {}, inside the LAS header; the file is truncated, copy or export it again.", path,
          bytes.size());
   }
-  each_entry(header, standard, [&](std::size_t at, auto& entry) {
-    std::memcpy(&entry, bytes.data() + at, sizeof entry);
-  });
+  each_entry(header, standard,
+             [&](std::size_t at, auto& entry) { std::memcpy(&entry, bytes.data() + at, sizeof entry); });
   check_point_format(header, path);
   check_places(header, file_size, path);
   check_scale(header, path);
@@ -194,9 +195,8 @@ void set_counts(LasHeader& header, std::uint64_t count, const std::array<std::ui
 std::vector<std::byte> serialize(const LasHeader& header) {
   std::vector<std::byte> bytes = header.bytes;
   bytes.resize(header.header_size);
-  each_entry(header, standard_header_size(header.minor), [&](std::size_t at, const auto& entry) {
-    std::memcpy(bytes.data() + at, &entry, sizeof entry);
-  });
+  each_entry(header, standard_header_size(header.minor),
+             [&](std::size_t at, const auto& entry) { std::memcpy(bytes.data() + at, &entry, sizeof entry); });
   return bytes;
 }
 

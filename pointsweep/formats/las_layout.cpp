@@ -25,13 +25,20 @@ std::optional<std::pair<double, double>> integer_range(const Field& field) {
   if (!field.is_plain() && field.bit_width == 0) return std::nullopt;
   if (field.bit_width != 0) return std::pair{0.0, static_cast<double>((1u << field.bit_width) - 1)};
   switch (field.type) {
-    case Type::i8: return std::pair{-128.0, 127.0};
-    case Type::u8: return std::pair{0.0, 255.0};
-    case Type::i16: return std::pair{-32768.0, 32767.0};
-    case Type::u16: return std::pair{0.0, 65535.0};
-    case Type::i32: return std::pair{-2147483648.0, 2147483647.0};
-    case Type::u32: return std::pair{0.0, 4294967295.0};
-    default: return std::nullopt;
+    case Type::i8:
+      return std::pair{-128.0, 127.0};
+    case Type::u8:
+      return std::pair{0.0, 255.0};
+    case Type::i16:
+      return std::pair{-32768.0, 32767.0};
+    case Type::u16:
+      return std::pair{0.0, 65535.0};
+    case Type::i32:
+      return std::pair{-2147483648.0, 2147483647.0};
+    case Type::u32:
+      return std::pair{0.0, 4294967295.0};
+    default:
+      return std::nullopt;
   }
 }
 
@@ -46,8 +53,7 @@ bool holds_exactly(const Field& from, const Field& to) {
 /// Collects the layout field by field.
 class Builder {
  public:
-  explicit Builder(const OutputPlan& plan)
-      : plan_(plan), input_(dynamic_cast<const LasExtras*>(plan.extras.get())) {
+  explicit Builder(const OutputPlan& plan) : plan_(plan), input_(dynamic_cast<const LasExtras*>(plan.extras.get())) {
     layout_.header = input_ != nullptr ? input_->header : new_las_header();
     if (input_ != nullptr) layout_.input = input_->file;
     layout_.from.stride = plan.schema.stride;
@@ -89,9 +95,10 @@ class Builder {
     stored.offset = layout_.to.stride;
     const std::uint64_t end = layout_.to.stride + std::uint64_t{size_of(field.type)} * field.count;
     if (end > std::numeric_limits<std::uint16_t>::max() || vlr_.size() + field.count > kMaxExtraBytes) {
-      fail("{}: '{}' does not fit, since LAS allows {} values beyond its own and 65535 bytes a point; write fewer "
-           "attributes, or PLY.",
-           plan_.path.string(), field.name, kMaxExtraBytes);
+      fail(
+          "{}: '{}' does not fit, since LAS allows {} values beyond its own and 65535 bytes a point; write fewer "
+          "attributes, or PLY.",
+          plan_.path.string(), field.name, kMaxExtraBytes);
     }
     vlr_.append(stored);
     layout_.to.stride = static_cast<std::uint32_t>(end);
@@ -186,9 +193,10 @@ class Builder {
       header.scale = q.scale;
       header.offset = q.offset;
     } else if (input_ == nullptr) {
-      fail("{}: LAS stores coordinates as integers and needs their bounds before the first point; give the bounds, or "
-           "write PLY.",
-           plan_.path.string());
+      fail(
+          "{}: LAS stores coordinates as integers and needs their bounds before the first point; give the bounds, or "
+          "write PLY.",
+          plan_.path.string());
     }
   }
 
@@ -211,8 +219,8 @@ class Builder {
     if (extended_ || replaced) {
       header.vlr_count = (input_ != nullptr ? input_->vlrs.count : 0) + (extended_ ? 1 : 0) - (replaced ? 1 : 0);
     }
-    const std::uint64_t points = header.header_size + layout_.before.size() + layout_.extra_bytes_vlr.size() +
-                                 layout_.after.size();
+    const std::uint64_t points =
+        header.header_size + layout_.before.size() + layout_.extra_bytes_vlr.size() + layout_.after.size();
     if (points > std::numeric_limits<std::uint32_t>::max()) {
       fail("{}: the header and VLRs would take {} bytes, and LAS allows 4294967295; write PLY.", plan_.path.string(),
            points);

@@ -31,9 +31,9 @@ struct LasLayout {
 
   /// Two schemas with fields paired by name: what comes, and the records of the file.
   Schema from, to;
-  Field x, y, z;                   ///< of `from`
-  bool positions_change = false;   ///< coordinates have to be quantised, which may fail
-  bool returns_missing = false;    ///< no return numbers come: every point is return 1 of 1
+  Field x, y, z;                  ///< of `from`
+  bool positions_change = false;  ///< coordinates have to be quantised, which may fail
+  bool returns_missing = false;   ///< no return numbers come: every point is return 1 of 1
 
   std::uint64_t points_end(std::uint64_t count) const;
 };

@@ -29,8 +29,8 @@ LasVlrChain walk_evlrs(const LasExtras& extras, std::vector<std::string>& warnin
   const LasHeader& header = extras.header;
   if (header.minor < 4 || header.evlr_count == 0) return {};
   if (header.evlr_start < extras.points_end || header.evlr_start > extras.file->size()) {
-    warnings.push_back(fmt::format("the extended VLRs cannot begin at byte {}: they were not read, but are kept.",
-                                   header.evlr_start));
+    warnings.push_back(
+        fmt::format("the extended VLRs cannot begin at byte {}: they were not read, but are kept.", header.evlr_start));
     return {};
   }
   return walk_las_vlrs(*extras.file, LasVlrKind::evlr, header.evlr_start, extras.file->size(), header.evlr_count,

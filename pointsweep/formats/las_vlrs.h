@@ -26,8 +26,8 @@ struct LasVlr {
 
 /// What walking the chain found. Records are not kept: there may be many, and a writer copies them from the file.
 struct LasVlrChain {
-  std::uint64_t start = 0, end = 0;  ///< bytes of the records that are whole
-  std::uint32_t count = 0;           ///< of the records that are whole
+  std::uint64_t start = 0, end = 0;   ///< bytes of the records that are whole
+  std::uint32_t count = 0;            ///< of the records that are whole
   std::optional<LasVlr> extra_bytes;  ///< the first one
 };
 

@@ -35,7 +35,8 @@ struct TestCloud {
     records.resize(kCount * schema.stride);
     for (std::size_t i = 0; i < kCount; ++i) {
       for (std::size_t f = 0; f < schema.fields.size(); ++f) {
-        const double value = f < 3 ? center[static_cast<int>(f)] + half_extent * unit(random) : 100 * unit(random) + 100;
+        const double value =
+            f < 3 ? center[static_cast<int>(f)] + half_extent * unit(random) : 100 * unit(random) + 100;
         for (std::uint32_t c = 0; c < schema.fields[f].count; ++c) set_value(schema.fields[f], record(i), value + c, c);
       }
       bounds.include(Vec3{at("x", i), at("y", i), at("z", i)});
@@ -168,9 +169,9 @@ TEST(LasConversion, RefusesRealCoordinatesWithoutBounds) {
 TEST(LasConversion, RefusesCoordinatesThatLasCannotHoldAndLeavesNothing) {
   const TemporaryFolder folder;
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  for (const auto& [bad, sentence] :
-       {std::pair{nan, "y of row 777 is nan, which LAS cannot hold"}, {-inf, "y of row 777 is -inf"},
-        {1e12, "y of row 777 is 1000000000000, too far"}}) {
+  for (const auto& [bad, sentence] : {std::pair{nan, "y of row 777 is nan, which LAS cannot hold"},
+                                      {-inf, "y of row 777 is -inf"},
+                                      {1e12, "y of row 777 is 1000000000000, too far"}}) {
     TestCloud cloud(Type::f64);
     cloud.fill(10, {});
     set_value(cloud.schema.fields[1], cloud.record(777), bad);

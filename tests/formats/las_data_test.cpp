@@ -94,13 +94,15 @@ constexpr Row kRows[] = {
     {"lidar/pdal/las/utm15.las", 1, kRepaired},
     {"lidar/pdal/las/utm17.las", 10, kRepaired},
     {"lidar/pdal/las/wontcompress3.las", 1000, kRepaired},
-    {"malformed/lasR/malformed_extrabytes.las", 10, kRepaired, "the extra-bytes VLR at byte 227 was ignored: it describes 2 bytes"},
+    {"malformed/lasR/malformed_extrabytes.las", 10, kRepaired,
+     "the extra-bytes VLR at byte 227 was ignored: it describes 2 bytes"},
     {"malformed/laspy/unregistered_extra_bytes.las", 4, kSame},
     {"malformed/lasvalidate/las12.las", 8144, kSame},
     {"malformed/lasvalidate/las12_bounding_box.las", 8144, kRepaired},
     {"malformed/lasvalidate/las12_creation_date.las", 8144, kSame},
     {"malformed/lasvalidate/las12_global_encoding.las", 8144, kSame},
-    {"malformed/lasvalidate/las12_header_size.las", 0, kRefused, "a header of 226 bytes (byte 94) is too short for LAS 1.2"},
+    {"malformed/lasvalidate/las12_header_size.las", 0, kRefused,
+     "a header of 226 bytes (byte 94) is too short for LAS 1.2"},
     {"malformed/lasvalidate/las12_number_of_points_by_return.las", 8144, kRepaired},
     {"malformed/lasvalidate/las12_point_data_format.las", 0, kRefused, "point format 14 (byte 104) is not defined"},
     {"malformed/laz-perf/no-points-1.3.las", 0, kSame},
@@ -169,7 +171,9 @@ TEST(LasData, EveryFileHasItsPointsOrItsSentence) {
     EXPECT_EQ(reader->info().count, row.points);
     const std::vector<std::string>& warnings = reader->info().warnings;
     ASSERT_EQ(warnings.size(), *row.sentence == 0 ? 0u : 1u);
-    if (!warnings.empty()) { EXPECT_NE(warnings[0].find(row.sentence), std::string::npos) << warnings[0]; }
+    if (!warnings.empty()) {
+      EXPECT_NE(warnings[0].find(row.sentence), std::string::npos) << warnings[0];
+    }
     copy(*reader, folder / "copy.las");
     check_copy(content_of(path), content_of(folder / "copy.las"), row.outcome);
     std::filesystem::remove(folder / "copy.las");

@@ -79,9 +79,9 @@ TEST(LasExtraBytes, UndocumentedBytesAreThatManyUint8) {
 }
 
 TEST(LasExtraBytes, NamesAreCleanAndUnique) {
-  const Schema schema = fields_of(descriptor("  Pulse width ", 1) + descriptor("pulse WIDTH", 1) +
-                                  descriptor(std::string("a\nb\0c", 5), 1) + descriptor("", 1) +
-                                  descriptor(std::string(32, 'n'), 1));
+  const Schema schema =
+      fields_of(descriptor("  Pulse width ", 1) + descriptor("pulse WIDTH", 1) +
+                descriptor(std::string("a\nb\0c", 5), 1) + descriptor("", 1) + descriptor(std::string(32, 'n'), 1));
   EXPECT_EQ(schema.fields[0].name, "Pulse width");
   EXPECT_EQ(schema.fields[1].name, "pulse WIDTH_2");
   EXPECT_EQ(schema.fields[2].name, "a_b");

@@ -148,9 +148,9 @@ TEST(LasReader, DecodesTimeColorsInfraredAndWaveformWhereTheFormatHasThem) {
   struct Places {
     std::size_t time, red, nir, wave;
   };
-  constexpr Places kPlaces[] = {{0, 0, 0, 0},  {20, 0, 0, 0},  {0, 20, 0, 0},   {20, 28, 0, 0},
-                                {20, 0, 0, 28}, {20, 28, 0, 34}, {22, 0, 0, 0},   {22, 30, 0, 0},
-                                {22, 30, 36, 0}, {22, 0, 0, 30}, {22, 30, 36, 38}};
+  constexpr Places kPlaces[] = {{0, 0, 0, 0},    {20, 0, 0, 0},   {0, 20, 0, 0},   {20, 28, 0, 0},
+                                {20, 0, 0, 28},  {20, 28, 0, 34}, {22, 0, 0, 0},   {22, 30, 0, 0},
+                                {22, 30, 36, 0}, {22, 0, 0, 30},  {22, 30, 36, 38}};
   const TemporaryFolder folder;
   for (int format = 0; format <= 10; ++format) {
     const Places& places = kPlaces[format];
@@ -176,9 +176,15 @@ TEST(LasReader, DecodesTimeColorsInfraredAndWaveformWhereTheFormatHasThem) {
     ASSERT_EQ(has("red") && has("green") && has("blue"), places.red != 0) << format;
     ASSERT_EQ(has("nir"), places.nir != 0) << format;
     ASSERT_EQ(has("wavepacket_index"), places.wave != 0) << format;
-    if (places.time) { EXPECT_EQ(v("gps_time"), -3.5); }
-    if (places.red) { EXPECT_EQ(v("red") + v("green") * 10 + v("blue") * 100, 1 + 20000 + 6553500); }
-    if (places.nir) { EXPECT_EQ(v("nir"), 77); }
+    if (places.time) {
+      EXPECT_EQ(v("gps_time"), -3.5);
+    }
+    if (places.red) {
+      EXPECT_EQ(v("red") + v("green") * 10 + v("blue") * 100, 1 + 20000 + 6553500);
+    }
+    if (places.nir) {
+      EXPECT_EQ(v("nir"), 77);
+    }
     if (!places.wave) continue;
     EXPECT_EQ(v("wavepacket_index"), 5);
     EXPECT_EQ(v("wavepacket_offset"), 1099511627776.0);
@@ -312,9 +318,10 @@ TEST(LasReader, SurvivesAnyDamageToTheHeaderAndVlrs) {
   file.format = 7;
   file.extra_bytes = 6;
   file.count = 20;
-  file.vlrs = {las_test::vlr("LASF_Projection", 34735, std::string(40, 'k')),
-               las_test::vlr("LASF_Spec", 4, las_test::descriptor("Pulse width", 3) +
-                                                 las_test::descriptor("Amplitude", 6, 24, {0.5}, {1.0}))};
+  file.vlrs = {
+      las_test::vlr("LASF_Projection", 34735, std::string(40, 'k')),
+      las_test::vlr("LASF_Spec", 4,
+                    las_test::descriptor("Pulse width", 3) + las_test::descriptor("Amplitude", 6, 24, {0.5}, {1.0}))};
   file.evlrs = {las_test::vlr("me", 1, "abc", true)};
   const std::string good = file.bytes();
   std::mt19937 random(20260718);

@@ -60,11 +60,11 @@ inline std::string descriptor(const std::string& name, int type, int options = 0
 struct File {
   int minor = 2;
   int format = 0;
-  int extra_bytes = 0;        ///< of each record, behind the fields of the format
+  int extra_bytes = 0;  ///< of each record, behind the fields of the format
   std::size_t count = 100;
-  std::string user_header;    ///< behind the standard header
+  std::string user_header;  ///< behind the standard header
   std::vector<std::string> vlrs;
-  std::string padding;        ///< between the VLRs and the points
+  std::string padding;  ///< between the VLRs and the points
   std::vector<std::string> evlrs;
   std::array<double, 3> scale{0.01, 0.001, 0.25}, offset{500000, -20.5, 0};
   unsigned seed = 1;

@@ -132,8 +132,9 @@ TEST(LasWriter, AppendsMadeFieldsAsExtraBytesAndMovesWhatLiesBehind) {
     writer->finish();
 
     const std::string out = content_of(folder / "out.las");
-    std::string expected_vlr = vlr("LASF_Spec", 4, descriptor("NormalX", 9) + descriptor("NormalY", 9) +
-                                                       descriptor("NormalZ", 9) + descriptor("Curvature", 10));
+    std::string expected_vlr = vlr(
+        "LASF_Spec", 4,
+        descriptor("NormalX", 9) + descriptor("NormalY", 9) + descriptor("NormalZ", 9) + descriptor("Curvature", 10));
     const std::size_t vlrs_end = file.points_at() - file.padding.size();
     const std::size_t points_at = file.points_at() + expected_vlr.size();
     // Behind the descriptors' numbers there is a description each, and one in the VLR's header: not compared.
