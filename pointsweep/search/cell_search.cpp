@@ -9,6 +9,8 @@
 // clang-format on
 #include <hwy/highway.h>
 
+#include <array>
+
 #include "pointsweep/search/exact_search.h"
 #include "pointsweep/search/leaf_query-inl.h"
 #include "pointsweep/search/plain_search.h"
@@ -182,32 +184,37 @@ class CellSearch {
     return true;
   }
 
-  /// Writes out the lists; lanes in which two keys are too close, or one is too close to the radius, are settled in double.
+  /// Writes out the lists. Where two keys are too close, the found are put in order by their exact distances; where it
+  /// is not even certain who belongs, because the first one out or the radius is too close, the point is settled in double.
   void settle(std::uint32_t first, std::uint32_t queries) {
-    const Vec nobody = hn::Set(d_, kNobody), relative = hn::Set(d_, kRelativeMargin);
+    const Vec nobody = hn::Set(d_, kNobody), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
     const Vec surely_within = hn::Set(d_, limited_ ? radius2_ * (1 - 1e-6f) : kNobody);
-    Vec unsure = hn::Zero(d_);
-    const Vec one = hn::Set(d_, 1.0f);
+    Vec order_unsure = hn::Zero(d_), set_unsure = hn::Zero(d_);
     for (std::size_t i = 0; i <= K; ++i) {
       const Vec key = group_.selection.list[i];
       hn::Store(key, d_, keys_[i]);
       if (i == K) break;
       const Vec next = group_.selection.list[i + 1];
-      const Vec margin = hn::MulAdd(next, relative, absolute);
       const auto real = hn::Lt(key, nobody);
-      unsure = hn::IfThenElse(hn::And(real, hn::Le(hn::Sub(next, key), margin)), one, unsure);
-      const auto within = hn::Le(hn::MulAdd(key, hn::Set(d_, 1 + kRelativeMargin), absolute), surely_within);
-      unsure = hn::IfThenElse(hn::AndNot(within, real), one, unsure);
+      const auto close = hn::And(real, hn::Le(hn::Sub(next, key), hn::MulAdd(next, relative, absolute)));
+      Vec& unsure = i + 1 == K ? set_unsure : order_unsure;
+      unsure = hn::IfThenElse(close, one, unsure);
+      if (limited_) {
+        const auto within = hn::Le(hn::MulAdd(key, hn::Set(d_, 1 + kRelativeMargin), absolute), surely_within);
+        set_unsure = hn::IfThenElse(hn::AndNot(within, real), one, set_unsure);
+      }
     }
-    HWY_ALIGN float unsure_lane[kLeafCapacity], reach_lane[kLeafCapacity];
-    hn::Store(unsure, d_, unsure_lane);
+    HWY_ALIGN float order_lane[kLeafCapacity], set_lane[kLeafCapacity], reach_lane[kLeafCapacity];
+    hn::Store(order_unsure, d_, order_lane);
+    hn::Store(set_unsure, d_, set_lane);
     hn::Store(group_.reach(d_, packed_.farthest), d_, reach_lane);
     for (std::uint32_t q = 0; q < queries; ++q) {
-      if (unsure_lane[q] != 0) {
+      if (set_lane[q] != 0) {
         settle_in_double(first + q, q, reach_lane[q]);
       } else {
         write_lane(q, reach_lane[q]);
+        if (order_lane[q] != 0) order_last(first + q);
       }
     }
   }
@@ -221,6 +228,23 @@ class CellSearch {
     }
     finish_point(reach < 0.99f * kNobody ? static_cast<double>(reach) * (1 + 1e-6) * frame_.unscale2
                                          : std::numeric_limits<double>::infinity());
+  }
+
+  /// Puts the list written last into exact order. It is nearly so already: insertion sort.
+  void order_last(std::uint32_t point) {
+    const std::size_t begin = out_.begin[out_.begin.size() - 2], size = out_.refs.size() - begin;
+    const Vec3 p = cell_.position(point);
+    std::array<Candidate, K> list;
+    for (std::size_t i = 0; i < size; ++i) {
+      const NeighborRef ref = out_.refs[begin + i];
+      const Cell& cell = directory_.cell(slot_of(ref));
+      const Vec3 at = cell.position(index_of(ref));
+      const Candidate candidate{distance2(at, p), at, cell.row[index_of(ref)], ref};
+      std::size_t place = i;
+      for (; place > 0 && nearer(candidate, list[place - 1]); --place) list[place] = list[place - 1];
+      list[place] = candidate;
+    }
+    for (std::size_t i = 0; i < size; ++i) out_.refs[begin + i] = list[i].ref;
   }
 
   /// One query again among the packed candidates, by their exact distances.
@@ -320,7 +344,8 @@ void search_lanes(const CellDirectory& directory, std::uint32_t slot, const Neig
                   CellNeighbors& out) {
   if (what.k <= 8) return search_with<8>(directory, slot, what, scratch, out);
   if (what.k <= 16) return search_with<16>(directory, slot, what, scratch, out);
-  return search_with<32>(directory, slot, what, scratch, out);
+  if (what.k <= 32) return search_with<32>(directory, slot, what, scratch, out);
+  return search_with<64>(directory, slot, what, scratch, out);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -347,7 +372,7 @@ void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neigh
   out.refs.clear();
   out.reach2.clear();
   out.begin.assign(1, 0);
-  constexpr std::size_t kMostInLanes = 32;
+  constexpr std::size_t kMostInLanes = 64;
   if (what.k > 0 && what.k <= kMostInLanes) {
     HWY_DYNAMIC_DISPATCH(search_lanes)(directory, slot, what, scratch, out);
   } else {

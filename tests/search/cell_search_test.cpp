@@ -91,7 +91,7 @@ TEST(CellSearch, EqualsBruteForceOnEveryShapeForSmallAndLargeK) {
     for (const std::size_t k : {1, 5, 8, 13, 16, 24, 32, 64}) {
       SCOPED_TRACE(name + ", k = " + std::to_string(k));
       std::mt19937_64 rng(42);
-      std::vector<Vec3> points(1500);
+      std::vector<Vec3> points(800);
       for (Vec3& p : points) p = shape(rng);
       expect_equal_to_brute_force(points, {.k = k}, 256);
       if (HasFatalFailure()) return;
