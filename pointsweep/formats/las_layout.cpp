@@ -192,7 +192,7 @@ class Builder {
       const LasQuantization q = las_quantization(*plan_.bounds);
       header.scale = q.scale;
       header.offset = q.offset;
-    } else if (input_ == nullptr) {
+    } else if (input_ == nullptr && plan_.count != 0) {
       fail(
           "{}: LAS stores coordinates as integers and needs their bounds before the first point; give the bounds, or "
           "write PLY.",
