@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+/// The contender: the same files, the same formula (Equation 1), all threads, with nanoflann's kd-tree and everything in memory.
+///   nanoflann_normals IN.ply OUT.ply [-k 8] [--threads N] [--order file|permuted]
+/// permuted: points are put into Morton order before the tree is built, and asked in that order, which spares it most of its
+/// cache misses; results return to the order of the file. Coordinates are float where the file's are.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <nanoflann.hpp>
+#include <numbers>
+#include <numeric>
+#include <thread>
+
+#include "bench/normals/ply.h"
+
+namespace bench {
+namespace {
+
+struct Options {
+  std::string in, out;
+  std::size_t k = 8;
+  std::size_t threads = std::max(1u, std::thread::hardware_concurrency());
+  bool permuted = false;
+};
+
+template <class T>
+struct Cloud {
+  std::vector<std::array<T, 3>> points;
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  T kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][axis]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+/// Calls work(begin, end) for pieces of [0, n) on all threads.
+void in_parallel(std::size_t n, std::size_t threads, const std::function<void(std::size_t, std::size_t)>& work) {
+  constexpr std::size_t kPiece = 4096;
+  std::atomic<std::size_t> next{0};
+  std::vector<std::jthread> pool;
+  for (std::size_t t = 0; t < threads; ++t)
+    pool.emplace_back([&] {
+      for (std::size_t begin; (begin = next.fetch_add(kPiece)) < n;) work(begin, std::min(n, begin + kPiece));
+    });
+}
+
+std::uint64_t spread(std::uint64_t v) {  // 16 bits, two zeros between each
+  v = (v | v << 16) & 0x0000ff0000ff;
+  v = (v | v << 8) & 0x00f00f00f00f;
+  v = (v | v << 4) & 0x0c30c30c30c3;
+  return (v | v << 2) & 0x249249249249;
+}
+
+/// Rows along the Morton curve of 2^16 cells per axis: three passes of a 16-bit radix sort.
+template <class T>
+std::vector<std::size_t> morton_order(const Cloud<T>& cloud, std::size_t threads) {
+  struct Item {
+    std::uint64_t code;
+    std::size_t row;
+  };
+  const std::size_t n = cloud.points.size();
+  std::array<T, 3> lo = cloud.points[0], hi = lo;
+  for (const auto& p : cloud.points)
+    for (std::size_t a = 0; a < 3; ++a) lo[a] = std::min(lo[a], p[a]), hi[a] = std::max(hi[a], p[a]);
+  const double scale = 65535 / std::max({double(hi[0] - lo[0]), double(hi[1] - lo[1]), double(hi[2] - lo[2]), 1e-300});
+  std::vector<Item> items(n), other(n);
+  in_parallel(n, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      std::uint64_t code = 0;
+      for (std::size_t a = 0; a < 3; ++a) code |= spread(std::uint64_t(double(cloud.points[i][a] - lo[a]) * scale)) << a;
+      items[i] = {code, i};
+    }
+  });
+  for (int shift = 0; shift < 48; shift += 16) {
+    std::vector<std::size_t> first(65537);
+    for (const Item& item : items) ++first[(item.code >> shift & 65535) + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    for (const Item& item : items) other[first[item.code >> shift & 65535]++] = item;
+    items.swap(other);
+  }
+  std::vector<std::size_t> rows(n);
+  std::transform(items.begin(), items.end(), rows.begin(), [](const Item& item) { return item.row; });
+  return rows;
+}
+
+/// Equation 1 around point i; (0, 0, 0) if the points lie on a line.
+template <class T>
+std::array<float, 3> normal_of(const Cloud<T>& cloud, std::size_t i, const std::uint32_t* neighbors, std::size_t k) {
+  using Vector = Eigen::Vector3d;
+  const auto at = [&](std::size_t j) { return Vector(cloud.points[j][0], cloud.points[j][1], cloud.points[j][2]); };
+  const Vector p = at(i);
+  const double farthest2 = (at(neighbors[k - 1]) - p).squaredNorm();
+  const double falloff = double(k) / (2 * std::numbers::pi * farthest2);
+  Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
+  for (std::size_t j = 0; j < k; ++j) {
+    const Vector o = at(neighbors[j]) - p;
+    const Vector w = std::exp(-o.squaredNorm() * falloff) * o;
+    m(0, 0) += w.x() * o.x(), m(1, 0) += w.x() * o.y(), m(2, 0) += w.x() * o.z();
+    m(1, 1) += w.y() * o.y(), m(2, 1) += w.y() * o.z(), m(2, 2) += w.z() * o.z();
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(m);
+  if (!(solver.eigenvalues()(1) > 1e-12 * solver.eigenvalues()(2))) return {};
+  Vector n = solver.eigenvectors().col(0);
+  Eigen::Index largest;
+  n.cwiseAbs().maxCoeff(&largest);
+  if (n[largest] < 0) n = -n;
+  return {float(n.x()), float(n.y()), float(n.z())};
+}
+
+template <class T>
+std::vector<std::array<float, 3>> normals_of(const Ply& ply, std::size_t offset, const Options& options) {
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<T, Cloud<T>>, Cloud<T>, 3, std::uint32_t>;
+  Cloud<T> cloud;
+  cloud.points.resize(ply.count);
+  for (std::size_t i = 0; i < ply.count; ++i) cloud.points[i] = ply.get<std::array<T, 3>>(i, offset);
+  std::vector<std::size_t> rows;
+  if (options.permuted) {
+    rows = morton_order(cloud, options.threads);
+    std::vector<std::array<T, 3>> ordered(ply.count);
+    for (std::size_t i = 0; i < ply.count; ++i) ordered[i] = cloud.points[rows[i]];
+    cloud.points.swap(ordered);
+  }
+  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  std::vector<std::array<float, 3>> normals(ply.count);
+  in_parallel(ply.count, options.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t> found(options.k + 1);
+    std::vector<T> distance2(options.k + 1);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t count = tree.knnSearch(cloud.points[i].data(), options.k + 1, found.data(), distance2.data());
+      const auto self = std::find(found.begin(), found.begin() + std::ptrdiff_t(count), i);
+      if (self != found.begin() + std::ptrdiff_t(count)) std::copy(self + 1, found.begin() + std::ptrdiff_t(count), self);
+      if (count < 3) continue;
+      normals[rows.empty() ? i : rows[i]] = normal_of(cloud, i, found.data(), count - 1);
+    }
+  });
+  return normals;
+}
+
+void write(const Ply& ply, const std::vector<std::array<float, 3>>& normals, const std::string& path) {
+  std::ofstream out(path, std::ios::binary);
+  for (const std::string& line : ply.header) out << line << '\n';
+  const auto present = ply.triple("nx", "ny", "nz");
+  const bool replace = present && present->second.substr(0, 5) == "float" && Ply::bytes(present->second) == 4;
+  if (!replace) out << "property float nx\nproperty float ny\nproperty float nz\n";
+  out << "end_header\n";
+  const std::size_t stride = replace ? ply.stride : ply.stride + 12;
+  std::vector<char> block;
+  for (std::size_t i = 0; i < ply.count;) {
+    block.clear();
+    for (; i < ply.count && block.size() < (std::size_t{4} << 20); ++i) {
+      block.insert(block.end(), ply.record(i), ply.record(i) + ply.stride);
+      block.resize(block.size() + stride - ply.stride);
+      std::memcpy(block.data() + block.size() - stride + (replace ? present->first : ply.stride), &normals[i], 12);
+    }
+    out.write(block.data(), std::streamsize(block.size()));
+  }
+  if (!out.flush()) give_up(path + ": cannot write");
+}
+
+Options parse(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const auto value = [&] { return i + 1 < argc ? std::string(argv[++i]) : (give_up(word + " needs a value"), ""); };
+    if (word == "-k") options.k = std::stoull(value());
+    else if (word == "--threads") options.threads = std::stoull(value());
+    else if (word == "--order") options.permuted = value() == "permuted";
+    else if (options.in.empty()) options.in = word;
+    else options.out = word;
+  }
+  if (options.out.empty()) give_up("usage: nanoflann_normals IN.ply OUT.ply [-k 8] [--threads N] [--order file|permuted]");
+  return options;
+}
+
+}  // namespace
+}  // namespace bench
+
+int main(int argc, char** argv) {
+  using namespace bench;
+  const Options options = parse(argc, argv);
+  const Ply ply(options.in);
+  const auto position = ply.triple("x", "y", "z");
+  if (!position) give_up(options.in + ": no x, y, z side by side");
+  write(ply, Ply::bytes(position->second) == 4 ? normals_of<float>(ply, position->first, options)
+                                               : normals_of<double>(ply, position->first, options),
+        options.out);
+}

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+/// Just enough PLY for the contenders: binary little-endian, vertices first, no lists. Not the library's reader on purpose.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace bench {
+
+[[noreturn]] inline void give_up(const std::string& message) {
+  std::cerr << message << '\n';
+  std::exit(2);
+}
+
+/// A whole file in memory: the lines of its header and its records as they are.
+struct Ply {
+  std::vector<std::string> header;  ///< up to the last vertex property
+  std::map<std::string, std::pair<std::size_t, std::string>> properties;  ///< name -> offset, type
+  std::size_t count = 0, stride = 0;
+  std::vector<char> records;
+
+  explicit Ply(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    if (!in) give_up(path + ": cannot open");
+    read_header(in, path);
+    records.resize(count * stride);
+    in.read(records.data(), std::streamsize(records.size()));
+    if (!in) give_up(path + ": truncated");
+  }
+
+  const char* record(std::size_t i) const { return records.data() + i * stride; }
+  template <class T>
+  T get(std::size_t i, std::size_t offset) const {
+    T v;
+    std::memcpy(&v, record(i) + offset, sizeof v);
+    return v;
+  }
+  /// Offset of the first of three successive properties of the same type.
+  std::optional<std::pair<std::size_t, std::string>> triple(const std::string& a, const std::string& b,
+                                                            const std::string& c) const {
+    const auto x = properties.find(a), y = properties.find(b), z = properties.find(c);
+    if (x == properties.end() || y == properties.end() || z == properties.end()) return {};
+    const std::size_t size = bytes(x->second.second);
+    if (y->second.first != x->second.first + size || z->second.first != x->second.first + 2 * size) return {};
+    return x->second;
+  }
+
+  static std::size_t bytes(const std::string& type) {
+    static const std::map<std::string, std::size_t> sizes{
+        {"char", 1},  {"uchar", 1},  {"short", 2}, {"ushort", 2}, {"int", 4},   {"uint", 4},    {"float", 4},   {"double", 8},
+        {"int8", 1},  {"uint8", 1},  {"int16", 2}, {"uint16", 2}, {"int32", 4}, {"uint32", 4}, {"float32", 4}, {"float64", 8}};
+    const auto found = sizes.find(type);
+    if (found == sizes.end()) give_up("unknown PLY type " + type);
+    return found->second;
+  }
+
+ private:
+  void read_header(std::ifstream& in, const std::string& path) {
+    std::string line, element;
+    while (std::getline(in, line) && line != "end_header") {
+      std::istringstream words(line);
+      std::string first, second, third;
+      words >> first >> second >> third;
+      if (first == "format" && second != "binary_little_endian") give_up(path + ": not binary_little_endian");
+      if (first == "element") element = second;
+      if (first == "element" && element == "vertex") count = std::stoull(third);
+      if (first == "property" && element == "vertex") {
+        properties[third] = {stride, second};
+        stride += bytes(second);
+      }
+      if (element.empty() || element == "vertex") header.push_back(line);
+    }
+    if (stride == 0) give_up(path + ": no vertices");
+  }
+};
+
+}  // namespace bench
