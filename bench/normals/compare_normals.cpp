@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Compares the normals of two PLY files row by row, up to sign. Prints one JSON object; fails if more than the given share of
-/// rows is farther apart than 1e-4 rad (single-precision queries settle near-ties differently).
+/// Compares the normals of two PLY files row by row, up to sign. Prints one JSON object; fails if more than the given
+/// share of rows is farther apart than 1e-4 rad (single-precision queries settle near-ties differently).
 ///   compare_normals A.ply B.ply [SHARE=0.001]
 #include <algorithm>
 #include <array>
@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
     differ += zero_a != zero_b || (!zero_a && !(angle(n, m) <= 1e-4));
   }
   const double share = a.count == 0 ? 0 : double(differ) / double(a.count);
-  std::printf("{\"points\": %zu, \"differ\": %zu, \"zero_in_one\": %zu, \"share\": %.3g}\n", a.count, differ, zero_in_one,
-              share);
+  std::printf("{\"points\": %zu, \"differ\": %zu, \"zero_in_one\": %zu, \"share\": %.3g}\n", a.count, differ,
+              zero_in_one, share);
   return share > allowed ? 1 : 0;
 }

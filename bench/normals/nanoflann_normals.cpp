@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// The contender: the same files, the same formula (Equation 1), all threads, with nanoflann's kd-tree and everything in memory.
+/// The contender: the same files, the same formula (Equation 1), all threads, with nanoflann's kd-tree and everything
+/// in memory.
 ///   nanoflann_normals IN.ply OUT.ply [-k 8] [--threads N] [--order file|permuted]
-/// permuted: points are put into Morton order before the tree is built, and asked in that order, which spares it most of its
-/// cache misses; results return to the order of the file. Coordinates are float where the file's are.
+/// permuted: points are put into Morton order before the tree is built, and asked in that order, which spares it most
+/// of its cache misses; results return to the order of the file. Coordinates are float where the file's are.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -73,7 +74,8 @@ std::vector<std::size_t> morton_order(const Cloud<T>& cloud, std::size_t threads
   in_parallel(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       std::uint64_t code = 0;
-      for (std::size_t a = 0; a < 3; ++a) code |= spread(std::uint64_t(double(cloud.points[i][a] - lo[a]) * scale)) << a;
+      for (std::size_t a = 0; a < 3; ++a)
+        code |= spread(std::uint64_t(double(cloud.points[i][a] - lo[a]) * scale)) << a;
       items[i] = {code, i};
     }
   });
@@ -116,7 +118,8 @@ std::array<float, 3> normal_of(const Cloud<T>& cloud, std::size_t i, const std::
 
 template <class T>
 std::vector<std::array<float, 3>> normals_of(const Ply& ply, std::size_t offset, const Options& options) {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<T, Cloud<T>>, Cloud<T>, 3, std::uint32_t>;
+  using Tree =
+      nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<T, Cloud<T>>, Cloud<T>, 3, std::uint32_t>;
   Cloud<T> cloud;
   cloud.points.resize(ply.count);
   for (std::size_t i = 0; i < ply.count; ++i) cloud.points[i] = ply.get<std::array<T, 3>>(i, offset);
@@ -135,7 +138,8 @@ std::vector<std::array<float, 3>> normals_of(const Ply& ply, std::size_t offset,
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t count = tree.knnSearch(cloud.points[i].data(), options.k + 1, found.data(), distance2.data());
       const auto self = std::find(found.begin(), found.begin() + std::ptrdiff_t(count), i);
-      if (self != found.begin() + std::ptrdiff_t(count)) std::copy(self + 1, found.begin() + std::ptrdiff_t(count), self);
+      if (self != found.begin() + std::ptrdiff_t(count))
+        std::copy(self + 1, found.begin() + std::ptrdiff_t(count), self);
       if (count < 3) continue;
       normals[rows.empty() ? i : rows[i]] = normal_of(cloud, i, found.data(), count - 1);
     }
@@ -169,13 +173,19 @@ Options parse(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     const auto value = [&] { return i + 1 < argc ? std::string(argv[++i]) : (give_up(word + " needs a value"), ""); };
-    if (word == "-k") options.k = std::stoull(value());
-    else if (word == "--threads") options.threads = std::stoull(value());
-    else if (word == "--order") options.permuted = value() == "permuted";
-    else if (options.in.empty()) options.in = word;
-    else options.out = word;
+    if (word == "-k")
+      options.k = std::stoull(value());
+    else if (word == "--threads")
+      options.threads = std::stoull(value());
+    else if (word == "--order")
+      options.permuted = value() == "permuted";
+    else if (options.in.empty())
+      options.in = word;
+    else
+      options.out = word;
   }
-  if (options.out.empty()) give_up("usage: nanoflann_normals IN.ply OUT.ply [-k 8] [--threads N] [--order file|permuted]");
+  if (options.out.empty())
+    give_up("usage: nanoflann_normals IN.ply OUT.ply [-k 8] [--threads N] [--order file|permuted]");
   return options;
 }
 
@@ -188,7 +198,8 @@ int main(int argc, char** argv) {
   const Ply ply(options.in);
   const auto position = ply.triple("x", "y", "z");
   if (!position) give_up(options.in + ": no x, y, z side by side");
-  write(ply, Ply::bytes(position->second) == 4 ? normals_of<float>(ply, position->first, options)
-                                               : normals_of<double>(ply, position->first, options),
+  write(ply,
+        Ply::bytes(position->second) == 4 ? normals_of<float>(ply, position->first, options)
+                                          : normals_of<double>(ply, position->first, options),
         options.out);
 }

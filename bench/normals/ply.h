@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Just enough PLY for the contenders: binary little-endian, vertices first, no lists. Not the library's reader on purpose.
+/// Just enough PLY for the contenders: binary little-endian, vertices first, no lists. Not the library's reader on
+/// purpose.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +26,7 @@ namespace bench {
 
 /// A whole file in memory: the lines of its header and its records as they are.
 struct Ply {
-  std::vector<std::string> header;  ///< up to the last vertex property
+  std::vector<std::string> header;                                        ///< up to the last vertex property
   std::map<std::string, std::pair<std::size_t, std::string>> properties;  ///< name -> offset, type
   std::size_t count = 0, stride = 0;
   std::vector<char> records;
@@ -57,9 +58,10 @@ struct Ply {
   }
 
   static std::size_t bytes(const std::string& type) {
-    static const std::map<std::string, std::size_t> sizes{
-        {"char", 1},  {"uchar", 1},  {"short", 2}, {"ushort", 2}, {"int", 4},   {"uint", 4},    {"float", 4},   {"double", 8},
-        {"int8", 1},  {"uint8", 1},  {"int16", 2}, {"uint16", 2}, {"int32", 4}, {"uint32", 4}, {"float32", 4}, {"float64", 8}};
+    static const std::map<std::string, std::size_t> sizes{{"char", 1},  {"uchar", 1},  {"short", 2},   {"ushort", 2},
+                                                          {"int", 4},   {"uint", 4},   {"float", 4},   {"double", 8},
+                                                          {"int8", 1},  {"uint8", 1},  {"int16", 2},   {"uint16", 2},
+                                                          {"int32", 4}, {"uint32", 4}, {"float32", 4}, {"float64", 8}};
     const auto found = sizes.find(type);
     if (found == sizes.end()) give_up("unknown PLY type " + type);
     return found->second;

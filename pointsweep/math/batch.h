@@ -9,7 +9,8 @@
 
 namespace pointsweep {
 
-/// out[i] = eigen_symmetric3(matrices[i]); both spans have the same size. About 35 to 60 ns each on one core with AVX-512.
+/// out[i] = eigen_symmetric3(matrices[i]); both spans have the same size. About 35 to 60 ns each on one core with
+/// AVX-512.
 void batch_eigen_symmetric3(std::span<const Symmetric3> matrices, std::span<Eigen3> out);
 
 /// out[i] = exp_negative(x[i]); both spans have the same size and may be the same. About 1 ns each with AVX-512.

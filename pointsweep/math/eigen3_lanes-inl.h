@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// symmetric3.h in vector lanes, one matrix per lane: the same operations in the same order, hence the same bits for any
-/// number of lanes. Only Add, Sub, Mul, Div and bit operations; never a fused multiply-add. Included once per instruction set.
+/// symmetric3.h in vector lanes, one matrix per lane: the same operations in the same order, hence the same bits for
+/// any number of lanes. Only Add, Sub, Mul, Div and bit operations; never a fused multiply-add. Included once per
+/// instruction set.
 #if defined(POINTSWEEP_MATH_EIGEN3_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_MATH_EIGEN3_LANES_INL_H_
 #undef POINTSWEEP_MATH_EIGEN3_LANES_INL_H_
@@ -65,9 +66,8 @@ HWY_INLINE void Rotate(D tag, V& app, V& aqq, V& apq, V& arp, V& arq, V& q0, V& 
   const V h = hn::Mul(d, hn::Add(d, hn::Mul(hn::Set(tag, kB), e)));
   const V e_signed = hn::CopySignToAbs(e, hn::Xor(difference, twice));
   const V n_half = hn::Mul(e_signed, hn::Add(h, hn::Mul(hn::Set(tag, kC), e2)));
-  const V d_half =
-      hn::Add(hn::Mul(hn::Mul(hn::Set(tag, 4.0), d), hn::Add(h, hn::Mul(hn::Set(tag, kC + 0.3125), e2))),
-              hn::Mul(hn::Mul(hn::Set(tag, kF), e), e2));
+  const V d_half = hn::Add(hn::Mul(hn::Mul(hn::Set(tag, 4.0), d), hn::Add(h, hn::Mul(hn::Set(tag, kC + 0.3125), e2))),
+                           hn::Mul(hn::Mul(hn::Set(tag, kF), e), e2));
 
   const V dd = hn::Mul(d_half, d_half), nn = hn::Mul(n_half, n_half);
   const V inverse = hn::Div(hn::Set(tag, 1.0), hn::Add(dd, nn));
@@ -116,9 +116,17 @@ HWY_INLINE JacobiLanes<V> Begin(D d, const Symmetric3Lanes<V>& m) {
   const V size = PowerOfTwoBelow(d, hn::Max(diagonal, others));
   const V scale = ReciprocalOfPower(d, size);
   const V zero = hn::Zero(d);
-  return {hn::Mul(m.xx, scale), hn::Mul(m.xy, scale), hn::Mul(m.xz, scale), hn::Mul(m.yy, scale),
-          hn::Mul(m.yz, scale), hn::Mul(m.zz, scale), hn::Set(d, 1.0),      zero,
-          zero,                 zero,                 size};
+  return {hn::Mul(m.xx, scale),
+          hn::Mul(m.xy, scale),
+          hn::Mul(m.xz, scale),
+          hn::Mul(m.yy, scale),
+          hn::Mul(m.yz, scale),
+          hn::Mul(m.zz, scale),
+          hn::Set(d, 1.0),
+          zero,
+          zero,
+          zero,
+          size};
 }
 
 template <class D, class V = hn::Vec<D>>
@@ -142,8 +150,8 @@ HWY_INLINE Eigen3Lanes<V> End(D d, const JacobiLanes<V>& j) {
   return out;
 }
 
-/// As eigen_symmetric3, for several vectors of matrices at once: a rotation is one long chain of dependent operations, and
-/// only chains that do not depend on each other fill the machine.
+/// As eigen_symmetric3, for several vectors of matrices at once: a rotation is one long chain of dependent operations,
+/// and only chains that do not depend on each other fill the machine.
 template <class D, class V = hn::Vec<D>, class... More>
 HWY_INLINE std::array<Eigen3Lanes<V>, sizeof...(More)> EigenSymmetric3(D d, const More&... m) {
   const auto solve = [d](auto... j) HWY_ATTR -> std::array<Eigen3Lanes<V>, sizeof...(More)> {

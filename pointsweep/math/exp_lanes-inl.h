@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// exp.h in vector lanes: the same operations in the same order, hence the same bits. Included once per instruction set.
+/// exp.h in vector lanes: the same operations in the same order, hence the same bits. Included once per instruction
+/// set.
 #if defined(POINTSWEEP_MATH_EXP_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_MATH_EXP_LANES_INL_H_
 #undef POINTSWEEP_MATH_EXP_LANES_INL_H_
@@ -32,8 +33,8 @@ HWY_INLINE V ExpNegative(D d, V x) {
   const V high = hn::Add(line(4, y), hn::Mul(line(6, y), y2));
   const V sum = hn::Add(low, hn::Mul(hn::Add(high, hn::Mul(line(8, y), y4)), y4));
   const V mantissa = hn::Add(hn::Set(d, 1.0), hn::Add(y, hn::Mul(y2, sum)));
-  const V power = hn::BitCast(
-      d, hn::Sub(hn::Set(du, std::uint64_t{1023} << 52), hn::ShiftLeft<52>(hn::BitCast(du, shifted))));
+  const V power =
+      hn::BitCast(d, hn::Sub(hn::Set(du, std::uint64_t{1023} << 52), hn::ShiftLeft<52>(hn::BitCast(du, shifted))));
   return hn::IfThenZeroElse(hn::Gt(x, largest), hn::Mul(mantissa, power));
 }
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 /// Symmetric 3×3 matrices and their eigenvectors, of plain IEEE operations: the same bits on every machine.
 ///
-/// Cyclic Jacobi with a fixed number of sweeps. A rotation by θ must annihilate a_pq where tan 2θ = r = 2 a_pq / (a_qq - a_pp),
-/// |2θ| <= π/2. Instead of two square roots it takes the tangent of the half angle from a rational function,
+/// Cyclic Jacobi with a fixed number of sweeps. A rotation by θ must annihilate a_pq where tan 2θ = r = 2 a_pq / (a_qq
+/// - a_pp), |2θ| <= π/2. Instead of two square roots it takes the tangent of the half angle from a rational function,
 ///   tan(θ/2) = tan(atan(r)/4) ≈ r (1 + b|r| + c r²) / (4 (1 + b|r| + (c + 5/16) r²) + f |r|³),
-/// right to O(r³) at 0 and within 0.17 % everywhere (b, c, f fitted). The half angle makes the rotation exact to rounding
-/// whatever its angle is: with N/D = tan(θ/2), cos θ = (D² - N²)/(D² + N²), sin θ = 2DN/(D² + N²), and (D, N) is the quaternion
-/// of the rotation. (Approximate rotations from half angles and quaternions: McAdams et al., "Computing the singular
-/// value decomposition of 3×3 matrices with minimal branching", 2011.) The remaining error of a rotation is a
-/// relative one and convergence stays quadratic or better: over 10^6 random matrices, every pattern of twelve special values
-/// and a hill climb for the worst case, off-diagonals after four sweeps were under 1e-16 of the largest entry.
-/// eigen3_lanes-inl.h does the same operations in the same order, one matrix per lane.
+/// right to O(r³) at 0 and within 0.17 % everywhere (b, c, f fitted). The half angle makes the rotation exact to
+/// rounding whatever its angle is: with N/D = tan(θ/2), cos θ = (D² - N²)/(D² + N²), sin θ = 2DN/(D² + N²), and (D, N)
+/// is the quaternion of the rotation. (Approximate rotations from half angles and quaternions: McAdams et al.,
+/// "Computing the singular value decomposition of 3×3 matrices with minimal branching", 2011.) The remaining error of a
+/// rotation is a relative one and convergence stays quadratic or better: over 10^6 random matrices, every pattern of
+/// twelve special values and a hill climb for the worst case, off-diagonals after four sweeps were under 1e-16 of the
+/// largest entry. eigen3_lanes-inl.h does the same operations in the same order, one matrix per lane.
 #pragma once
 
 #include <algorithm>
@@ -57,7 +57,8 @@ inline void turn(double& a, double& b, double d, double n) {
   a = turned;
 }
 
-/// Annihilates a_pq; r is the third index. (q0, q1) and (q2, q3) are the pairs of quaternion components that the rotation turns.
+/// Annihilates a_pq; r is the third index. (q0, q1) and (q2, q3) are the pairs of quaternion components that the
+/// rotation turns.
 inline void rotate(double& app, double& aqq, double& apq, double& arp, double& arq, double& q0, double& q1, double& q2,
                    double& q3) {
   const double difference = aqq - app;
@@ -94,11 +95,11 @@ inline void rotate(double& app, double& aqq, double& apq, double& arp, double& a
 }  // namespace jacobi
 
 /// Entries must be finite and under 2^1022; a matrix whose entries are all under 2^-1022 counts as zero. The error of a
-/// value is a few ulps of the largest; that of a vector is that, divided by the gap to the next value. A zero or diagonal
-/// matrix has axes as vectors.
+/// value is a few ulps of the largest; that of a vector is that, divided by the gap to the next value. A zero or
+/// diagonal matrix has axes as vectors.
 inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
-  const double largest = std::max({std::abs(m.xx), std::abs(m.yy), std::abs(m.zz), std::abs(m.xy), std::abs(m.xz),
-                                   std::abs(m.yz)});
+  const double largest =
+      std::max({std::abs(m.xx), std::abs(m.yy), std::abs(m.zz), std::abs(m.xy), std::abs(m.xz), std::abs(m.yz)});
   const double size = jacobi::power_of_two_below(largest);
   const double scale = jacobi::reciprocal_of_power(size);
   double xx = m.xx * scale, xy = m.xy * scale, xz = m.xz * scale;

@@ -9,7 +9,8 @@
 
 namespace pointsweep {
 
-/// Which of its two directions a normal takes. Whatever leaves the choice open (a dot product of 0) falls back to `none`.
+/// Which of its two directions a normal takes. Whatever leaves the choice open (a dot product of 0) falls back to
+/// `none`.
 enum class Orient {
   none,       ///< the component of largest magnitude is positive, the first of equal ones
   up,         ///< nz >= 0
@@ -23,12 +24,14 @@ struct NormalsOptions {
 };
 
 /// n_i = eigenvector of the smallest eigenvalue of
-///   M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)^T θ(|p_j - p_i|),  θ(r) = exp(-r²/2σ²),  σ² = π max_j |p_j - p_i|² / |N_i|,
+///   M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)^T θ(|p_j - p_i|),  θ(r) = exp(-r²/2σ²),  σ² = π max_j |p_j - p_i|² /
+///   |N_i|,
 /// with p_i itself, not the mean, as the centre, |N_i| without p_i, and sums in the order of the neighbours.
 ///
 /// Makes "normal". It is (0, 0, 0) and counted as degenerate where the data define no plane: fewer than two neighbours;
-/// all of them on p_i; p_i and they on a line to rounding, that is λ1 <= 1e-12 λ2 (nothing is wider than a millionth of the
-/// length) or λ1 no larger than what rounding coordinates of the size of p_i to double leaves; or offsets that overflow.
+/// all of them on p_i; p_i and they on a line to rounding, that is λ1 <= 1e-12 λ2 (nothing is wider than a millionth of
+/// the length) or λ1 no larger than what rounding coordinates of the size of p_i to double leaves; or offsets that
+/// overflow.
 class Normals : public Operator {
  public:
   explicit Normals(const NormalsOptions& options = {});

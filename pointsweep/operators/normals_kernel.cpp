@@ -30,7 +30,8 @@ struct LaneArray {
   V Load() const { return hn::Load(Lanes(), of); }
 };
 
-/// What must be known of a neighbourhood before its sum begins. Neighbours come nearest first, so the last is the farthest.
+/// What must be known of a neighbourhood before its sum begins. Neighbours come nearest first, so the last is the
+/// farthest.
 struct Extents {
   LaneArray count;    // |N_i|, 0 where no normal can be
   LaneArray largest;  // largest magnitude among the components of the last offset
@@ -94,8 +95,8 @@ struct Moments {
 };
 
 /// Two factors that no eigenvector feels are taken out: offsets are scaled by the power of two that brings the largest
-/// to about 1, so that no extent of a cloud under- or overflows, and θ by θ of the nearest neighbour, so that θ does not
-/// vanish for every one of many thousand neighbours. 1/|N_i| is left out likewise.
+/// to about 1, so that no extent of a cloud under- or overflows, and θ by θ of the nearest neighbour, so that θ does
+/// not vanish for every one of many thousand neighbours. 1/|N_i| is left out likewise.
 HWY_INLINE Moments SumMoments(const Neighborhoods& in, std::size_t first) {
   const Lanes d;
   const Extents extents(in, first);
@@ -116,8 +117,8 @@ HWY_INLINE Moments SumMoments(const Neighborhoods& in, std::size_t first) {
       const V y = hn::Mul(hn::Load(d, chunk.y[c]), scale);
       const V z = hn::Mul(hn::Load(d, chunk.z[c]), scale);
       const V beyond = hn::Max(hn::Sub(Length2(x, y, z), near2), zero);
-      const V theta = hn::IfThenElseZero(hn::Lt(hn::Set(d, double(from + c)), count),
-                                         ExpNegative(d, hn::Mul(beyond, falloff)));
+      const V theta =
+          hn::IfThenElseZero(hn::Lt(hn::Set(d, double(from + c)), count), ExpNegative(d, hn::Mul(beyond, falloff)));
       const V tx = hn::Mul(theta, x), ty = hn::Mul(theta, y), tz = hn::Mul(theta, z);
       xx = hn::Add(xx, hn::Mul(tx, x));
       xy = hn::Add(xy, hn::Mul(tx, y));

@@ -9,8 +9,8 @@
 
 namespace pointsweep {
 
-/// The unit normal of every point of the batch, of arbitrary sign; (0, 0, 0) where Normals calls it degenerate. The bits of
-/// a normal depend on its own neighbourhood alone: not on the instruction set, nor on what shares the batch.
+/// The unit normal of every point of the batch, of arbitrary sign; (0, 0, 0) where Normals calls it degenerate. The
+/// bits of a normal depend on its own neighbourhood alone: not on the instruction set, nor on what shares the batch.
 void unoriented_normals(const Neighborhoods& in, std::span<std::array<float, 3>> normals);
 
 }  // namespace pointsweep

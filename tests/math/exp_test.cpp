@@ -17,8 +17,8 @@ namespace pointsweep {
 namespace {
 
 std::vector<double> arguments() {
-  std::vector<double> x{0.0, 1e-300, 1e-17, 0.34657359, 0.346573591, 1, 707.99, 708, 708.0001, 1e6, 1e300,
-                        std::numeric_limits<double>::infinity()};
+  std::vector<double> x{0.0,    1e-300, 1e-17,    0.34657359, 0.346573591, 1,
+                        707.99, 708,    708.0001, 1e6,        1e300,       std::numeric_limits<double>::infinity()};
   std::mt19937_64 random(20051);
   std::uniform_real_distribution<double> wide(0, 708), narrow(0, 2);
   for (int i = 0; i < 100000; ++i) x.push_back(i % 2 ? wide(random) : narrow(random));
@@ -30,7 +30,7 @@ TEST(ExpNegative, IsWithinOneUlp) {
     if (x > 708) continue;
     const double found = exp_negative(x);
     const double ulp = std::nextafter(found, 2.0) - found;
-    EXPECT_LE(std::abs((long double)(found) - std::exp(-(long double)(x))), 1.0L * ulp) << x;
+    EXPECT_LE(std::abs((long double)(found)-std::exp(-(long double)(x))), 1.0L * ulp) << x;
   }
 }
 

@@ -18,7 +18,8 @@ namespace {
 
 constexpr double kEpsilon = 0x1p-52;
 
-/// Matrices with eigenvalues of very different sizes, equal ones, zeros, negative ones, and entries from a list of special values.
+/// Matrices with eigenvalues of very different sizes, equal ones, zeros, negative ones, and entries from a list of
+/// special values.
 std::vector<Symmetric3> matrices() {
   std::vector<Symmetric3> all{{}, {1, 0, 0, 1, 0, 1}, {3, 0, 0, 2, 0, 1}, {0, 1, 0, 0, 0, 0}, {1, 1, 1, 1, 1, 1}};
   std::mt19937_64 random(20052);
@@ -72,7 +73,8 @@ TEST(EigenSymmetric3, AgreesWithEigenToRoundingOverTheGap) {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(e.value[i], double(truth.eigenvalues()(i)), 20 * kEpsilon * size);
     const double gap = double(truth.eigenvalues()(1) - truth.eigenvalues()(0));
     if (gap < 1e-12 * size || size == 0) continue;
-    const Vec3 t{double(truth.eigenvectors()(0, 0)), double(truth.eigenvectors()(1, 0)), double(truth.eigenvectors()(2, 0))};
+    const Vec3 t{double(truth.eigenvectors()(0, 0)), double(truth.eigenvectors()(1, 0)),
+                 double(truth.eigenvectors()(2, 0))};
     EXPECT_LE(length(cross(t, e.vector[0])), 30 * kEpsilon * size / gap);
   }
 }

@@ -32,7 +32,8 @@ std::vector<Vec3> random_cloud(std::size_t n, Vec3 extent, unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> u(-1, 1);
   std::vector<Vec3> points;
-  for (std::size_t i = 0; i < n; ++i) points.push_back({extent.x * u(random), extent.y * u(random), extent.z * u(random)});
+  for (std::size_t i = 0; i < n; ++i)
+    points.push_back({extent.x * u(random), extent.y * u(random), extent.z * u(random)});
   return points;
 }
 
@@ -98,8 +99,9 @@ struct Surface {
   double curvature;
 };
 
-/// Neighbours within r lie within κ r²/2 of the tangent plane. Where they surround the point evenly the tilts cancel; random
-/// ones are lopsided, so a normal may be off by about half of κ r, rarely more, and on average by a fraction of it.
+/// Neighbours within r lie within κ r²/2 of the tangent plane. Where they surround the point evenly the tilts cancel;
+/// random ones are lopsided, so a normal may be off by about half of κ r, rarely more, and on average by a fraction of
+/// it.
 void expect_tangent_plane(const Surface& surface) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> u(0, 1);
@@ -169,7 +171,8 @@ TEST(Normals, OfAnAxisAlignedPlaneAreTheAxis) {
 
 TEST(Normals, KeepTheirBitsUnderAnExactTranslation) {
   std::vector<Vec3> points = random_cloud(500, {1, 1, 0.1}, 13);
-  for (Vec3& p : points) p = {std::round(p.x * 0x1p20) / 0x1p20, std::round(p.y * 0x1p20) / 0x1p20, std::round(p.z * 0x1p20) / 0x1p20};
+  for (Vec3& p : points)
+    p = {std::round(p.x * 0x1p20) / 0x1p20, std::round(p.y * 0x1p20) / 0x1p20, std::round(p.z * 0x1p20) / 0x1p20};
   std::vector<Vec3> moved;
   for (const Vec3 p : points) moved.push_back(p + Vec3{0x1p22, -0x1p21, 0x1p19});
   EXPECT_EQ(normals_of(points, brute_force_neighbors(points, 8)), normals_of(moved, brute_force_neighbors(moved, 8)));
@@ -180,7 +183,8 @@ TEST(Normals, KeepTheirBitsUnderAScalingByAPowerOfTwo) {
   for (const double s : {0x1p-40, 0x1p-3, 0x1p41}) {
     std::vector<Vec3> scaled;
     for (const Vec3 p : points) scaled.push_back(s * p);
-    EXPECT_EQ(normals_of(points, brute_force_neighbors(points, 9)), normals_of(scaled, brute_force_neighbors(scaled, 9)));
+    EXPECT_EQ(normals_of(points, brute_force_neighbors(points, 9)),
+              normals_of(scaled, brute_force_neighbors(scaled, 9)));
   }
 }
 
@@ -247,7 +251,8 @@ TEST(Normals, SeeAPlaneAsNarrowAsAHundredThousandthOfItsLength) {
   std::vector<Vec3> points;
   for (int i = 0; i < 100; ++i) points.push_back({0.01 * i, (i % 2 ? 1e-6 : 0) + (i % 3 ? 1e-7 : 0), 0});
   std::uint64_t degenerate = 0;
-  for (const Normal n : normals_of(points, brute_force_neighbors(points, 8), {}, &degenerate)) EXPECT_EQ(n, (Normal{0, 0, 1}));
+  for (const Normal n : normals_of(points, brute_force_neighbors(points, 8), {}, &degenerate))
+    EXPECT_EQ(n, (Normal{0, 0, 1}));
   EXPECT_EQ(degenerate, 0u);
 }
 
@@ -280,7 +285,8 @@ TEST(Normals, PointUpWhenToldSo) {
 TEST(Normals, FaceTheViewpoint) {
   const Oriented cloud;
   for (const Vec3 eye : {Vec3{10, 3, 2}, Vec3{-10, -3, -2}, Vec3{0.1, 0.2, -0.1}}) {
-    const std::vector<Normal> found = normals_of(cloud.points, cloud.lists, {.orient = Orient::viewpoint, .viewpoint = eye});
+    const std::vector<Normal> found =
+        normals_of(cloud.points, cloud.lists, {.orient = Orient::viewpoint, .viewpoint = eye});
     for (std::size_t i = 0; i < found.size(); ++i) EXPECT_GE(dot(wide(found[i]), eye - cloud.points[i]), 0);
   }
   EXPECT_THROW(Normals({.orient = Orient::viewpoint, .viewpoint = {0, INFINITY, 0}}), UsageError);

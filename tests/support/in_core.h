@@ -29,7 +29,8 @@ struct InCoreResult {
   }
 };
 
-/// A cloud cut by row into cells of `cell_points`, with neighbour lists by row and input columns shared by all operators.
+/// A cloud cut by row into cells of `cell_points`, with neighbour lists by row and input columns shared by all
+/// operators.
 class InCoreCloud {
  public:
   InCoreCloud(std::span<const Vec3> points, const std::vector<std::vector<std::uint32_t>>& neighbors,
@@ -45,7 +46,8 @@ class InCoreCloud {
     const Contract contract = op.contract();
     std::vector<const std::vector<std::byte>*> inputs;
     std::vector<std::size_t> width;
-    for (std::size_t a = 0; a < reads.size(); ++a) inputs.push_back(&reads[a]), width.push_back(contract.reads[a].bytes());
+    for (std::size_t a = 0; a < reads.size(); ++a)
+      inputs.push_back(&reads[a]), width.push_back(contract.reads[a].bytes());
     for (std::size_t a = 0; a < reads_neighbors.size(); ++a)
       inputs.push_back(&reads_neighbors[a]), width.push_back(contract.reads_neighbors[a].bytes());
     std::vector<std::uint16_t> numbers(inputs.size());
