@@ -33,7 +33,8 @@ int main() try {
 
   double worst = 1;
   for (std::size_t i = 0; i < 3 * n; i += 3) {
-    const double cosine = double{xyz[i]} * normals[i] + double{xyz[i + 1]} * normals[i + 1] + double{xyz[i + 2]} * normals[i + 2];
+    const double cosine =
+        double{xyz[i]} * normals[i] + double{xyz[i + 1]} * normals[i + 1] + double{xyz[i + 2]} * normals[i + 2];
     worst = std::min(worst, std::abs(cosine));
   }
   std::printf("%zu normals of a sphere, the worst %.4f rad from the radius\n", n, std::acos(worst));

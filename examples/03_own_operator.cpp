@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Lesson 3: an operator of one's own. Roughness is the distance of a point to the plane of its neighbours: through their
-// centre, across the normal that the stage before has made. The result reaches the output as attribute "roughness".
+// Lesson 3: an operator of one's own. Roughness is the distance of a point to the plane of its neighbours: through
+// their centre, across the normal that the stage before has made. The result reaches the output as attribute
+// "roughness".
 //
 //   03_own_operator scan.ply out.ply
 #include <cmath>
@@ -44,7 +45,8 @@ class Roughness final : public Operator {
 int main(int argc, char** argv) try {
   if (argc != 3) return std::fprintf(stderr, "usage: %s IN OUT\n", argv[0]), 2;
   Cloud cloud({argv[1]});
-  const Chain chain{.neighborhood = {.k = 16}, .operators = {std::make_shared<Normals>(), std::make_shared<Roughness>()}};
+  const Chain chain{.neighborhood = {.k = 16},
+                    .operators = {std::make_shared<Normals>(), std::make_shared<Roughness>()}};
   RunOptions options;
   options.overwrite = true;
   const Statistics statistics = run(cloud, chain, {.points = argv[2], .arrays = {}, .writer = {}}, options);

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// Cutting and searching alone, one thread, points on a wavy closed surface, in nanoseconds per point.
-#include "pointsweep/search/cell_search.h"
-
 #include <benchmark/benchmark.h>
 
 #include <cmath>
 #include <memory>
 #include <random>
 
+#include "pointsweep/search/cell_search.h"
 #include "pointsweep/search/cut.h"
 
 namespace pointsweep {

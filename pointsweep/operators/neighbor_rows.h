@@ -8,8 +8,9 @@
 
 namespace pointsweep {
 
-/// Makes "neighbors", N×k u32 (u64 from 2^32 - 1 rows on): the input rows of the neighbours, nearest first; and, if asked,
-/// "distances", N×k f64 beside it. Where there are fewer than k, the rest is the largest value of the type, and NaN.
+/// Makes "neighbors", N×k u32 (u64 from 2^32 - 1 rows on): the input rows of the neighbours, nearest first; and, if
+/// asked, "distances", N×k f64 beside it. Where there are fewer than k, the rest is the largest value of the type, and
+/// NaN.
 class NeighborRows : public Operator {
  public:
   NeighborRows(std::size_t k, std::uint64_t rows, bool distances);

@@ -70,8 +70,10 @@ class Planner {
     for (const std::string& name : wanted.fields) {
       const auto index = input_.find(name);
       if (!index) {
-        fail_usage("{}: needs '{}', which no earlier stage makes and the input does not have. Add the operator that makes "
-                   "it before '{}'.", op.name(), wanted.name, op.name());
+        fail_usage(
+            "{}: needs '{}', which no earlier stage makes and the input does not have. Add the operator that makes "
+            "it before '{}'.",
+            op.name(), wanted.name, op.name());
       }
       fields.push_back(input_.fields[*index].name);
     }
@@ -118,7 +120,8 @@ std::vector<std::size_t> PlannedChain::payload(const Schema& input) const {
   std::vector<std::size_t> indices;
   for (const auto& names : file_fields) {
     for (const std::string& name : names) {
-      const auto at = std::find_if(input.fields.begin(), input.fields.end(), [&](const Field& f) { return f.name == name; });
+      const auto at =
+          std::find_if(input.fields.begin(), input.fields.end(), [&](const Field& f) { return f.name == name; });
       const auto index = static_cast<std::size_t>(at - input.fields.begin());
       if (std::find(indices.begin(), indices.end(), index) == indices.end()) indices.push_back(index);
     }

@@ -20,7 +20,8 @@ OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& ma
   }
 }
 
-void OutputLayout::assemble(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs) const {
+void OutputLayout::assemble(const std::byte* inputs, const std::byte* results, std::size_t n,
+                            std::byte* outputs) const {
   for (std::size_t i = 0; i < n; ++i, inputs += input_stride_, results += result_stride_, outputs += schema_.stride) {
     std::memcpy(outputs, inputs, input_stride_);
     if (appended_whole_) {

@@ -16,8 +16,12 @@ constexpr std::size_t kChunkBytes = 4 << 20;
 OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const Outputs& outputs, bool overwrite,
                      std::optional<Box> bounds)
     : layout_(cloud.schema(), made), input_stride_(cloud.schema().stride) {
-  const OutputPlan plan{.path = outputs.points, .schema = layout_.schema(), .count = cloud.count(),
-                        .extras = cloud.extras(), .overwrite = overwrite, .bounds = bounds};
+  const OutputPlan plan{.path = outputs.points,
+                        .schema = layout_.schema(),
+                        .count = cloud.count(),
+                        .extras = cloud.extras(),
+                        .overwrite = overwrite,
+                        .bounds = bounds};
   if (!outputs.points.empty()) writers_.push_back(create_writer(plan));
   if (outputs.writer) writers_.push_back(outputs.writer(plan));
   for (const Attribute& attribute : made) {
@@ -25,7 +29,8 @@ OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, con
       if (name != attribute.name) continue;
       Schema schema;
       schema.append(name, attribute.type, static_cast<std::uint32_t>(attribute.fields.size()));
-      const OutputPlan array{.path = path, .schema = schema, .count = cloud.count(), .extras = nullptr, .overwrite = overwrite};
+      const OutputPlan array{
+          .path = path, .schema = schema, .count = cloud.count(), .extras = nullptr, .overwrite = overwrite};
       arrays_.push_back({std::make_unique<NpyWriter>(array), result_bytes_, attribute.bytes()});
     }
     result_bytes_ += attribute.bytes();

@@ -20,7 +20,8 @@ namespace pointsweep {
 
 enum class Order : std::uint8_t {
   input,  ///< row i of the output is row i of the input
-  sweep,  ///< canonical order along the sweep axis: coordinate on it, ties by x, y, z, row; not finite ones last, by row
+  sweep,  ///< canonical order along the sweep axis: coordinate on it, ties by x, y, z, row; not finite ones last, by
+          ///< row
 };
 
 struct Progress {
@@ -31,13 +32,14 @@ struct Progress {
 };
 
 struct RunOptions {
-  std::uint64_t memory_bytes = 0;           ///< budget; 0: half of what is available
-  unsigned threads = 0;                     ///< 0: one for each core
-  std::filesystem::path temp_folder;        ///< empty: the system's
-  std::optional<int> axis;                  ///< 0, 1, 2; absent: the longest
+  std::uint64_t memory_bytes = 0;     ///< budget; 0: half of what is available
+  unsigned threads = 0;               ///< 0: one for each core
+  std::filesystem::path temp_folder;  ///< empty: the system's
+  std::optional<int> axis;            ///< 0, 1, 2; absent: the longest
   Order order = Order::input;
   bool overwrite = false;
-  /// Called from one thread at a time, a few times a second at most on average; may throw to end the run, leaving nothing behind.
+  /// Called from one thread at a time, a few times a second at most on average; may throw to end the run, leaving
+  /// nothing behind.
   std::function<void(const Progress&)> progress;
   std::uint64_t slab_points = 0;     ///< aim; 0: chosen from the cloud. No result depends on it.
   std::uint32_t cell_points = 1024;  ///< a multiple of 16 up to 2,048. No result depends on it.
@@ -46,13 +48,14 @@ struct RunOptions {
 /// Where results go. Any of the three may be absent.
 struct Outputs {
   std::filesystem::path points;  ///< point file with the input's attributes and the made ones
-  std::vector<std::pair<std::string, std::filesystem::path>> arrays;  ///< made attribute -> .npy file; needs Order::input
+  std::vector<std::pair<std::string, std::filesystem::path>>
+      arrays;  ///< made attribute -> .npy file; needs Order::input
   /// Makes a writer for the same records as `points` would get, e.g. an ArrayWriter.
   std::function<std::unique_ptr<Writer>(const OutputPlan&)> writer;
 };
 
-/// Runs `chain` over `cloud`. Complete outputs or none. Throws UsageError for a chain that does not fit, Error for files,
-/// memory and disk.
+/// Runs `chain` over `cloud`. Complete outputs or none. Throws UsageError for a chain that does not fit, Error for
+/// files, memory and disk.
 Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs, const RunOptions& options = {});
 
 /// Writes the cloud in canonical order along the axis, attributes unchanged.

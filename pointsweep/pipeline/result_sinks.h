@@ -57,7 +57,7 @@ class SweepOrderSink final : public Sink {
   const OutputLayout& layout_;
   std::uint32_t input_stride_, result_bytes_;
   std::mutex mutex_;
-  std::vector<std::shared_ptr<Open>> slabs_;  ///< null before it is read and after its last point
+  std::vector<std::shared_ptr<Open>> slabs_;                      ///< null before it is read and after its last point
   std::map<std::pair<std::uint32_t, std::uint32_t>, Kept> kept_;  ///< deferred points, by slab and index
 };
 

@@ -49,7 +49,9 @@ class Run {
     survey_cloud(options_.order == Order::sweep || needs_bounds(outputs.points));
     OutputSet files(cloud_, planned.made, outputs, options_.overwrite, bounds_if_exact());
     const bool whole = options_.order == Order::sweep;
-    const MemoryPlan memory = plan_memory_for(planned.plan, whole ? files.layout().schema().stride : planned.plan.result_bytes, whole, planned.payload(cloud_.schema()).size());
+    const MemoryPlan memory =
+        plan_memory_for(planned.plan, whole ? files.layout().schema().stride : planned.plan.result_bytes, whole,
+                        planned.payload(cloud_.schema()).size());
     order(memory, whole, planned.payload(cloud_.schema()));
     planned.bind(stream_->record_schema());
     sweep_into(files, planned, memory, whole);
@@ -61,8 +63,9 @@ class Run {
   Statistics sorted(const std::filesystem::path& output) {
     survey_cloud(true);
     OutputSet files(cloud_, {}, {.points = output, .arrays = {}, .writer = {}}, options_.overwrite, bounds_if_exact());
-    const MemoryPlan memory = plan_memory_for({.neighborhood = {}, .stages = {}, .steps = {0, 0}, .column_bytes = {},
-                                               .file_columns = {}, .results = {}}, 0, true, 0);
+    const MemoryPlan memory = plan_memory_for(
+        {.neighborhood = {}, .stages = {}, .steps = {0, 0}, .column_bytes = {}, .file_columns = {}, .results = {}}, 0,
+        true, 0);
     order(memory, true, {});
     const auto start = Clock::now();
     write_sorted(files);
@@ -89,8 +92,9 @@ class Run {
     const bool limited = chain.neighborhood.k != Neighborhood::kUnlimited;
     statistics_.k = limited ? chain.neighborhood.k : 0;
     if (limited && chain.neighborhood.k >= cloud_.count()) {
-      statistics_.warnings.push_back(fmt::format("k = {} is more than the {} other points there are: neighbourhoods hold all of them.",
-                                                 chain.neighborhood.k, cloud_.count() - 1));
+      statistics_.warnings.push_back(
+          fmt::format("k = {} is more than the {} other points there are: neighbourhoods hold all of them.",
+                      chain.neighborhood.k, cloud_.count() - 1));
     }
   }
 
@@ -109,11 +113,14 @@ class Run {
     const PositionFields p = position_fields(schema, name_of_cloud());
     const std::uint64_t carried =
         whole ? schema.stride : size_of(p.x.type) + size_of(p.y.type) + size_of(p.z.type) + 8 * payload;
-    std::uint64_t slab = options_.slab_points != 0 ? options_.slab_points
-                                                   : recommended_slab_points(cloud_.count(), survey_.dimension);
+    std::uint64_t slab =
+        options_.slab_points != 0 ? options_.slab_points : recommended_slab_points(cloud_.count(), survey_.dimension);
     return plan_memory(statistics_.memory_budget_bytes, plan,
-                       {.points = cloud_.count(), .working_record_bytes = carried + (cloud_.count() >> 32 ? 8 : 4),
-                        .result_record_bytes = result_bytes, .slab_points = slab, .threads = statistics_.threads});
+                       {.points = cloud_.count(),
+                        .working_record_bytes = carried + (cloud_.count() >> 32 ? 8 : 4),
+                        .result_record_bytes = result_bytes,
+                        .slab_points = slab,
+                        .threads = statistics_.threads});
   }
 
   void order(const MemoryPlan& memory, bool whole, const std::vector<std::size_t>& payload) {
@@ -121,8 +128,11 @@ class Run {
       folder_.emplace(options_.temp_folder.empty() ? std::filesystem::temp_directory_path() : options_.temp_folder);
     }
     stream_.emplace(source_, survey_,
-                    StreamOptions{.axis = survey_.axis, .slab_points = memory.slab_points, .max_slab_points = 0,
-                                  .whole_records = whole, .payload = payload,
+                    StreamOptions{.axis = survey_.axis,
+                                  .slab_points = memory.slab_points,
+                                  .max_slab_points = 0,
+                                  .whole_records = whole,
+                                  .payload = payload,
                                   .spill = memory.spill_stream ? &*folder_ : nullptr,
                                   .buffer_bytes = memory.stream_buffer_bytes,
                                   .progress = [this](std::uint64_t rows) { report("ordering", rows, 0); }});
@@ -138,10 +148,11 @@ class Run {
     const std::uint32_t input_stride = cloud_.schema().stride;
     InputOrderSink by_row(store, stride);
     SweepOrderSink by_place(store, *stream_, files.layout(), input_stride, planned.plan.result_bytes);
-    SweepOptions sweep_options{.cell_points = options_.cell_points,
-                               .read_ahead = std::max(1u, statistics_.threads / 2),
-                               .recall_bytes = memory.recall_bytes,
-                               .progress = [this](std::uint64_t read, std::uint64_t active) { report("sweeping", read, active); }};
+    SweepOptions sweep_options{
+        .cell_points = options_.cell_points,
+        .read_ahead = std::max(1u, statistics_.threads / 2),
+        .recall_bytes = memory.recall_bytes,
+        .progress = [this](std::uint64_t read, std::uint64_t active) { report("sweeping", read, active); }};
     sweep_statistics_ = sweep(*stream_, planned.plan, whole ? static_cast<Sink&>(by_place) : by_row, sweep_options);
     put_nonfinite(store, planned, whole ? &files.layout() : nullptr);
     statistics_.bytes_spilled = stream_->spilled_bytes();
@@ -207,7 +218,9 @@ class Run {
       files.write_records(sorted);
       report("writing", done += order.size(), 0);
     }
-    for_each_nonfinite([&](std::uint64_t, const std::byte* record, std::uint64_t) { files.write_records({record, to}); });
+    for_each_nonfinite([&](std::uint64_t, const std::byte* record, std::uint64_t) {
+      files.write_records({record, to});
+    });
     statistics_.bytes_spilled = stream_->spilled_bytes();
   }
 

@@ -11,16 +11,16 @@ namespace pointsweep {
 
 struct Statistics {
   std::uint64_t points = 0;
-  std::uint64_t k = 0;             ///< 0: no limit
-  std::uint64_t certified = 0;     ///< neighbourhoods proven exact: all finite points
-  std::uint64_t recalled = 0;      ///< of these, by reading a part of the stream again
-  std::uint64_t degenerate = 0;    ///< results that got the documented value for want of data
-  std::uint64_t nonfinite = 0;     ///< points with NaN or infinite coordinates
-  double total_seconds = 0;        ///< wall
-  double order_seconds = 0;        ///< wall: survey and distribution
-  double read_seconds = 0;         ///< loading and cutting slabs, summed over threads
-  double search_seconds = 0;       ///< summed over threads
-  double write_seconds = 0;        ///< wall: bringing the results into the output
+  std::uint64_t k = 0;           ///< 0: no limit
+  std::uint64_t certified = 0;   ///< neighbourhoods proven exact: all finite points
+  std::uint64_t recalled = 0;    ///< of these, by reading a part of the stream again
+  std::uint64_t degenerate = 0;  ///< results that got the documented value for want of data
+  std::uint64_t nonfinite = 0;   ///< points with NaN or infinite coordinates
+  double total_seconds = 0;      ///< wall
+  double order_seconds = 0;      ///< wall: survey and distribution
+  double read_seconds = 0;       ///< loading and cutting slabs, summed over threads
+  double search_seconds = 0;     ///< summed over threads
+  double write_seconds = 0;      ///< wall: bringing the results into the output
   std::vector<std::pair<std::string, double>> operator_seconds;  ///< summed over threads
   std::uint64_t bytes_read = 0, bytes_spilled = 0, bytes_written = 0;
   std::uint64_t peak_rss_bytes = 0, memory_budget_bytes = 0;

@@ -13,8 +13,8 @@ namespace pointsweep {
 /// What a rotation, translation or scaling of the cloud does to a value.
 enum class Kind : std::uint8_t { position, vector, normal, scalar, index, color };
 
-/// One attribute of a point, e.g. {"normal", f32, kind normal, fields {"nx","ny","nz"}, unit "1", "unit surface normal ..."}.
-/// A column of it holds `fields.size()` values of `type` for each point, interleaved.
+/// One attribute of a point, e.g. {"normal", f32, kind normal, fields {"nx","ny","nz"}, unit "1", "unit surface normal
+/// ..."}. A column of it holds `fields.size()` values of `type` for each point, interleaved.
 struct Attribute {
   std::string name;
   Type type = Type::f32;

@@ -26,7 +26,7 @@ struct PointColumns {
   const double* x = nullptr;  ///< coordinates as in the input, length units of the file
   const double* y = nullptr;
   const double* z = nullptr;
-  const std::uint64_t* row = nullptr;       ///< input rows
+  const std::uint64_t* row = nullptr;         ///< input rows
   const std::byte* const* columns = nullptr;  ///< by column number of the plan
 };
 
@@ -37,7 +37,12 @@ class Neighborhoods {
   Neighborhoods(const PointColumns& own, std::size_t size, const PointColumns* slots, const std::uint32_t* begin,
                 const NeighborRef* refs, std::span<const std::uint16_t> reads,
                 std::span<const std::uint16_t> reads_neighbors)
-      : own_(own), size_(size), slots_(slots), begin_(begin), refs_(refs), reads_(reads),
+      : own_(own),
+        size_(size),
+        slots_(slots),
+        begin_(begin),
+        refs_(refs),
+        reads_(reads),
         reads_neighbors_(reads_neighbors) {}
 
   std::size_t size() const { return size_; }

@@ -28,8 +28,7 @@ void Cell::Free::operator()(std::byte* p) const { std::free(p); }
 
 Cell::Cell(std::uint32_t size) : size_(size) {
   const std::size_t points = padded(size), leaves = padded(leaf_count());
-  bytes_ = points * (3 * sizeof(double) + sizeof(std::uint64_t)) +
-           leaves * (6 * sizeof(float) + sizeof(std::uint64_t));
+  bytes_ = points * (3 * sizeof(double) + sizeof(std::uint64_t)) + leaves * (6 * sizeof(float) + sizeof(std::uint64_t));
   std::byte* p = static_cast<std::byte*>(std::aligned_alloc(64, (bytes_ + 63) / 64 * 64));
   if (p == nullptr) throw std::bad_alloc();
   storage_.reset(p);

@@ -45,8 +45,7 @@ class CellSearch {
 
   void search_group(std::uint32_t leaf, std::uint32_t first_query) {
     const std::uint32_t first = leaf * kLeafCapacity + first_query;
-    const auto queries =
-        std::min(static_cast<std::uint32_t>(hn::Lanes(d_)), cell_.leaf_size(leaf) - first_query);
+    const auto queries = std::min(static_cast<std::uint32_t>(hn::Lanes(d_)), cell_.leaf_size(leaf) - first_query);
     if (!choose_frame(leaf)) return search_in_double(first, queries);
     start_group(first);
     packed_.leaves = 0, packed_.farthest = 0;
@@ -185,7 +184,8 @@ class CellSearch {
   }
 
   /// Writes out the lists. Where two keys are too close, the found are put in order by their exact distances; where it
-  /// is not even certain who belongs, because the first one out or the radius is too close, the point is settled in double.
+  /// is not even certain who belongs, because the first one out or the radius is too close, the point is settled in
+  /// double.
   void settle(std::uint32_t first, std::uint32_t queries) {
     const Vec nobody = hn::Set(d_, kNobody), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
@@ -259,8 +259,8 @@ class CellSearch {
     one.y = hn::Set(d, lane_of(group_.y, lane));
     one.z = hn::Set(d, lane_of(group_.z, lane));
     // All candidates whose key may be as small as that of the last one wanted.
-    const Vec limit = hn::Set(d, reach * (1 + 2 * kRelativeMargin) +
-                                     packed_.farthest * packed_.farthest * 2 * kAbsoluteMargin);
+    const Vec limit =
+        hn::Set(d, reach * (1 + 2 * kRelativeMargin) + packed_.farthest * packed_.farthest * 2 * kAbsoluteMargin);
     for (std::uint32_t i = 0; i < packed_.leaves * kLeafCapacity; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
       const Vec dx = hn::Sub(hn::Load(d, packed_.x + i), one.x), dy = hn::Sub(hn::Load(d, packed_.y + i), one.y);
       const Vec dz = hn::Sub(hn::Load(d, packed_.z + i), one.z);
@@ -365,7 +365,6 @@ void search_lanes(const CellDirectory& directory, std::uint32_t slot, const Neig
 #if HWY_ONCE
 namespace pointsweep {
 HWY_EXPORT(search_lanes);
-
 
 void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
                  CellNeighbors& out) {

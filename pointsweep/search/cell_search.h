@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// The neighbourhood operator Φ_X for all points of a cell at once (paper Section 4.2.2), exact over the cells of a directory.
+/// The neighbourhood operator Φ_X for all points of a cell at once (paper Section 4.2.2), exact over the cells of a
+/// directory.
 ///
 /// Deviation from the paper: instead of a kD-heap that is updated point by point, all points of a leaf walk the leaves
-/// of the window together, one query per vector lane, and keep their k nearest in registers. Single precision only filters: wherever
-/// two candidates are too near to a tie to be told apart, the point is settled in double.
+/// of the window together, one query per vector lane, and keep their k nearest in registers. Single precision only
+/// filters: wherever two candidates are too near to a tie to be told apart, the point is settled in double.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +19,8 @@ namespace pointsweep {
 struct CellNeighbors {
   std::vector<std::uint32_t> begin;  ///< size + 1; list of point i is refs[begin[i] .. begin[i+1]), nearest first
   std::vector<NeighborRef> refs;
-  /// An upper bound of the squared radius of the ball that had to be empty of anything unknown: that of the kth neighbour or the
-  /// radius asked for; infinite where fewer than k points were found and no radius limits the search.
+  /// An upper bound of the squared radius of the ball that had to be empty of anything unknown: that of the kth
+  /// neighbour or the radius asked for; infinite where fewer than k points were found and no radius limits the search.
   std::vector<double> reach2;
 };
 
@@ -31,7 +32,8 @@ struct SearchScratch {
   std::uint64_t settled_in_double = 0;  ///< points that single precision could not decide
 };
 
-/// Finds the neighbourhood of every point of the cell in `slot` among the cells of `directory`. Thread-safe with one scratch per thread.
+/// Finds the neighbourhood of every point of the cell in `slot` among the cells of `directory`. Thread-safe with one
+/// scratch per thread.
 void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
                  CellNeighbors& out);
 

@@ -10,7 +10,8 @@
 
 namespace pointsweep {
 
-/// The points of a slab in cut order: cell c holds order[begin[c] .. begin[c+1]), its leaves are consecutive runs of 16.
+/// The points of a slab in cut order: cell c holds order[begin[c] .. begin[c+1]), its leaves are consecutive runs
+/// of 16.
 struct Cut {
   std::vector<std::uint32_t> order;
   std::vector<std::uint32_t> begin;  ///< cells + 1 entries

@@ -10,8 +10,9 @@
 
 namespace pointsweep {
 
-/// A flat table of cells with their boxes as structure of arrays. A window has some hundreds of cells, so that a linear scan per
-/// query cell costs a few nanoseconds per point, less than walking any tree. Reading is thread-safe, changing is not.
+/// A flat table of cells with their boxes as structure of arrays. A window has some hundreds of cells, so that a linear
+/// scan per query cell costs a few nanoseconds per point, less than walking any tree. Reading is thread-safe, changing
+/// is not.
 class CellDirectory {
  public:
   struct Near {
@@ -34,10 +35,10 @@ class CellDirectory {
   void find(const Box& box, double reach2, std::vector<Near>& out) const;
 
  private:
-  std::vector<const Cell*> cells_;          ///< by slot
-  std::vector<std::uint32_t> position_;     ///< by slot: index into the arrays below
+  std::vector<const Cell*> cells_;       ///< by slot
+  std::vector<std::uint32_t> position_;  ///< by slot: index into the arrays below
   std::vector<std::uint32_t> slots_;
-  std::vector<double> side_[6];             ///< lo x, y, z, hi x, y, z
+  std::vector<double> side_[6];  ///< lo x, y, z, hi x, y, z
 };
 
 }  // namespace pointsweep

@@ -32,12 +32,12 @@ void search_leaf(const Cell& cell, std::uint32_t slot, std::uint32_t leaf, Vec3 
   }
 }
 
-/// Leaf boxes are rounded outward in single precision; the distance to them in double is a lower bound up to the last bits
-/// of the subtraction of the origin, which this factor covers.
+/// Leaf boxes are rounded outward in single precision; the distance to them in double is a lower bound up to the last
+/// bits of the subtraction of the origin, which this factor covers.
 constexpr double kSafety = 1 - 1e-12;
 
-/// Points all at the place of point `first`, the lowest of their rows given: a million copies of one point are passed over
-/// as soon as the k lowest rows are known. Points at several places are always wanted.
+/// Points all at the place of point `first`, the lowest of their rows given: a million copies of one point are passed
+/// over as soon as the k lowest rows are known. Points at several places are always wanted.
 bool wants_place(const Cell& cell, std::uint32_t first, std::uint64_t lowest_row, Vec3 p, const BestList& best) {
   if (lowest_row == Cell::kSeveralPlaces) return true;
   const Vec3 place = cell.position(first);

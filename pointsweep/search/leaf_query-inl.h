@@ -24,7 +24,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::CappedTag<float, kLeafCapacity>;
 using Vec = hn::Vec<Lanes>;
 
-/// Keys are squared distances whose lowest bits hold the number of the candidate, so that selecting is min and max alone.
+/// Keys are squared distances whose lowest bits hold the number of the candidate, so that selecting is min and max
+/// alone.
 inline constexpr std::uint32_t kCandidateBits = 10;
 inline constexpr std::uint32_t kCandidates = 1u << kCandidateBits;
 inline constexpr float kNobody = 1e30f;        ///< key of an empty place
@@ -34,8 +35,8 @@ inline constexpr float kSmallest = 0x1p-100f;  ///< added to every key, keeps it
 
 /// How far keys and the squared distances in double may differ, all coordinates at most m from the centre:
 ///   |key - d²| <= 2^-12.4 d² + 2^-30 m²
-/// from rounding to single precision (2^-24 m per coordinate; the mixed term 2d·e is at most 2^-14 d² + 2^14 e²) and from the
-/// 10 bits taken by the candidate's number (2^-13). Twice that, rounded up, separates two keys with certainty.
+/// from rounding to single precision (2^-24 m per coordinate; the mixed term 2d·e is at most 2^-14 d² + 2^14 e²) and
+/// from the 10 bits taken by the candidate's number (2^-13). Twice that, rounded up, separates two keys with certainty.
 inline constexpr float kRelativeMargin = 0x1p-11f;
 inline constexpr float kAbsoluteMargin = 0x1p-28f;
 
@@ -126,7 +127,8 @@ struct Group {
   Vec radius_key;  ///< keys above it are out of the radius asked for
   Selection<K> selection;
 
-  HWY_INLINE Vec key_of(Lanes d, const Packed& packed, std::size_t i, hn::Vec<hn::RebindToUnsigned<Lanes>> number) const {
+  HWY_INLINE Vec key_of(Lanes d, const Packed& packed, std::size_t i,
+                        hn::Vec<hn::RebindToUnsigned<Lanes>> number) const {
     const hn::RebindToUnsigned<Lanes> du;
     const Vec dx = hn::Sub(hn::Set(d, packed.x[i]), x);
     const Vec dy = hn::Sub(hn::Set(d, packed.y[i]), y);

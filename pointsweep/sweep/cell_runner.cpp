@@ -94,8 +94,8 @@ void CellRunner::defer(WindowCell& cell, std::uint32_t i, double reach2, Worker&
   if (cell.deferred.empty()) cell.deferred.resize(cell.cell.size(), 0);
   cell.deferred[i] = 1;
   sink_.deferred(cell.slab, cell.index_in_slab[i]);
-  worker.deferred.push_back({cell.cell.position(i), cell.cell.row[i], cell.slab, cell.index_in_slab[i], reach2,
-                             cell.steps_done});
+  worker.deferred.push_back(
+      {cell.cell.position(i), cell.cell.row[i], cell.slab, cell.index_in_slab[i], reach2, cell.steps_done});
 }
 
 /// What a neighbour could not give in time, its dependants cannot use: they follow it into the recall.
@@ -125,8 +125,8 @@ void CellRunner::apply(WindowCell& cell, std::uint32_t step, const CellNeighbors
   if (!cell.deferred.empty()) return apply_to_some(cell, step, lists, worker);
   worker.made.clear();
   for (auto& column : cell.columns) worker.made.push_back(column.data());
-  const Batch batch{cell.view(), cell.cell.size(), window_.slots(), lists.begin.data(), lists.refs.data(),
-                    worker.made.data()};
+  const Batch batch{cell.view(),        cell.cell.size(),  window_.slots(),
+                    lists.begin.data(), lists.refs.data(), worker.made.data()};
   run_step(plan_, step, batch, worker.tally);
 }
 
@@ -141,7 +141,8 @@ void CellRunner::apply_to_some(WindowCell& cell, std::uint32_t step, const CellN
   CellNeighbors some;
   some.begin.push_back(0);
   for (const std::uint32_t i : chosen) {
-    x.push_back(cell.cell.x[i]), y.push_back(cell.cell.y[i]), z.push_back(cell.cell.z[i]), row.push_back(cell.cell.row[i]);
+    x.push_back(cell.cell.x[i]), y.push_back(cell.cell.y[i]), z.push_back(cell.cell.z[i]),
+        row.push_back(cell.cell.row[i]);
     some.refs.insert(some.refs.end(), lists.refs.begin() + lists.begin[i], lists.refs.begin() + lists.begin[i + 1]);
     some.begin.push_back(static_cast<std::uint32_t>(some.refs.size()));
   }
@@ -159,8 +160,12 @@ void CellRunner::apply_to_some(WindowCell& cell, std::uint32_t step, const CellN
     worker.made.push_back(columns[c].data());
     pointers.push_back(columns[c].data());
   }
-  const Batch batch{{x.data(), y.data(), z.data(), row.data(), pointers.data()}, chosen.size(), window_.slots(),
-                    some.begin.data(), some.refs.data(), worker.made.data()};
+  const Batch batch{{x.data(), y.data(), z.data(), row.data(), pointers.data()},
+                    chosen.size(),
+                    window_.slots(),
+                    some.begin.data(),
+                    some.refs.data(),
+                    worker.made.data()};
   run_step(plan_, step, batch, worker.tally);
   for (std::size_t s = plan_.steps[step]; s < plan_.steps[step + 1]; ++s) {
     for (const std::uint16_t c : plan_.stages[s].makes) {

@@ -83,7 +83,8 @@ class Nodes {
 
   void run_one(std::size_t step, std::uint32_t node, const std::vector<PointColumns>& slots, StageTally& tally) {
     std::vector<NeighborRef> refs;
-    for (const std::uint32_t other : lists_[node]) refs.push_back(make_ref(other / kCellCapacity, other % kCellCapacity));
+    for (const std::uint32_t other : lists_[node])
+      refs.push_back(make_ref(other / kCellCapacity, other % kCellCapacity));
     const std::uint32_t begin[2] = {0, static_cast<std::uint32_t>(refs.size())};
     std::vector<const std::byte*> own;
     std::vector<std::byte*> made;
@@ -91,8 +92,8 @@ class Nodes {
       made.push_back(columns_[c].data() + node * plan_.column_bytes[c]);
       own.push_back(made.back());
     }
-    const Batch batch{{&x_[node], &y_[node], &z_[node], &row_[node], own.data()}, 1, slots.data(), begin, refs.data(),
-                      made.data()};
+    const Batch batch{
+        {&x_[node], &y_[node], &z_[node], &row_[node], own.data()}, 1, slots.data(), begin, refs.data(), made.data()};
     StageTally ignored;
     run_step(plan_, step, batch, step >= count_from_[node] ? tally : ignored);
   }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// Finishes the points that the sweep deferred: what they need has left the window and is read and evaluated again.
 ///
-/// The paper has no such thing: its neighbourhoods are approximate there (Section 8). A recall works on a batch of points: it
-/// reads the slabs that their balls touch, each once per level of the chain, finds the exact neighbourhoods, and evaluates the stages on
-/// the points and, where stages look at made attributes, on their neighbours, by the same code as the sweep.
+/// The paper has no such thing: its neighbourhoods are approximate there (Section 8). A recall works on a batch of
+/// points: it reads the slabs that their balls touch, each once per level of the chain, finds the exact neighbourhoods,
+/// and evaluates the stages on the points and, where stages look at made attributes, on their neighbours, by the same
+/// code as the sweep.
 #pragma once
 
 #include <cstdint>

@@ -46,7 +46,9 @@ std::unique_ptr<WindowCell> gather(const LoadScratch& s, std::uint32_t begin, st
 }  // namespace
 
 SlabLoader::SlabLoader(const Stream& stream, const SweepPlan& plan, std::uint32_t cell_points)
-    : stream_(stream), plan_(plan), cell_points_(cell_points),
+    : stream_(stream),
+      plan_(plan),
+      cell_points_(cell_points),
       position_(position_fields(stream.record_schema(), "the working record")),
       row_(stream.record_schema().fields.back()) {}
 

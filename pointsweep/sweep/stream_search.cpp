@@ -91,7 +91,8 @@ std::uint64_t search_stream(const Stream& stream, const SweepPlan& plan, const S
     if (chosen.empty()) return;
     ++slabs_read;
     const SlabVisit here(plan, loader.load(slab, false));
-    oneapi::tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) { here.serve(queries[chosen[i]], slab); });
+    oneapi::tbb::parallel_for(std::size_t{0}, chosen.size(),
+                              [&](std::size_t i) { here.serve(queries[chosen[i]], slab); });
   };
   const auto holds = [&](std::uint32_t slab, const StreamQuery& q) {
     return distance2(slabs[slab].box, q.position) == 0;

@@ -18,8 +18,8 @@ struct StreamQuery {
   double reach2 = Box::kInf;  ///< in: its neighbourhood ends within it, if known
   std::uint32_t slab = 0;     ///< out, as its place there
   std::uint32_t index_in_slab = 0;
-  std::string file_columns;            ///< out: in the order of the plan
-  std::vector<Candidate> neighbors;    ///< out: nearest first
+  std::string file_columns;                   ///< out: in the order of the plan
+  std::vector<Candidate> neighbors;           ///< out: nearest first
   std::vector<std::string> neighbor_columns;  ///< out: beside `neighbors`; empty if the plan has no file columns
 };
 

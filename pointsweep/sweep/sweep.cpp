@@ -18,8 +18,14 @@ namespace {
 class Sweep {
  public:
   Sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options)
-      : stream_(stream), plan_(plan), sink_(sink), options_(options), loader_(stream, plan, options.cell_points),
-        outside_(stream.slabs(), stream.axis()), window_(plan, outside_), runner_(plan, window_, outside_, sink) {}
+      : stream_(stream),
+        plan_(plan),
+        sink_(sink),
+        options_(options),
+        loader_(stream, plan, options.cell_points),
+        outside_(stream.slabs(), stream.axis()),
+        window_(plan, outside_),
+        runner_(plan, window_, outside_, sink) {}
 
   /// The paper's main loop: while the stream has points, read some; then let every operator in turn pull what has
   /// become ready; what is finished leaves. At the end, whatever had to be deferred is recalled.

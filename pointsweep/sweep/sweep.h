@@ -21,8 +21,8 @@ struct SweepOptions {
 };
 
 struct SweepStatistics {
-  std::uint64_t certified = 0;   ///< points whose neighbourhood is proven exact; in the end all of them
-  std::uint64_t recalled = 0;    ///< of these, in the recall
+  std::uint64_t certified = 0;  ///< points whose neighbourhood is proven exact; in the end all of them
+  std::uint64_t recalled = 0;   ///< of these, in the recall
   std::uint64_t recalled_slabs = 0;
   std::uint64_t degenerate = 0;
   double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads (recall: wall)
@@ -33,8 +33,9 @@ struct SweepStatistics {
   double lifespan_mean = 0, lifespan_max = 0;                   ///< seconds
 };
 
-/// Runs the plan over the whole stream; every point of every slab is handed to `sink` exactly once. Uses all threads of the
-/// calling arena. The results do not depend on threads, slabs, cells or memory. An exception in any part ends the run and is thrown.
+/// Runs the plan over the whole stream; every point of every slab is handed to `sink` exactly once. Uses all threads of
+/// the calling arena. The results do not depend on threads, slabs, cells or memory. An exception in any part ends the
+/// run and is thrown.
 SweepStatistics sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options);
 
 }  // namespace pointsweep

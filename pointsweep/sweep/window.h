@@ -22,7 +22,8 @@ class Window {
   void admit(std::unique_ptr<WindowCell> cell);
   /// Slots of the cells that can take step `step` now, ascending.
   std::vector<std::uint32_t> ready_for(std::uint32_t step) const;
-  /// Lets go of every cell that is finished, that no unfinished cell refers to and that nothing to come is likely to need.
+  /// Lets go of every cell that is finished, that no unfinished cell refers to and that nothing to come is likely to
+  /// need.
   void drop();
 
   WindowCell& at(std::uint32_t slot) { return *cells_[slot]; }

@@ -26,14 +26,30 @@ inline std::vector<std::pair<std::string, CloudShape>> hostile_shapes() {
          Vec3 p{g(r), g(r), 2 * g(r)};
          return (1 / length(p)) * p;
        }},
-      {"volume", [](auto& r) { return Vec3{uniform(r), uniform(r), uniform(r)}; }},
-      {"all equal along two axes", [](auto& r) { return Vec3{3, uniform(r), 7}; }},
-      {"plane across the longest axis", [](auto& r) { return Vec3{uniform(r), uniform(r), uniform(r) < 0.001 ? 1e3 : 0}; }},
+      {"volume",
+       [](auto& r) {
+         return Vec3{uniform(r), uniform(r), uniform(r)};
+       }},
+      {"all equal along two axes",
+       [](auto& r) {
+         return Vec3{3, uniform(r), 7};
+       }},
+      {"plane across the longest axis",
+       [](auto& r) {
+         return Vec3{uniform(r), uniform(r), uniform(r) < 0.001 ? 1e3 : 0};
+       }},
       {"grid full of ties",
-       [](auto& r) { return Vec3{std::floor(12 * uniform(r)), std::floor(12 * uniform(r)), std::floor(12 * uniform(r))}; }},
+       [](auto& r) {
+         return Vec3{std::floor(12 * uniform(r)), std::floor(12 * uniform(r)), std::floor(12 * uniform(r))};
+       }},
       {"every point many times",
-       [](auto& r) { return Vec3{std::floor(30 * uniform(r)), 0, 0}; }},
-      {"one place", [](auto&) { return Vec3{1, 2, 3}; }},
+       [](auto& r) {
+         return Vec3{std::floor(30 * uniform(r)), 0, 0};
+       }},
+      {"one place",
+       [](auto&) {
+         return Vec3{1, 2, 3};
+       }},
       {"outliers in a box a thousand times larger",
        [](auto& r) {
          const double s = uniform(r) < 0.01 ? 1e3 : 1;
@@ -45,12 +61,15 @@ inline std::vector<std::pair<std::string, CloudShape>> hostile_shapes() {
          return Vec3{d * std::cos(a), d * std::sin(a), 0.01 * d * uniform(r)};
        }},
       {"national grid in millimetres",
-       [](auto& r) { return Vec3{5e6 + std::round(4e3 * uniform(r)) / 1e3, 4e6 + std::round(4e3 * uniform(r)) / 1e3, 100}; }},
+       [](auto& r) {
+         return Vec3{5e6 + std::round(4e3 * uniform(r)) / 1e3, 4e6 + std::round(4e3 * uniform(r)) / 1e3, 100};
+       }},
       {"some not finite",
        [](auto& r) {
          const double u = uniform(r);
-         const double bad = u < 0.02 ? std::numeric_limits<double>::quiet_NaN()
-                                     : u < 0.04 ? std::numeric_limits<double>::infinity() : 0;
+         const double bad = u < 0.02   ? std::numeric_limits<double>::quiet_NaN()
+                            : u < 0.04 ? std::numeric_limits<double>::infinity()
+                                       : 0;
          return Vec3{uniform(r), uniform(r) + bad, uniform(r)};
        }},
   };

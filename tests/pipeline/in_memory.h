@@ -23,7 +23,8 @@ struct RunResult {
   std::vector<double> field(const std::string& name) const {
     const Field& f = schema.fields[*schema.find(name)];
     std::vector<double> values;
-    for (std::size_t at = 0; at < records.size(); at += schema.stride) values.push_back(value_of(f, records.data() + at));
+    for (std::size_t at = 0; at < records.size(); at += schema.stride)
+      values.push_back(value_of(f, records.data() + at));
     return values;
   }
 };

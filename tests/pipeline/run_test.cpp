@@ -52,8 +52,10 @@ TEST(Run, NeighborsEqualBruteForceWhateverTheSlabsAndCells) {
     const std::vector<Vec3> points = make_cloud(shape, 2000, 5);
     for (const std::size_t k : {1, 8, 64}) {
       const Lists expected = brute_force_neighbors(points, k);
-      for (const auto& [slab, cell] : {std::pair<std::uint64_t, std::uint32_t>{64, 16}, {300, 64}, {1000, 1024}, {100000, 256}}) {
-        SCOPED_TRACE(name + ", slabs of " + std::to_string(slab) + ", cells of " + std::to_string(cell) + ", k = " + std::to_string(k));
+      for (const auto& [slab, cell] :
+           {std::pair<std::uint64_t, std::uint32_t>{64, 16}, {300, 64}, {1000, 1024}, {100000, 256}}) {
+        SCOPED_TRACE(name + ", slabs of " + std::to_string(slab) + ", cells of " + std::to_string(cell) +
+                     ", k = " + std::to_string(k));
         expect_lists(points, expected, k, std::numeric_limits<double>::infinity(), tiny(slab, cell));
         if (HasFatalFailure()) return;
       }
@@ -118,7 +120,10 @@ TEST(Run, ShufflingTheInputShufflesTheOutputAndNothingElse) {
     const RunResult a = run_in_memory(points, chain, tiny(200, 64));
     const RunResult b = run_in_memory(shuffled, chain, tiny(200, 64));
     for (std::size_t i = 0; i < from.size(); ++i) {
-      ASSERT_EQ(std::memcmp(b.records.data() + i * b.schema.stride, a.records.data() + from[i] * a.schema.stride, a.schema.stride), 0) << i;
+      ASSERT_EQ(std::memcmp(b.records.data() + i * b.schema.stride, a.records.data() + from[i] * a.schema.stride,
+                            a.schema.stride),
+                0)
+          << i;
     }
   }
 }
@@ -128,7 +133,9 @@ class MeanNormal final : public Operator {
  public:
   std::string name() const override { return "mean_normal"; }
   Contract contract() const override {
-    return {{normal_attribute()}, {normal_attribute()}, {scalar("agreement", Type::f64, "1", "mean |cos| to the neighbours' normals")}};
+    return {{normal_attribute()},
+            {normal_attribute()},
+            {scalar("agreement", Type::f64, "1", "mean |cos| to the neighbours' normals")}};
   }
   void apply(const Neighborhoods& in, Columns& out) const override {
     using Normal = std::array<float, 3>;
@@ -157,7 +164,8 @@ class LargestAgreement final : public Operator {
     auto largest = out.column<double>(0);
     for (std::size_t i = 0; i < in.size(); ++i) {
       largest[i] = 0;
-      for (std::size_t j = 0; j < in.count(i); ++j) largest[i] = std::max(largest[i], in.neighbor_value<double>(0, i, j));
+      for (std::size_t j = 0; j < in.count(i); ++j)
+        largest[i] = std::max(largest[i], in.neighbor_value<double>(0, i, j));
     }
   }
 };
@@ -165,7 +173,8 @@ class LargestAgreement final : public Operator {
 TEST(Run, ChainsThatLookAtNeighborsAttributesEqualTheEvaluationOfTheWholeCloud) {
   for (const auto& [name, shape] : hostile_shapes()) {
     std::vector<Vec3> points = make_cloud(shape, 2000, 10);
-    const Chain chain{{.k = 8}, {std::make_shared<Normals>(), std::make_shared<MeanNormal>(), std::make_shared<LargestAgreement>()}};
+    const Chain chain{
+        {.k = 8}, {std::make_shared<Normals>(), std::make_shared<MeanNormal>(), std::make_shared<LargestAgreement>()}};
     const auto neighbors = brute_force_neighbors(points, 8);
     for (const auto& [slab, cell] : {std::pair<std::uint64_t, std::uint32_t>{80, 16}, {400, 64}, {100000, 1024}}) {
       SCOPED_TRACE(name + ", slabs of " + std::to_string(slab));
@@ -204,7 +213,9 @@ TEST(Run, AnExceptionInAnOperatorEndsTheRun) {
     Contract contract() const override { return {{}, {}, {scalar("x2", Type::f32, "", "")}}; }
     void apply(const Neighborhoods&, Columns&) const override { throw Error("this operator fails"); }
   };
-  EXPECT_THROW(run_in_memory(make_cloud(hostile_shapes()[0].second, 5000, 1), {{.k = 8}, {std::make_shared<Failing>()}}, tiny(300, 64)), Error);
+  EXPECT_THROW(run_in_memory(make_cloud(hostile_shapes()[0].second, 5000, 1), {{.k = 8}, {std::make_shared<Failing>()}},
+                             tiny(300, 64)),
+               Error);
 }
 
 }  // namespace

@@ -65,18 +65,57 @@ double uniform(std::mt19937_64& rng) { return std::uniform_real_distribution<dou
 
 std::vector<std::pair<std::string, Shape>> shapes() {
   return {
-      {"plane", [](auto& r) { return Vec3{uniform(r), uniform(r), 0}; }},
-      {"volume", [](auto& r) { return Vec3{uniform(r), uniform(r), uniform(r)}; }},
-      {"line", [](auto& r) { const double t = uniform(r); return Vec3{t, 2 * t, -t}; }},
-      {"grid, full of ties", [](auto& r) { return Vec3{std::floor(9 * uniform(r)), std::floor(9 * uniform(r)), std::floor(9 * uniform(r))}; }},
-      {"one place", [](auto&) { return Vec3{1, 2, 3}; }},
-      {"outliers", [](auto& r) { const double s = uniform(r) < 0.02 ? 1e6 : 1; return Vec3{s * uniform(r), s * uniform(r), uniform(r)}; }},
-      {"metres of a national grid in millimetres", [](auto& r) { return Vec3{5e6 + std::round(2e3 * uniform(r)) / 1e3, 4e6 + std::round(2e3 * uniform(r)) / 1e3, 100}; }},
-      {"huge", [](auto& r) { return Vec3{1e12 + uniform(r), 1e12 * uniform(r), uniform(r)}; }},
-      {"tiny", [](auto& r) { return Vec3{1e-12 * uniform(r), 1e-12 * uniform(r), 1e-13 * uniform(r)}; }},
-      {"denormal", [](auto& r) { return Vec3{1e-310 * uniform(r), 1e-310 * uniform(r), 0}; }},
-      {"near the end of double", [](auto& r) { return Vec3{1e154 * uniform(r), 1e154 * uniform(r), 0}; }},
-      {"density over six decades", [](auto& r) { const double s = std::pow(10, -6 * uniform(r)); return Vec3{s * uniform(r), s * uniform(r), 0.1 * s * uniform(r)}; }},
+      {"plane",
+       [](auto& r) {
+         return Vec3{uniform(r), uniform(r), 0};
+       }},
+      {"volume",
+       [](auto& r) {
+         return Vec3{uniform(r), uniform(r), uniform(r)};
+       }},
+      {"line",
+       [](auto& r) {
+         const double t = uniform(r);
+         return Vec3{t, 2 * t, -t};
+       }},
+      {"grid, full of ties",
+       [](auto& r) {
+         return Vec3{std::floor(9 * uniform(r)), std::floor(9 * uniform(r)), std::floor(9 * uniform(r))};
+       }},
+      {"one place",
+       [](auto&) {
+         return Vec3{1, 2, 3};
+       }},
+      {"outliers",
+       [](auto& r) {
+         const double s = uniform(r) < 0.02 ? 1e6 : 1;
+         return Vec3{s * uniform(r), s * uniform(r), uniform(r)};
+       }},
+      {"metres of a national grid in millimetres",
+       [](auto& r) {
+         return Vec3{5e6 + std::round(2e3 * uniform(r)) / 1e3, 4e6 + std::round(2e3 * uniform(r)) / 1e3, 100};
+       }},
+      {"huge",
+       [](auto& r) {
+         return Vec3{1e12 + uniform(r), 1e12 * uniform(r), uniform(r)};
+       }},
+      {"tiny",
+       [](auto& r) {
+         return Vec3{1e-12 * uniform(r), 1e-12 * uniform(r), 1e-13 * uniform(r)};
+       }},
+      {"denormal",
+       [](auto& r) {
+         return Vec3{1e-310 * uniform(r), 1e-310 * uniform(r), 0};
+       }},
+      {"near the end of double",
+       [](auto& r) {
+         return Vec3{1e154 * uniform(r), 1e154 * uniform(r), 0};
+       }},
+      {"density over six decades",
+       [](auto& r) {
+         const double s = std::pow(10, -6 * uniform(r));
+         return Vec3{s * uniform(r), s * uniform(r), 0.1 * s * uniform(r)};
+       }},
   };
 }
 
