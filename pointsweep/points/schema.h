@@ -56,7 +56,8 @@ struct Schema {
 /// Every spelling under which files hold the library's attribute field `name`, best first, e.g. for "nx":
 /// nx, normal_x, normalx, "normal x". A name without known aliases is its only spelling.
 std::vector<std::string> spellings_of(std::string_view name);
-/// The library's own name for what a file calls `spelling` (in any case); `spelling` itself if it is no known alias.
+/// The library's own name for what a file calls `spelling`, in any case; `spelling` in lower case if it is no known
+/// alias.
 std::string library_name_of(std::string_view spelling);
 
 /// Value of element `component` of `field` in the record at `record`, as a double (64-bit integers may round).

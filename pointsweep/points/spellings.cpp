@@ -33,9 +33,10 @@ constexpr Row kRows[] = {
     {"surface_variation", "curvature", "scalar_surface_variation", "scalar_curvature"},
 };
 
-bool same_word(std::string_view spelling, std::string_view lower_case) {
-  return std::equal(spelling.begin(), spelling.end(), lower_case.begin(), lower_case.end(),
-                    [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
 }
 
 }  // namespace
@@ -50,11 +51,11 @@ std::vector<std::string> spellings_of(std::string_view name) {
 }
 
 std::string library_name_of(std::string_view spelling) {
+  const std::string word = lower_case(spelling);
   for (const Row& row : kRows) {
-    const auto known = [&](std::string_view name) { return !name.empty() && same_word(spelling, name); };
-    if (std::any_of(row.begin(), row.end(), known)) return std::string(row.front());
+    if (!word.empty() && std::find(row.begin(), row.end(), word) != row.end()) return std::string(row.front());
   }
-  return std::string(spelling);
+  return word;
 }
 
 }  // namespace pointsweep

@@ -12,6 +12,7 @@
 #include "pointsweep/formats/ply_writer.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
+#include "tests/support/fixed_seed.h"
 
 namespace pointsweep {
 namespace {

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "pointsweep/error.h"
+#include "tests/support/fixed_seed.h"
 
 namespace pointsweep {
 namespace {
@@ -55,6 +56,14 @@ TEST(Schema, PrefersTheBetterSpellingWhereverItStands) { EXPECT_EQ(schema_of({"n
 TEST(Schema, AnUnknownNameIsItsOnlySpelling) {
   EXPECT_EQ(spellings_of("roughness"), std::vector<std::string>{"roughness"});
   EXPECT_EQ(spellings_of("nx").front(), "nx");
+}
+
+TEST(Schema, TellsTheLibraryNameOfASpelling) {
+  EXPECT_EQ(library_name_of("NormalX"), "nx");
+  EXPECT_EQ(library_name_of("Diffuse_Red"), "red");
+  EXPECT_EQ(library_name_of("X"), "x");
+  EXPECT_EQ(library_name_of("Roughness"), "roughness");
+  EXPECT_EQ(library_name_of(""), "");
 }
 
 TEST(Values, SmallIntegersSurviveInEveryType) {

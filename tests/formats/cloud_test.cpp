@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/cloud.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "pointsweep/error.h"
+#include "tests/formats/point_files.h"
+#include "tests/formats/temporary_folder.h"
+
+namespace pointsweep {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// Records in memory under any schema.
+class MemoryReader final : public Reader {
+ public:
+  MemoryReader(Schema schema, std::vector<std::vector<double>> rows, std::optional<Box> bounds = {}) {
+    info_.path = "memory";
+    info_.schema = std::move(schema);
+    info_.count = rows.size();
+    info_.bytes = rows.size();
+    info_.bounds = bounds;
+    records_.resize(rows.size() * info_.schema.stride);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      for (std::size_t f = 0; f < rows[i].size(); ++f) {
+        set_value(info_.schema.fields[f], records_.data() + i * info_.schema.stride, rows[i][f]);
+      }
+    }
+  }
+
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
+    const std::size_t stride = info_.schema.stride;
+    const std::size_t rows = std::min<std::size_t>(info_.count - row, records.size() / stride);
+    std::memcpy(records.data(), records_.data() + row * stride, rows * stride);
+    return rows;
+  }
+
+ private:
+  std::vector<std::byte> records_;
+};
+
+Schema schema_of(std::vector<std::pair<std::string, Type>> fields) {
+  Schema schema;
+  for (const auto& [name, type] : fields) schema.append(name, type);
+  return schema;
+}
+
+Schema grid(double scale, std::array<double, 3> bias) {
+  Schema schema = schema_of({{"x", Type::i32}, {"y", Type::i32}, {"z", Type::i32}, {"intensity", Type::u16}});
+  for (std::size_t i = 0; i < 3; ++i) {
+    schema.fields[i].scale = scale;
+    schema.fields[i].bias = bias[i];
+  }
+  schema.stride += 3;
+  return schema;
+}
+
+template <class... Readers>
+Cloud cloud_of(Readers... readers) {
+  std::vector<std::unique_ptr<Reader>> list;
+  (list.push_back(std::make_unique<MemoryReader>(std::move(readers))), ...);
+  return Cloud(std::move(list));
+}
+
+std::vector<double> values_of(Cloud& cloud, const std::string& name) {
+  return values_of(cloud, cloud.schema(), cloud.count(), name);
+}
+
+TEST(Cloud, RowsRunThroughTheInputsInOrder) {
+  const Schema schema = schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}});
+  Cloud cloud = cloud_of(MemoryReader(schema, {{1, 0, 0}, {2, 0, 0}}), MemoryReader(schema, {}),
+                         MemoryReader(schema, {{3, 0, 0}}), MemoryReader(schema, {}));
+  EXPECT_EQ(cloud.count(), 3u);
+  EXPECT_EQ(cloud.bytes(), 3u);
+  EXPECT_EQ(cloud.schema(), schema);
+  EXPECT_THAT(values_of(cloud, "x"), ElementsAre(1, 2, 3));
+  std::vector<std::byte> records(10 * schema.stride);
+  EXPECT_EQ(cloud.read(1, records), 2u);
+  EXPECT_EQ(value_of(schema.fields[0], records.data()), 2);
+  EXPECT_EQ(cloud.read(3, records), 0u);
+}
+
+TEST(Cloud, NoInputIsAUsageError) { EXPECT_THROW(Cloud(std::vector<std::filesystem::path>{}), UsageError); }
+
+TEST(Cloud, UnitesFieldsByMeaningAndFillsWithZeros) {
+  Cloud cloud = cloud_of(
+      MemoryReader(schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}, {"nx", Type::f32}}),
+                   {{1, 2, 3, 4}}),
+      MemoryReader(
+          schema_of({{"NormalX", Type::f64}, {"id", Type::i64}, {"Z", Type::f32}, {"Y", Type::f32}, {"X", Type::f32}}),
+          {{0.1, 7, 6, 5, 4}}));
+  EXPECT_THAT(field_names(cloud.schema()), ElementsAre("x", "y", "z", "nx", "id"));
+  EXPECT_EQ(cloud.schema().fields[0].type, Type::f32);
+  EXPECT_EQ(cloud.schema().fields[3].type, Type::f64);
+  EXPECT_THAT(values_of(cloud, "x"), ElementsAre(1, 4));
+  EXPECT_THAT(values_of(cloud, "z"), ElementsAre(3, 6));
+  EXPECT_THAT(values_of(cloud, "nx"), ElementsAre(4, 0.1));
+  EXPECT_THAT(values_of(cloud, "id"), ElementsAre(0, 7));
+}
+
+TEST(Cloud, CoordinatesOfDifferentTypesBecomeDouble) {
+  const std::vector<std::pair<std::string, Type>> xy{{"x", Type::f32}, {"y", Type::f32}};
+  Cloud cloud =
+      cloud_of(MemoryReader(schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}}), {{1, 2, 0.1}}),
+               MemoryReader(schema_of({{"x", Type::f64}, {"y", Type::i32}, {"z", Type::u8}}), {{0.1, 1 << 30, 9}}));
+  EXPECT_EQ(cloud.schema().fields[0].type, Type::f64);
+  EXPECT_EQ(cloud.schema().fields[1].type, Type::f64);
+  EXPECT_EQ(cloud.schema().fields[2].type, Type::f32);
+  EXPECT_THAT(values_of(cloud, "x"), ElementsAre(1, 0.1));
+  EXPECT_THAT(values_of(cloud, "y"), ElementsAre(2, 1 << 30));
+  EXPECT_THAT(values_of(cloud, "z"), ElementsAre(0.1f, 9));
+}
+
+TEST(Cloud, IntegersOfDifferentTypesBecomeTheSmallestThatHoldsBoth) {
+  const auto united = [](Type a, Type b) {
+    const auto schema = [](Type type) {
+      return schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}, {"i", type}});
+    };
+    return cloud_of(MemoryReader(schema(a), {}), MemoryReader(schema(b), {})).schema().fields[3].type;
+  };
+  EXPECT_EQ(united(Type::u8, Type::u16), Type::u16);
+  EXPECT_EQ(united(Type::u8, Type::i8), Type::i16);
+  EXPECT_EQ(united(Type::u32, Type::i8), Type::i64);
+  EXPECT_EQ(united(Type::u16, Type::f32), Type::f32);
+  EXPECT_EQ(united(Type::u32, Type::f32), Type::f64);
+  EXPECT_EQ(united(Type::i64, Type::u64), Type::f64);
+}
+
+TEST(Cloud, IntegerGridsWithOffsetsOfWholeStepsStayIntegers) {
+  const Schema first = grid(0.01, {500000, 0, 0}), second = grid(0.01, {501000.5, 0, 100});
+  Cloud cloud = cloud_of(MemoryReader(first, {{500000.25, 1, 2, 3}}, Box{{500000, 0, 0}, {500001, 1, 2}}),
+                         MemoryReader(second, {{501000.75, -4, 99, 5}}, Box{{501000, -4, 99}, {501001, 0, 100}}));
+  EXPECT_EQ(cloud.schema(), first);
+  EXPECT_THAT(values_of(cloud, "x"), ElementsAre(500000.25, 501000.75));
+  EXPECT_THAT(values_of(cloud, "y"), ElementsAre(1, -4));
+  EXPECT_THAT(values_of(cloud, "z"), ElementsAre(2, 99));
+  EXPECT_THAT(values_of(cloud, "intensity"), ElementsAre(3, 5));
+}
+
+TEST(Cloud, IntegerGridsOfOtherLayoutAreShiftedAndConverted) {
+  const Schema first = grid(0.01, {0, 0, 0});
+  Schema second = grid(0.01, {10, 0, 0});
+  second.append("extra", Type::u8);
+  Cloud cloud = cloud_of(MemoryReader(first, {{1, 1, 1, 1}}, Box{{1, 1, 1}, {1, 1, 1}}),
+                         MemoryReader(second, {{2, 2, 2, 2, 9}}, Box{{2, 2, 2}, {2, 2, 2}}));
+  EXPECT_EQ(cloud.schema().fields[0].type, Type::i32);
+  EXPECT_THAT(values_of(cloud, "x"), ElementsAre(1, 2));
+  EXPECT_THAT(values_of(cloud, "extra"), ElementsAre(0, 9));
+}
+
+TEST(Cloud, IntegerGridsThatDoNotAgreeBecomeDouble) {
+  const Box box{{0, 0, 0}, {1, 1, 1}};
+  const Schema first = grid(0.01, {0, 0, 0});
+  const auto type_with = [&](double scale, double bias, Box bounds) {
+    return cloud_of(MemoryReader(first, {}, box), MemoryReader(grid(scale, {bias, 0, 0}), {}, bounds))
+        .schema()
+        .fields[0]
+        .type;
+  };
+  EXPECT_EQ(type_with(0.01, 1, box), Type::i32);
+  EXPECT_EQ(type_with(0.001, 0, box), Type::f64);
+  EXPECT_EQ(type_with(0.01, 0.005, box), Type::f64);
+  EXPECT_EQ(type_with(0.01, 3e7, Box{{3e7, 0, 0}, {3e7, 1, 1}}), Type::f64);
+}
+
+TEST(Cloud, BoundsThatLieDoNotWrapCoordinatesAround) {
+  const Box box{{0, 0, 0}, {1, 1, 1}};
+  Cloud cloud = cloud_of(MemoryReader(grid(0.01, {0, 0, 0}), {}, box),
+                         MemoryReader(grid(0.01, {1000, 0, 0}), {{21475500, 0, 0, 0}}, box));
+  EXPECT_THAT(sentence_of<Error>([&] { values_of(cloud, "x"); }), HasSubstr("far outside the bounds in its header"));
+}
+
+TEST(Cloud, BitFieldsOfDifferentLayoutsGetAWordOfTheirOwn) {
+  Schema first = schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}, {"return_number", Type::u8}});
+  Schema second = first;
+  first.fields[3].bit_width = 3;
+  second.fields[3].bit_width = 4;
+  second.fields[3].bit_shift = 4;
+  Cloud cloud = cloud_of(MemoryReader(first, {{0, 0, 0, 7}}), MemoryReader(second, {{0, 0, 0, 13}}));
+  EXPECT_TRUE(cloud.schema().fields[3].is_plain());
+  EXPECT_THAT(values_of(cloud, "return_number"), ElementsAre(7, 13));
+}
+
+TEST(Cloud, ReadsFilesOfDifferentFormatsAsOne) {
+  const TemporaryFolder folder;
+  folder.write("a.ply",
+               "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+               "property uchar red\nend_header\n1 2 3 4\n");
+  folder.write("b.csv", "x,y,z,r\n5,6,7,8\n9,10,11,12\n");
+  Cloud cloud(std::vector{folder / "a.ply", folder / "b.csv"});
+  EXPECT_THAT(values_of(cloud, "x"), ElementsAre(1, 5, 9));
+  EXPECT_THAT(values_of(cloud, "red"), ElementsAre(4, 8, 12));
+  EXPECT_EQ(cloud.bytes(), std::filesystem::file_size(folder / "a.ply") + std::filesystem::file_size(folder / "b.csv"));
+  EXPECT_NE(cloud.extras(), nullptr);
+}
+
+}  // namespace
+}  // namespace pointsweep

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "pointsweep/error.h"
+#include "tests/formats/point_files.h"
+#include "tests/formats/temporary_folder.h"
+
+namespace pointsweep {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Registry, TellsFormatsByContentNotByName) {
+  const TemporaryFolder folder;
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n1 2 3\n";
+  EXPECT_EQ(open_reader(folder.write("points.las", ply))->info().format, "PLY 1.0 ascii");
+  EXPECT_EQ(open_reader(folder.write("points.ply", "1 2 3\n"))->info().format, "text, space separated, without header");
+  EXPECT_EQ(open_reader(folder.write("points", "x;y;z\n1;2;3\n"))->info().format,
+            "text, semicolon separated, with header");
+}
+
+TEST(Registry, SaysWhatAFileIsThatItDoesNotRead) {
+  using namespace std::string_literals;
+  const TemporaryFolder folder;
+  const auto sentence_for = [&](const std::string& name, const std::string& content) {
+    const auto path = folder.write(name, content);
+    return sentence_of<Error>([&] { open_reader(path); });
+  };
+  EXPECT_THAT(sentence_for("a", "# .PCD v0.7\nVERSION 0.7\n"),
+              HasSubstr("a: is a PCD file, which pointsweep does not read"));
+  EXPECT_THAT(sentence_for("a", "ASTM-E57\0\0"s), HasSubstr("is an E57 file"));
+  EXPECT_THAT(sentence_for("a", "\x1f\x8b\x08\0"s), HasSubstr("is a gzip archive"));
+  EXPECT_THAT(sentence_for("a", "OFF\n3 1 0\n"), HasSubstr("is an OFF file"));
+  EXPECT_THAT(sentence_for("a", "v 0 0 0\nv 1 0 0\n"), HasSubstr("is an OBJ file"));
+  EXPECT_THAT(sentence_for("a.PTX", "15\n1\n"), HasSubstr("is a PTX file"));
+  EXPECT_THAT(sentence_for("a", "\xff\xfex\0"s), HasSubstr("UTF-16"));
+  EXPECT_THAT(sentence_for("a", "12 34\0"s), HasSubstr("is binary (byte 5 is 0)"));
+  EXPECT_THAT(sentence_for("a", ""), HasSubstr("is empty"));
+  EXPECT_THAT(sentence_of<Error>([&] { open_reader(folder / "b"); }), HasSubstr("no such file"));
+  EXPECT_THAT(sentence_of<Error>([&] { open_reader(folder.path()); }), HasSubstr("is a folder"));
+}
+
+TEST(Registry, RefusesExtensionsItCannotWrite) {
+  EXPECT_THAT(sentence_of<UsageError>([] { create_writer(plan_for("out.laz", 0)); }),
+              HasSubstr("'.laz' is no format that can be written; the extension may be one of .ply, .las"));
+  EXPECT_THAT(sentence_of<UsageError>([] { create_writer(plan_for("out", 0)); }),
+              HasSubstr("a name without extension"));
+}
+
+/// What becomes of a real file: the points it holds, or a part of the sentence that refuses it.
+struct Outcome {
+  const char* path;
+  std::uint64_t points;
+  const char* refusal = nullptr;
+};
+
+// Every PLY and text file of malformed/, and good files with the quirks that readers stumble over.
+constexpr Outcome kOutcomes[] = {
+    {"malformed/assimp/models/PLY/cube.ply", 8},
+    {"malformed/assimp/models/PLY/cube_binary.ply", 8},
+    {"malformed/assimp/models/PLY/cube_binary_header_with_RN_newline.ply", 8},
+    {"malformed/assimp/models/PLY/cube_uv.ply", 24},
+    {"malformed/assimp/models/PLY/float-color.ply", 3},
+    {"malformed/assimp/models/PLY/issue623.ply", 0, "property 'vertex_indices' gives each vertex a list"},
+    {"malformed/assimp/models/PLY/points.ply", 4},
+    {"malformed/assimp/models/invalid/empty.obj", 0, "is empty"},
+    {"malformed/assimp/models/invalid/empty.off", 0, "is empty"},
+    {"malformed/assimp/models/invalid/empty.ply", 0, "is empty"},
+    {"malformed/assimp/models/invalid/malformed.obj", 0, "is an OBJ file"},
+    {"malformed/assimp/models/invalid/malformed2.obj", 0, "is an OBJ file"},
+    {"malformed/assimp/models/invalid/readme.txt", 0, "is neither numbers nor a header"},
+    {"malformed/bunny_variants/bun000.ply", 40256},
+    {"malformed/cgal_edge/blobby.xyz", 3288},
+    {"malformed/cgal_edge/cube.pwn", 50000},
+    {"malformed/happly/platonic_shelf_ascii.ply", 50},
+    {"malformed/happly/platonic_shelf_big_endian.ply", 50},
+    {"malformed/lasvalidate/README.txt", 0, "is neither numbers nor a header"},
+    {"malformed/lasvalidate/validate.xml", 0, "is an XML file"},
+    {"malformed/libE57Format/InvalidCVHeader.e57", 0, "is an E57 file"},
+    {"malformed/libE57Format/ZeroPoints.e57", 0, "is an E57 file"},
+    {"malformed/libE57Format/empty.e57", 0, "is an E57 file"},
+    {"malformed/pcl/octants.pcd", 0, "is a PCD file"},
+    {"malformed/pdal/las/vlr-43.bin", 0, "is neither numbers nor a header"},
+    {"malformed/pdal/pcd/missingheader.pcd", 0, "is a PCD file"},
+    {"malformed/pdal/pcd/utm17_space.pcd", 0, "is a PCD file"},
+    {"malformed/pdal/pcd/utm17_tab.pcd", 0, "is a PCD file"},
+    {"malformed/pdal/ply/mesh.ply", 4},
+    {"malformed/pdal/ply/mesh_fixed.ply", 4},
+    {"malformed/pdal/ply/no_vertex.ply", 0, "has no element 'vertex'"},
+    {"malformed/pdal/ply/simple_binary.ply", 3},
+    {"malformed/pdal/ply/simple_text.ply", 3},
+    {"malformed/pdal/ply/sized_dims.ply", 0, "have no z"},
+    {"malformed/pdal/ply/text_extradim.ply", 1},
+    {"malformed/pdal/text/badheader.txt", 0, "is neither numbers nor a header"},
+    {"malformed/pdal/text/crlf_test.txt", 10},
+    {"malformed/pdal/text/crlf_test2.txt", 10},
+    {"malformed/pdal/text/duplicates-sorted.txt", 7},
+    {"malformed/pdal/text/numeric_dim.txt", 5},
+    {"malformed/pdal/text/quoted.txt", 9},
+    {"malformed/pdal/text/quoted2.txt", 9},
+    {"malformed/point-cloud-utils/bunny_duplicates.ply", 2895},
+    {"models/cgal/b9_training.ply", 22300},
+    {"models/cgal/ball.ply", 31374},
+    {"models/cgal/blade.off", 0, "is an OFF file"},
+    {"models/cgal/hippo1.ply", 6104},
+    {"models/cgal/kitten.xyz", 5210},
+    {"models/cgal/oni.pwn", 1435},
+    {"models/cgal/radar.xyz", 20950},
+    {"models/common3d/igea.ply", 134345},
+    {"models/derived_big_endian/dragon_vrip_res3_be.ply", 22998},
+    {"models/stanford_bunny/data/bun000.ply", 40256},
+    {"models/stanford_bunny/reconstruction/bun_zipper.ply", 35947},
+    {"models/stanford_dragon_stand/dragonStandRight_0.ply", 41841},
+    {"scans/3dtk/scan000.3d", 81360},
+    {"scans/libpointmatcher/car_cloud400.csv", 24989},
+    {"scans/libpointmatcher/cloud.00000.vtk", 0, "is a VTK file"},
+    {"scans/pdal/pts/autzen.pts", 10},
+    {"scans/pdal/pts/bunny_8.pts", 9},
+    {"scans/pdal/pts/site_56_8.pts", 8},
+    {"scans/pdal/pts/test.pts", 19},
+    {"scans/pdal/ptx/no-color.ptx", 0, "is a PTX file"},
+};
+
+TEST(RealFiles, OpenOrAreRefusedAsTheTableSays) {
+  if (real_data().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
+  for (const Outcome& outcome : kOutcomes) {
+    SCOPED_TRACE(outcome.path);
+    const auto path = real_data() / outcome.path;
+    if (outcome.refusal != nullptr) {
+      EXPECT_THAT(sentence_of<Error>([&] { open_reader(path); }), HasSubstr(outcome.refusal));
+      continue;
+    }
+    const auto reader = open_reader(path);
+    EXPECT_EQ(reader->info().count, outcome.points);
+    EXPECT_EQ(all_records(*reader).size(), outcome.points * reader->info().schema.stride);
+  }
+}
+
+TEST(RealFiles, TheTableNamesEveryMalformedPlyAndTextFile) {
+  if (real_data().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
+  std::set<std::string> named;
+  for (const Outcome& outcome : kOutcomes) named.insert(outcome.path);
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(real_data() / "malformed")) {
+    const std::string extension = entry.path().extension();
+    if (!entry.is_regular_file() || extension == ".las" || extension == ".laz") continue;
+    EXPECT_TRUE(named.contains(entry.path().lexically_relative(real_data()).string())) << entry.path();
+  }
+}
+
+TEST(RealFiles, SurviveBeingWrittenAndReadAgain) {
+  if (real_data().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
+  const TemporaryFolder folder;
+  for (const char* name :
+       {"models/cgal/b9_training.ply", "models/stanford_bunny/data/bun000.ply", "models/cgal/kitten.xyz",
+        "models/derived_big_endian/dragon_vrip_res3_be.ply", "scans/pdal/pts/autzen.pts"}) {
+    SCOPED_TRACE(name);
+    const auto reader = open_reader(real_data() / name);
+    for (const char* extension : {".ply", ".csv"}) {
+      OutputPlan plan =
+          plan_for(folder / (std::string("out") + extension), reader->info().count, reader->info().schema);
+      plan.extras = reader->info().extras;
+      plan.overwrite = true;
+      write_all(plan, all_records(*reader));
+      const auto again = open_reader(plan.path);
+      EXPECT_EQ(field_names(again->info().schema), field_names(reader->info().schema));
+      for (const Field& field : plan.schema.fields) {
+        // Text gives a float in its shortest form, which is the same float but another double.
+        auto before = values_of(*reader, field.name), after = values_of(*again, field.name);
+        if (field.type == Type::f32) {
+          for (double& value : after) value = static_cast<float>(value);
+        }
+        EXPECT_EQ(before, after) << field.name;
+      }
+    }
+  }
+}
+
+TEST(RealFiles, BigEndianDragonEqualsTheLittleEndianOne) {
+  if (real_data().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
+  const auto big = open_reader(real_data() / "models/derived_big_endian/dragon_vrip_res3_be.ply");
+  const auto original = open_reader(real_data() / "models/stanford_dragon/dragon_vrip_res3.ply");
+  EXPECT_EQ(all_records(*big), all_records(*original));
+}
+
+}  // namespace
+}  // namespace pointsweep
