@@ -23,6 +23,12 @@ class UsageError : public Error {
   using Error::Error;
 };
 
+/// The user asked a run to stop. Thrown by whoever polls for it; outputs and temporary files vanish as with any error.
+class Cancelled : public Error {
+ public:
+  Cancelled() : Error("cancelled") {}
+};
+
 template <class... Args>
 [[noreturn]] void fail(fmt::format_string<Args...> format, Args&&... args) {
   throw Error(fmt::format(format, std::forward<Args>(args)...));

@@ -16,6 +16,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kGrain = 4096;  // points made by one task
+constexpr double kFarthestNoise = 13;   // standard deviations; gaussian_pair() draws nothing above 12.2
 
 void check(const Sampling& s) {
   if (!(s.noise >= 0) || !std::isfinite(s.noise)) fail_usage("noise must be a length of 0 or more, not {}", s.noise);
@@ -46,6 +47,12 @@ ShapeReader::ShapeReader(std::shared_ptr<const Shape> shape, const Sampling& sam
   if (shape_->has_normals())
     for (const char* name : {"nx", "ny", "nz"}) info_.schema.append(name, Type::f32);
   info_.count = sampling.count;
+
+  Box holds = sampling.outliers > 0 ? outlier_box_ : box;
+  holds.include(box);
+  const double reach = kFarthestNoise * sampling.noise;
+  const Vec3 margin{reach, reach, reach};
+  info_.bounds = {(holds.lo - margin) + sampling.origin, (holds.hi + margin) + sampling.origin};
 }
 
 SurfacePoint ShapeReader::point(std::uint64_t row) const {

@@ -22,7 +22,7 @@ struct Sampling {
 };
 
 /// Fields x y z and, where the shape has them, nx ny nz (float32). Row i depends on shape, seed and i only: not on the
-/// count, on the size of a call, on threads or on the processor. Rows are in random order by nature.
+/// count, on the size of a call, on threads or on the processor. Rows are in random order by nature. `info().bounds` holds every point.
 class ShapeReader final : public Reader {
  public:
   /// Throws UsageError for a value out of range.

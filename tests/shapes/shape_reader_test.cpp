@@ -149,6 +149,19 @@ TEST(ShapeReader, OutliersFillTheirBoxAndHaveNoNormal) {
   EXPECT_NEAR(box.extent().z, 10 * 0.6, 0.03);
 }
 
+TEST(ShapeReader, StatesABoxThatHoldsEveryPoint) {
+  Sampling sampling = many_options();
+  sampling.origin = {1000, 2000, 3000};
+  for (const double outliers : {0.0, 0.1}) {
+    sampling.outliers = outliers;
+    const Box stated = *ShapeReader(create_shape("sphere"), sampling).info().bounds;
+    Box both = stated;
+    for (const SurfacePoint& p : points_of("sphere", sampling)) both.include(p.position);
+    EXPECT_EQ(both, stated);
+    EXPECT_LT(stated.diagonal(), outliers > 0 ? 73 : 5);
+  }
+}
+
 TEST(ShapeReader, RefusesValuesOutOfRange) {
   const auto refused = [](auto change) {
     Sampling sampling;

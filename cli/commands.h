@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+/// The verbs of the tool. A new one is a file, its line here and its line in commands.cpp.
+#pragma once
+
+#include <CLI/App.hpp>
+
+namespace pointsweep {
+
+/// Each adds its verb to the tool; the verb runs while the command line is parsed, and throws what goes wrong.
+void add_info_command(CLI::App& app);
+void add_generate_command(CLI::App& app);
+
+/// All of them, in the order of the help.
+void add_commands(CLI::App& app);
+
+}  // namespace pointsweep

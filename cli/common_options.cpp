@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "cli/common_options.h"
+
+#include <fcntl.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/task_arena.h>
+
+#include <map>
+#include <string>
+
+#include "cli/available_memory.h"
+#include "cli/quantities.h"
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr int kMostThreads = 4096;
+
+void require_open(int descriptor) {
+  if (descriptor < 0 || fcntl(descriptor, F_GETFD) < 0)
+    fail_usage("--progress-fd: descriptor {} is not open; redirect it, e.g. {}>progress.jsonl", descriptor, descriptor);
+}
+
+}  // namespace
+
+void add_progress_options(CLI::App& verb, CommonOptions& options) {
+  verb.add_flag("-q,--quiet", options.quiet, "Say nothing but errors");
+  verb.add_option_function<int>(
+          "--progress-fd",
+          [&options](int descriptor) {
+            require_open(descriptor);
+            options.progress_descriptor = descriptor;
+          },
+          "Report progress to this open file descriptor, one JSON object per line")
+      ->type_name("N");
+}
+
+void add_thread_option(CLI::App& verb, CommonOptions& options) {
+  options.threads = tbb::info::default_concurrency();
+  verb.add_option("--threads", options.threads, "Threads to work with (default: all processors)")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMostThreads).description(""));
+}
+
+void add_force_option(CLI::App& verb, CommonOptions& options) {
+  verb.add_flag("-f,--force", options.force, "Replace an output that exists");
+}
+
+void add_stream_options(CLI::App& verb, CommonOptions& options) {
+  options.memory = available_memory() / 2;
+  verb.add_option_function<std::string>(
+          "--memory", [&options](const std::string& text) { options.memory = parse_size("--memory", text); },
+          "Budget for the whole process, K M G T being powers of 1024 (default: half of the memory available now)")
+      ->type_name("SIZE");
+  verb.add_option("--temp-dir", options.temp_dir,
+                  "Where to spill what does not fit (default: the folder of the output)")
+      ->type_name("DIR");
+  verb.add_option_function<std::string>(
+          "--axis",
+          [&options](const std::string& name) {
+            if (name != "auto") options.axis = name[0] - 'x';
+          },
+          "Sweep axis: auto (largest extent), x, y or z")
+      ->type_name("AXIS")
+      ->check(CLI::IsMember({"auto", "x", "y", "z"}).description(""));
+  verb.add_option("--order", options.sweep_order,
+                  "Rows of the output in the order of the input (default) or of the sweep")
+      ->type_name("input|sweep")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, bool>{{"input", false}, {"sweep", true}}).description(""));
+  verb.add_option("--stats", options.stats, "Write statistics of the run to this JSON file")->type_name("FILE");
+}
+
+void with_threads(int threads, const std::function<void()>& work) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  tbb::task_arena(threads).execute(work);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+/// The options that several verbs share, declared once. A verb takes the groups that mean something to it.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+namespace pointsweep {
+
+struct CommonOptions {
+  std::uint64_t memory = 0;        ///< budget in bytes; set by add_stream_options() to half of what is available
+  int threads = 0;                 ///< set by add_thread_option() to the number of processors
+  std::filesystem::path temp_dir;  ///< where to spill; empty: the folder of the output
+  std::optional<int> axis;         ///< 0, 1, 2; none: the axis of largest extent
+  bool sweep_order = false;        ///< rows of the output in the order of the sweep instead of the input
+  std::filesystem::path stats;     ///< JSON file; empty: none
+  bool quiet = false;
+  bool force = false;            ///< an existing output may be replaced
+  int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
+};
+
+/// --quiet, --progress-fd N
+void add_progress_options(CLI::App& verb, CommonOptions& options);
+/// --threads N
+void add_thread_option(CLI::App& verb, CommonOptions& options);
+/// --force
+void add_force_option(CLI::App& verb, CommonOptions& options);
+/// --memory SIZE, --temp-dir DIR, --axis, --order, --stats FILE
+void add_stream_options(CLI::App& verb, CommonOptions& options);
+
+/// Does `work` with so many threads at most.
+void with_threads(int threads, const std::function<void()>& work);
+
+}  // namespace pointsweep

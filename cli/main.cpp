@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+/// The tool `pointsweep`: one verb per file. Status 0: done; 1: a file or the machine is at fault; 2: the command line
+/// makes no sense; 128 + number: stopped by a signal.
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "pointsweep/error.h"
+
+namespace {
+
+int complain(int status, const std::string& sentence) {
+  fmt::print(stderr, "pointsweep: {}\n", sentence);
+  return status;
+}
+
+int run(CLI::App& app, int argc, char** argv) {
+  using namespace pointsweep;
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    return complain(2, fmt::format("{}\nRun 'pointsweep --help' or 'pointsweep VERB --help'.", error.what()));
+  } catch (const UsageError& error) {
+    return complain(2, error.what());
+  } catch (const Cancelled&) {
+    return complain(128 + interrupting_signal(), "stopped; no output was written");
+  } catch (const std::bad_alloc&) {
+    return complain(1, "the machine has no memory left for this; lower --memory or close other programs");
+  } catch (const std::exception& error) {
+    return complain(1, error.what());
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Streams local operators over point clouds of any size, exactly and within a memory budget.",
+               "pointsweep"};
+  app.set_version_flag("--version", "pointsweep " POINTSWEEP_VERSION);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+  pointsweep::add_commands(app);
+
+  pointsweep::catch_interrupts();
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is an error of writing, not a sudden death
+  const int status = run(app, argc, argv);
+  if (std::fflush(stdout) != 0 && status == 0) return complain(1, "standard output cannot be written");
+  return status;
+}

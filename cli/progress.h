@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+/// How far a run has come, for people (standard error) and for programs (a descriptor of their choice).
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "cli/common_options.h"
+
+namespace pointsweep {
+
+/// On a terminal a bar with rate and remaining time, ten times a second; otherwise a line every five seconds. Programs
+/// get
+/// `{"phase":"normals","done":123,"total":456,"seconds":0.5}` five times a second, and always the first and the last of
+/// a phase.
+class Progress {
+ public:
+  using Clock = std::function<std::chrono::steady_clock::time_point()>;
+
+  /// Descriptors of -1 get nothing.
+  struct Targets {
+    int people = -1;
+    bool terminal = false;
+    int columns = 80;
+    int programs = -1;
+  };
+
+  explicit Progress(const CommonOptions& options);
+  explicit Progress(const Targets& targets, Clock clock = &std::chrono::steady_clock::now);
+  ~Progress();  ///< takes the bar away
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// `done` of `total` points have passed `phase`, e.g. "sort". Rate and time count from the first report of a phase.
+  /// Cheap and thread-safe: a report that comes while another is printed is dropped unless it completes the phase.
+  void report(std::string_view phase, std::uint64_t done, std::uint64_t total);
+  /// A sentence for people that stays, e.g. a warning; the bar gives way to it.
+  void say(std::string_view sentence);
+
+ private:
+  using Time = std::chrono::steady_clock::time_point;
+  bool due(Time now, Time& next, double interval, bool first, bool last);
+  void print_for_people(std::uint64_t done, std::uint64_t total, double seconds);
+  void print_for_programs(std::uint64_t done, std::uint64_t total, double seconds);
+  void clear_bar();
+  void write(int& descriptor, std::string_view text);
+
+  std::mutex mutex_;
+  Targets targets_;
+  Clock clock_;
+  std::string phase_;
+  bool complete_ = false, bar_shown_ = false;
+  Time start_, next_for_people_, next_for_programs_;
+};
+
+}  // namespace pointsweep

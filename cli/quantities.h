@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+/// Numbers as people write and read them on a command line.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "pointsweep/math/vec3.h"
+
+namespace pointsweep {
+
+/// "800000000", "256M", "1.5G": bytes, K M G T being powers of 1024, in either case. Throws UsageError beginning with
+/// `option`.
+std::uint64_t parse_size(std::string_view option, std::string_view text);
+/// "20000000", "20M", "1.5G": a number of things, K M G T being powers of 1000. Throws UsageError beginning with
+/// `option`.
+std::uint64_t parse_count(std::string_view option, std::string_view text);
+/// "X,Y,Z". Throws UsageError beginning with `option`.
+Vec3 parse_vector(std::string_view option, std::string_view text);
+
+/// "3.5G": three digits and a power of 1024.
+std::string size_text(std::uint64_t bytes);
+/// "12.3M": three digits and a power of 1000; exact below 10,000.
+std::string count_text(double count);
+/// "1:02:03", "0:07".
+std::string duration_text(double seconds);
+
+}  // namespace pointsweep
