@@ -7,6 +7,9 @@
 namespace pointsweep {
 
 /// Each adds its verb to the tool; the verb runs while the command line is parsed, and throws what goes wrong.
+void add_normals_command(CLI::App& app);
+void add_neighbors_command(CLI::App& app);
+void add_sort_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_generate_command(CLI::App& app);
 

@@ -6,10 +6,9 @@
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
 
-#include <map>
 #include <string>
+#include <string_view>
 
-#include "cli/available_memory.h"
 #include "cli/quantities.h"
 #include "pointsweep/error.h"
 
@@ -21,6 +20,17 @@ constexpr int kMostThreads = 4096;
 void require_open(int descriptor) {
   if (descriptor < 0 || fcntl(descriptor, F_GETFD) < 0)
     fail_usage("--progress-fd: descriptor {} is not open; redirect it, e.g. {}>progress.jsonl", descriptor, descriptor);
+}
+
+std::optional<int> parse_axis(std::string_view name) {
+  if (name == "auto") return std::nullopt;
+  if (name != "x" && name != "y" && name != "z") fail_usage("--axis: '{}' is not auto, x, y or z", name);
+  return name[0] - 'x';
+}
+
+Order parse_order(std::string_view name) {
+  if (name != "input" && name != "sweep") fail_usage("--order: '{}' is not input or sweep", name);
+  return name == "sweep" ? Order::sweep : Order::input;
 }
 
 }  // namespace
@@ -49,28 +59,25 @@ void add_force_option(CLI::App& verb, CommonOptions& options) {
 }
 
 void add_stream_options(CLI::App& verb, CommonOptions& options) {
-  options.memory = available_memory() / 2;
   verb.add_option_function<std::string>(
           "--memory", [&options](const std::string& text) { options.memory = parse_size("--memory", text); },
           "Budget for the whole process, K M G T being powers of 1024 (default: half of the memory available now)")
       ->type_name("SIZE");
   verb.add_option("--temp-dir", options.temp_dir,
-                  "Where to spill what does not fit (default: the folder of the output)")
+                  "Where to spill what does not fit (default: the system's temporary folder)")
       ->type_name("DIR");
   verb.add_option_function<std::string>(
-          "--axis",
-          [&options](const std::string& name) {
-            if (name != "auto") options.axis = name[0] - 'x';
-          },
+          "--axis", [&options](const std::string& name) { options.axis = parse_axis(name); },
           "Sweep axis: auto (largest extent), x, y or z")
-      ->type_name("AXIS")
-      ->check(CLI::IsMember({"auto", "x", "y", "z"}).description(""));
-  verb.add_option("--order", options.sweep_order,
-                  "Rows of the output in the order of the input (default) or of the sweep")
-      ->type_name("input|sweep")
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, bool>{{"input", false}, {"sweep", true}}).description(""));
+      ->type_name("AXIS");
   verb.add_option("--stats", options.stats, "Write statistics of the run to this JSON file")->type_name("FILE");
+}
+
+void add_order_option(CLI::App& verb, CommonOptions& options) {
+  verb.add_option_function<std::string>(
+          "--order", [&options](const std::string& name) { options.order = parse_order(name); },
+          "Rows of the output in the order of the input (default) or of the sweep")
+      ->type_name("input|sweep");
 }
 
 void with_threads(int threads, const std::function<void()>& work) {

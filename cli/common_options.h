@@ -8,14 +8,16 @@
 #include <functional>
 #include <optional>
 
+#include "pointsweep/pipeline/pipeline.h"
+
 namespace pointsweep {
 
 struct CommonOptions {
-  std::uint64_t memory = 0;        ///< budget in bytes; set by add_stream_options() to half of what is available
+  std::uint64_t memory = 0;        ///< budget in bytes; 0: half of what is available
   int threads = 0;                 ///< set by add_thread_option() to the number of processors
-  std::filesystem::path temp_dir;  ///< where to spill; empty: the folder of the output
+  std::filesystem::path temp_dir;  ///< where to spill; empty: the system's folder
   std::optional<int> axis;         ///< 0, 1, 2; none: the axis of largest extent
-  bool sweep_order = false;        ///< rows of the output in the order of the sweep instead of the input
+  Order order = Order::input;      ///< of the rows of the output
   std::filesystem::path stats;     ///< JSON file; empty: none
   bool quiet = false;
   bool force = false;            ///< an existing output may be replaced
@@ -28,8 +30,10 @@ void add_progress_options(CLI::App& verb, CommonOptions& options);
 void add_thread_option(CLI::App& verb, CommonOptions& options);
 /// --force
 void add_force_option(CLI::App& verb, CommonOptions& options);
-/// --memory SIZE, --temp-dir DIR, --axis, --order, --stats FILE
+/// --memory SIZE, --temp-dir DIR, --axis, --stats FILE
 void add_stream_options(CLI::App& verb, CommonOptions& options);
+/// --order
+void add_order_option(CLI::App& verb, CommonOptions& options);
 
 /// Does `work` with so many threads at most.
 void with_threads(int threads, const std::function<void()>& work);

@@ -26,7 +26,7 @@ struct GenerateOptions {
 };
 
 /// Two blocks take turns: one is filled on all threads while the other is on its way to the disk.
-void write_all(Reader& reader, Writer& writer, Progress& progress) {
+void write_all(Reader& reader, Writer& writer, ProgressDisplay& progress) {
   const std::size_t stride = reader.info().schema.stride;
   const std::uint64_t total = reader.info().count;
   std::vector<std::byte> blocks[2] = {std::vector<std::byte>(kBlock * stride), std::vector<std::byte>(kBlock * stride)};
@@ -55,7 +55,7 @@ void generate(const GenerateOptions& options) {
   plan.overwrite = options.common.force;
   plan.bounds = reader.info().bounds;
   const std::unique_ptr<Writer> writer = create_writer(plan);
-  Progress progress(options.common);
+  ProgressDisplay progress(options.common);
   with_threads(options.common.threads, [&] { write_all(reader, *writer, progress); });
   writer->finish();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -80,7 +80,10 @@ void add_sampling_options(CLI::App& verb, Sampling& sampling) {
           "How many points, K M G T being powers of 1000")
       ->type_name("N")
       ->required();
-  verb.add_option("--seed", sampling.seed, "Another seed gives another sample (default: 1)")->type_name("S");
+  verb.add_option_function<std::string>(
+          "--seed", [&sampling](const std::string& text) { sampling.seed = parse_count("--seed", text); },
+          "Another seed gives another sample (default: 1)")
+      ->type_name("S");
   verb.add_option("--noise", sampling.noise,
                   "Standard deviation of Gaussian noise along x, y and z each, in metres (default: 0)")
       ->type_name("SIGMA");

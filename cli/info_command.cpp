@@ -18,7 +18,7 @@ struct InfoOptions {
 void info(const InfoOptions& options) {
   std::uint64_t points = 0;
   Box bounds;
-  Progress progress(options.common);
+  ProgressDisplay progress(options.common);
   for (const auto& file : options.files) {
     const std::unique_ptr<Reader> reader = open_reader(file);
     const FileSummary summary = summarize(*reader, [&](std::uint64_t done, std::uint64_t total) {

@@ -7,7 +7,9 @@
 #include <exception>
 #include <new>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
+#include "cli/help.h"
 #include "cli/interrupt.h"
 #include "pointsweep/error.h"
 
@@ -21,12 +23,15 @@ int complain(int status, const std::string& sentence) {
 int run(CLI::App& app, int argc, char** argv) {
   using namespace pointsweep;
   try {
-    app.parse(argc, argv);
+    app.parse(arguments_for_parser(argc, argv));
     return 0;
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    return complain(2, fmt::format("{}\nRun 'pointsweep --help' or 'pointsweep VERB --help'.", error.what()));
+    const std::vector<std::string> unknown = app.remaining();
+    const bool no_verb = app.get_subcommands().empty() && !unknown.empty();
+    const std::string sentence = no_verb ? fmt::format("'{}' is not a verb", unknown.front()) : error.what();
+    return complain(2, fmt::format("{}\nRun 'pointsweep --help' or 'pointsweep VERB --help'.", sentence));
   } catch (const UsageError& error) {
     return complain(2, error.what());
   } catch (const Cancelled&) {
@@ -43,9 +48,9 @@ int run(CLI::App& app, int argc, char** argv) {
 int main(int argc, char** argv) {
   CLI::App app{"Streams local operators over point clouds of any size, exactly and within a memory budget.",
                "pointsweep"};
+  app.formatter(std::make_shared<pointsweep::HelpFormatter>());
   app.set_version_flag("--version", "pointsweep " POINTSWEEP_VERSION);
   app.require_subcommand(1);
-  app.get_formatter()->column_width(34);
   pointsweep::add_commands(app);
 
   pointsweep::catch_interrupts();

@@ -19,8 +19,8 @@ constexpr double kLineInterval = 5;       // s
 constexpr double kProgramInterval = 0.2;  // s
 constexpr int kBarWidth = 24;             // characters
 
-Progress::Targets targets_of(const CommonOptions& options) {
-  Progress::Targets targets;
+ProgressDisplay::Targets targets_of(const CommonOptions& options) {
+  ProgressDisplay::Targets targets;
   targets.programs = options.progress_descriptor;
   if (options.quiet) return targets;
   targets.people = STDERR_FILENO;
@@ -43,13 +43,13 @@ std::string figures(std::uint64_t done, std::uint64_t total, double seconds) {
 
 }  // namespace
 
-Progress::Progress(const CommonOptions& options) : Progress(targets_of(options)) {}
+ProgressDisplay::ProgressDisplay(const CommonOptions& options) : ProgressDisplay(targets_of(options)) {}
 
-Progress::Progress(const Targets& targets, Clock clock) : targets_(targets), clock_(std::move(clock)) {}
+ProgressDisplay::ProgressDisplay(const Targets& targets, Clock clock) : targets_(targets), clock_(std::move(clock)) {}
 
-Progress::~Progress() { clear_bar(); }
+ProgressDisplay::~ProgressDisplay() { clear_bar(); }
 
-void Progress::report(std::string_view phase, std::uint64_t done, std::uint64_t total) {
+void ProgressDisplay::report(std::string_view phase, std::uint64_t done, std::uint64_t total) {
   if (targets_.people < 0 && targets_.programs < 0) return;
   const bool last = done >= total;
   std::unique_lock lock(mutex_, std::defer_lock);
@@ -77,13 +77,13 @@ void Progress::report(std::string_view phase, std::uint64_t done, std::uint64_t 
     print_for_people(done, total, seconds);
 }
 
-bool Progress::due(Time now, Time& next, double interval, bool first, bool last) {
+bool ProgressDisplay::due(Time now, Time& next, double interval, bool first, bool last) {
   if (now < next && !first && !last) return false;
   next = now + std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(interval));
   return true;
 }
 
-void Progress::print_for_people(std::uint64_t done, std::uint64_t total, double seconds) {
+void ProgressDisplay::print_for_people(std::uint64_t done, std::uint64_t total, double seconds) {
   const double share = total == 0 ? 1 : static_cast<double>(done) / static_cast<double>(total);
   const int percent = static_cast<int>(100 * share);
   if (!targets_.terminal) {
@@ -98,24 +98,24 @@ void Progress::print_for_people(std::uint64_t done, std::uint64_t total, double 
   bar_shown_ = true;
 }
 
-void Progress::print_for_programs(std::uint64_t done, std::uint64_t total, double seconds) {
+void ProgressDisplay::print_for_programs(std::uint64_t done, std::uint64_t total, double seconds) {
   const nlohmann::ordered_json report{{"phase", phase_}, {"done", done}, {"total", total}, {"seconds", seconds}};
   write(targets_.programs, report.dump() + "\n");
 }
 
-void Progress::say(std::string_view sentence) {
+void ProgressDisplay::say(std::string_view sentence) {
   const std::lock_guard lock(mutex_);
   clear_bar();
   if (targets_.people >= 0) write(targets_.people, fmt::format("pointsweep: {}\n", sentence));
 }
 
-void Progress::clear_bar() {
+void ProgressDisplay::clear_bar() {
   if (bar_shown_) write(targets_.people, "\r\x1b[K");
   bar_shown_ = false;
 }
 
 /// Nobody listens any more: say nothing from now on.
-void Progress::write(int& descriptor, std::string_view text) {
+void ProgressDisplay::write(int& descriptor, std::string_view text) {
   while (!text.empty() && descriptor >= 0) {
     const ssize_t written = ::write(descriptor, text.data(), text.size());
     if (written >= 0)

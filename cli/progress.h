@@ -17,7 +17,7 @@ namespace pointsweep {
 /// get
 /// `{"phase":"normals","done":123,"total":456,"seconds":0.5}` five times a second, and always the first and the last of
 /// a phase.
-class Progress {
+class ProgressDisplay {
  public:
   using Clock = std::function<std::chrono::steady_clock::time_point()>;
 
@@ -29,11 +29,11 @@ class Progress {
     int programs = -1;
   };
 
-  explicit Progress(const CommonOptions& options);
-  explicit Progress(const Targets& targets, Clock clock = &std::chrono::steady_clock::now);
-  ~Progress();  ///< takes the bar away
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
+  explicit ProgressDisplay(const CommonOptions& options);
+  explicit ProgressDisplay(const Targets& targets, Clock clock = &std::chrono::steady_clock::now);
+  ~ProgressDisplay();  ///< takes the bar away
+  ProgressDisplay(const ProgressDisplay&) = delete;
+  ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
   /// `done` of `total` points have passed `phase`, e.g. "sort". Rate and time count from the first report of a phase.
   /// Cheap and thread-safe: a report that comes while another is printed is dropped unless it completes the phase.

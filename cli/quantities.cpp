@@ -60,7 +60,7 @@ std::uint64_t parse_size(std::string_view option, std::string_view text) {
 
 std::uint64_t parse_count(std::string_view option, std::string_view text) {
   const auto count = scaled(text, 1000);
-  if (!count) fail_usage("{}: '{}' is not a number of points such as 500000, 20M or 1.5G", option, text);
+  if (!count) fail_usage("{}: '{}' is not a whole number such as 8, 500000 or 20M", option, text);
   return *count;
 }
 

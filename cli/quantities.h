@@ -13,7 +13,7 @@ namespace pointsweep {
 /// "800000000", "256M", "1.5G": bytes, K M G T being powers of 1024, in either case. Throws UsageError beginning with
 /// `option`.
 std::uint64_t parse_size(std::string_view option, std::string_view text);
-/// "20000000", "20M", "1.5G": a number of things, K M G T being powers of 1000. Throws UsageError beginning with
+/// "8", "20000000", "20M": a whole number, K M G T being powers of 1000. Throws UsageError beginning with
 /// `option`.
 std::uint64_t parse_count(std::string_view option, std::string_view text);
 /// "X,Y,Z". Throws UsageError beginning with `option`.
