@@ -19,17 +19,17 @@ constexpr int kMostThreads = 4096;
 
 void require_open(int descriptor) {
   if (descriptor < 0 || fcntl(descriptor, F_GETFD) < 0)
-    fail_usage("--progress-fd: descriptor {} is not open; redirect it, e.g. {}>progress.jsonl", descriptor, descriptor);
+    fail_usage("--progress-fd: descriptor {} is not open; redirect it, e.g. {}>progress.jsonl.", descriptor, descriptor);
 }
 
 std::optional<int> parse_axis(std::string_view name) {
   if (name == "auto") return std::nullopt;
-  if (name != "x" && name != "y" && name != "z") fail_usage("--axis: '{}' is not auto, x, y or z", name);
+  if (name != "x" && name != "y" && name != "z") fail_usage("--axis: '{}' is not auto, x, y or z.", name);
   return name[0] - 'x';
 }
 
 Order parse_order(std::string_view name) {
-  if (name != "input" && name != "sweep") fail_usage("--order: '{}' is not input or sweep", name);
+  if (name != "input" && name != "sweep") fail_usage("--order: '{}' is not input or sweep.", name);
   return name == "sweep" ? Order::sweep : Order::input;
 }
 

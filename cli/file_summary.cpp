@@ -61,7 +61,7 @@ FileSummary summarize(Reader& reader, const std::function<void(std::uint64_t, st
   for (std::uint64_t row = 0; row < info.count;) {
     const std::size_t count = reader.read(row, records);
     if (count == 0)
-      fail("{}: ends at point {} of {}; it has changed while it was read", info.path.string(), row, info.count);
+      fail("{}: ends at point {} of {}; it has changed while it was read.", info.path.string(), row, info.count);
     decode_positions(position, records.data(), info.schema.stride, count, x.data(), y.data(), z.data());
     for (std::size_t i = 0; i < count; ++i) {
       const Vec3 p{x[i], y[i], z[i]};

@@ -34,7 +34,7 @@ void parse_orientation(const std::string& text, NormalsOptions& normals) {
     normals.orient = Orient::viewpoint;
     normals.viewpoint = parse_vector("--orient viewpoint", text.substr(viewpoint.size()));
   } else {
-    fail_usage("--orient: '{}' is not none, up, viewpoint X,Y,Z or input", text);
+    fail_usage("--orient: '{}' is not none, up, viewpoint X,Y,Z or input.", text);
   }
 }
 

@@ -54,13 +54,13 @@ std::string three_digits(double value, double base) {
 
 std::uint64_t parse_size(std::string_view option, std::string_view text) {
   const auto size = scaled(text, 1024);
-  if (!size || *size == 0) fail_usage("{}: '{}' is not a size in bytes such as 800000000, 256M or 1.5G", option, text);
+  if (!size || *size == 0) fail_usage("{}: '{}' is not a size in bytes such as 800000000, 256M or 1.5G.", option, text);
   return *size;
 }
 
 std::uint64_t parse_count(std::string_view option, std::string_view text) {
   const auto count = scaled(text, 1000);
-  if (!count) fail_usage("{}: '{}' is not a whole number such as 8, 500000 or 20M", option, text);
+  if (!count) fail_usage("{}: '{}' is not a whole number such as 8, 500000 or 20M.", option, text);
   return *count;
 }
 
@@ -70,7 +70,7 @@ Vec3 parse_vector(std::string_view option, std::string_view text) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto number = take_number(rest);
     const bool separated = axis == 2 ? rest.empty() : rest.starts_with(',');
-    if (!number || !separated) fail_usage("{}: '{}' is not of the form X,Y,Z", option, text);
+    if (!number || !separated) fail_usage("{}: '{}' is not of the form X,Y,Z.", option, text);
     v[axis] = *number;
     if (axis < 2) rest.remove_prefix(1);
   }

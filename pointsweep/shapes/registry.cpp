@@ -26,7 +26,7 @@ std::unique_ptr<Shape> create_shape(std::string_view name) {
     if (shape->name() == name) return std::move(shape);
     known += (known.empty() ? "" : ", ") + shape->name();
   }
-  fail_usage("no shape is called '{}'; choose one of {}", name, known);
+  fail_usage("no shape is called '{}'; choose one of {}.", name, known);
 }
 
 }  // namespace pointsweep
