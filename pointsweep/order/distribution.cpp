@@ -14,23 +14,12 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kLeastChunk = 1024, kLargestChunk = 32768;  ///< records
+constexpr std::size_t kLeastChunk = 1024, kLargestChunk = 12288;  ///< records
 
-/// A box that grows by eight minima, which fit two or four vector registers and one cache line.
-struct alignas(64) GrowingBox {
-  std::array<double, 8> least = {Box::kInf, Box::kInf, Box::kInf, 0, Box::kInf, Box::kInf, Box::kInf, 0};
-
-  void include(double x, double y, double z) {
-    const std::array<double, 8> p = {x, y, z, 0, -x, -y, -z, 0};
-    for (std::size_t i = 0; i < 8; ++i) least[i] = std::min(least[i], p[i]);
-  }
-  void include(const GrowingBox& b) {
-    for (std::size_t i = 0; i < 8; ++i) least[i] = std::min(least[i], b.least[i]);
-  }
+/// The box of a list so far, in a cache line of its own.
+struct alignas(64) GrowingBox : Box {
   /// Adding 0 makes -0 to 0: which of them came first must not be seen.
-  Box box() const {
-    return {{least[0] + 0.0, least[1] + 0.0, least[2] + 0.0}, {0.0 - least[4], 0.0 - least[5], 0.0 - least[6]}};
-  }
+  Box box() const { return {lo + Vec3{}, hi + Vec3{}}; }
 };
 
 /// Some records on their way from the source to the store, and all the room that working on them needs.
@@ -120,7 +109,7 @@ class Distribution {
       const bool finite = !check || (0 * x[i] + 0 * y[i]) + 0 * z[i] == 0;
       const auto list = finite ? static_cast<std::uint16_t>(deal_.splitters.piece_of(key[i])) : nonfinite;
       chunk.list[i] = list;
-      chunk.boxes[list].include(x[i], y[i], z[i]);
+      chunk.boxes[list].include(Vec3{x[i], y[i], z[i]});
     }
   }
 
