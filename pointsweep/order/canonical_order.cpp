@@ -12,8 +12,9 @@
 namespace pointsweep {
 namespace {
 
-constexpr int kDigitBits = 11;
-constexpr std::size_t kSmall = 256;  ///< a range up to this size is sorted faster by comparing
+constexpr int kDigitBits = 9;       ///< a cache line for each value fits the first-level cache
+constexpr std::size_t kSmall = 128;  ///< a range up to this size is sorted faster by comparing
+constexpr std::size_t kAhead = 24;  ///< points whose next coordinate is on its way
 
 /// Bits of a finite double that ascend as the numbers do; -0 and 0 are one number.
 std::uint64_t ascending_bits(double value) {
@@ -40,10 +41,7 @@ class CanonicalSort {
 
   /// Sorts order_[begin, end), all of which are equal in the levels before `level`.
   void sort(std::size_t level, std::size_t begin, std::size_t end) {
-    if (end - begin <= kSmall) {
-      std::sort(order_ + begin, order_ + end, [&](std::uint32_t a, std::uint32_t b) { return precedes(level, a, b); });
-      return;
-    }
+    if (end - begin <= kSmall) return sort_small(level, begin, end);
     std::uint64_t least = std::numeric_limits<std::uint64_t>::max(), greatest = 0, ones = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint64_t k = key(level, order_[i]);
@@ -63,7 +61,8 @@ class CanonicalSort {
       items_[i] = ((key(level, order_[i]) >> shift) - (least >> shift)) << 32 | order_[i];
     radix_sort(begin, end, bits_of((greatest >> shift) - (least >> shift)));
     for (std::size_t i = begin; i < end; ++i) order_[i] = static_cast<std::uint32_t>(items_[i]);
-    settle_ties(level, begin, end);
+    // Points still tied are equal in this coordinate if all its bits were looked at.
+    settle_ties(shift == zeros ? level + 1 : level, begin, end);
   }
 
  private:
@@ -73,10 +72,23 @@ class CanonicalSort {
     return level < kLevels ? ascending_bits(levels_[level][i]) : row_[i];
   }
 
-  bool precedes(std::size_t level, std::uint32_t a, std::uint32_t b) const {
-    for (; level < kLevels; ++level)
-      if (levels_[level][a] != levels_[level][b]) return levels_[level][a] < levels_[level][b];
-    return row_[a] < row_[b];
+  struct Keyed {
+    std::uint64_t key;
+    std::uint32_t index;
+  };
+
+  /// Fetches the keys once and sorts them where they lie together.
+  void sort_small(std::size_t level, std::size_t begin, std::size_t end) {
+    std::array<Keyed, kSmall> keyed;  // filled as far as it is used
+    const std::size_t n = end - begin;
+    for (std::size_t i = 0; i < n; ++i) keyed[i] = {key(level, order_[begin + i]), order_[begin + i]};
+    std::sort(keyed.begin(), keyed.begin() + static_cast<std::ptrdiff_t>(n),
+              [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
+    for (std::size_t i = 0; i < n; ++i) order_[begin + i] = keyed[i].index;
+    for (std::size_t i = 0, j = 1; level < kLevels && i < n; i = j++) {
+      while (j < n && keyed[j].key == keyed[i].key) ++j;
+      if (j - i > 1) sort(level + 1, begin + i, begin + j);
+    }
   }
 
   /// Stable, by bits [32, 32 + key_bits) of the items.
@@ -95,13 +107,15 @@ class CanonicalSort {
     if (from != items_.get() + begin) std::copy(from, from + n, items_.get() + begin);
   }
 
+  /// Sorts each range of equal keys in the items, from `level` on.
   void settle_ties(std::size_t level, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end;) {
+    if (level > kLevels) return;
+    const double* ahead = levels_[std::min(level, kLevels - 1)];
+    for (std::size_t i = begin, j = begin; i < end; i = j) {
       const std::uint64_t tied = items_[i] >> 32;
-      std::size_t j = i + 1;
-      while (j < end && items_[j] >> 32 == tied) ++j;
+      for (; j < end && items_[j] >> 32 == tied; ++j)
+        __builtin_prefetch(ahead + static_cast<std::uint32_t>(items_[std::min(j + kAhead, end - 1)]));
       if (j - i > 1) sort(level, i, j);
-      i = j;
     }
   }
 
