@@ -19,7 +19,9 @@ namespace {
 using Consume = std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>;
 
 constexpr std::size_t kRunBytes = std::size_t{4} << 20;     ///< what one call of `consume` gets at most
+constexpr std::size_t kGoodBlockBytes = 65536;              ///< of a bucket, for the disk
 constexpr std::size_t kLeastBlockBytes = 4096;              ///< smaller writes would cost more than they save
+constexpr std::size_t kCachedBytes = std::size_t{1} << 20;   ///< stored to at random without waiting for memory
 constexpr std::size_t kOffsetBytes = sizeof(std::uint32_t);  ///< a spilled record follows its row in the bucket
 constexpr std::size_t kAhead = 16;                          ///< stores under way at once
 
@@ -71,7 +73,8 @@ class RowArray {
 };
 
 /// Rows in buckets of 2^shift consecutive ones. While filling, half of the memory buffers the buckets; afterwards half of
-/// it is the window through which a bucket is put in order. A bucket larger than the window is read more than once.
+/// it is the window through which a bucket is put in order, a bucket that fits the cache if the buffers allow so many.
+/// A bucket larger than the window is read more than once.
 class RowBuckets {
  public:
   RowBuckets(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const TempFolder& spill,
@@ -80,9 +83,11 @@ class RowBuckets {
         record_bytes_(record_bytes),
         fill_(fill),
         window_rows_(std::bit_floor(std::max<std::size_t>(1, buffer_bytes / 2 / record_bytes))) {
-    const std::uint64_t most = std::max<std::uint64_t>(1, buffer_bytes / 2 / kLeastBlockBytes);
-    shift_ = std::min(32, std::countr_zero(window_rows_));
-    while (shift_ < 32 && buckets() > most) ++shift_;
+    const auto too_many = [&](std::size_t block_bytes) { return buckets() > buffer_bytes / 2 / block_bytes + 1; };
+    shift_ = std::countr_zero(std::min<std::uint64_t>(window_rows_, std::bit_ceil(kCachedBytes / record_bytes + 1)));
+    while (shift_ < 32 && too_many(kGoodBlockBytes) && (std::uint64_t{1} << shift_) < window_rows_) ++shift_;
+    while (shift_ < 32 && too_many(kLeastBlockBytes)) ++shift_;
+    window_rows_ = std::min(window_rows_, std::uint64_t{1} << shift_);
     const std::size_t block = std::clamp<std::size_t>(buffer_bytes / 2 / std::max<std::uint64_t>(1, buckets()),
                                                       kLeastBlockBytes, std::size_t{1} << 20);
     store_ = std::make_unique<SlabStore>(buckets(), kOffsetBytes + record_bytes, block, &spill);
@@ -96,13 +101,11 @@ class RowBuckets {
 
   void drain(const Consume& consume) {
     store_->finish();
-    std::vector<std::byte> window(std::min(rows_, window_rows_) * record_bytes_);
+    const PageMemory window(std::min(rows_, window_rows_) * record_bytes_);
     for (std::uint64_t first = 0; first < rows_; first += window_rows_) {
       const std::span<std::byte> records(window.data(), std::min(rows_ - first, window_rows_) * record_bytes_);
       std::ranges::fill(records, fill_);
-      // A window is no larger than a bucket, or holds a whole number of them.
-      for (std::uint64_t b = first >> shift_; b << shift_ < std::min(rows_, first + window_rows_); ++b)
-        fill_window(b, first, records);
+      fill_window(first, records);
       consume_in_runs(first, records, record_bytes_, consume);
     }
   }
@@ -135,8 +138,9 @@ class RowBuckets {
         store_->append(first + b, {grouped.data() + begin[b] * entry, (end[b] - begin[b]) * entry});
   }
 
-  /// Copies what bucket `b` holds of the window's rows to their places.
-  void fill_window(std::uint64_t b, std::uint64_t window_first, std::span<std::byte> window) const {
+  /// Copies the records of the rows from `window_first` on to their places. A window never reaches into a second bucket.
+  void fill_window(std::uint64_t window_first, std::span<std::byte> window) const {
+    const std::uint64_t b = window_first >> shift_;
     const std::size_t entry = kOffsetBytes + record_bytes_;
     const std::uint64_t rows = window.size() / record_bytes_;
     const std::uint64_t count = store_->count(b);
