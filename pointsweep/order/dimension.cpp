@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <vector>
 
 #include "pointsweep/order/survey.h"
 
@@ -10,7 +12,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kTooFew = 256, kEnough = 16384;  ///< points
-constexpr std::uint64_t kMostCells = 1u << 20;  ///< along one axis: three numbers below it fit one 64-bit code
+constexpr std::uint64_t kMostCells = 1u << 20;  ///< along one axis, so that three cell numbers fit 64 bits
 
 /// The box of the middle 98 % of each coordinate.
 Box quantile_box(std::span<const Vec3> sample) {
@@ -32,15 +34,16 @@ bool contains(const Box& box, const Vec3& p) {
 }
 
 /// Cells that hold a point when the largest extent of `box` is cut in `cells`.
-std::size_t occupied_cells(std::span<const Vec3> points, const Box& box, double cells) {
+std::size_t occupied_cells(std::span<const Vec3> points, const Box& box, std::uint64_t cells) {
   const Vec3 extent = box.extent();
-  const double per_cell = cells / std::max({extent.x, extent.y, extent.z});
+  const double largest = std::max({extent.x, extent.y, extent.z});
+  const auto last = static_cast<double>(cells - 1);
   std::vector<std::uint64_t> codes;
   codes.reserve(points.size());
   for (const Vec3& p : points) {
     std::uint64_t code = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      const double cell = std::min((p[axis] - box.lo[axis]) * per_cell, static_cast<double>(kMostCells - 1));
+      const double cell = std::min((p[axis] - box.lo[axis]) / largest * static_cast<double>(cells), last);
       code = code << 21 | static_cast<std::uint64_t>(cell);
     }
     codes.push_back(code);
@@ -61,19 +64,18 @@ double box_counting_dimension(std::span<const Vec3> sample) {
   std::vector<Vec3> inside;
   for (std::size_t i = 0; i < sample.size(); i += sample.size() / kEnough + 1)
     if (contains(box, sample[i])) inside.push_back(sample[i]);
+  if (inside.size() < kTooFew / 2) return kUndecided;
 
-  // With fewer than about six points in a cell of the finer grid, cells that the surface meets begin to stay empty.
-  const std::size_t wanted = inside.size() / 6;
-  double cells = 2;
-  std::size_t fine = occupied_cells(inside, box, cells);
-  while (fine < wanted && cells < kMostCells / 2) fine = occupied_cells(inside, box, cells *= 2);
+  // With fewer than about eight points in a cell of the finer grid, cells that the surface meets begin to stay empty.
+  // Whole numbers of cells: a grid that ends within a cell would count it as full.
+  const std::size_t wanted = inside.size() / 8;
+  std::uint64_t coarse_cells = 1;
+  while (occupied_cells(inside, box, 2 * coarse_cells) < wanted && coarse_cells < kMostCells / 4) coarse_cells *= 2;
+  for (std::uint64_t step = coarse_cells / 4; step >= 1 && step * 16 > coarse_cells; step /= 2)
+    if (occupied_cells(inside, box, 2 * (coarse_cells - step)) >= wanted) coarse_cells -= step;
+  const std::size_t fine = occupied_cells(inside, box, 2 * coarse_cells);
   if (fine < wanted) return kUndecided;
-  for (std::size_t less = fine; less >= wanted && cells > 2; fine = less) {
-    less = occupied_cells(inside, box, cells / 1.25);
-    if (less < wanted) break;
-    cells /= 1.25;
-  }
-  const std::size_t coarse = occupied_cells(inside, box, cells / 2);
+  const std::size_t coarse = occupied_cells(inside, box, coarse_cells);
   return std::clamp(std::log2(static_cast<double>(fine) / static_cast<double>(coarse)), 1.0, 3.0);
 }
 

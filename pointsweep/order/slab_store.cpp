@@ -129,7 +129,7 @@ void SlabStore::release(std::size_t slab) {
     else
       s.pool.give_back(block.memory);
   }
-  list.blocks = {};
+  list.blocks = std::vector<Block>();
   list.open = nullptr;
   list.count = 0;
 }

@@ -249,6 +249,77 @@ TEST(Stream, MayBeTiny) {
   for (const std::size_t n : {0, 1, 2, 3}) check_all_ways<float>(random_points(n, 6), small_options(0));
 }
 
+TEST(Stream, CarriesWholeRecordsIfAsked) {
+  StreamOptions options = small_options(0);
+  options.payload = {};
+  options.whole_records = true;
+  check_all_ways<float>(random_points(3000, 8), options);
+}
+
+TEST(Stream, JoinsThinSlabs) {
+  // Half of the points share one coordinate, which gets pieces of its own between pieces of nearly nothing.
+  std::vector<Vec3> points = random_points(20000, 9);
+  for (std::size_t i = 0; i < points.size(); i += 2) points[i].x = 0.5;
+  const CloudSource<double> cloud(points);
+  StreamOptions options = small_options(0);
+  options.slab_points = 1000;
+  options.max_slab_points = 4000;
+  const Streamed streamed = run(cloud.source, options, survey(cloud.source, 0, false));
+  check(cloud, options, streamed);
+  for (std::size_t s = 1; s < streamed.slabs.size(); ++s)
+    EXPECT_GT(streamed.slabs[s - 1].count + streamed.slabs[s].count, options.slab_points);
+}
+
+TEST(Stream, ReadsPartsOfThePointsWithoutAPlace) {
+  std::vector<Vec3> points = random_points(1000, 10);
+  for (std::size_t i = 0; i < points.size(); i += 10) points[i].z = kNaN;
+  const CloudSource<float> cloud(points);
+  const Stream stream(cloud.source, survey(cloud.source, {}, false), small_options(0));
+  ASSERT_EQ(stream.nonfinite_count(), 100u);
+  std::vector<std::byte> records(3 * stream.record_schema().stride);
+  stream.read_nonfinite(42, records);
+  const std::vector<Entry> entries = entries_of(stream, records);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(entries[i].row, 10 * (42 + i));
+}
+
+TEST(Stream, SaysHowManyRowsAreRead) {
+  const CloudSource<float> cloud(random_points(50000, 11));
+  StreamOptions options = small_options(0);
+  std::vector<std::uint64_t> told;
+  options.progress = [&](std::uint64_t rows) { told.push_back(rows); };
+  const Stream stream(cloud.source, survey(cloud.source, {}, false), options);
+  ASSERT_FALSE(told.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(told));
+  EXPECT_EQ(told.back(), 50000u);
+}
+
+TEST(Stream, PassesOnWhatTheSourceThrows) {
+  const CloudSource<float> cloud(random_points(50000, 12));
+  const Survey look = survey(cloud.source, {}, false);
+  PointSource failing = cloud.source;
+  failing.read = [&](std::uint64_t row, std::span<std::byte> out) -> std::size_t {
+    if (row > 20000) fail("scan.ply: byte 12: unreadable");
+    return cloud.source.read(row, out);
+  };
+  EXPECT_THROW(Stream(failing, look, small_options(0)), Error);
+  failing.read = [&](std::uint64_t row, std::span<std::byte> out) { return row > 20000 ? 0 : cloud.source.read(row, out); };
+  EXPECT_THROW(Stream(failing, look, small_options(0)), Error);
+}
+
+TEST(Stream, SpillsWhatItDoesNotHoldInMemory) {
+  const CloudSource<float> cloud(random_points(50000, 13));
+  const Survey look = survey(cloud.source, {}, false);
+  StreamOptions options = small_options(0);
+  const Stream held(cloud.source, look, options);
+  EXPECT_EQ(held.spilled_bytes(), 0u);
+  EXPECT_GE(held.memory_bytes(), 50000u * held.record_schema().stride);
+  const TempFolder folder(temp_parent());
+  options.spill = &folder;
+  const Stream spilled(cloud.source, look, options);
+  EXPECT_GE(spilled.spilled_bytes(), 50000u * spilled.record_schema().stride);
+  EXPECT_LT(spilled.memory_bytes(), held.memory_bytes());
+}
+
 TEST(Stream, OfLargeCoordinatesLosesNothing) {
   std::vector<Vec3> points = random_points(5000, 7);
   for (Vec3& p : points) p = p + Vec3{4.5e5, 5.2e6, 300};
