@@ -43,7 +43,7 @@ class RowArray {
  public:
   RowArray(std::uint64_t rows, std::size_t record_bytes, std::byte fill)
       : record_bytes_(record_bytes), memory_(bytes_of(rows, record_bytes)) {
-    if (fill != std::byte{0}) std::memset(memory_.data(), std::to_integer<int>(fill), memory_.size());
+    if (fill != std::byte{0}) std::fill_n(memory_.data(), memory_.size(), fill);
   }
 
   void put(std::span<const std::uint64_t> rows, const std::byte* records) {

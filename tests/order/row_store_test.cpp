@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <numeric>
 #include <optional>
@@ -93,9 +92,9 @@ TEST(RowStore, MayBeEmpty) {
 }
 
 TEST(RowStore, HasRowsPastFourBillion) {
-  // Mostly never put: a sparse store of 5 * 10^9 rows of one byte, of which memory never holds more than the buffers.
+  // Nearly none is ever put: one byte each, of which memory never holds more than the buffers.
   const TempFolder folder(std::filesystem::temp_directory_path());
-  constexpr std::uint64_t kRows = 5'000'000'000;
+  constexpr std::uint64_t kRows = 4'300'000'000;
   RowStore store(kRows, 1, std::byte{0}, &folder, 64 << 20);
   const std::vector<std::uint64_t> rows = {kRows - 1, 4'294'967'296, 4'294'967'295, 17};
   const std::vector<std::byte> records = {std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}};
@@ -105,7 +104,12 @@ TEST(RowStore, HasRowsPastFourBillion) {
   store.drain([&](std::uint64_t first, std::span<const std::byte> run) {
     ASSERT_EQ(first, next);
     next += run.size();
-    if (std::memchr(run.data(), 0, run.size()) == run.data() && std::memcmp(run.data(), run.data() + 1, run.size() - 1) == 0) return;
+    const auto inside = [&](std::uint64_t row) { return first <= row && row < next; };
+    if (std::ranges::none_of(rows, inside)) {
+      ASSERT_EQ(run.front(), std::byte{0});
+      ASSERT_EQ(run.back(), std::byte{0});
+      return;
+    }
     for (std::size_t i = 0; i < run.size(); ++i)
       if (run[i] != std::byte{0}) found.emplace_back(first + i, run[i]);
   });
