@@ -12,7 +12,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kTooFew = 256, kEnough = 16384;  ///< points
-constexpr std::uint64_t kMostCells = 1u << 20;  ///< along one axis, so that three cell numbers fit 64 bits
+constexpr std::uint64_t kMostCells = 1u << 20;         ///< along one axis, so that three cell numbers fit 64 bits
 
 /// The box of the middle 98 % of each coordinate.
 Box quantile_box(std::span<const Vec3> sample) {

@@ -36,11 +36,11 @@ struct Chunk {
   std::uint64_t first = 0;
   std::size_t count = 0;
   std::unique_ptr<std::byte[]> records, sorted;
-  std::unique_ptr<double[]> numbers;      ///< x, then y, then z, then rows if they are the key
-  std::unique_ptr<std::uint16_t[]> list;  ///< by record
+  std::unique_ptr<double[]> numbers;       ///< x, then y, then z, then rows if they are the key
+  std::unique_ptr<std::uint16_t[]> list;   ///< by record
   std::unique_ptr<std::uint32_t[]> place;  ///< by record, in `sorted`
-  std::vector<std::uint32_t> begin;       ///< by list, in `sorted`
-  std::vector<GrowingBox> boxes;          ///< by list, of all records this chunk ever held
+  std::vector<std::uint32_t> begin;        ///< by list, in `sorted`
+  std::vector<GrowingBox> boxes;           ///< by list, of all records this chunk ever held
 };
 
 class Distribution {
@@ -57,9 +57,10 @@ class Distribution {
 
   void run() {
     tbb::parallel_pipeline(
-        tokens_, tbb::make_filter<void, Chunk*>(tbb::filter_mode::serial_in_order,
-                                                [this](tbb::flow_control& control) { return read(control); }) &
-                     tbb::make_filter<Chunk*, void>(tbb::filter_mode::parallel, [this](Chunk* chunk) { deal_out(*chunk); }));
+        tokens_,
+        tbb::make_filter<void, Chunk*>(tbb::filter_mode::serial_in_order, [this](tbb::flow_control& control) {
+          return read(control);
+        }) & tbb::make_filter<Chunk*, void>(tbb::filter_mode::parallel, [this](Chunk* chunk) { deal_out(*chunk); }));
   }
 
   std::vector<Box> boxes() const {

@@ -22,15 +22,17 @@ enum class SortKey : std::uint8_t { x, y, z, row };
 
 /// A list of records to be dealt out.
 struct Deal {
-  const Schema& schema;       ///< of the records read
+  const Schema& schema;  ///< of the records read
   std::uint64_t count;
-  std::function<void(std::uint64_t first, std::span<std::byte> records)> read;  ///< called by one thread at a time, in order
+  std::function<void(std::uint64_t first, std::span<std::byte> records)>
+      read;                     ///< called by one thread at a time, in order
   const WorkingRecord& record;  ///< what the store gets of each
   SortKey key;
   const Splitters& splitters;
-  std::size_t first_list;     ///< piece p goes to list first_list + p of the store
-  std::optional<std::size_t> nonfinite_list;  ///< without it all points are taken to be finite, or the key to be the row
-  std::size_t memory_bytes;   ///< aim for all buffers of the pass
+  std::size_t first_list;  ///< piece p goes to list first_list + p of the store
+  std::optional<std::size_t>
+      nonfinite_list;        ///< without it all points are taken to be finite, or the key to be the row
+  std::size_t memory_bytes;  ///< aim for all buffers of the pass
 };
 
 /// Returns the tight boxes of the pieces. Which points a piece gets and its box never depend on threads.

@@ -21,17 +21,28 @@ inline void copy_bytes(std::byte* to, const std::byte* from, std::size_t bytes) 
 template <class Loop>
 void with_fixed_size(std::size_t bytes, Loop&& loop) {
   switch (bytes) {
-    case 1: return loop(std::integral_constant<std::size_t, 1>());
-    case 2: return loop(std::integral_constant<std::size_t, 2>());
-    case 4: return loop(std::integral_constant<std::size_t, 4>());
-    case 8: return loop(std::integral_constant<std::size_t, 8>());
-    case 12: return loop(std::integral_constant<std::size_t, 12>());
-    case 16: return loop(std::integral_constant<std::size_t, 16>());
-    case 20: return loop(std::integral_constant<std::size_t, 20>());
-    case 24: return loop(std::integral_constant<std::size_t, 24>());
-    case 28: return loop(std::integral_constant<std::size_t, 28>());
-    case 32: return loop(std::integral_constant<std::size_t, 32>());
-    default: return loop(std::integral_constant<std::size_t, 0>());
+    case 1:
+      return loop(std::integral_constant<std::size_t, 1>());
+    case 2:
+      return loop(std::integral_constant<std::size_t, 2>());
+    case 4:
+      return loop(std::integral_constant<std::size_t, 4>());
+    case 8:
+      return loop(std::integral_constant<std::size_t, 8>());
+    case 12:
+      return loop(std::integral_constant<std::size_t, 12>());
+    case 16:
+      return loop(std::integral_constant<std::size_t, 16>());
+    case 20:
+      return loop(std::integral_constant<std::size_t, 20>());
+    case 24:
+      return loop(std::integral_constant<std::size_t, 24>());
+    case 28:
+      return loop(std::integral_constant<std::size_t, 28>());
+    case 32:
+      return loop(std::integral_constant<std::size_t, 32>());
+    default:
+      return loop(std::integral_constant<std::size_t, 0>());
   }
 }
 

@@ -15,7 +15,7 @@ PageMemory::PageMemory(std::uint64_t bytes) {
   if (bytes <= std::numeric_limits<std::size_t>::max() / 2)
     address = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (address == MAP_FAILED)
-    fail("the system refuses {} bytes of memory: set a smaller --memory, so that more is kept in the temporary folder",
+    fail("the system refuses {} bytes of memory: set a smaller --memory, so that more is kept in the temporary folder.",
          bytes);
 #ifdef MADV_HUGEPAGE
   (void)::madvise(address, bytes, MADV_HUGEPAGE);

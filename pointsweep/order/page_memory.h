@@ -9,8 +9,8 @@
 
 namespace pointsweep {
 
-/// Pages cost nothing until they are touched and go back to the system at once. Large pages are asked for, which halves the
-/// cost of touching them in sequence and saves most of it at random.
+/// Pages cost nothing until they are touched and go back to the system at once. Large pages are asked for, which halves
+/// the cost of touching them in sequence and saves most of it at random.
 class PageMemory {
  public:
   PageMemory() = default;

@@ -18,16 +18,16 @@ namespace {
 
 using Consume = std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>;
 
-constexpr std::size_t kRunBytes = std::size_t{4} << 20;     ///< what one call of `consume` gets at most
-constexpr std::size_t kGoodBlockBytes = 65536;              ///< of a bucket, for the disk
-constexpr std::size_t kLeastBlockBytes = 4096;              ///< smaller writes would cost more than they save
+constexpr std::size_t kRunBytes = std::size_t{4} << 20;      ///< what one call of `consume` gets at most
+constexpr std::size_t kGoodBlockBytes = 65536;               ///< of a bucket, for the disk
+constexpr std::size_t kLeastBlockBytes = 4096;               ///< smaller writes would cost more than they save
 constexpr std::size_t kCachedBytes = std::size_t{1} << 20;   ///< stored to at random without waiting for memory
 constexpr std::size_t kOffsetBytes = sizeof(std::uint32_t);  ///< a spilled record follows its row in the bucket
-constexpr std::size_t kAhead = 16;                          ///< stores under way at once
+constexpr std::size_t kAhead = 16;                           ///< stores under way at once
 
 std::uint64_t bytes_of(std::uint64_t rows, std::size_t record_bytes) {
   if (rows > std::numeric_limits<std::uint64_t>::max() / record_bytes)
-    fail("{} rows of {} bytes are more than any memory holds", rows, record_bytes);
+    fail("{} rows of {} bytes are more than any memory holds; spill them.", rows, record_bytes);
   return rows * record_bytes;
 }
 
@@ -72,9 +72,9 @@ class RowArray {
   PageMemory memory_;
 };
 
-/// Rows in buckets of 2^shift consecutive ones. While filling, half of the memory buffers the buckets; afterwards half of
-/// it is the window through which a bucket is put in order, a bucket that fits the cache if the buffers allow so many.
-/// A bucket larger than the window is read more than once.
+/// Rows in buckets of 2^shift consecutive ones. While filling, half of the memory buffers the buckets; afterwards half
+/// of it is the window through which a bucket is put in order, a bucket that fits the cache if the buffers allow so
+/// many. A bucket larger than the window is read more than once.
 class RowBuckets {
  public:
   RowBuckets(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const TempFolder& spill,
@@ -138,7 +138,8 @@ class RowBuckets {
         store_->append(first + b, {grouped.data() + begin[b] * entry, (end[b] - begin[b]) * entry});
   }
 
-  /// Copies the records of the rows from `window_first` on to their places. A window never reaches into a second bucket.
+  /// Copies the records of the rows from `window_first` on to their places. A window never reaches into a second
+  /// bucket.
   void fill_window(std::uint64_t window_first, std::span<std::byte> window) const {
     const std::uint64_t b = window_first >> shift_;
     const std::size_t entry = kOffsetBytes + record_bytes_;
@@ -153,7 +154,8 @@ class RowBuckets {
           std::uint32_t offset = 0;
           std::memcpy(&offset, from, kOffsetBytes);
           const std::uint64_t place = (b << shift_) + offset - window_first;  // wraps far away below the window
-          if (place < rows) copy_bytes<size()>(window.data() + place * record_bytes_, from + kOffsetBytes, record_bytes_);
+          if (place < rows)
+            copy_bytes<size()>(window.data() + place * record_bytes_, from + kOffsetBytes, record_bytes_);
         }
       });
     }

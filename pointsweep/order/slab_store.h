@@ -12,8 +12,8 @@ namespace pointsweep {
 
 class TempFolder;
 
-/// `slabs` growing lists of fixed-size records. append() fills blocks of `block_bytes`; full blocks stay in memory or go to
-/// the spill file in large sequential writes. Within a slab the stored order never changes after finish().
+/// `slabs` growing lists of fixed-size records. append() fills blocks of `block_bytes`; full blocks stay in memory or
+/// go to the spill file in large sequential writes. Within a slab the stored order never changes after finish().
 class SlabStore {
  public:
   /// `spill` null: everything stays in memory. Otherwise memory is slabs * block_bytes while filling, none after

@@ -9,9 +9,10 @@ void read_fully(const PointSource& source, std::uint64_t row, std::span<std::byt
   while (!records.empty()) {
     const std::size_t got = source.read(row, records);
     if (got == 0)
-      fail("the input ends at point {} though it holds {}: it was cut short while it was read; run again on the "
-           "complete input",
-           row, source.count);
+      fail(
+          "the input ends at point {} though it holds {}: it was cut short while it was read; run again on the "
+          "complete input.",
+          row, source.count);
     row += got;
     records = records.subspan(got * source.schema.stride);
   }

@@ -16,14 +16,16 @@ namespace {
 
 [[noreturn]] void fail_write(const std::string& folder, int error, std::uint64_t needed) {
   if (error == ENOSPC || error == EDQUOT)
-    fail("no space left in the temporary folder '{}', where {} bytes or more are needed: free some there or name "
-         "another folder with --temp-dir",
-         folder, needed);
+    fail(
+        "no space left in the temporary folder '{}', where {} bytes or more are needed: free some there or name "
+        "another folder with --temp-dir.",
+        folder, needed);
   if (error == EFBIG)
-    fail("a temporary file in '{}' may not grow to {} bytes: raise the limit on file sizes (ulimit -f) or name a "
-         "folder of another file system with --temp-dir",
-         folder, needed);
-  fail("cannot write to the temporary folder '{}': {}; name another folder with --temp-dir", folder,
+    fail(
+        "a temporary file in '{}' may not grow to {} bytes: raise the limit on file sizes (ulimit -f) or name a "
+        "folder of another file system with --temp-dir.",
+        folder, needed);
+  fail("cannot write to the temporary folder '{}': {}; name another folder with --temp-dir.", folder,
        std::strerror(error));
 }
 
@@ -54,9 +56,10 @@ void SpillFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
     const ssize_t n = ::pread(descriptor_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0)
-      fail("cannot read back byte {} of a temporary file in '{}': {}; check that disk or name another folder with "
-           "--temp-dir",
-           offset + done, parent_, n < 0 ? std::strerror(errno) : "the file is shorter than what was written");
+      fail(
+          "cannot read back byte {} of a temporary file in '{}': {}; check that disk or name another folder with "
+          "--temp-dir.",
+          offset + done, parent_, n < 0 ? std::strerror(errno) : "the file is shorter than what was written");
     done += static_cast<std::size_t>(n);
   }
 }

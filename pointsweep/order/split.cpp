@@ -22,8 +22,12 @@ constexpr std::size_t kReadBytes = 256 << 10;
 class Splitting {
  public:
   Splitting(const Schema& working, const SplitOptions& options, SlabStore& store)
-      : working_(working), record_(working), position_(position_fields(working, "the stream")), options_(options),
-        store_(store), keys_{static_cast<SortKey>(options.axis)} {
+      : working_(working),
+        record_(working),
+        position_(position_fields(working, "the stream")),
+        options_(options),
+        store_(store),
+        keys_{static_cast<SortKey>(options.axis)} {
     for (const SortKey key : {SortKey::x, SortKey::y, SortKey::z})
       if (key != keys_[0]) keys_.push_back(key);
     keys_.push_back(SortKey::row);
@@ -55,17 +59,17 @@ class Splitting {
   std::vector<StreamPiece> parts_of(const StreamPiece& piece, std::size_t level) {
     const Splitters splitters(limits(piece, level));
     const std::size_t first = store_.add_slabs(splitters.pieces());
-    const std::vector<Box> boxes = distribute(
-        {.schema = working_,
-         .count = piece.count,
-         .read = [&](std::uint64_t i, std::span<std::byte> records) { store_.read(piece.list, i, records); },
-         .record = record_,
-         .key = keys_[level],
-         .splitters = splitters,
-         .first_list = first,
-         .nonfinite_list = {},
-         .memory_bytes = options_.buffer_bytes},
-        store_);
+    const std::vector<Box> boxes =
+        distribute({.schema = working_,
+                    .count = piece.count,
+                    .read = [&](std::uint64_t i, std::span<std::byte> records) { store_.read(piece.list, i, records); },
+                    .record = record_,
+                    .key = keys_[level],
+                    .splitters = splitters,
+                    .first_list = first,
+                    .nonfinite_list = {},
+                    .memory_bytes = options_.buffer_bytes},
+                   store_);
     store_.finish();
     store_.release(piece.list);
     std::vector<StreamPiece> parts;

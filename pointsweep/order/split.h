@@ -27,8 +27,8 @@ struct SplitOptions {
   std::size_t buffer_bytes = 0;  ///< for the buffers of a pass
 };
 
-/// Splits `pieces`, which ascend in canonical order, until none holds more than `most` points, and keeps their order. Working
-/// records of the schema `working` are streamed from list to list; no piece is ever loaded.
+/// Splits `pieces`, which ascend in canonical order, until none holds more than `most` points, and keeps their order.
+/// Working records of the schema `working` are streamed from list to list; no piece is ever loaded.
 std::vector<StreamPiece> split_large_pieces(const std::vector<StreamPiece>& pieces, const Schema& working,
                                             const SplitOptions& options, SlabStore& store);
 

@@ -24,7 +24,8 @@ class Splitters {
     const std::size_t cell = cell_of(value);
     std::uint32_t piece = first_[cell];
     piece += limits_[piece] <= value;
-    if (limits_[piece] <= value) [[unlikely]] piece = search(cell, value);
+    if (limits_[piece] <= value) [[unlikely]]
+      piece = search(cell, value);
     return piece;
   }
 

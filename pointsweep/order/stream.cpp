@@ -5,7 +5,6 @@
 #include <cassert>
 #include <optional>
 
-#include "pointsweep/error.h"
 #include "pointsweep/order/distribution.h"
 #include "pointsweep/order/slab_store.h"
 #include "pointsweep/order/split.h"
@@ -15,8 +14,8 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kMostPieces = 4096;                        ///< dealt out at once
-constexpr std::size_t kSamplesPerPiece = 16;                     ///< fewer make uneven slabs
+constexpr std::size_t kMostPieces = 4096;                           ///< dealt out at once
+constexpr std::size_t kSamplesPerPiece = 16;                        ///< fewer make uneven slabs
 constexpr std::size_t kLeastBlock = 8192, kLargestBlock = 1 << 20;  ///< bytes
 
 /// Splitting does not stop at the axis, so a slab of one point is possible and one of none is not.
@@ -41,22 +40,55 @@ Splitters first_splitters(std::uint64_t points, const Survey& survey, const Stre
   std::vector<double> sample;
   for (const Vec3& p : survey.sample) sample.push_back(p[options.axis]);
   const std::uint64_t wanted = points / std::max<std::uint64_t>(1, options.slab_points) + 1;
-  const std::size_t pieces = std::min<std::uint64_t>({wanted, most_pieces(options), sample.size() / kSamplesPerPiece + 1});
+  const std::size_t pieces =
+      std::min<std::uint64_t>({wanted, most_pieces(options), sample.size() / kSamplesPerPiece + 1});
   return Splitters(quantile_limits(sample, pieces));
 }
 
 }  // namespace
 
 struct Stream::State {
-  explicit State(WorkingRecord made) : record(std::move(made)) {}
+  State(const PointSource& source, const StreamOptions& options)
+      : record(source.schema, options.whole_records, options.payload, source.count) {
+    split.axis = options.axis;
+    split.most = most_points(options);
+    split.aim = std::clamp<std::uint64_t>(options.slab_points, 1, split.most);
+    split.most_pieces = most_pieces(options);
+    split.buffer_bytes = options.buffer_bytes / 4;
+  }
+
+  /// Reads the source once and returns the pieces it is cut into.
+  std::vector<StreamPiece> deal_out(const PointSource& source, const Splitters& splitters,
+                                    const StreamOptions& options) {
+    const std::size_t count = splitters.pieces(), record_bytes = record.schema().stride;
+    store.emplace(count + 1, record_bytes, block_bytes(options, count, record_bytes), options.spill);
+    nonfinite_list = count;
+    const auto read = [&](std::uint64_t row, std::span<std::byte> records) {
+      read_fully(source, row, records);
+      if (options.progress) options.progress(row + records.size() / source.schema.stride);
+    };
+    const std::vector<Box> boxes = distribute({.schema = source.schema,
+                                               .count = source.count,
+                                               .read = read,
+                                               .record = record,
+                                               .key = static_cast<SortKey>(options.axis),
+                                               .splitters = splitters,
+                                               .first_list = 0,
+                                               .nonfinite_list = nonfinite_list,
+                                               .memory_bytes = options.buffer_bytes / 4},
+                                              *store);
+    store->finish();
+    std::vector<StreamPiece> dealt;
+    for (std::size_t p = 0; p < count; ++p) dealt.push_back({p, store->count(p), boxes[p]});
+    return dealt;
+  }
 
   /// Joins neighbouring pieces that are small together: a thin slab gives slivers.
-  std::vector<Slab> join_pieces(std::vector<StreamPiece> all, std::uint64_t aim) {
+  std::vector<Slab> join_pieces() {
     std::vector<Slab> slabs;
     std::uint64_t first = 0;
-    pieces = std::move(all);
     for (std::size_t p = 0; p < pieces.size(); ++p) {
-      if (slabs.empty() || slabs.back().count + pieces[p].count > aim) {
+      if (slabs.empty() || slabs.back().count + pieces[p].count > split.aim) {
         slabs.push_back({first, 0, {}});
         first_piece.push_back(p);
       }
@@ -68,52 +100,29 @@ struct Stream::State {
     return slabs;
   }
 
+  void sort_nonfinite() {
+    SplitOptions by_row = split;
+    by_row.most = by_row.aim = std::max<std::uint64_t>(1, split.buffer_bytes / 2 / record.schema().stride);
+    nonfinite_list = sort_list_by_row(nonfinite_list, record.schema(), by_row, *store);
+  }
+
   WorkingRecord record;
+  SplitOptions split;
   std::optional<SlabStore> store;
-  std::vector<StreamPiece> pieces;        ///< in the order of the stream
+  std::vector<StreamPiece> pieces;       ///< in the order of the stream
   std::vector<std::size_t> first_piece;  ///< by slab; one more at the end
   std::size_t nonfinite_list = 0;
 };
 
 Stream::Stream(const PointSource& source, const Survey& survey, const StreamOptions& options)
-    : axis_(options.axis),
-      state_(std::make_unique<State>(
-          WorkingRecord(source.schema, options.whole_records, options.payload, source.count))) {
+    : axis_(options.axis), state_(std::make_unique<State>(source, options)) {
   State& s = *state_;
   record_schema_ = s.record.schema();
-  const Splitters splitters = first_splitters(source.count, survey, options);
-  const std::size_t pieces = splitters.pieces();
-  s.store.emplace(pieces + 1, record_schema_.stride, block_bytes(options, pieces, record_schema_.stride),
-                  options.spill);
-  const auto read = [&](std::uint64_t row, std::span<std::byte> records) {
-    read_fully(source, row, records);
-    if (options.progress) options.progress(row + records.size() / source.schema.stride);
-  };
-  const std::vector<Box> boxes = distribute({.schema = source.schema,
-                                             .count = source.count,
-                                             .read = read,
-                                             .record = s.record,
-                                             .key = static_cast<SortKey>(axis_),
-                                             .splitters = splitters,
-                                             .first_list = 0,
-                                             .nonfinite_list = pieces,
-                                             .memory_bytes = options.buffer_bytes / 4},
-                                            *s.store);
-  s.store->finish();
-
-  SplitOptions split{.axis = axis_,
-                     .aim = std::max<std::uint64_t>(1, options.slab_points),
-                     .most = most_points(options),
-                     .most_pieces = most_pieces(options),
-                     .buffer_bytes = options.buffer_bytes / 4};
-  split.aim = std::min(split.aim, split.most);
-  std::vector<StreamPiece> found;
-  for (std::size_t p = 0; p < pieces; ++p) found.push_back({p, s.store->count(p), boxes[p]});
-  slabs_ = s.join_pieces(split_large_pieces(found, record_schema_, split, *s.store), split.aim);
-
-  nonfinite_count_ = s.store->count(pieces);
-  split.most = split.aim = std::max<std::uint64_t>(1, options.buffer_bytes / 8 / record_schema_.stride);
-  s.nonfinite_list = sort_list_by_row(pieces, record_schema_, split, *s.store);
+  const std::vector<StreamPiece> dealt = s.deal_out(source, first_splitters(source.count, survey, options), options);
+  s.pieces = split_large_pieces(dealt, record_schema_, s.split, *s.store);
+  slabs_ = s.join_pieces();
+  nonfinite_count_ = s.store->count(s.nonfinite_list);
+  s.sort_nonfinite();
 }
 
 Stream::~Stream() = default;

@@ -23,23 +23,23 @@ class TempFolder;
 struct Slab {
   std::uint64_t first = 0;  ///< stream position of its first point
   std::uint64_t count = 0;
-  Box box;                  ///< tight, of its points in double
+  Box box;  ///< tight, of its points in double
 };
 
 struct StreamOptions {
   int axis = 0;
-  std::uint64_t slab_points = 65536;      ///< aim
-  std::uint64_t max_slab_points = 0;      ///< a slab above it is split again; 0: four times slab_points
+  std::uint64_t slab_points = 65536;  ///< aim
+  std::uint64_t max_slab_points = 0;  ///< a slab above it is split again; 0: four times slab_points
   bool whole_records = false;  ///< working records carry the whole input record, otherwise the position and `payload`
-  std::vector<std::size_t> payload;  ///< indices of source fields to carry when not whole_records
-  const TempFolder* spill = nullptr;  ///< null: in memory
+  std::vector<std::size_t> payload;     ///< indices of source fields to carry when not whole_records
+  const TempFolder* spill = nullptr;    ///< null: in memory
   std::size_t buffer_bytes = 64 << 20;  ///< for distribution when spilling
   std::function<void(std::uint64_t rows_read)> progress;
 };
 
 /// The ordered stream: slabs ascending in canonical order (coordinate along the axis; ties by x, then y, then z, then
-/// input row). Every point of slab s precedes every point of slab s+1 in that order; inside a slab points lie in no order.
-/// Points with a NaN or infinite coordinate are in no slab but in `nonfinite`.
+/// input row). Every point of slab s precedes every point of slab s+1 in that order; inside a slab points lie in no
+/// order. Points with a NaN or infinite coordinate are in no slab but in `nonfinite`.
 class Stream {
  public:
   /// The distribution pass: reads the source once, and once more what a slab that turned out too big needs.
@@ -53,8 +53,9 @@ class Stream {
   std::uint64_t spilled_bytes() const;
   std::uint64_t memory_bytes() const;
 
-  /// Layout of a working record: the carried fields under their names in the source (x, y, z first in type and scale of the
-  /// source unless whole_records), then the input row as the last field: u32 if all rows fit, else u64, named "row".
+  /// Layout of a working record: the carried fields under their names in the source (x, y, z first in type and scale of
+  /// the source unless whole_records), then the input row as the last field: u32 if all rows fit, else u64, named
+  /// "row".
   const Schema& record_schema() const { return record_schema_; }
   /// Reads all working records of a slab. `out.size()` = count * record_schema().stride. Thread-safe.
   void read(std::size_t slab, std::span<std::byte> out) const;

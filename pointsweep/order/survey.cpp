@@ -2,7 +2,6 @@
 #include "pointsweep/order/survey.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -12,9 +11,9 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kSample = 65536;
-constexpr std::uint64_t kRuns = 1024;           ///< jumps a reader has to make
+constexpr std::uint64_t kRuns = 1024;            ///< jumps a reader has to make
 constexpr std::uint64_t kRun = kSample / kRuns;  ///< rows read at each
-constexpr std::uint64_t kChunk = 16384;         ///< rows read at once by an exact survey
+constexpr std::uint64_t kChunk = 16384;          ///< rows read at once by an exact survey
 
 /// The first row of a sampled run: somewhere in the run's share of the rows, so that no period of the file (scan lines,
 /// interleaved scanners) meets the period of the sample.
@@ -31,7 +30,9 @@ class Surveyor {
       : source_(source),
         fields_(position_fields(source.schema, "the input")),
         records_(kChunk * source.schema.stride),
-        x_(kChunk), y_(kChunk), z_(kChunk) {}
+        x_(kChunk),
+        y_(kChunk),
+        z_(kChunk) {}
 
   void sample_everything() {
     for_each_chunk([&](std::uint64_t, std::size_t n) { sample(0, n); });

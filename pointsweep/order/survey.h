@@ -14,11 +14,11 @@ namespace pointsweep {
 
 /// What a look at a sample of the cloud tells. The sample is strided through all rows and the same in every run.
 struct Survey {
-  std::vector<Vec3> sample;   ///< at most 65,536 finite points
-  Box bounds;                 ///< of the sample, or of all finite points if `exact`
+  std::vector<Vec3> sample;  ///< at most 65,536 finite points
+  Box bounds;                ///< of the sample, or of all finite points if `exact`
   bool exact = false;
-  int axis = 0;               ///< sweep axis: largest extent of `bounds` unless chosen
-  double dimension = 2;       ///< estimate of the intrinsic dimension, in [1, 3], by counting occupied boxes
+  int axis = 0;          ///< sweep axis: largest extent of `bounds` unless chosen
+  double dimension = 2;  ///< estimate of the intrinsic dimension, in [1, 3], by counting occupied boxes
 };
 
 /// `exact` reads the whole cloud, so that the axis does not depend on the order of its points.

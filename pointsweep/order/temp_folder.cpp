@@ -68,7 +68,7 @@ TempFolder::TempFolder(const std::filesystem::path& parent) {
   remove_abandoned_folders(parent);
   std::string name = (parent / std::string(kPrefix)).string() + std::to_string(::getpid()) + "-" + std::string(kRandom);
   if (::mkdtemp(name.data()) == nullptr)
-    fail("cannot make a temporary folder in '{}': {}; name a writable folder with --temp-dir", parent.string(),
+    fail("cannot make a temporary folder in '{}': {}; name a writable folder with --temp-dir.", parent.string(),
          std::strerror(errno));
   path_ = name;
   lock_ = open_folder(path_);

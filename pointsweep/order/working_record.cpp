@@ -57,8 +57,8 @@ void WorkingRecord::add_row(std::uint64_t rows) {
   makes_row_ = true;
 }
 
-void WorkingRecord::scatter(const std::byte* from, std::size_t from_stride, std::size_t count,
-                            std::uint64_t first_row, const std::uint32_t* place, std::byte* to) const {
+void WorkingRecord::scatter(const std::byte* from, std::size_t from_stride, std::size_t count, std::uint64_t first_row,
+                            const std::uint32_t* place, std::byte* to) const {
   const std::size_t stride = schema_.stride;
   for (const Piece& piece : pieces_)
     with_fixed_size(piece.bytes, [&](auto size) {

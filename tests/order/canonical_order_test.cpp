@@ -80,11 +80,14 @@ TEST(CanonicalOrder, SortsRandomFloatsAndDoubles) {
 }
 
 TEST(CanonicalOrder, SortsByRowWhatIsIdentical) {
-  for (const std::size_t n : kSizes) check(made_by(n, [](int axis, std::size_t i) { return axis == 1 && i % 2 ? -0.0 : 0.0; }));
+  for (const std::size_t n : kSizes)
+    check(made_by(n, [](int axis, std::size_t i) { return axis == 1 && i % 2 ? -0.0 : 0.0; }));
 }
 
 TEST(CanonicalOrder, SortsGridsFullOfTies) {
-  check(made_by(8000, [](int axis, std::size_t i) { return static_cast<double>(axis == 0 ? i % 20 : axis == 1 ? i / 20 % 20 : i / 400); }));
+  check(made_by(8000, [](int axis, std::size_t i) {
+    return static_cast<double>(axis == 0 ? i % 20 : axis == 1 ? i / 20 % 20 : i / 400);
+  }));
 }
 
 TEST(CanonicalOrder, TellsApartWhatDiffersInTheLastBitOnly) {

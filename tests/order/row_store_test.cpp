@@ -24,7 +24,9 @@ struct Case {
   std::uint64_t missing_every;  ///< rows divisible by it are never put; 0: none
 };
 
-std::byte byte_of(std::uint64_t row, std::size_t i) { return static_cast<std::byte>((row * 2654435761u >> 7) + i * 31); }
+std::byte byte_of(std::uint64_t row, std::size_t i) {
+  return static_cast<std::byte>((row * 2654435761u >> 7) + i * 31);
+}
 
 void put_all(RowStore& store, const Case& c, std::size_t threads) {
   std::vector<std::uint64_t> rows;
@@ -47,8 +49,8 @@ void put_all(RowStore& store, const Case& c, std::size_t threads) {
 }
 
 void check(const Case& c) {
-  SCOPED_TRACE(testing::Message() << c.rows << " rows of " << c.record_bytes << " bytes, spilled " << c.spilled << ", buffers "
-                                  << c.buffer_bytes);
+  SCOPED_TRACE(testing::Message() << c.rows << " rows of " << c.record_bytes << " bytes, spilled " << c.spilled
+                                  << ", buffers " << c.buffer_bytes);
   constexpr std::byte kFill{0xff};
   std::optional<TempFolder> folder;
   if (c.spilled) folder.emplace(std::filesystem::temp_directory_path());

@@ -24,7 +24,8 @@ std::vector<std::byte> numbered(std::uint64_t first, std::uint64_t count, std::s
   return bytes;
 }
 
-std::vector<std::byte> read(const SlabStore& store, std::size_t slab, std::uint64_t first, std::uint64_t count, std::size_t size) {
+std::vector<std::byte> read(const SlabStore& store, std::size_t slab, std::uint64_t first, std::uint64_t count,
+                            std::size_t size) {
   std::vector<std::byte> bytes(count * size);
   store.read(slab, first, bytes);
   return bytes;
@@ -37,7 +38,8 @@ TEST(SlabStore, GivesBackAnyRangeOfAnySlabInTheOrderStored) {
   rc::check([&] {
     const std::size_t size = *rc::gen::inRange<std::size_t>(1, 40);
     const std::size_t slabs = *rc::gen::inRange<std::size_t>(1, 5);
-    SlabStore store(slabs, size, *rc::gen::inRange<std::size_t>(1, 300), *rc::gen::arbitrary<bool>() ? &folder : nullptr);
+    SlabStore store(slabs, size, *rc::gen::inRange<std::size_t>(1, 300),
+                    *rc::gen::arbitrary<bool>() ? &folder : nullptr);
     std::vector<std::vector<std::byte>> expected(slabs);
     std::uint64_t next = 0;
     for (int i = *rc::gen::inRange(0, 60); i > 0; --i) {
@@ -69,7 +71,8 @@ TEST(SlabStore, TakesRecordsOfManyThreadsWhole) {
     std::vector<std::thread> threads;
     for (std::size_t t = 0; t < kThreads; ++t)
       threads.emplace_back([&store, t] {
-        for (std::uint64_t i = 0; i < kEach; i += 100) store.append(i / 100 % kSlabs, numbered(t * kEach + i, 100, kSize));
+        for (std::uint64_t i = 0; i < kEach; i += 100)
+          store.append(i / 100 % kSlabs, numbered(t * kEach + i, 100, kSize));
       });
     for (std::thread& thread : threads) thread.join();
     store.finish();

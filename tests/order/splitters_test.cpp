@@ -15,11 +15,10 @@ namespace {
 constexpr double kMax = std::numeric_limits<double>::max();
 
 rc::Gen<double> finite_number() {
-  return rc::gen::oneOf(
-      rc::gen::map(rc::gen::inRange(-50, 50), [](int i) { return 0.125 * i; }),
-      rc::gen::map(rc::gen::inRange(-5, 5), [](int i) { return 1e6 + 1e-9 * i; }),
-      rc::gen::suchThat(rc::gen::arbitrary<double>(), [](double v) { return std::isfinite(v); }),
-      rc::gen::element(0.0, -0.0, 5e-324, -5e-324, kMax, -kMax));
+  return rc::gen::oneOf(rc::gen::map(rc::gen::inRange(-50, 50), [](int i) { return 0.125 * i; }),
+                        rc::gen::map(rc::gen::inRange(-5, 5), [](int i) { return 1e6 + 1e-9 * i; }),
+                        rc::gen::suchThat(rc::gen::arbitrary<double>(), [](double v) { return std::isfinite(v); }),
+                        rc::gen::element(0.0, -0.0, 5e-324, -5e-324, kMax, -kMax));
 }
 
 TEST(Splitters, FindThePieceThatABinarySearchFinds) {

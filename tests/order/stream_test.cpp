@@ -40,7 +40,8 @@ std::vector<Entry> entries_of(const Stream& stream, const std::vector<std::byte>
   for (std::size_t at = 0; at < records.size(); at += schema.stride) {
     Entry e;
     const std::byte* record = records.data() + at;
-    for (int a = 0; a < 3; ++a) e.p[a] = value_of(schema.fields[*schema.find(a == 0 ? "x" : a == 1 ? "y" : "z")], record);
+    for (int a = 0; a < 3; ++a)
+      e.p[a] = value_of(schema.fields[*schema.find(a == 0 ? "x" : a == 1 ? "y" : "z")], record);
     e.row = static_cast<std::uint64_t>(value_of(schema.fields.back(), record));
     e.bytes.assign(record, record + schema.fields.back().offset);
     entries.push_back(std::move(e));
@@ -159,11 +160,15 @@ std::vector<Vec3> made_by(std::size_t n, const std::function<Vec3(std::size_t)>&
 TEST(Stream, HoldsEveryPointOnceWhateverTheCloud) {
   rc::check([] {
     // Few different coordinates, so that ties are frequent, and some that are no numbers.
-    const auto coordinate =
-        rc::gen::weightedOneOf<double>({{60, rc::gen::map(rc::gen::inRange(-4, 5), [](int i) { return i * 0.25; })},
-                                        {30, rc::gen::map(rc::gen::arbitrary<std::int16_t>(), [](int i) { return i * 1e-3; })},
-                                        {1, rc::gen::element(kNaN, kInf, -kInf, -0.0, 1e300, -1e300, 5e-324)}});
-    const auto point = rc::gen::apply([](double x, double y, double z) { return Vec3{x, y, z}; }, coordinate, coordinate, coordinate);
+    const auto coordinate = rc::gen::weightedOneOf<double>(
+        {{60, rc::gen::map(rc::gen::inRange(-4, 5), [](int i) { return i * 0.25; })},
+         {30, rc::gen::map(rc::gen::arbitrary<std::int16_t>(), [](int i) { return i * 1e-3; })},
+         {1, rc::gen::element(kNaN, kInf, -kInf, -0.0, 1e300, -1e300, 5e-324)}});
+    const auto point = rc::gen::apply(
+        [](double x, double y, double z) {
+          return Vec3{x, y, z};
+        },
+        coordinate, coordinate, coordinate);
     const auto points = *rc::gen::container<std::vector<Vec3>>(*rc::gen::inRange<std::size_t>(0, 600), point);
     StreamOptions options = small_options(*rc::gen::inRange(0, 3));
     options.slab_points = *rc::gen::inRange<std::uint64_t>(1, 40);
@@ -201,12 +206,18 @@ TEST(Stream, SplitsIdenticalPointsByTheirRows) {
 }
 
 TEST(Stream, TakesTheTwoZerosForOneNumber) {
-  check_all_ways<double>(made_by(3000, [](std::size_t i) { return Vec3{i % 2 ? 0.0 : -0.0, i % 3 ? -0.0 : 0.0, 0.0}; }),
+  check_all_ways<double>(made_by(3000,
+                                 [](std::size_t i) {
+                                   return Vec3{i % 2 ? 0.0 : -0.0, i % 3 ? -0.0 : 0.0, 0.0};
+                                 }),
                          small_options(0));
 }
 
 TEST(Stream, SplitsACloudOfTwoValues) {
-  check_all_ways<float>(made_by(5000, [](std::size_t i) { return Vec3{i % 7 ? 1.0 : 2.0, static_cast<double>(i % 11), 0}; }),
+  check_all_ways<float>(made_by(5000,
+                                [](std::size_t i) {
+                                  return Vec3{i % 7 ? 1.0 : 2.0, static_cast<double>(i % 11), 0};
+                                }),
                         small_options(0));
 }
 
@@ -214,7 +225,10 @@ TEST(Stream, DoesNotCareHowTheInputIsSorted) {
   const auto ascending = made_by(9000, [](std::size_t i) { return Vec3{static_cast<double>(i), 0, 1}; });
   check_all_ways<double>(ascending, small_options(0));
   check_all_ways<double>({ascending.rbegin(), ascending.rend()}, small_options(0));
-  check_all_ways<double>(made_by(9000, [](std::size_t i) { return Vec3{std::abs(static_cast<double>(i) - 4500), 0, 1}; }),
+  check_all_ways<double>(made_by(9000,
+                                 [](std::size_t i) {
+                                   return Vec3{std::abs(static_cast<double>(i) - 4500), 0, 1};
+                                 }),
                          small_options(0));
 }
 
@@ -222,15 +236,20 @@ TEST(Stream, SplitsADensePlaceThatTheSampleMissed) {
   // The survey claims a sample of evenly spread points; nearly all of them are in one spot in truth.
   std::vector<Vec3> points = random_points(20000, 4);
   const CloudSource<double> even(points);
-  for (std::size_t i = 0; i < points.size(); i += 1 + (i % 50 != 0)) points[i] = {1 + 1e-9 * points[i].x, 1, points[i].z};
+  for (std::size_t i = 0; i < points.size(); i += 1 + (i % 50 != 0))
+    points[i] = {1 + 1e-9 * points[i].x, 1, points[i].z};
   const CloudSource<double> cloud(points);
   const StreamOptions options = small_options(0);
   check(cloud, options, run(cloud.source, options, survey(even.source, 0, false)));
 }
 
 TEST(Stream, SplitsPointsThatGetCloserWithoutEnd) {
-  check_all_ways<double>(made_by(8000, [](std::size_t i) { return Vec3{std::ldexp(1.0 + static_cast<double>(i % 16) / 16, -static_cast<int>(i / 8)), 0, 0}; }),
-                         small_options(0));
+  check_all_ways<double>(
+      made_by(8000,
+              [](std::size_t i) {
+                return Vec3{std::ldexp(1.0 + static_cast<double>(i % 16) / 16, -static_cast<int>(i / 8)), 0, 0};
+              }),
+      small_options(0));
 }
 
 TEST(Stream, PutsPointsWithoutAPlaceAsideInAscendingRow) {
@@ -302,7 +321,9 @@ TEST(Stream, PassesOnWhatTheSourceThrows) {
     return cloud.source.read(row, out);
   };
   EXPECT_THROW(Stream(failing, look, small_options(0)), Error);
-  failing.read = [&](std::uint64_t row, std::span<std::byte> out) { return row > 20000 ? 0 : cloud.source.read(row, out); };
+  failing.read = [&](std::uint64_t row, std::span<std::byte> out) {
+    return row > 20000 ? 0 : cloud.source.read(row, out);
+  };
   EXPECT_THROW(Stream(failing, look, small_options(0)), Error);
 }
 

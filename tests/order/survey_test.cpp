@@ -81,7 +81,9 @@ TEST(Survey, RefusesASourceThatEndsEarly) {
   CloudSource<float> cloud(random_points(1000, 5));
   PointSource shortened = cloud.source;
   shortened.count = 1001;
-  shortened.read = [&](std::uint64_t row, std::span<std::byte> out) { return row < 1000 ? cloud.source.read(row, out) : 0; };
+  shortened.read = [&](std::uint64_t row, std::span<std::byte> out) {
+    return row < 1000 ? cloud.source.read(row, out) : 0;
+  };
   EXPECT_THROW(survey(shortened, {}, false), Error);
 }
 

@@ -67,7 +67,8 @@ TEST_F(TempFolders, OfADeadProcessAreRemoved) {
 TEST_F(TempFolders, OfALivingProcessAndOfOthersStay) {
   const std::string dead = std::to_string(pid_of_a_dead_process());
   const fs::path others[] = {make("pointsweep-" + std::to_string(::getppid()) + "-abc123"), make("pointsweep-" + dead),
-                             make("pointsweep-" + dead + "-results"), make("pointsweep--1-abc123"), make("data-" + dead + "-abc123")};
+                             make("pointsweep-" + dead + "-results"), make("pointsweep--1-abc123"),
+                             make("data-" + dead + "-abc123")};
   const TempFolder folder(parent_);
   for (const fs::path& other : others) EXPECT_TRUE(fs::exists(other / "spilled")) << other;
 }

@@ -54,7 +54,9 @@ TEST(WorkingRecord, CarriesPositionPayloadAndRow) {
     const std::byte* made = &to[place[i] * schema.stride];
     for (std::size_t f = 0; f < std::size(kept); ++f) {
       const Field& field = source.fields[kept[f]];
-      EXPECT_EQ(std::memcmp(made + schema.fields[f].offset, &from[i * source.stride + field.offset], size_of(field.type) * field.count), 0);
+      EXPECT_EQ(std::memcmp(made + schema.fields[f].offset, &from[i * source.stride + field.offset],
+                            size_of(field.type) * field.count),
+                0);
     }
     EXPECT_EQ(row_of(schema, made), 500 + i);
   }
