@@ -18,6 +18,9 @@ namespace {
   if (error == EACCES || error == EPERM) {
     fail("{}: no permission to read it; change its permissions or copy it to where you may read it.", path.string());
   }
+  if (error == EMFILE || error == ENFILE) {
+    fail("{}: cannot be opened, since too many files are open; allow more first ('ulimit -n 100000').", path.string());
+  }
   fail("{}: cannot be opened: {}.", path.string(), std::generic_category().message(error));
 }
 

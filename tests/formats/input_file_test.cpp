@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -46,6 +47,18 @@ TEST(InputFile, SaysWhyAFileCannotBeOpened) {
     std::filesystem::permissions(folder.write("secret", "x"), std::filesystem::perms::none);
     EXPECT_THAT(sentence_of<Error>([&] { InputFile(folder / "secret"); }), HasSubstr("no permission to read"));
   }
+}
+
+TEST(InputFile, SaysThatTooManyFilesAreOpen) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("in", "x");
+  rlimit old{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &old), 0);
+  const rlimit none{0, old.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const std::string sentence = sentence_of<Error>([&] { InputFile{path}; });
+  ::setrlimit(RLIMIT_NOFILE, &old);
+  EXPECT_THAT(sentence, HasSubstr("too many files are open; allow more first"));
 }
 
 }  // namespace

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+/// What a fuzzer does with each input: open it as a file in memory and read all of it, forwards and in jumps.
+#pragma once
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/reader.h"
+
+namespace pointsweep {
+
+/// A file without a name, which lives as long as the object.
+class MemoryFile {
+ public:
+  MemoryFile(const std::uint8_t* bytes, std::size_t size) : descriptor_(::memfd_create("input", MFD_CLOEXEC)) {
+    if (descriptor_ < 0 || ::write(descriptor_, bytes, size) != static_cast<ssize_t>(size)) std::abort();
+  }
+  ~MemoryFile() { ::close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  std::filesystem::path path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+
+ private:
+  int descriptor_;
+};
+
+/// An Error is a good answer to a bad file; anything else that is thrown, a crash or a hang is a finding. So is a count
+/// of points that the file has no bytes for, or a read that does not deliver what was counted.
+inline void read_everything(std::unique_ptr<Reader> (*open)(const std::filesystem::path&), const std::uint8_t* bytes,
+                            std::size_t size) {
+  const MemoryFile file(bytes, size);
+  try {
+    const auto reader = open(file.path());
+    const FileInfo& info = reader->info();
+    if (info.count > size) std::abort();
+    std::vector<std::byte> records(100 * std::size_t{info.schema.stride});
+    std::uint64_t rows = 0;
+    while (const std::size_t got = reader->read(rows, records)) rows += got;
+    if (rows != info.count) std::abort();
+    for (const std::uint64_t row : {rows / 2, rows / 3, rows}) reader->read(row, records);
+  } catch (const Error&) {
+  }
+}
+
+}  // namespace pointsweep
