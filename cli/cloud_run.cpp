@@ -10,6 +10,7 @@
 #include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/quantities.h"
+#include "pointsweep/error.h"
 #include "pointsweep/formats/output_file.h"
 
 namespace pointsweep {
@@ -44,8 +45,6 @@ std::string conclusion(const std::filesystem::path& output, const Statistics& s)
 
 void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning) {
   verb.add_option(kInputsAndOutput, paths.files, fmt::format("Point files that are one cloud, and {}", output_meaning))
-      ->required()
-      ->expected(2, CLI::detail::expected_max_vector_size)
       ->type_name("");
 }
 
@@ -58,6 +57,7 @@ void add_run_options(CLI::App& verb, CommonOptions& options) {
 
 void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
                     const std::function<Statistics(Cloud& cloud, const RunOptions& options)>& work) {
+  if (paths.files.size() < 2) fail_usage("IN... OUT: name at least one file to read, and last the file to write.");
   Cloud cloud(paths.inputs());
   std::optional<OutputFile> stats;  // made first: a place that cannot be written is known before the work, not after
   if (!options.stats.empty()) stats.emplace(options.stats, options.force);

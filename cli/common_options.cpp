@@ -19,7 +19,8 @@ constexpr int kMostThreads = 4096;
 
 void require_open(int descriptor) {
   if (descriptor < 0 || fcntl(descriptor, F_GETFD) < 0)
-    fail_usage("--progress-fd: descriptor {} is not open; redirect it, e.g. {}>progress.jsonl.", descriptor, descriptor);
+    fail_usage("--progress-fd: descriptor {} is not open; redirect it, e.g. {}>progress.jsonl.", descriptor,
+               descriptor);
 }
 
 std::optional<int> parse_axis(std::string_view name) {

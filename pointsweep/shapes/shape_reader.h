@@ -17,12 +17,13 @@ struct Sampling {
   double noise = 0;     ///< standard deviation of a Gaussian added to x, y and z each; normals stay those of the shape
   double outliers = 0;  ///< chance of a point to lie anywhere in the outlier box instead, with normal 0; in [0, 1]
   double outlier_box = 20;  ///< size of that box in sizes of the shape's box, about the same centre
-  Vec3 origin;              ///< added to every position, for coordinates as large as those of maps
+  Vec3 origin = {};         ///< added to every position, for coordinates as large as those of maps
   bool float64 = false;     ///< coordinates as float64 instead of float32
 };
 
 /// Fields x y z and, where the shape has them, nx ny nz (float32). Row i depends on shape, seed and i only: not on the
-/// count, on the size of a call, on threads or on the processor. Rows are in random order by nature. `info().bounds` holds every point.
+/// count, on the size of a call, on threads or on the processor. Rows are in random order by nature. `info().bounds`
+/// holds every point.
 class ShapeReader final : public Reader {
  public:
   /// Throws UsageError for a value out of range.

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/tool.h"
+
+namespace pointsweep {
+namespace {
+
+/// The verbs that run over a whole cloud, seen from the shell. What they compute is tested with the library.
+class CloudVerbs : public Tool {
+ protected:
+  CloudVerbs() {
+    EXPECT_EQ(tool("generate statue in.ply -n 4000 --noise 0.002").status, 0);
+    EXPECT_EQ(tool("generate statue more.ply -n 1000 --seed 2").status, 0);
+  }
+};
+
+TEST_F(CloudVerbs, EveryOptionOfNormalsThatSpeaksOfValuesChangesThem) {
+  const std::string plain = made("normals in.ply out.ply", "out.ply");
+  for (const char* option :
+       {"-k 12", "--radius 0.05", "--orient up", "--orient viewpoint 3,0,0", "--orient input", "--order sweep"})
+    EXPECT_NE(made(std::string("normals in.ply out.ply --force ") + option, "out.ply"), plain) << option;
+  EXPECT_NE(made("normals in.ply out.ply --force --radius 0.05", "out.ply"),
+            made("normals in.ply out.ply --force -k 8 --radius 0.05", "out.ply"));
+  EXPECT_NE(made("normals in.ply out.ply --force --order sweep", "out.ply"),
+            made("normals in.ply out.ply --force --order sweep --axis x", "out.ply"));
+  EXPECT_NE(made("normals in.ply out.ply --force --orient viewpoint 3,0,0", "out.ply"),
+            made("normals in.ply out.ply --force --orient viewpoint -3,0,0", "out.ply"));
+}
+
+TEST_F(CloudVerbs, OptionsThatSpeakOfTheMachineDoNotChangeNormals) {
+  const std::string plain = made("normals in.ply out.ply", "out.ply");
+  for (const char* option : {"--memory 200M", "--threads 1", "--threads 3", "--temp-dir .", "--axis y", "--quiet",
+                             "-k 8", "--orient none", "--order input"})
+    EXPECT_EQ(made(std::string("normals in.ply out.ply --force ") + option, "out.ply"), plain) << option;
+}
+
+TEST_F(CloudVerbs, SeveralInputsAreOneCloud) {
+  made("normals in.ply more.ply both.ply", "both.ply");
+  EXPECT_NE(tool("info both.ply").out.find("points      5000"), std::string::npos);
+}
+
+TEST_F(CloudVerbs, NeighborsAreANumpyArrayAndEveryOptionChangesIt) {
+  const std::string plain = made("neighbors in.ply out.npy", "out.npy");
+  EXPECT_TRUE(plain.starts_with("\x93NUMPY"));
+  EXPECT_NE(plain.find("'shape': (4000, 8)"), std::string::npos);
+  EXPECT_NE(made("neighbors in.ply out.npy --force -k 3", "out.npy").find("(4000, 3)"), std::string::npos);
+  EXPECT_NE(made("neighbors in.ply out.npy --force --radius 0.03", "out.npy"), plain);
+  EXPECT_EQ(made("neighbors in.ply out.npy --force --distances d.npy", "out.npy"), plain);
+  EXPECT_NE(contents(folder_ / "d.npy").find("'<f8'"), std::string::npos);
+}
+
+TEST_F(CloudVerbs, SortFollowsTheAxis) {
+  EXPECT_NE(made("sort in.ply x.ply --axis x", "x.ply"), made("sort in.ply z.ply --axis z", "z.ply"));
+  EXPECT_EQ(made("sort in.ply auto.ply", "auto.ply"), contents(folder_ / "z.ply")) << "the statue is highest";
+}
+
+TEST_F(CloudVerbs, StatisticsAreJsonAndSayHowManyThreadsAndHowMuchMemory) {
+  ASSERT_EQ(tool("normals in.ply out.ply --stats s.json --threads 1 --memory 300M -k 5").status, 0);
+  const auto stats = nlohmann::json::parse(contents(folder_ / "s.json"));
+  EXPECT_EQ(stats["points"], 4000);
+  EXPECT_EQ(stats["certified"], 4000);
+  EXPECT_EQ(stats["k"], 5);
+  EXPECT_EQ(stats["threads"], 1);
+  EXPECT_EQ(stats["memory_budget_bytes"], 300u << 20);
+}
+
+TEST_F(CloudVerbs, NothingThatExistsIsReplacedUnlessForced) {
+  for (const char* name : {"out.ply", "out.npy", "s.json", "d.npy"}) write(name, "precious");
+  refused(1, "normals in.ply out.ply", "out.ply");
+  refused(1, "sort in.ply out.ply", "out.ply");
+  refused(1, "neighbors in.ply out.npy", "out.npy");
+  refused(1, "neighbors in.ply new.npy --distances d.npy", "d.npy");
+  refused(1, "normals in.ply new.ply --stats s.json", "s.json");
+  for (const char* name : {"out.ply", "out.npy", "s.json", "d.npy"}) EXPECT_EQ(contents(folder_ / name), "precious");
+  EXPECT_FALSE(exists("new.ply"));
+  EXPECT_FALSE(exists("new.npy"));
+}
+
+TEST_F(CloudVerbs, AMissingTemporaryFolderMattersOnlyWhenSomethingIsSpilled) {
+  ASSERT_EQ(tool("generate statue big.ply -n 1M").status, 0);
+  EXPECT_EQ(tool("normals in.ply small.ply --temp-dir nowhere").status, 0);
+  refused(1, "sort big.ply out.ply --temp-dir nowhere --memory 48M", "nowhere");
+  EXPECT_FALSE(exists("out.ply"));
+}
+
+TEST_F(CloudVerbs, ProgressNamesThePhases) {
+  ASSERT_EQ(tool("normals in.ply out.ply --progress-fd 9 9>progress").status, 0);
+  const std::string progress = contents(folder_ / "progress");
+  for (const char* phase : {"ordering", "sweeping", "writing"})
+    EXPECT_NE(progress.find(phase), std::string::npos) << phase;
+}
+
+}  // namespace
+}  // namespace pointsweep

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+/// Runs the built tool as a user does, in a folder of its own.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace pointsweep {
+
+inline std::string contents(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+struct Result {
+  int status;  ///< of the process; 128 + number if a signal ended it
+  std::string out, err;
+};
+
+class Tool : public testing::Test {
+ protected:
+  Tool() {
+    std::string name = (std::filesystem::temp_directory_path() / "pointsweep-cli-test-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  ~Tool() override { std::filesystem::remove_all(folder_); }
+
+  /// `arguments` pass through the shell, so they may redirect further descriptors.
+  Result tool(const std::string& arguments) {
+    const std::string command =
+        "cd '" + folder_.string() + "' && exec '" POINTSWEEP_TOOL "' " + arguments + " >.out 2>.err </dev/null";
+    const int state = std::system(command.c_str());
+    return {WIFEXITED(state) ? WEXITSTATUS(state) : 128 + WTERMSIG(state), contents(folder_ / ".out"),
+            contents(folder_ / ".err")};
+  }
+  /// Expects success and gives what the file `name` then holds.
+  std::string made(const std::string& arguments, const std::string& name) {
+    const Result result = tool(arguments);
+    EXPECT_EQ(result.status, 0) << arguments << "\n" << result.err;
+    return contents(folder_ / name);
+  }
+  /// Expects the status and one sentence on standard error that contains `words`.
+  void refused(int status, const std::string& arguments, const std::string& words) {
+    const Result result = tool(arguments);
+    EXPECT_EQ(result.status, status) << arguments << "\n" << result.err;
+    EXPECT_TRUE(result.err.starts_with("pointsweep: ")) << result.err;
+    EXPECT_NE(result.err.find(words), std::string::npos) << arguments << "\n" << result.err;
+  }
+  void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
+  bool exists(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
+
+  std::filesystem::path folder_;
+};
+
+}  // namespace pointsweep
