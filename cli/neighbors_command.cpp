@@ -5,6 +5,7 @@
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
 #include "cli/quantities.h"
+#include "pointsweep/error.h"
 #include "pointsweep/operators/neighbor_rows.h"
 
 namespace pointsweep {
@@ -18,7 +19,13 @@ struct NeighborsCommand {
   std::filesystem::path distances;
 };
 
+void require_npy(const std::filesystem::path& path) {
+  if (path.extension() != ".npy") fail_usage("{}: the graph is a NumPy array; name a .npy file.", path.string());
+}
+
 void neighbors(const NeighborsCommand& command) {
+  require_npy(command.paths.output());
+  if (!command.distances.empty()) require_npy(command.distances);
   run_over_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
     const bool distances = !command.distances.empty();
     Neighborhood neighborhood;

@@ -52,23 +52,25 @@ MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const Memory
   const std::uint64_t results = demand.points * demand.result_record_bytes;
   MemoryPlan out;
   out.slab_points = demand.slab_points;
+  // For chunks on their way to their slabs, also where these are in memory.
+  out.stream_buffer_bytes = std::clamp<std::uint64_t>(budget / 8, 8 << 20, 64 << 20);
   out.recall_bytes = std::max<std::uint64_t>(1 << 20, budget / 8);
   out.window_bytes = window_bytes(plan, out.slab_points, demand.points, demand);
   const auto fits = [&](std::uint64_t bytes) { return kFixedBytes + out.window_bytes + bytes <= budget; };
-  if (fits(stream + results)) {
-    out.expected_bytes = kFixedBytes + out.window_bytes + stream + results;
+  if (fits(stream + results + out.stream_buffer_bytes)) {
+    out.expected_bytes = kFixedBytes + out.window_bytes + stream + results + out.stream_buffer_bytes;
     return out;
   }
   // Buffers for spilling take an eighth each; the window may take half of what the fixed part leaves.
   const auto slabs = [&] { return demand.points / std::max<std::uint64_t>(out.slab_points, 1) + 1; };
-  out.stream_buffer_bytes = std::max(budget / 8, slabs() * kLeastBuffer);
   out.result_buffer_bytes = std::max<std::uint64_t>(budget / 8, 1 << 20);
-  if (fits(stream + out.result_buffer_bytes)) {
+  if (fits(stream + out.stream_buffer_bytes + out.result_buffer_bytes)) {
     out.spill_results = true;
-    out.expected_bytes = kFixedBytes + out.window_bytes + stream + out.result_buffer_bytes;
+    out.expected_bytes = kFixedBytes + out.window_bytes + stream + out.stream_buffer_bytes + out.result_buffer_bytes;
     return out;
   }
   out.spill_stream = true;
+  out.stream_buffer_bytes = std::max(budget / 8, slabs() * kLeastBuffer);
   out.spill_results = !fits(results + out.stream_buffer_bytes);
   while (!fits(out.stream_buffer_bytes + (out.spill_results ? out.result_buffer_bytes : results)) &&
          out.slab_points > kLeastSlabPoints) {

@@ -40,12 +40,7 @@ class RecordKeeper final : public Writer {
   std::vector<std::byte>& out_;
 };
 
-inline RunResult run_in_memory(const std::vector<Vec3>& points, const Chain& chain, const RunOptions& options) {
-  std::vector<double> xyz;
-  for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
-  std::vector<std::unique_ptr<Reader>> readers;
-  readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
-  Cloud cloud(std::move(readers));
+inline RunResult run_in_memory(Cloud& cloud, const Chain& chain, const RunOptions& options) {
   RunResult result;
   Outputs outputs;
   outputs.writer = [&](const OutputPlan& plan) {
@@ -54,6 +49,15 @@ inline RunResult run_in_memory(const std::vector<Vec3>& points, const Chain& cha
   };
   result.statistics = run(cloud, chain, outputs, options);
   return result;
+}
+
+inline RunResult run_in_memory(const std::vector<Vec3>& points, const Chain& chain, const RunOptions& options) {
+  std::vector<double> xyz;
+  for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
+  std::vector<std::unique_ptr<Reader>> readers;
+  readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
+  Cloud cloud(std::move(readers));
+  return run_in_memory(cloud, chain, options);
 }
 
 }  // namespace pointsweep

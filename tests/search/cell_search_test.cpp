@@ -2,6 +2,7 @@
 #include "pointsweep/search/cell_search.h"
 
 #include <gtest/gtest.h>
+#include <rapidcheck.h>
 
 #include <functional>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "pointsweep/search/cut.h"
 #include "tests/support/brute_force.h"
+#include "tests/support/fixed_seed.h"
 
 namespace pointsweep {
 namespace {
@@ -166,6 +168,25 @@ TEST(CellSearch, HonoursTheRadiusInclusively) {
       }
     }
   }
+}
+
+/// Coordinates on a coarse grid of changing step: ties, duplicates and jumps in density, as the generator likes.
+rc::Gen<Vec3> rough_point() {
+  const auto coordinate = rc::gen::map(rc::gen::pair(rc::gen::inRange(-6, 7), rc::gen::element(1.0, 0.5, 1e-3, 1e3)),
+                                       [](const std::pair<int, double>& c) { return c.first * c.second; });
+  return rc::gen::map(rc::gen::tuple(coordinate, coordinate, coordinate), [](const auto& c) {
+    return Vec3{std::get<0>(c), std::get<1>(c), std::get<2>(c)};
+  });
+}
+
+TEST(CellSearch, EqualsBruteForceForAnyPointsKRadiusAndCells) {
+  EXPECT_TRUE(rc::check("neighbours of any cloud", [] {
+    const auto points = *rc::gen::resize(200, rc::gen::nonEmpty(rc::gen::container<std::vector<Vec3>>(rough_point())));
+    const auto k = static_cast<std::size_t>(*rc::gen::inRange(1, 70));
+    const double radius = *rc::gen::element(std::numeric_limits<double>::infinity(), 0.0, 0.5, 3.0, 1e3);
+    const auto cell_points = static_cast<std::uint32_t>(16 * *rc::gen::inRange(1, 20));
+    RC_ASSERT(Cells(points, cell_points).search({.k = k, .radius = radius}) == brute_force_neighbors(points, k, radius));
+  }));
 }
 
 }  // namespace

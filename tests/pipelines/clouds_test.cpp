@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+// Exactness on every generated shape and on real scans, against brute force over the whole cloud.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+
+#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/normals.h"
+#include "pointsweep/shapes/registry.h"
+#include "pointsweep/shapes/shape_reader.h"
+#include "tests/pipeline/in_memory.h"
+#include "tests/support/brute_force.h"
+#include "tests/support/data_folder.h"
+
+namespace pointsweep {
+namespace {
+
+std::vector<Vec3> positions_of(Cloud& cloud) {
+  const PositionFields fields = position_fields(cloud.schema(), "the cloud");
+  const std::size_t n = cloud.count(), stride = cloud.schema().stride;
+  std::vector<std::byte> records(n * stride);
+  EXPECT_EQ(cloud.read(0, records), n);
+  std::vector<double> x(n), y(n), z(n);
+  decode_positions(fields, records.data(), stride, n, x.data(), y.data(), z.data());
+  std::vector<Vec3> points(n);
+  for (std::size_t i = 0; i < n; ++i) points[i] = {x[i], y[i], z[i]};
+  return points;
+}
+
+/// Checks `sample` rows (all, if there are fewer) of the k-nearest-neighbour graph.
+void expect_exact(Cloud& cloud, const Neighborhood& what, const RunOptions& options, std::size_t sample) {
+  const std::vector<Vec3> points = positions_of(cloud);
+  const RunResult result =
+      run_in_memory(cloud, {what, {std::make_shared<NeighborRows>(what.k, points.size(), false)}}, options);
+  std::vector<std::uint32_t> queries;
+  std::mt19937_64 rng(1);
+  for (std::size_t i = 0; i < std::min(sample, points.size()); ++i) {
+    queries.push_back(static_cast<std::uint32_t>(sample < points.size() ? rng() % points.size() : i));
+  }
+  const auto expected = brute_force_neighbors(points, queries, what.k, what.radius);
+  const std::size_t offset = result.schema.fields[*result.schema.find("neighbor_0")].offset;
+  for (std::size_t q = 0; q < queries.size(); ++q) {
+    for (std::size_t j = 0; j < what.k; ++j) {
+      std::uint32_t row;
+      std::memcpy(&row, result.records.data() + queries[q] * result.schema.stride + offset + 4 * j, 4);
+      ASSERT_EQ(row, j < expected[q].size() ? expected[q][j] : 0xFFFFFFFFu) << "row " << queries[q] << ", place " << j;
+    }
+  }
+}
+
+Cloud generated(const std::string& shape, std::uint64_t count, const Sampling& sampling = {}) {
+  Sampling s = sampling;
+  s.count = count;
+  std::vector<std::unique_ptr<Reader>> readers;
+  readers.push_back(std::make_unique<ShapeReader>(create_shape(shape), s));
+  return Cloud(std::move(readers));
+}
+
+Sampling few_outliers() {
+  Sampling sampling;
+  sampling.outliers = 0.001;
+  return sampling;
+}
+
+RunOptions small(std::uint64_t slab, std::uint32_t cell, unsigned threads, std::uint64_t memory) {
+  RunOptions options;
+  options.slab_points = slab, options.cell_points = cell, options.threads = threads, options.memory_bytes = memory;
+  return options;
+}
+
+TEST(GeneratedClouds, HaveExactNeighborsForEveryKRadiusSlabThreadAndBudget) {
+  for (const auto& shape : all_shapes()) {
+    for (const std::size_t k : {1, 8, 64}) {
+      for (const double radius : {std::numeric_limits<double>::infinity(), 0.05}) {
+        SCOPED_TRACE(std::string(shape->name()) + ", k = " + std::to_string(k) + ", radius " + std::to_string(radius));
+        Cloud cloud = generated(std::string(shape->name()), 6000, few_outliers());
+        expect_exact(cloud, {.k = k, .radius = radius}, small(150, 32, 1, 1ull << 30), 300);
+        expect_exact(cloud, {.k = k, .radius = radius}, small(500, 128, 2, 64ull << 20), 300);
+        expect_exact(cloud, {.k = k, .radius = radius}, small(0, 1024, 4, 1ull << 30), 300);
+        if (HasFatalFailure()) return;
+      }
+    }
+  }
+}
+
+TEST(GeneratedClouds, OfLargerSizeAreExactInTheSmallestBudget) {
+  for (const char* shape : {"statue", "terrain", "tls", "volume"}) {
+    SCOPED_TRACE(shape);
+    Cloud cloud = generated(shape, 200'000, few_outliers());
+    std::uint64_t least = 0;
+    for (std::uint64_t mb = 24; least == 0; ++mb) {
+      try {
+        expect_exact(cloud, {.k = 8}, small(0, 1024, 2, mb << 20), 60);
+        least = mb;
+      } catch (const Error& e) {
+        ASSERT_NE(std::string(e.what()).find("--memory"), std::string::npos) << e.what();
+        ASSERT_LT(mb, 100u) << "no budget would do";
+      }
+    }
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(GeneratedClouds, HaveTheNormalsOfTheirSurface) {
+  struct Case {
+    const char* shape;
+    double mean_error;  ///< rad, at this density
+  };
+  for (const Case& c : {Case{"sphere", 0.01}, {"torus", 0.03}, {"cylinder", 0.015}, {"plane", 1e-6}}) {
+    SCOPED_TRACE(c.shape);
+    Cloud cloud = generated(c.shape, 50'000);
+    std::vector<std::byte> input(cloud.count() * cloud.schema().stride);
+    cloud.read(0, input);
+    const RunResult result = run_in_memory(
+        cloud, {{.k = 8}, {std::make_shared<Normals>(NormalsOptions{.orient = Orient::input, .viewpoint = {}})}}, {});
+    ASSERT_EQ(result.schema, cloud.schema()) << "the normals replace those of the input";
+    double sum = 0;
+    for (std::size_t i = 0; i < cloud.count(); ++i) {
+      Vec3 made, true_normal;
+      for (const int a : {0, 1, 2}) {
+        const Field& f = cloud.schema().fields[*cloud.schema().find(a == 0 ? "nx" : a == 1 ? "ny" : "nz")];
+        made[a] = value_of(f, result.records.data() + i * cloud.schema().stride);
+        true_normal[a] = value_of(f, input.data() + i * cloud.schema().stride);
+      }
+      ASSERT_GE(dot(made, true_normal), 0) << "oriented as the input";
+      sum += std::atan2(length(cross(made, true_normal)), dot(made, true_normal));
+    }
+    EXPECT_LT(sum / static_cast<double>(cloud.count()), c.mean_error);
+  }
+}
+
+TEST(RealScans, HaveExactNeighbors) {
+  const std::filesystem::path data = data_folder();
+  if (data.empty()) GTEST_SKIP() << "POINTSWEEP_DATA names no folder of real scans";
+  for (const char* file : {"models/stanford_bunny/data/bun000.ply", "models/cgal/b9_training.ply",
+                           "models/cgal/kitten.xyz", "models/common3d/igea.ply", "models/stanford_dragon/dragon_vrip.ply",
+                           "lidar/jakteristics_mobile/test_0.02_seconde.las", "lidar/lasR/Megaplot.las",
+                           "lidar/pdal/las/autzen_trim.las", "lidar/ky_lock4/ky_lock4_west.las"}) {
+    SCOPED_TRACE(file);
+    ASSERT_TRUE(std::filesystem::exists(data / file));
+    Cloud cloud({data / file});
+    const std::size_t sample = cloud.count() > 500'000 ? 25 : 100;
+    expect_exact(cloud, {.k = 8}, small(0, 1024, 2, 64ull << 20), sample);
+    expect_exact(cloud, {.k = 64}, small(5000, 256, 2, 2ull << 30), sample);
+    if (HasFatalFailure()) return;
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep

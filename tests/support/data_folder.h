@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+/// Where the real scans are: POINTSWEEP_DATA, or the folder shared/data beside the source tree.
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+
+namespace pointsweep {
+
+/// Empty if there is none: the test then says so and skips.
+inline std::filesystem::path data_folder() {
+  const char* named = std::getenv("POINTSWEEP_DATA");
+  const std::filesystem::path folder = named != nullptr && *named != '\0'
+                                           ? std::filesystem::path(named)
+                                           : std::filesystem::path(POINTSWEEP_SOURCE_DIR) / "../shared/data";
+  return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
+}
+
+}  // namespace pointsweep
