@@ -30,10 +30,23 @@ struct Surface {
 
 constexpr std::size_t kPoints = 200'000;
 
+std::vector<CutPoint> cut_points(const Surface& s) {
+  std::vector<CutPoint> points;
+  for (std::uint32_t i = 0; i < s.x.size(); ++i) {
+    points.push_back({{static_cast<float>(s.x[i]), static_cast<float>(s.y[i]), static_cast<float>(s.z[i])}, i});
+  }
+  return points;
+}
+
+std::uint64_t row_of(std::uint32_t index) { return index; }
+
 void cut_surface(benchmark::State& state) {
-  const Surface s(kPoints);
-  Cut c;
-  for (auto _ : state) cut(s.x, s.y, s.z, s.row, static_cast<std::uint32_t>(state.range(0)), c);
+  const std::vector<CutPoint> points = cut_points(Surface(kPoints));
+  std::vector<std::uint32_t> begin;
+  for (auto _ : state) {
+    std::vector<CutPoint> moved = points;
+    cut(moved, static_cast<std::uint32_t>(state.range(0)), row_of, begin);
+  }
   state.counters["ns/point"] =
       benchmark::Counter(kPoints * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
@@ -41,14 +54,15 @@ BENCHMARK(cut_surface)->Arg(1024)->Unit(benchmark::kMillisecond);
 
 void search_surface(benchmark::State& state) {
   const Surface s(kPoints);
-  Cut c;
-  cut(s.x, s.y, s.z, s.row, static_cast<std::uint32_t>(state.range(1)), c);
+  std::vector<CutPoint> moved = cut_points(s);
+  std::vector<std::uint32_t> begin;
+  cut(moved, static_cast<std::uint32_t>(state.range(1)), row_of, begin);
   CellDirectory directory;
   std::vector<std::unique_ptr<Cell>> cells;
-  for (std::size_t i = 0; i < c.cells(); ++i) {
-    cells.push_back(std::make_unique<Cell>(c.begin[i + 1] - c.begin[i]));
+  for (std::size_t i = 0; i + 1 < begin.size(); ++i) {
+    cells.push_back(std::make_unique<Cell>(begin[i + 1] - begin[i]));
     for (std::uint32_t j = 0; j < cells[i]->size(); ++j) {
-      const std::uint32_t from = c.order[c.begin[i] + j];
+      const std::uint32_t from = moved[begin[i] + j].index;
       cells[i]->x[j] = s.x[from], cells[i]->y[j] = s.y[from], cells[i]->z[j] = s.z[from], cells[i]->row[j] = from;
     }
     cells[i]->seal();

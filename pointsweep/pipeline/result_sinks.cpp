@@ -8,13 +8,8 @@
 namespace pointsweep {
 
 SweepOrderSink::SweepOrderSink(RowStore& store, const Stream& stream, const OutputLayout& layout,
-                               std::uint32_t input_stride, std::uint32_t result_bytes)
-    : store_(store),
-      stream_(stream),
-      layout_(layout),
-      input_stride_(input_stride),
-      result_bytes_(result_bytes),
-      slabs_(stream.slabs().size()) {}
+                               std::uint32_t input_stride)
+    : store_(store), stream_(stream), layout_(layout), input_stride_(input_stride), slabs_(stream.slabs().size()) {}
 
 void SweepOrderSink::slab_read(std::uint32_t slab, std::vector<std::byte> records) {
   auto open = std::make_shared<Open>();

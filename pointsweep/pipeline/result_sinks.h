@@ -31,8 +31,7 @@ class InputOrderSink final : public Sink {
 /// For Order::sweep: whole output records by place in the canonical order.
 class SweepOrderSink final : public Sink {
  public:
-  SweepOrderSink(RowStore& store, const Stream& stream, const OutputLayout& layout, std::uint32_t input_stride,
-                 std::uint32_t result_bytes);
+  SweepOrderSink(RowStore& store, const Stream& stream, const OutputLayout& layout, std::uint32_t input_stride);
   bool wants_records() const override { return true; }
   void slab_read(std::uint32_t slab, std::vector<std::byte> records) override;
   void finished(const Finished& points) override;
@@ -55,7 +54,7 @@ class SweepOrderSink final : public Sink {
   RowStore& store_;
   const Stream& stream_;
   const OutputLayout& layout_;
-  std::uint32_t input_stride_, result_bytes_;
+  std::uint32_t input_stride_;
   std::mutex mutex_;
   std::vector<std::shared_ptr<Open>> slabs_;                      ///< null before it is read and after its last point
   std::map<std::pair<std::uint32_t, std::uint32_t>, Kept> kept_;  ///< deferred points, by slab and index

@@ -147,7 +147,7 @@ class Run {
                    memory.result_buffer_bytes);
     const std::uint32_t input_stride = cloud_.schema().stride;
     InputOrderSink by_row(store, stride);
-    SweepOrderSink by_place(store, *stream_, files.layout(), input_stride, planned.plan.result_bytes);
+    SweepOrderSink by_place(store, *stream_, files.layout(), input_stride);
     SweepOptions sweep_options{
         .cell_points = options_.cell_points,
         .read_ahead = std::max(1u, statistics_.threads / 2),

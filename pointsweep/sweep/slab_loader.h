@@ -3,9 +3,11 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "pointsweep/order/stream.h"
+#include "pointsweep/search/cut.h"
 #include "pointsweep/sweep/plan.h"
 #include "pointsweep/sweep/window_cell.h"
 
@@ -23,7 +25,10 @@ class SlabLoader {
   LoadedSlab load(std::uint32_t slab, bool keep_records) const;
 
  private:
-  void fill_file_columns(const std::vector<std::byte>& records, WindowCell& cell) const;
+  std::unique_ptr<WindowCell> make_cell(std::uint32_t slab, std::span<const CutPoint> points,
+                                        const std::vector<std::byte>& records,
+                                        std::vector<std::byte>& cell_records) const;
+  void fill_file_columns(const std::vector<std::byte>& cell_records, WindowCell& cell) const;
 
   const Stream& stream_;
   const SweepPlan& plan_;

@@ -21,21 +21,22 @@ struct Cells {
   std::vector<std::unique_ptr<Cell>> cells;
 
   Cells(const std::vector<Vec3>& points, std::uint32_t cell_points) {
-    std::vector<double> x, y, z;
-    std::vector<std::uint64_t> row;
-    for (const Vec3& p : points) {
-      x.push_back(p.x), y.push_back(p.y), z.push_back(p.z), row.push_back(row.size());
+    std::vector<CutPoint> moved;
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      const Vec3 p = points[i] - points[0];
+      moved.push_back({{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}, i});
     }
-    Cut c;
-    cut(x, y, z, row, cell_points, c);
-    for (std::size_t i = 0; i < c.cells(); ++i) {
-      auto cell = std::make_unique<Cell>(c.begin[i + 1] - c.begin[i]);
+    std::vector<std::uint32_t> begin;
+    cut(
+        moved, cell_points, [](std::uint32_t i) { return i; }, begin);
+    for (std::size_t c = 0; c + 1 < begin.size(); ++c) {
+      auto cell = std::make_unique<Cell>(begin[c + 1] - begin[c]);
       for (std::uint32_t j = 0; j < cell->size(); ++j) {
-        const std::uint32_t from = c.order[c.begin[i] + j];
-        cell->x[j] = x[from], cell->y[j] = y[from], cell->z[j] = z[from], cell->row[j] = from;
+        const std::uint32_t from = moved[begin[c] + j].index;
+        cell->x[j] = points[from].x, cell->y[j] = points[from].y, cell->z[j] = points[from].z, cell->row[j] = from;
       }
       cell->seal();
-      directory.add(static_cast<std::uint32_t>(i), cell.get());
+      directory.add(static_cast<std::uint32_t>(c), cell.get());
       cells.push_back(std::move(cell));
     }
   }
@@ -185,7 +186,8 @@ TEST(CellSearch, EqualsBruteForceForAnyPointsKRadiusAndCells) {
     const auto k = static_cast<std::size_t>(*rc::gen::inRange(1, 70));
     const double radius = *rc::gen::element(std::numeric_limits<double>::infinity(), 0.0, 0.5, 3.0, 1e3);
     const auto cell_points = static_cast<std::uint32_t>(16 * *rc::gen::inRange(1, 20));
-    RC_ASSERT(Cells(points, cell_points).search({.k = k, .radius = radius}) == brute_force_neighbors(points, k, radius));
+    RC_ASSERT(Cells(points, cell_points).search({.k = k, .radius = radius}) ==
+              brute_force_neighbors(points, k, radius));
   }));
 }
 
