@@ -15,12 +15,13 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kGrain = 4096;  // points made by one task
-constexpr double kFarthestNoise = 13;   // standard deviations; gaussian_pair() draws nothing above 12.2
+constexpr std::size_t kGrain = 4096;   // points made by one task
+constexpr double kFarthestNoise = 13;  // standard deviations; gaussian_pair() draws nothing above 12.2
 
 void check(const Sampling& s) {
   if (!(s.noise >= 0) || !std::isfinite(s.noise)) fail_usage("noise must be a length of 0 or more, not {}.", s.noise);
-  if (!(s.outliers >= 0 && s.outliers <= 1)) fail_usage("the share of outliers must lie in [0, 1], not {}.", s.outliers);
+  if (!(s.outliers >= 0 && s.outliers <= 1))
+    fail_usage("the share of outliers must lie in [0, 1], not {}.", s.outliers);
   if (!(s.outlier_box > 0) || !std::isfinite(s.outlier_box))
     fail_usage("the outlier box must have a positive size, not {}.", s.outlier_box);
   if (!is_finite(s.origin)) fail_usage("the origin must be finite.");
