@@ -8,11 +8,11 @@ function(run)
     list(JOIN ARGV " " command)
     message(FATAL_ERROR "${command}\nfailed (${status}):\n${output}")
   endif()
-  message(STATUS "${output}")
 endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${scratch}/prefix --config "${CONFIG}")
-run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${scratch}/build -D CMAKE_BUILD_TYPE=Release
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${scratch}/build -G ${GENERATOR} -D CMAKE_BUILD_TYPE=Release
   -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_PREFIX_PATH=${scratch}/prefix -D WANTED_VERSION=${VERSION})
 run(${CMAKE_COMMAND} --build ${scratch}/build --config Release)
 run(${scratch}/build/outside)
+message(STATUS "installed, found, built and run in ${scratch}")
