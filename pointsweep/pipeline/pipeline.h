@@ -43,6 +43,7 @@ struct RunOptions {
   std::function<void(const Progress&)> progress;
   std::uint64_t slab_points = 0;     ///< aim; 0: chosen from the cloud. No result depends on it.
   std::uint32_t cell_points = 1024;  ///< a multiple of 16 up to 2,048. No result depends on it.
+  bool spill = false;                ///< use the temporary folder even where memory would do. No result depends on it.
 };
 
 /// Where results go. Any of the three may be absent.

@@ -115,12 +115,17 @@ class Run {
         whole ? schema.stride : size_of(p.x.type) + size_of(p.y.type) + size_of(p.z.type) + 8 * payload;
     std::uint64_t slab =
         options_.slab_points != 0 ? options_.slab_points : recommended_slab_points(cloud_.count(), survey_.dimension);
-    return plan_memory(statistics_.memory_budget_bytes, plan,
-                       {.points = cloud_.count(),
-                        .working_record_bytes = carried + (cloud_.count() >> 32 ? 8 : 4),
-                        .result_record_bytes = result_bytes,
-                        .slab_points = slab,
-                        .threads = statistics_.threads});
+    MemoryPlan memory = plan_memory(statistics_.memory_budget_bytes, plan,
+                                    {.points = cloud_.count(),
+                                     .working_record_bytes = carried + (cloud_.count() >> 32 ? 8 : 4),
+                                     .result_record_bytes = result_bytes,
+                                     .slab_points = slab,
+                                     .threads = statistics_.threads});
+    if (options_.spill) {
+      memory.spill_stream = memory.spill_results = true;
+      memory.result_buffer_bytes = std::max<std::uint64_t>(memory.result_buffer_bytes, 1 << 20);
+    }
+    return memory;
   }
 
   void order(const MemoryPlan& memory, bool whole, const std::vector<std::size_t>& payload) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/normals.h"
@@ -24,6 +26,7 @@ RunOptions tiny(std::uint64_t slab_points, std::uint32_t cell_points, unsigned t
   options.cell_points = cell_points;
   options.threads = threads;
   options.memory_bytes = 1ull << 30;
+  options.spill = slab_points == 300;
   return options;
 }
 
@@ -91,15 +94,16 @@ TEST(Run, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
       std::vector<std::byte> first;
       for (const unsigned threads : {1u, 2u, 4u}) {
         for (const std::uint64_t slab : {100, 700, 50000}) {
-          for (const std::uint64_t memory : {1ull << 30, 40ull << 20}) {
+          for (const bool spill : {false, true}) {
             RunOptions options = tiny(slab, slab < 500 ? 32 : 512, threads);
             options.order = order;
-            options.memory_bytes = memory;
+            options.spill = spill;
             const RunResult result = run_in_memory(points, chain, options);
+            ASSERT_EQ(result.statistics.bytes_spilled > 0, spill);
             if (first.empty()) first = result.records;
             ASSERT_EQ(result.records.size(), first.size());
             ASSERT_EQ(std::memcmp(result.records.data(), first.data(), first.size()), 0)
-                << threads << " threads, slabs of " << slab << ", memory " << memory;
+                << threads << " threads, slabs of " << slab << (spill ? ", spilled" : ", in memory");
           }
         }
       }
@@ -189,6 +193,69 @@ TEST(Run, ChainsThatLookAtNeighborsAttributesEqualTheEvaluationOfTheWholeCloud) 
         }
         ASSERT_EQ(agreement[i], neighbors[i].empty() ? 0 : sum / static_cast<double>(neighbors[i].size())) << i;
         ASSERT_EQ(largest[i], most) << i;
+      }
+    }
+  }
+}
+
+TEST(Run, SeveralInputsAreOneCloudWithoutSeams) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    SCOPED_TRACE(name);
+    const std::vector<Vec3> points = make_cloud(shape, 1500, 12);
+    std::vector<double> xyz;
+    for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
+    const Chain chain{{.k = 8}, {std::make_shared<Normals>()}};
+    const RunResult merged = run_in_memory(points, chain, tiny(200, 64));
+    std::vector<std::unique_ptr<Reader>> tiles;
+    for (const auto& [first, last] : {std::pair<std::size_t, std::size_t>{0, 400}, {400, 401}, {401, 1500}}) {
+      tiles.push_back(
+          std::make_unique<ArrayReader>(std::span<const double>(xyz).subspan(3 * first, 3 * (last - first))));
+    }
+    Cloud cloud(std::move(tiles));
+    const RunResult tiled = run_in_memory(cloud, chain, tiny(200, 64));
+    ASSERT_EQ(tiled.records, merged.records);
+  }
+}
+
+TEST(Sort, PutsEveryPointInCanonicalOrderAndThoseWithoutAPlaceLast) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    const std::vector<Vec3> points = make_cloud(shape, 3000, 13);
+    for (const int axis : {0, 1, 2}) {
+      SCOPED_TRACE(name + ", axis " + std::to_string(axis));
+      std::vector<std::uint32_t> expected(points.size());
+      std::iota(expected.begin(), expected.end(), 0u);
+      std::sort(expected.begin(), expected.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const Vec3 p = points[a], q = points[b];
+        if (!is_finite(p) || !is_finite(q)) return is_finite(p) != is_finite(q) ? is_finite(p) : a < b;
+        return std::tuple(p[axis], p.x, p.y, p.z, a) < std::tuple(q[axis], q.x, q.y, q.z, b);
+      });
+      // The row travels as an attribute, so that the order found can be read back.
+      std::vector<double> xyz, row;
+      for (const Vec3& p : points)
+        xyz.insert(xyz.end(), {p.x, p.y, p.z}), row.push_back(static_cast<double>(row.size()));
+      auto reader = std::make_unique<ArrayReader>(std::span<const double>(xyz));
+      reader->add({"row_of_input"}, std::span<const double>(row));
+      std::vector<std::unique_ptr<Reader>> readers;
+      readers.push_back(std::move(reader));
+      Cloud cloud(std::move(readers));
+      for (const bool spill : {false, true}) {
+        RunOptions options = tiny(170, 64);
+        options.axis = axis, options.order = Order::sweep, options.spill = spill;
+        const RunResult swept = run_in_memory(cloud, {{.k = 3}, {std::make_shared<Normals>()}}, options);
+        const std::filesystem::path file =
+            std::filesystem::temp_directory_path() / fmt::format("sorted-{}.ply", getpid());
+        options.overwrite = true;
+        sort(cloud, file, options);
+        const auto sorted = open_reader(file);
+        std::vector<std::byte> records(points.size() * sorted->info().schema.stride);
+        ASSERT_EQ(sorted->read(0, records), points.size());
+        std::filesystem::remove(file);
+        const Field& field = sorted->info().schema.fields[*sorted->info().schema.find("row_of_input")];
+        const std::vector<double> swept_rows = swept.field("row_of_input");
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          ASSERT_EQ(value_of(field, records.data() + i * sorted->info().schema.stride), expected[i]) << "place " << i;
+          ASSERT_EQ(swept_rows[i], expected[i]) << "place " << i;
+        }
       }
     }
   }
