@@ -37,4 +37,10 @@ inline Attribute normal_attribute() {
   return {"normal", Type::f32, Kind::normal, {"nx", "ny", "nz"}, "1", "unit surface normal; 0 where undefined"};
 }
 
+/// The position, N×3 f64. An operator that makes it moves the points: stages after it see the new positions of a point
+/// and of its neighbours, while neighbourhoods and order stay those of the input until they are made again.
+inline Attribute position_attribute() {
+  return {"position", Type::f64, Kind::position, {"x", "y", "z"}, "length", "moved position"};
+}
+
 }  // namespace pointsweep
