@@ -17,13 +17,13 @@ class Planner {
 
   void add(const std::shared_ptr<const Operator>& op) {
     const Contract contract = op->contract();
-    Stage stage{.op = op, .reads = {}, .reads_neighbors = {}, .makes = {}};
+    Stage stage{.op = op, .reads = {}, .reads_neighbors = {}, .makes = {}, .position = position_};
     for (const Attribute& a : contract.reads) stage.reads.push_back(column_of(a, *op));
-    bool looks_at_this_step = false;
+    // Whoever comes after a mover looks at the moved positions of its neighbours.
+    bool looks_at_this_step = position_ >= 0 && made_in_this_step(static_cast<std::uint16_t>(position_));
     for (const Attribute& a : contract.reads_neighbors) {
       stage.reads_neighbors.push_back(column_of(a, *op));
-      const auto made = made_in_step_.find(stage.reads_neighbors.back());
-      looks_at_this_step |= made != made_in_step_.end() && made->second == plan_.steps.size() - 1;
+      looks_at_this_step |= made_in_this_step(stage.reads_neighbors.back());
     }
     if (looks_at_this_step) plan_.steps.push_back(plan_.stages.size());
     for (const Attribute& a : contract.makes) stage.makes.push_back(make(a));
@@ -46,6 +46,11 @@ class Planner {
     Attribute attribute;
     std::uint16_t column;
   };
+
+  bool made_in_this_step(std::uint16_t column) const {
+    const auto made = made_in_step_.find(column);
+    return made != made_in_step_.end() && made->second == plan_.steps.size() - 1;
+  }
 
   std::uint16_t new_column(const Attribute& a) {
     plan_.column_bytes.push_back(static_cast<std::uint32_t>(a.bytes()));
@@ -88,6 +93,7 @@ class Planner {
     const std::uint16_t column = new_column(a);
     latest_[a.name] = {a, column};
     made_in_step_[column] = plan_.steps.size() - 1;
+    if (a.name == position_attribute().name) position_ = column;
     const auto same = [&](const Attribute& b) { return b.name == a.name; };
     const auto known = std::find_if(out_.made.begin(), out_.made.end(), same);
     known == out_.made.end() ? out_.made.push_back(a) : void(*known = a);
@@ -99,6 +105,7 @@ class Planner {
   SweepPlan& plan_;
   std::map<std::string, Version> latest_;
   std::map<std::uint16_t, std::size_t> made_in_step_;  ///< by column
+  int position_ = -1;                                  ///< column of the moved positions, if an operator has moved them
 };
 
 }  // namespace

@@ -173,8 +173,9 @@ class Run {
 
   /// Points without a place in space keep their attributes and get the values that stand for none.
   void put_nonfinite(RowStore& store, const PlannedChain& planned, const OutputLayout* layout) {
-    const std::vector<std::byte> none = value_of_none(planned);
+    std::vector<std::byte> none = value_of_none(planned);
     for_each_nonfinite([&](std::uint64_t i, const std::byte* record, std::uint64_t row) {
+      stay_in_place(planned, record, none);
       if (layout == nullptr) return store.put({&row, 1}, none);
       std::vector<std::byte> output(layout->schema().stride);
       layout->assemble(record, none.data(), 1, output.data());
@@ -187,6 +188,19 @@ class Run {
     std::vector<std::byte> none;
     for (const Attribute& a : planned.made) none.insert(none.end(), a.bytes(), a.fill);
     return none;
+  }
+
+  /// Nobody moves such a point.
+  void stay_in_place(const PlannedChain& planned, const std::byte* record, std::vector<std::byte>& none) const {
+    std::size_t offset = 0;
+    for (const Attribute& a : planned.made) {
+      if (a.name == position_attribute().name) {
+        const PositionFields p = position_fields(stream_->record_schema(), "the working record");
+        const double position[3] = {value_of(p.x, record), value_of(p.y, record), value_of(p.z, record)};
+        std::memcpy(none.data() + offset, position, sizeof position);
+      }
+      offset += a.bytes();
+    }
   }
 
   template <class Use>

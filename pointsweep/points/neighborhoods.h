@@ -34,28 +34,28 @@ struct PointColumns {
 /// the point itself excluded. Valid only during Operator::apply.
 class Neighborhoods {
  public:
+  /// `position_column`: the column of moved positions to be seen instead of those of the input; negative: none.
   Neighborhoods(const PointColumns& own, std::size_t size, const PointColumns* slots, const std::uint32_t* begin,
                 const NeighborRef* refs, std::span<const std::uint16_t> reads,
-                std::span<const std::uint16_t> reads_neighbors)
+                std::span<const std::uint16_t> reads_neighbors, int position_column = -1)
       : own_(own),
         size_(size),
         slots_(slots),
         begin_(begin),
         refs_(refs),
         reads_(reads),
-        reads_neighbors_(reads_neighbors) {}
+        reads_neighbors_(reads_neighbors),
+        position_column_(position_column) {}
 
   std::size_t size() const { return size_; }
-  Vec3 position(std::size_t i) const { return {own_.x[i], own_.y[i], own_.z[i]}; }
+  Vec3 position(std::size_t i) const { return position_in(own_, i); }
   std::uint64_t row(std::size_t i) const { return own_.row[i]; }
   /// |N_i|
   std::size_t count(std::size_t i) const { return begin_[i + 1] - begin_[i]; }
 
   Vec3 neighbor_position(std::size_t i, std::size_t j) const {
     const NeighborRef ref = refs_[begin_[i] + j];
-    const PointColumns& c = slots_[slot_of(ref)];
-    const std::uint32_t n = index_of(ref);
-    return {c.x[n], c.y[n], c.z[n]};
+    return position_in(slots_[slot_of(ref)], index_of(ref));
   }
   /// p_j - p_i, exact to the last bit of a double subtraction.
   Vec3 offset(std::size_t i, std::size_t j) const { return neighbor_position(i, j) - position(i); }
@@ -80,6 +80,11 @@ class Neighborhoods {
   }
 
  private:
+  Vec3 position_in(const PointColumns& c, std::size_t i) const {
+    if (position_column_ < 0) return {c.x[i], c.y[i], c.z[i]};
+    const auto p = load<std::array<double, 3>>(c.columns[position_column_], i);
+    return {p[0], p[1], p[2]};
+  }
   template <class T>
   static T load(const std::byte* column, std::size_t i) {
     T v;
@@ -93,6 +98,7 @@ class Neighborhoods {
   const std::uint32_t* begin_;
   const NeighborRef* refs_;
   std::span<const std::uint16_t> reads_, reads_neighbors_;
+  int position_column_;
 };
 
 /// The columns an operator fills for a batch, in the order of its contract().makes.

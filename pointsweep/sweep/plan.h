@@ -18,6 +18,7 @@ namespace pointsweep {
 struct Stage {
   std::shared_ptr<const Operator> op;
   std::vector<std::uint16_t> reads, reads_neighbors, makes;
+  int position = -1;  ///< the column of the moved positions it sees; negative: those of the input
 };
 
 /// A column that comes from the file: field `field` (and the next components) of the working record, bit for bit.

@@ -14,7 +14,7 @@ void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, Stage
     std::vector<std::byte*> made;
     for (const std::uint16_t column : stage.makes) made.push_back(batch.made[column]);
     const Neighborhoods in(batch.own, batch.size, batch.slots, batch.begin, batch.refs, stage.reads,
-                           stage.reads_neighbors);
+                           stage.reads_neighbors, stage.position);
     Columns out(made, batch.size);
     stage.op->apply(in, out);
     tally.degenerate += out.degenerate;

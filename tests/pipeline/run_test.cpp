@@ -198,6 +198,52 @@ TEST(Run, ChainsThatLookAtNeighborsAttributesEqualTheEvaluationOfTheWholeCloud) 
   }
 }
 
+/// Moves a point to the mean of its neighbourhood and itself.
+class MoveToMean final : public Operator {
+ public:
+  std::string name() const override { return "move_to_mean"; }
+  Contract contract() const override { return {{}, {}, {position_attribute()}}; }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    auto position = out.column<std::array<double, 3>>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      Vec3 sum;
+      for (std::size_t j = 0; j < in.count(i); ++j) sum = sum + in.offset(i, j);
+      const Vec3 p = in.position(i) + (1.0 / static_cast<double>(in.count(i) + 1)) * sum;
+      position[i] = {p.x, p.y, p.z};
+    }
+  }
+};
+
+TEST(Run, StagesAfterAMoverSeeMovedNeighborsAndNeverAMixture) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    const std::vector<Vec3> points = make_cloud(shape, 1500, 14);
+    const auto neighbors = brute_force_neighbors(points, 6);
+    std::vector<Vec3> moved = points;
+    for (int times = 0; times < 3; ++times) {
+      std::vector<Vec3> next = moved;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!is_finite(points[i])) continue;
+        Vec3 sum;
+        for (const std::uint32_t j : neighbors[i]) sum = sum + (moved[j] - moved[i]);
+        next[i] = moved[i] + (1.0 / static_cast<double>(neighbors[i].size() + 1)) * sum;
+      }
+      moved = next;
+    }
+    const auto mover = std::make_shared<MoveToMean>();
+    for (const auto& [slab, cell] : {std::pair<std::uint64_t, std::uint32_t>{70, 16}, {300, 64}, {100000, 1024}}) {
+      SCOPED_TRACE(name + ", slabs of " + std::to_string(slab));
+      const RunResult result = run_in_memory(points, {{.k = 6}, {mover, mover, mover}}, tiny(slab, cell));
+      ASSERT_EQ(result.schema.fields.size(), 3u) << "positions are replaced where they stand";
+      const auto x = result.field("x"), y = result.field("y"), z = result.field("z");
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        for (const auto& [made, expected] : {std::pair{x[i], moved[i].x}, {y[i], moved[i].y}, {z[i], moved[i].z}}) {
+          ASSERT_TRUE(made == expected || (std::isnan(made) && std::isnan(expected))) << i;
+        }
+      }
+    }
+  }
+}
+
 TEST(Run, SeveralInputsAreOneCloudWithoutSeams) {
   for (const auto& [name, shape] : hostile_shapes()) {
     SCOPED_TRACE(name);
