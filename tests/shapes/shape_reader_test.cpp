@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <cmath>
@@ -35,6 +36,7 @@ TEST(ShapeReader, MakesTheSameBytesInPiecesOfAnySize) {
 
 TEST(ShapeReader, MakesTheSameBytesWithAnyNumberOfThreads) {
   const auto with_threads = [](int threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     return tbb::task_arena(threads).execute([] { return records_of("statue", many_options()); });
   };
   EXPECT_EQ(with_threads(1), with_threads(4));
