@@ -29,7 +29,12 @@ std::uint64_t window_bytes(const SweepPlan& plan, std::uint64_t slab_points, std
                            const MemoryDemand& demand) {
   const std::uint64_t active = std::min(points, window_slabs(plan, demand.threads) * slab_points);
   const std::uint64_t loading = std::min(points, slab_points) * (demand.working_record_bytes + 3 * 8 + 8 + 4 + 16);
-  return active * window_point_bytes(plan) + std::max(1u, demand.threads) * loading;
+  // Each thread has a cell in hand: its lists, what is made of them, the candidates of a point.
+  const std::uint64_t listed =
+      plan.neighborhood.k == Neighborhood::kUnlimited ? 1024 : std::min<std::uint64_t>(plan.neighborhood.k, points);
+  const std::uint64_t in_hand =
+      std::min<std::uint64_t>(points, 1024) * (4 * listed + 2 * plan.result_bytes) + 128 * listed;
+  return active * window_point_bytes(plan) + std::max(1u, demand.threads) * (loading + in_hand);
 }
 
 std::uint64_t limit_of_control_group() {
