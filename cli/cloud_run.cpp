@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-RunOptions run_options(const CommonOptions& options, ProgressDisplay& display) {
+RunOptions run_options(const CommonOptions& options) {
   RunOptions run;
   run.memory_bytes = options.memory;
   run.threads = static_cast<unsigned>(options.threads);
@@ -24,11 +24,12 @@ RunOptions run_options(const CommonOptions& options, ProgressDisplay& display) {
   run.axis = options.axis;
   run.order = options.order;
   run.overwrite = options.force;
-  run.progress = [&display](const Progress& p) {
-    stop_if_interrupted();
-    display.report(p.phase, p.done, p.total);
-  };
   return run;
+}
+
+Cloud open_inputs(const InputsAndOutput& paths) {
+  if (paths.files.size() < 2) fail_usage("IN... OUT: name at least one file to read, and last the file to write.");
+  return Cloud(paths.inputs());
 }
 
 /// "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory; 3 without a result"
@@ -57,12 +58,16 @@ void add_run_options(CLI::App& verb, CommonOptions& options) {
 
 void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
                     const std::function<Statistics(Cloud& cloud, const RunOptions& options)>& work) {
-  if (paths.files.size() < 2) fail_usage("IN... OUT: name at least one file to read, and last the file to write.");
-  Cloud cloud(paths.inputs());
+  Cloud cloud = open_inputs(paths);
   std::optional<OutputFile> stats;  // made first: a place that cannot be written is known before the work, not after
   if (!options.stats.empty()) stats.emplace(options.stats, options.force);
   ProgressDisplay display(options);
-  const Statistics statistics = work(cloud, run_options(options, display));
+  RunOptions run = run_options(options);
+  run.progress = [&display](const Progress& p) {
+    stop_if_interrupted();
+    display.report(p.phase, p.done, p.total);
+  };
+  const Statistics statistics = work(cloud, run);
   if (stats) {
     const std::string json = to_json(statistics) + "\n";
     stats->append(std::as_bytes(std::span(json)));
@@ -70,6 +75,12 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
   }
   for (const std::string& warning : statistics.warnings) display.say(warning);
   display.say(conclusion(paths.output(), statistics));
+}
+
+void look_at_cloud(const InputsAndOutput& paths, const CommonOptions& options,
+                   const std::function<void(Cloud& cloud, const RunOptions& options)>& work) {
+  Cloud cloud = open_inputs(paths);
+  work(cloud, run_options(options));
 }
 
 }  // namespace pointsweep

@@ -27,4 +27,8 @@ void add_run_options(CLI::App& verb, CommonOptions& options);
 void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
                     const std::function<Statistics(Cloud& cloud, const RunOptions& options)>& work);
 
+/// Opens the inputs as one cloud for `work` that writes nothing, without progress and statistics.
+void look_at_cloud(const InputsAndOutput& paths, const CommonOptions& options,
+                   const std::function<void(Cloud& cloud, const RunOptions& options)>& work);
+
 }  // namespace pointsweep

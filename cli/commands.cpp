@@ -7,6 +7,8 @@ void add_commands(CLI::App& app) {
   add_normals_command(app);
   add_neighbors_command(app);
   add_sort_command(app);
+  add_run_command(app);
+  add_operators_command(app);
   add_info_command(app);
   add_generate_command(app);
   for (CLI::App* verb : app.get_subcommands({})) verb->group("Verbs");

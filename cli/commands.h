@@ -10,6 +10,8 @@ namespace pointsweep {
 void add_normals_command(CLI::App& app);
 void add_neighbors_command(CLI::App& app);
 void add_sort_command(CLI::App& app);
+void add_run_command(CLI::App& app);
+void add_operators_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_generate_command(CLI::App& app);
 

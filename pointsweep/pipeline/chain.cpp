@@ -30,7 +30,8 @@ class Planner {
     plan_.stages.push_back(std::move(stage));
   }
 
-  void finish() {
+  void finish(const std::vector<std::string>& keep) {
+    keep_only(keep);
     plan_.steps.push_back(plan_.stages.size());
     std::uint32_t offset = 0;
     for (const Attribute& a : out_.made) {
@@ -50,6 +51,19 @@ class Planner {
   bool made_in_this_step(std::uint16_t column) const {
     const auto made = made_in_step_.find(column);
     return made != made_in_step_.end() && made->second == plan_.steps.size() - 1;
+  }
+
+  void keep_only(const std::vector<std::string>& keep) {
+    if (keep.empty()) return;
+    std::string names;
+    for (const Attribute& a : out_.made) names += (names.empty() ? "" : ", ") + a.name;
+    for (const std::string& name : keep) {
+      const auto bears_it = [&](const Attribute& a) { return a.name == name; };
+      if (std::none_of(out_.made.begin(), out_.made.end(), bears_it))
+        fail_usage("'{}' cannot be kept, since no stage makes it; what is made is {}.", name, names);
+    }
+    std::erase_if(out_.made,
+                  [&](const Attribute& a) { return std::find(keep.begin(), keep.end(), a.name) == keep.end(); });
   }
 
   std::uint16_t new_column(const Attribute& a) {
@@ -119,7 +133,7 @@ PlannedChain plan_chain(const Chain& chain, const Schema& input) {
   out.plan.neighborhood = chain.neighborhood;
   Planner planner(input, out);
   for (const auto& op : chain.operators) planner.add(op);
-  planner.finish();
+  planner.finish(chain.keep);
   return out;
 }
 

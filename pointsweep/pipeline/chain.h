@@ -16,6 +16,7 @@ namespace pointsweep {
 struct Chain {
   Neighborhood neighborhood;
   std::vector<std::shared_ptr<const Operator>> operators;
+  std::vector<std::string> keep = {};  ///< names of the made attributes to write; empty: all of them
 };
 
 /// A plan whose file columns are still names, and the attributes that will be written.
@@ -23,7 +24,8 @@ struct PlannedChain {
   SweepPlan plan;
   /// For each of plan.file_columns, the fields of the input it is made of.
   std::vector<std::vector<std::string>> file_fields;
-  /// The last version of every attribute made, in the order first made; result records hold them one after another.
+  /// The last version of every attribute made and kept, in the order first made; result records hold them one after
+  /// another.
   std::vector<Attribute> made;
 
   /// Indices of the input's fields that must travel with the points.
@@ -33,7 +35,8 @@ struct PlannedChain {
 };
 
 /// Throws UsageError in a sentence naming the stage when k is 0, a radius is negative, or an operator reads an
-/// attribute that neither the input nor an earlier stage has. `input` names the cloud's fields.
+/// attribute that neither the input nor an earlier stage has, and when an attribute to keep is made by no stage.
+/// `input` names the cloud's fields.
 PlannedChain plan_chain(const Chain& chain, const Schema& input);
 
 }  // namespace pointsweep

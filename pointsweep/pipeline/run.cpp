@@ -11,6 +11,7 @@
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/temp_folder.h"
+#include "pointsweep/pipeline/demand.h"
 #include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/pipeline/output_set.h"
 #include "pointsweep/pipeline/pipeline.h"
@@ -109,18 +110,8 @@ class Run {
   }
 
   MemoryPlan plan_memory_for(const SweepPlan& plan, std::uint64_t result_bytes, bool whole, std::size_t payload) const {
-    const Schema& schema = cloud_.schema();
-    const PositionFields p = position_fields(schema, name_of_cloud());
-    const std::uint64_t carried =
-        whole ? schema.stride : size_of(p.x.type) + size_of(p.y.type) + size_of(p.z.type) + 8 * payload;
-    std::uint64_t slab =
-        options_.slab_points != 0 ? options_.slab_points : recommended_slab_points(cloud_.count(), survey_.dimension);
     MemoryPlan memory = plan_memory(statistics_.memory_budget_bytes, plan,
-                                    {.points = cloud_.count(),
-                                     .working_record_bytes = carried + (cloud_.count() >> 32 ? 8 : 4),
-                                     .result_record_bytes = result_bytes,
-                                     .slab_points = slab,
-                                     .threads = statistics_.threads});
+                                    memory_demand(cloud_, survey_, options_, whole, payload, result_bytes));
     if (options_.spill) {
       memory.spill_stream = memory.spill_results = true;
       memory.result_buffer_bytes = std::max<std::uint64_t>(memory.result_buffer_bytes, 1 << 20);

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+/// `pointsweep operators`: what a pipeline can be made of, as the declarations say.
+#include "cli/commands.h"
+#include "pointsweep/error.h"
+#include "pointsweep/pipeline/registry.h"
+
+namespace pointsweep {
+namespace {
+
+void print_options(const std::vector<OptionDeclaration>& options) {
+  for (const OptionDeclaration& o : options) {
+    const std::string preset = o.preset.empty() ? "" : fmt::format(" (default: {})", o.preset);
+    fmt::print("  {:<12} {}: {}{}\n", o.name, o.allowed(), o.meaning, preset);
+  }
+}
+
+/// "normal (nx ny nz float32), k1 (float32)"
+std::string attribute_text(const std::vector<Attribute>& attributes) {
+  std::string text;
+  for (const Attribute& a : attributes) {
+    text += (text.empty() ? "" : ", ") + a.name + " (";
+    for (const std::string& field : a.fields)
+      if (field != a.name) text += field + " ";
+    text += fmt::format("{})", name_of(a.type));
+  }
+  return text;
+}
+
+void print_attributes(const char* what, const std::vector<Attribute>& attributes) {
+  if (!attributes.empty()) fmt::print("  {:<12} {}\n", what, attribute_text(attributes));
+}
+
+void print_operators() {
+  const NeighborhoodDeclaration& knn = neighborhood_declaration();
+  fmt::print("{}: {}; first, or left out\n", knn.name, knn.meaning);
+  print_options(knn.options);
+  for (const OperatorDeclaration& declaration : all_operators()) {
+    fmt::print("{}: {}\n", declaration.name, declaration.meaning);
+    print_options(declaration.options);
+    const OptionValues presets(declaration.options, {declaration.name, {}, "operators"});
+    const Contract contract = declaration.make(presets, {})->contract();
+    print_attributes("needs", contract.reads);
+    print_attributes("of neighbours", contract.reads_neighbors);
+    print_attributes("makes", contract.makes);
+  }
+}
+
+}  // namespace
+
+void add_operators_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("operators", "List the operators, their options, what they need and make");
+  verb.footer(
+      "Needs and makes are those of an operator without options.\n"
+      "\nExample:\n"
+      "  pointsweep operators");
+  verb.callback(print_operators);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/build_chain.h"
+
+#include <algorithm>
+
+#include "pointsweep/error.h"
+#include "pointsweep/order/survey.h"
+
+namespace pointsweep {
+namespace {
+
+double diagonal_of(Cloud& cloud) {
+  const PointSource source{cloud.schema(), cloud.count(),
+                           [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
+  const Box bounds = survey(source, std::nullopt, true).bounds;
+  return bounds.diagonal();
+}
+
+bool any_needs_diagonal(const std::vector<StageText>& stages) {
+  return std::any_of(stages.begin(), stages.end(), [](const StageText& stage) {
+    return stage.name != neighborhood_declaration().name && find_operator(stage).needs_diagonal;
+  });
+}
+
+}  // namespace
+
+Chain build_chain(const std::vector<StageText>& stages, const CloudFacts& facts) {
+  const NeighborhoodDeclaration& knn = neighborhood_declaration();
+  Chain chain;
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const StageText& stage = stages[i];
+    if (stage.name != knn.name) {
+      const OperatorDeclaration& declaration = find_operator(stage);
+      chain.operators.push_back(declaration.make(OptionValues(declaration.options, stage), facts));
+    } else if (i == 0) {
+      chain.neighborhood = make_neighborhood(OptionValues(knn.options, stage));
+    } else {
+      fail_usage("{}: knn comes once and first, since all stages share its neighbourhoods.", stage.place);
+    }
+  }
+  return chain;
+}
+
+Chain build_chain(const std::vector<StageText>& stages, Cloud& cloud, const std::vector<std::string>& keep) {
+  CloudFacts facts{.points = cloud.count()};
+  Chain chain = build_chain(stages, facts);
+  if (chain.operators.empty()) fail_usage("The pipeline makes nothing; add an operator, as in knn(k=8) | normals.");
+  chain.keep = keep;
+  plan_chain(chain, cloud.schema());
+  if (!any_needs_diagonal(stages)) return chain;
+  facts.diagonal = diagonal_of(cloud);
+  chain.operators = build_chain(stages, facts).operators;
+  return chain;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+/// From the words of a pipeline to the chain that runs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/cloud.h"
+#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/pipeline/registry.h"
+
+namespace pointsweep {
+
+/// Throws UsageError, naming the place, for what nobody knows, what is out of range, and a knn that is not the first
+/// stage. Without knn, the 8 nearest are the neighbours.
+Chain build_chain(const std::vector<StageText>& stages, const CloudFacts& facts);
+
+/// The same for a cloud that is at hand. The chain is checked against the cloud's attributes before any point is read;
+/// only then, and only where an operator needs it, all points are read once for their bounds.
+Chain build_chain(const std::vector<StageText>& stages, Cloud& cloud, const std::vector<std::string>& keep = {});
+
+}  // namespace pointsweep

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/nearest_names.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace pointsweep {
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string nearest_names(std::string_view word, const std::vector<std::string>& known) {
+  std::vector<std::string> names = known;
+  const auto nearer = [&](const std::string& a, const std::string& b) {
+    return edit_distance(word, a) < edit_distance(word, b);
+  };
+  std::stable_sort(names.begin(), names.end(), nearer);
+  names.resize(std::min<std::size_t>(names.size(), 3));
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + ("'" + names[i] + "'");
+  return text;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/parse.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::string_view kSpace = " \t\r\n";
+constexpr std::size_t kMostBytes = 1 << 20;  // of a file that is taken for a pipeline
+
+bool is_name_character(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.' || c == '-';
+}
+
+/// Of a value without quotes.
+bool is_bare(char c) { return is_name_character(c) || c == '+' || c == '%' || c == ':' || c == '/'; }
+
+/// Recursive descent through
+///   pipeline = stage {"|" stage}            stage = name ["(" [option {"," option}] ")"]
+///   option = name "=" value                 value = bare | quoted | "[" bare {"," bare} "]"
+class Parser {
+ public:
+  Parser(std::string_view text, std::string_view source) : text_(text), source_(source) {}
+
+  std::vector<StageText> pipeline() {
+    std::vector<StageText> stages;
+    do {
+      stages.push_back(stage());
+    } while (take('|'));
+    if (at_ < text_.size()) expected("'|' or the end");
+    return stages;
+  }
+
+ private:
+  StageText stage() {
+    skip_space();
+    StageText stage{{}, {}, place()};
+    stage.name = name("the name of an operator");
+    if (!take('(') || take(')')) return stage;
+    do {
+      stage.options.push_back(option());
+    } while (take(','));
+    if (!take(')')) expected("',' or ')'");
+    return stage;
+  }
+
+  OptionText option() {
+    skip_space();
+    OptionText option{{}, {}, place()};
+    option.name = name("the name of an option");
+    if (!take('=')) expected("'='");
+    option.value = value();
+    return option;
+  }
+
+  std::string value() {
+    skip_space();
+    if (at_ < text_.size() && (text_[at_] == '"' || text_[at_] == '\'')) return quoted();
+    if (!take('[')) return word(is_bare, "a value");
+    std::string list = word(is_bare, "a value");
+    while (take(',')) list += "," + word(is_bare, "a value");
+    if (!take(']')) expected("',' or ']'");
+    return list;
+  }
+
+  std::string quoted() {
+    const std::string start = place();
+    const char quote = text_[at_++];
+    std::string value;
+    for (; at_ < text_.size() && text_[at_] != quote; ++at_) {
+      if (text_[at_] == '\\' && at_ + 1 < text_.size()) ++at_;
+      value += text_[at_];
+    }
+    if (at_ >= text_.size()) fail_usage("{}: the quote that begins here does not end.", start);
+    ++at_;
+    return value;
+  }
+
+  std::string name(std::string_view what) { return word(is_name_character, what); }
+
+  std::string word(bool (*belongs)(char), std::string_view what) {
+    skip_space();
+    const std::size_t start = at_;
+    while (at_ < text_.size() && belongs(text_[at_])) ++at_;
+    if (at_ == start) expected(what);
+    return std::string(text_.substr(start, at_ - start));
+  }
+
+  bool take(char c) {
+    skip_space();
+    if (at_ >= text_.size() || text_[at_] != c) return false;
+    ++at_;
+    return true;
+  }
+
+  void skip_space() { at_ = std::min(text_.find_first_not_of(kSpace, at_), text_.size()); }
+  std::string place() const { return fmt::format("{}, column {}", source_, at_ + 1); }
+
+  [[noreturn]] void expected(std::string_view what) const {
+    if (at_ >= text_.size()) fail_usage("{}: {} is expected, but the text ends.", place(), what);
+    fail_usage("{}: {} is expected, not '{}'; a pipeline looks like knn(k=8) | normals(orient=up).", place(), what,
+               text_[at_]);
+  }
+
+  std::string_view text_, source_;
+  std::size_t at_ = 0;
+};
+
+bool is_list(std::string_view value) {
+  if (value.find(',') == value.npos || value.starts_with(',') || value.ends_with(',')) return false;
+  return value.find(",,") == value.npos &&
+         std::all_of(value.begin(), value.end(), [](char c) { return c == ',' || is_bare(c); });
+}
+
+std::string value_text(const std::string& value) {
+  if (!value.empty() && std::all_of(value.begin(), value.end(), is_bare)) return value;
+  if (is_list(value)) return "[" + value + "]";
+  std::string quoted = "\"";
+  for (const char c : value) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string content_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text(kMostBytes + 1, '\0');
+  if (file) file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad() || !file.is_open()) fail("{}: the pipeline cannot be read; check the name and its permissions.", path);
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > kMostBytes) fail_usage("{}: is larger than 1 MB, so it is hardly a pipeline.", path);
+  return text;
+}
+
+}  // namespace
+
+bool is_name(std::string_view name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), is_name_character);
+}
+
+std::vector<StageText> parse_pipeline(std::string_view text, std::string_view source) {
+  const std::size_t first = text.find_first_not_of(kSpace);
+  if (first == text.npos) fail_usage("{}: is empty; write one such as knn(k=8) | normals.", source);
+  if (text[first] == '[' || text[first] == '{') return parse_json_pipeline(text, source);
+  return Parser(text, source).pipeline();
+}
+
+std::vector<StageText> parse_pipeline_or_file(const std::string& text_or_file) {
+  const bool file = std::filesystem::path(text_or_file).extension() == ".json";
+  return file ? parse_json_pipeline(content_of(text_or_file), text_or_file) : parse_pipeline(text_or_file);
+}
+
+std::string to_text(const std::vector<StageText>& stages) {
+  std::string text;
+  for (const StageText& stage : stages) {
+    text += (text.empty() ? "" : " | ") + stage.name;
+    for (std::size_t i = 0; i < stage.options.size(); ++i)
+      text += (i == 0 ? "(" : ", ") + stage.options[i].name + "=" + value_text(stage.options[i].value);
+    if (!stage.options.empty()) text += ")";
+  }
+  return text;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// Pipelines as people write them, before anything is known of the operators they name:
+///   knn(k=8) | normals(orient=viewpoint, viewpoint=[0,0,1.7])
+/// or the same as JSON, an array of stages, alone or as PDAL has it under the key "pipeline":
+///   [{"type": "knn", "k": 8}, {"type": "normals", "orient": "viewpoint", "viewpoint": [0, 0, 1.7]}]
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pointsweep {
+
+/// What is said of an option. A list has become its elements with commas between, as "0,0,1.7".
+struct OptionText {
+  std::string name, value;
+  std::string place;  ///< for messages, e.g. "pipeline, column 12" or "chain.json, stage 2"
+
+  friend bool operator==(const OptionText& a, const OptionText& b) { return a.name == b.name && a.value == b.value; }
+};
+
+struct StageText {
+  std::string name;
+  std::vector<OptionText> options;
+  std::string place;
+
+  friend bool operator==(const StageText& a, const StageText& b) { return a.name == b.name && a.options == b.options; }
+};
+
+/// Reads either form: a text that begins with [ or { is JSON. Values with other characters than letters, digits and
+/// _ . + - % : / are put into quotes, single or double, with \ before a quote or a \. Throws UsageError that names the
+/// place; `source` is what the text is called there.
+std::vector<StageText> parse_pipeline(std::string_view text, std::string_view source = "pipeline");
+
+/// JSON only.
+std::vector<StageText> parse_json_pipeline(std::string_view text, std::string_view source);
+
+/// The content of a file if the name ends with .json, otherwise the text itself.
+std::vector<StageText> parse_pipeline_or_file(const std::string& text_or_file);
+
+/// The stages in the first form; parse_pipeline() of it gives them back.
+std::string to_text(const std::vector<StageText>& stages);
+
+/// Whether `name` may be the name of an operator or an option: letters, digits, _ . and -.
+bool is_name(std::string_view name);
+
+}  // namespace pointsweep

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/registry.h"
+
+#include "pointsweep/error.h"
+#include "pointsweep/operators/normals.h"
+#include "pointsweep/pipeline/nearest_names.h"
+
+namespace pointsweep {
+namespace {
+
+std::shared_ptr<const Operator> make_normals(const OptionValues& options, const CloudFacts&) {
+  NormalsOptions normals;
+  const std::string& orient = options.choice("orient");
+  if (orient == "up") normals.orient = Orient::up;
+  if (orient == "input") normals.orient = Orient::input;
+  if (orient == "viewpoint") normals.orient = Orient::viewpoint;
+  const bool towards = normals.orient == Orient::viewpoint;
+  if (towards && !options.given("viewpoint"))
+    fail_usage("{}: orient=viewpoint needs the point, as in viewpoint=[0,0,1.7].", options.where());
+  if (!towards && options.given("viewpoint"))
+    fail_usage("{}: viewpoint is used only with orient=viewpoint; add that, or leave the point out.", options.where());
+  if (towards) normals.viewpoint = options.point("viewpoint");
+  return std::make_shared<Normals>(normals);
+}
+
+std::vector<OperatorDeclaration> declare_operators() {
+  return {
+      {.name = "normals",
+       .meaning = "unit normals of the surface, by the weighted covariance of the neighbours",
+       .options = {{.name = "orient",
+                    .kind = OptionKind::choice,
+                    .preset = "none",
+                    .meaning = "side to point to: any, upwards, to the viewpoint, or as normals already there",
+                    .choices = {"none", "up", "viewpoint", "input"}},
+                   {.name = "viewpoint",
+                    .kind = OptionKind::point,
+                    .preset = "",
+                    .meaning = "where the scanner stood, in the coordinates of the cloud; with orient=viewpoint"}},
+       .make = make_normals},
+  };
+}
+
+}  // namespace
+
+const std::vector<OperatorDeclaration>& all_operators() {
+  static const std::vector<OperatorDeclaration> operators = declare_operators();
+  return operators;
+}
+
+const NeighborhoodDeclaration& neighborhood_declaration() {
+  static const NeighborhoodDeclaration knn{
+      .name = "knn",
+      .meaning = "neighbours for all stages: the k nearest, those within a radius, or the k nearest of these",
+      .options = {{.name = "k",
+                   .kind = OptionKind::whole,
+                   .preset = "8",
+                   .meaning = "how many, the point itself not counted; with a radius alone, all within it",
+                   .least = 1},
+                  {.name = "radius",
+                   .kind = OptionKind::number,
+                   .preset = "",
+                   .meaning = "no farther than this, in the unit of the coordinates"}}};
+  return knn;
+}
+
+Neighborhood make_neighborhood(const OptionValues& options) {
+  Neighborhood neighborhood;
+  const bool all = options.given("radius") && !options.given("k");
+  neighborhood.k = all ? Neighborhood::kUnlimited : options.whole("k");
+  if (options.given("radius")) neighborhood.radius = options.number("radius");
+  return neighborhood;
+}
+
+const OperatorDeclaration& find_operator(const StageText& stage) {
+  std::vector<std::string> names = {neighborhood_declaration().name};
+  for (const OperatorDeclaration& declaration : all_operators()) {
+    if (declaration.name == stage.name) return declaration;
+    names.push_back(declaration.name);
+  }
+  fail_usage("{}: no operator is called '{}'; the nearest are {}.", stage.place, stage.name,
+             nearest_names(stage.name, names));
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// The operators by name. A new one is its own pair of files and an entry in registry.cpp: from the declaration come
+/// the pipeline language, JSON, help and messages.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operators/operator.h"
+#include "pointsweep/pipeline/options.h"
+#include "pointsweep/search/best_list.h"
+
+namespace pointsweep {
+
+/// What of a cloud an operator may have to know before it is made.
+struct CloudFacts {
+  std::uint64_t points = 0;
+  double diagonal = 1;  ///< of the box around all finite points; found only for operators that say they need it
+};
+
+struct OperatorDeclaration {
+  std::string name;
+  std::string meaning;  ///< one line
+  std::vector<OptionDeclaration> options;
+  std::function<std::shared_ptr<const Operator>(const OptionValues&, const CloudFacts&)> make;
+  bool needs_diagonal = false;
+};
+
+/// In the order of their presentation.
+const std::vector<OperatorDeclaration>& all_operators();
+
+/// The one word of a pipeline that is no operator: what all stages take for neighbours.
+struct NeighborhoodDeclaration {
+  std::string name;
+  std::string meaning;
+  std::vector<OptionDeclaration> options;
+};
+const NeighborhoodDeclaration& neighborhood_declaration();
+Neighborhood make_neighborhood(const OptionValues& options);
+
+/// The operator `stage` names. Throws UsageError naming the nearest known ones.
+const OperatorDeclaration& find_operator(const StageText& stage);
+
+}  // namespace pointsweep

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/registry.h"
+#include "tests/cli/tool.h"
+
+namespace pointsweep {
+namespace {
+
+class RunVerb : public Tool {
+ protected:
+  RunVerb() { EXPECT_EQ(tool("generate statue in.ply -n 4000 --noise 0.002").status, 0); }
+};
+
+TEST_F(RunVerb, APipelineOfNormalsIsTheVerbNormals) {
+  EXPECT_EQ(made("run in.ply a.ply --pipeline 'knn(k=12) | normals(orient=up)'", "a.ply"),
+            made("normals in.ply b.ply -k 12 --orient up", "b.ply"));
+  EXPECT_EQ(made("run in.ply c.ply --pipeline normals --order sweep --axis x", "c.ply"),
+            made("normals in.ply d.ply --order sweep --axis x", "d.ply"));
+}
+
+TEST_F(RunVerb, JsonInlineAndInAFileSayTheSame) {
+  const std::string json = R"([{"type": "knn", "k": 12}, {"type": "normals"}])";
+  write("chain.json", "{\"pipeline\": " + json + "}\n");
+  const std::string text = made("run in.ply a.ply --pipeline 'knn(k=12) | normals'", "a.ply");
+  EXPECT_EQ(made("run in.ply b.ply --pipeline '" + json + "'", "b.ply"), text);
+  EXPECT_EQ(made("run in.ply c.ply --pipeline chain.json", "c.ply"), text);
+}
+
+TEST_F(RunVerb, KeepChoosesWhatIsWritten) {
+  const std::string all = made("run in.ply a.ply --pipeline normals", "a.ply");
+  EXPECT_EQ(made("run in.ply b.ply --pipeline normals --keep normal", "b.ply"), all);
+  refused(2, "run in.ply c.ply --pipeline normals --keep colour", "what is made is normal");
+  refused(2, "run in.ply c.ply --pipeline normals --keep normal,", "--keep");
+  EXPECT_FALSE(exists("c.ply"));
+}
+
+TEST_F(RunVerb, DryRunSaysThePlanAndWritesNothing) {
+  const Result result = tool("run in.ply out.ply --pipeline 'knn(k=12) | normals' --dry-run --memory 200M");
+  EXPECT_EQ(result.status, 0) << result.err;
+  for (const char* words :
+       {"4000", "the 12 nearest", "1 normals", "through", "nx ny nz", "12 bytes", "slabs", "200.0 MB"})
+    EXPECT_NE(result.out.find(words), std::string::npos) << words << "\n" << result.out;
+  EXPECT_FALSE(exists("out.ply"));
+  refused(1, "run in.ply out.ply --pipeline normals --dry-run --memory 1M", "too small");
+}
+
+TEST_F(RunVerb, WhatMakesNoSenseIsStatus2AndNamesThePlace) {
+  refused(2, "run in.ply out.ply", "--pipeline");
+  refused(2, "run in.ply --pipeline normals", "IN... OUT");
+  refused(2, "run in.ply out.ply --pipeline 'knn(k=12) | nromals'", "column 13: no operator is called 'nromals'");
+  refused(2, "run in.ply out.ply --pipeline 'knn(k=12'", "column 9");
+  refused(2, "run in.ply out.ply --pipeline 'knn(k=12)'", "makes nothing");
+  refused(2, "run in.ply out.ply --pipeline '[{\"type\": \"normals\", \"orient\": \"in\"}]'", "stage 1");
+  refused(1, "run in.ply out.ply --pipeline none.json", "none.json");
+  EXPECT_FALSE(exists("out.ply"));
+}
+
+TEST_F(RunVerb, OperatorsAreListedWithEveryOption) {
+  const std::string out = tool("operators").out;
+  EXPECT_TRUE(out.starts_with("knn: ")) << out;
+  for (const OperatorDeclaration& declaration : all_operators()) {
+    const auto at = out.find("\n" + declaration.name + ": " + declaration.meaning);
+    ASSERT_NE(at, std::string::npos) << declaration.name;
+    for (const OptionDeclaration& option : declaration.options)
+      EXPECT_NE(out.find("\n  " + option.name + " ", at), std::string::npos) << option.name;
+    EXPECT_NE(out.find("\n  makes ", at), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/registry.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "pointsweep/operators/normals.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/nearest_names.h"
+#include "pointsweep/pipeline/preview.h"
+#include "tests/pipeline/in_memory.h"
+#include "tests/pipeline/refusal.h"
+
+namespace pointsweep {
+namespace {
+
+/// A noisy paraboloid, its normals neither all up nor all towards one point.
+std::vector<Vec3> surface() {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::vector<Vec3> points(600);
+  for (Vec3& p : points) {
+    p.x = uniform(random), p.y = uniform(random);
+    p.z = 2 * p.x * p.x - p.y * p.y + 0.02 * uniform(random);
+  }
+  return points;
+}
+
+Schema schema_with_normals() {
+  Schema schema;
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) schema.append(name, Type::f32);
+  return schema;
+}
+
+Chain chain_of(const std::string& text) { return build_chain(parse_pipeline(text), CloudFacts{}); }
+
+std::vector<std::byte> records_of(const std::string& text) {
+  return run_in_memory(surface(), chain_of(text), {}).records;
+}
+
+void expect_refused(const std::string& text, const std::string& words) {
+  const std::string sentence = refusal([&] { chain_of(text); });
+  EXPECT_NE(sentence.find(words), std::string::npos) << text << "\n" << sentence;
+}
+
+TEST(Registry, NamesAreUniqueAndCanBeWritten) {
+  std::set<std::string> names = {neighborhood_declaration().name};
+  for (const OperatorDeclaration& declaration : all_operators()) {
+    EXPECT_TRUE(is_name(declaration.name));
+    EXPECT_TRUE(names.insert(declaration.name).second) << declaration.name;
+    EXPECT_FALSE(declaration.meaning.empty());
+    std::set<std::string> options;
+    for (const OptionDeclaration& option : declaration.options) {
+      EXPECT_TRUE(is_name(option.name) && options.insert(option.name).second) << option.name;
+      EXPECT_FALSE(option.meaning.empty());
+    }
+  }
+}
+
+TEST(Registry, EveryPresetIsAllowedAndMakesTheOperatorOfThatName) {
+  for (const OperatorDeclaration& declaration : all_operators()) {
+    for (const OptionDeclaration& option : declaration.options)
+      if (!option.preset.empty()) EXPECT_NO_THROW(option.check(option.preset, "preset")) << option.name;
+    const OptionValues presets(declaration.options, {declaration.name, {}, ""});
+    EXPECT_EQ(declaration.make(presets, {})->name(), declaration.name);
+  }
+}
+
+TEST(Registry, APresetSpelledOutChangesNothing) {
+  EXPECT_EQ(records_of("normals"), records_of("knn | normals"));
+  EXPECT_EQ(records_of("normals"), records_of("knn(k=8) | normals(orient=none)"));
+}
+
+TEST(Registry, EveryOptionOfKnnChangesTheOutput) {
+  const auto plain = records_of("normals");
+  EXPECT_NE(records_of("knn(k=12) | normals"), plain);
+  EXPECT_NE(records_of("knn(radius=0.2) | normals"), plain);
+  EXPECT_NE(records_of("knn(k=8, radius=0.05) | normals"), plain);
+  EXPECT_NE(records_of("knn(k=8, radius=0.2) | normals"), records_of("knn(radius=0.2) | normals"));
+}
+
+TEST(Registry, EveryOptionOfNormalsChangesTheOutput) {
+  const auto plain = records_of("normals");
+  const auto up = records_of("normals(orient=up)"), seen = records_of("normals(orient=viewpoint, viewpoint=[0,0,-9])");
+  EXPECT_NE(up, plain);
+  EXPECT_NE(seen, plain);
+  EXPECT_NE(seen, up);
+  EXPECT_NE(records_of("normals(orient=viewpoint, viewpoint=[0,9,0])"), seen);
+  EXPECT_NE(records_of("normals(orient=up) | normals(orient=input)"), plain);
+}
+
+TEST(Registry, PipelinesAreTheChainsOneWouldBuildByHand) {
+  const Chain by_hand{{.k = 12}, {std::make_shared<Normals>(NormalsOptions{.orient = Orient::up, .viewpoint = {}})}};
+  EXPECT_EQ(records_of("knn(k=12) | normals(orient=up)"), run_in_memory(surface(), by_hand, {}).records);
+}
+
+TEST(Registry, UnknownNamesGetTheNearestKnownOnes) {
+  expect_refused("normal", "column 1: no operator is called 'normal'; the nearest are 'normals'");
+  expect_refused("knn | nrmals(orient=up)", "column 7: no operator is called 'nrmals'");
+  expect_refused("normals(orientation=up)",
+                 "column 9: normals has no option 'orientation'; the nearest it has are 'orient'");
+  expect_refused("knn(n=8) | normals", "knn has no option 'n'");
+  expect_refused(R"([{"type": "knn"}, {"type": "normal"}])", "pipeline, stage 2: no operator");
+}
+
+TEST(Registry, ValuesOutOfRangeAreRefusedWithTheRange) {
+  expect_refused("knn(k=0) | normals", "column 5: knn: k is a whole number, 1 or more, not '0'");
+  expect_refused("knn(k=-3)", "not '-3'");
+  expect_refused("knn(k=2.5)", "not '2.5'");
+  expect_refused("knn(k=99999999999999999999)", "k is a whole number");
+  expect_refused("knn(radius=-1)", "radius is a number, 0 or more, not '-1'");
+  expect_refused("knn(radius=nan)", "not 'nan'");
+  expect_refused("knn(radius=inf)", "not 'inf'");
+  expect_refused("normals(orient=sideways)", "orient is none, up, viewpoint or input, not 'sideways'");
+  expect_refused("normals(orient=viewpoint, viewpoint=[1,2])", "viewpoint is three numbers X,Y,Z, not '1,2'");
+  expect_refused("normals(orient=viewpoint, viewpoint=[1,2,3,4])", "not '1,2,3,4'");
+  expect_refused("normals(orient=viewpoint, viewpoint=[1,2,inf])", "not '1,2,inf'");
+}
+
+TEST(Registry, OptionsThatWouldDoNothingAreRefused) {
+  expect_refused("normals(viewpoint=[0,0,1])", "viewpoint is used only with orient=viewpoint");
+  expect_refused("normals(orient=up, viewpoint=[0,0,1])", "viewpoint is used only with orient=viewpoint");
+  expect_refused("normals(orient=viewpoint)", "needs the point");
+  expect_refused("knn(k=8, k=9)", "column 10: knn: 'k' is given twice");
+}
+
+TEST(Registry, KnnComesOnceAndFirst) {
+  expect_refused("normals | knn(k=8)", "column 11: knn comes once and first");
+  expect_refused("knn | knn | normals", "column 7: knn comes once and first");
+}
+
+TEST(Registry, NearestNamesAreOrderedByEdits) {
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
+  EXPECT_EQ(edit_distance("", "abc"), 3u);
+  EXPECT_EQ(edit_distance("abc", "abc"), 0u);
+  EXPECT_EQ(nearest_names("bat", {"dog", "cats", "bat", "cat"}), "'bat', 'cat' or 'cats'");
+  EXPECT_EQ(nearest_names("x", {"only"}), "'only'");
+}
+
+TEST(Keep, WritesOnlyWhatItNames) {
+  Chain chain = chain_of("normals");
+  const RunResult all = run_in_memory(surface(), chain, {});
+  chain.keep = {"normal"};
+  EXPECT_EQ(run_in_memory(surface(), chain, {}).records, all.records);
+  EXPECT_EQ(plan_chain(chain, schema_with_normals()).plan.result_bytes, 12u);
+}
+
+/// Makes two attributes that are told apart by their values.
+class Pair final : public Operator {
+ public:
+  std::string name() const override { return "pair"; }
+  Contract contract() const override {
+    return {{}, {}, {scalar("left", Type::f32, "1", "1"), scalar("right", Type::f64, "1", "2")}};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    for (std::size_t i = 0; i < in.size(); ++i) out.column<float>(0)[i] = 1, out.column<double>(1)[i] = 2;
+  }
+};
+
+TEST(Keep, TheOthersAreMadeForLaterStagesAndThenDropped) {
+  Chain chain{{}, {std::make_shared<Normals>(), std::make_shared<Pair>()}};
+  for (const Order order : {Order::input, Order::sweep}) {
+    RunOptions options;
+    options.order = order;
+    chain.keep = {"right"};
+    const RunResult right = run_in_memory(surface(), chain, options);
+    EXPECT_FALSE(right.schema.find("nx") || right.schema.find("left"));
+    for (const double value : right.field("right")) ASSERT_EQ(value, 2);
+    chain.keep = {"left", "normal"};
+    const RunResult left = run_in_memory(surface(), chain, options);
+    EXPECT_TRUE(left.schema.find("nx") && left.schema.find("left") && !left.schema.find("right"));
+    for (const double value : left.field("left")) ASSERT_EQ(value, 1);
+  }
+}
+
+TEST(Keep, UnknownNamesAreRefusedWithWhatIsMade) {
+  Chain chain{{}, {std::make_shared<Normals>(), std::make_shared<Pair>()}};
+  chain.keep = {"left", "centre"};
+  const std::string sentence = refusal([&] { plan_chain(chain, schema_with_normals()); });
+  EXPECT_EQ(sentence, "'centre' cannot be kept, since no stage makes it; what is made is normal, left, right.");
+}
+
+/// Looks at its neighbours' normals.
+class Across final : public Operator {
+ public:
+  std::string name() const override { return "across"; }
+  Contract contract() const override {
+    return {{scalar("left", Type::f32, "1", "1")}, {normal_attribute()}, {scalar("sum", Type::f32, "1", "")}};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    for (std::size_t i = 0; i < in.size(); ++i) out.column<float>(0)[i] = 0;
+  }
+};
+
+class PreviewOfAChain : public testing::Test {
+ protected:
+  PreviewOfAChain() {
+    for (const Vec3& p : surface()) xyz_.insert(xyz_.end(), {p.x, p.y, p.z});
+    std::vector<std::unique_ptr<Reader>> readers;
+    readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz_)));
+    cloud_.emplace(std::move(readers));
+  }
+  std::vector<double> xyz_;
+  std::optional<Cloud> cloud_;
+  Chain chain_{
+      {},
+      {std::make_shared<Pair>(), std::make_shared<Normals>(), std::make_shared<Across>(), std::make_shared<Normals>()}};
+};
+
+TEST_F(PreviewOfAChain, SaysWhenColumnsDie) {
+  chain_.keep = {"sum"};
+  const Preview p = preview(*cloud_, chain_);
+  ASSERT_EQ(p.columns.size(), 5u);
+  const auto expect = [&](std::size_t c, const char* name, const char* made_by, std::size_t last_step, bool written) {
+    EXPECT_EQ(p.columns[c].attribute, name);
+    EXPECT_EQ(p.columns[c].made_by, made_by);
+    EXPECT_EQ(p.columns[c].last_step, last_step) << name;
+    EXPECT_EQ(p.columns[c].written, written) << name;
+  };
+  expect(0, "left", "1 pair", 1, false);
+  expect(1, "right", "1 pair", 0, false);
+  expect(2, "normal", "2 normals", 1, false);
+  expect(3, "sum", "3 across", 1, true);
+  expect(4, "normal", "4 normals", 1, false);
+  EXPECT_EQ(p.planned.plan.result_bytes, 4u);
+}
+
+TEST_F(PreviewOfAChain, NamesTheBufferOfEveryStage) {
+  const std::string text = to_text(preview(*cloud_, chain_));
+  const auto line = [&](const std::string& start) {
+    const auto at = text.find("  " + start + " ");
+    return at == text.npos ? "" : text.substr(at, text.find('\n', at) - at);
+  };
+  EXPECT_NE(line("1 pair").find(" 1  through"), std::string::npos) << text;
+  EXPECT_NE(line("2 normals").find(" 1  through"), std::string::npos) << text;
+  EXPECT_NE(line("3 across").find(" 2  pre-buffer"), std::string::npos) << text;
+  EXPECT_NE(line("4 normals").find(" 2  through"), std::string::npos) << text;
+  EXPECT_NE(text.find("28 bytes a point"), std::string::npos) << text;
+}
+
+TEST_F(PreviewOfAChain, RefusesWhatARunWouldRefuse) {
+  RunOptions options;
+  options.memory_bytes = 1 << 20;
+  EXPECT_THROW(preview(*cloud_, chain_, options), Error);
+  chain_.operators.erase(chain_.operators.begin());
+  EXPECT_THROW(preview(*cloud_, chain_), UsageError);
+}
+
+TEST_F(PreviewOfAChain, ChainsAreCheckedAgainstTheCloud) {
+  EXPECT_NE(refusal([&] { build_chain(parse_pipeline("knn(k=3)"), *cloud_); }), "");
+  EXPECT_NE(refusal([&] { build_chain(parse_pipeline("normals(orient=input)"), *cloud_); }).find("needs 'normal'"),
+            std::string::npos);
+  EXPECT_NE(refusal([&] { build_chain(parse_pipeline("normals"), *cloud_, {"colour"}); }).find("'colour'"),
+            std::string::npos);
+  EXPECT_EQ(build_chain(parse_pipeline("normals"), *cloud_, {"normal"}).keep, std::vector<std::string>{"normal"});
+}
+
+}  // namespace
+}  // namespace pointsweep
