@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// `pointsweep operators`: what a pipeline can be made of, as the declarations say.
+/// `pointsweep operators [NAME...]`: what a pipeline can be made of, as the declarations say.
+#include <string>
+#include <vector>
+
 #include "cli/commands.h"
 #include "pointsweep/error.h"
 #include "pointsweep/pipeline/registry.h"
@@ -30,30 +33,45 @@ void print_attributes(const char* what, const std::vector<Attribute>& attributes
   if (!attributes.empty()) fmt::print("  {:<12} {}\n", what, attribute_text(attributes));
 }
 
-void print_operators() {
+void print_neighborhood() {
   const NeighborhoodDeclaration& knn = neighborhood_declaration();
   fmt::print("{}: {}; first, or left out\n", knn.name, knn.meaning);
   print_options(knn.options);
-  for (const OperatorDeclaration& declaration : all_operators()) {
-    fmt::print("{}: {}\n", declaration.name, declaration.meaning);
-    print_options(declaration.options);
-    const OptionValues presets(declaration.options, {declaration.name, {}, "operators"});
-    const Contract contract = declaration.make(presets, {})->contract();
-    print_attributes("needs", contract.reads);
-    print_attributes("of neighbours", contract.reads_neighbors);
-    print_attributes("makes", contract.makes);
+}
+
+void print_operator(const OperatorDeclaration& declaration) {
+  fmt::print("{}: {}\n", declaration.name, declaration.meaning);
+  print_options(declaration.options);
+  const OptionValues presets(declaration.options, {declaration.name, {}, "operators"});
+  const Contract contract = declaration.make(presets, {})->contract();
+  print_attributes("needs", contract.reads);
+  print_attributes("of neighbours", contract.reads_neighbors);
+  print_attributes("makes", contract.makes);
+}
+
+void print_operators(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (name == neighborhood_declaration().name)
+      print_neighborhood();
+    else
+      print_operator(find_operator({name, {}, "operators"}));
   }
+  if (!names.empty()) return;
+  print_neighborhood();
+  for (const OperatorDeclaration& declaration : all_operators()) print_operator(declaration);
 }
 
 }  // namespace
 
 void add_operators_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("operators", "List the operators, their options, what they need and make");
+  auto names = std::make_shared<std::vector<std::string>>();
+  verb.add_option("NAME", *names, "Those to list (default: all)")->type_name("");
   verb.footer(
       "Needs and makes are those of an operator without options.\n"
       "\nExample:\n"
-      "  pointsweep operators");
-  verb.callback(print_operators);
+      "  pointsweep operators knn normals");
+  verb.callback([names] { print_operators(*names); });
 }
 
 }  // namespace pointsweep

@@ -63,7 +63,10 @@ TEST_F(RunVerb, OperatorsAreListedWithEveryOption) {
     for (const OptionDeclaration& option : declaration.options)
       EXPECT_NE(out.find("\n  " + option.name + " ", at), std::string::npos) << option.name;
     EXPECT_NE(out.find("\n  makes ", at), std::string::npos);
+    EXPECT_NE(out.find(tool("operators " + declaration.name).out), std::string::npos);
   }
+  EXPECT_TRUE(out.starts_with(tool("operators knn").out));
+  refused(2, "operators nromals", "the nearest are 'normals'");
 }
 
 }  // namespace
