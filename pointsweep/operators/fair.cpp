@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/fair.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "pointsweep/error.h"
+#include "pointsweep/math/exp.h"
+#include "pointsweep/operators/splats.h"
+#include "pointsweep/operators/tangent_plane.h"
+
+namespace pointsweep {
+namespace {
+
+/// 1 / width; a width must be positive, finite and large enough to have a reciprocal.
+double inverse_width(std::string_view option, double width) {
+  const double inverse = 1 / width;
+  if (!(width > 0 && std::isfinite(width) && std::isfinite(inverse)))
+    fail_usage("fair: the width {} = {} is not a positive length; give one in the length unit of the cloud", option,
+               width);
+  return inverse;
+}
+
+/// Area of a splat over π; 0 where there is none.
+double area(float length, float ratio) {
+  const double a = double(length) * double(length) * double(ratio);
+  return a > 0 && std::isfinite(a) ? a : 0;
+}
+
+double square(double v) { return v * v; }
+
+}  // namespace
+
+Fair::Fair(const FairOptions& options)
+    : inverse_f_(inverse_width("f", options.f)), inverse_g_(inverse_width("g", options.g)) {}
+
+Contract Fair::contract() const {
+  return {{splat_length_attribute(), splat_ratio_attribute()},
+          {normal_attribute(), splat_length_attribute(), splat_ratio_attribute()},
+          {position_attribute()}};
+}
+
+/// p_i' - p_i, or nothing where no neighbour counts. Offsets keep what coordinates far from the origin would lose.
+std::optional<Vec3> Fair::shift(const Neighborhoods& in, std::size_t i) const {
+  double weights = area(in.value<float>(0, i), in.value<float>(1, i));  // of p_i itself, at f = g = 1
+  Vec3 sum;
+  bool found = false;
+  for (std::size_t j = 0; j < in.count(i); ++j) {
+    const Vec3 normal = unit_or_zero(in.neighbor_value<Float3>(0, i, j));
+    const double a = area(in.neighbor_value<float>(1, i, j), in.neighbor_value<float>(2, i, j));
+    if (normal == Vec3{} || a == 0) continue;
+    const Vec3 offset = in.offset(i, j);
+    const double off_plane = dot(offset, normal);  // Π_j(p_i) = p_i + off_plane · normal
+    const Vec3 reach = inverse_f_ * offset;
+    const double weight = a * exp_negative((dot(reach, reach) + square(inverse_g_ * off_plane)) / 2);
+    if (!(weight > 0)) continue;
+    sum = sum + (weight * off_plane) * normal;
+    weights += weight;
+    found = true;
+  }
+  if (!found) return std::nullopt;
+  return (1 / weights) * sum;
+}
+
+void Fair::apply(const Neighborhoods& in, Columns& out) const {
+  const std::span<std::array<double, 3>> moved = out.column<std::array<double, 3>>(0);
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    Vec3 p = in.position(i);
+    if (const std::optional<Vec3> s = shift(in, i); s && is_finite(p + *s))
+      p = p + *s;
+    else
+      ++out.degenerate;
+    moved[i] = {p.x, p.y, p.z};
+  }
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+/// Feature-preserving smoothing in one pass (paper Section 4.3.4, Equation 3).
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "pointsweep/operators/operator.h"
+
+namespace pointsweep {
+
+/// Standard deviations of the two Gaussians, in length units of the cloud. The paper sets both to 0.5 % of the diagonal
+/// of the bounding box.
+struct FairOptions {
+  double f = 0;  ///< of |p_j - p_i|: how far smoothing reaches
+  double g = 0;  ///< of |Π_j(p_i) - p_i|: how far a point may be off a neighbour's tangent plane and still follow it
+};
+
+/// p_i' = 1/w_i Σ_j Π_j(p_i) a_j f(|p_j - p_i|) g(|Π_j(p_i) - p_i|),  j over N_i and i itself, w_i the sum of the
+/// weights.
+///
+/// Π_j(p_i) is the projection of p_i onto the tangent plane of p_j, as the symbol says and as in Jones, Durand and
+/// Desbrun, "Non-iterative, feature-preserving mesh smoothing" (2003), which the paper extends. The paper's sentence
+/// has i and j the other way round; read so, p_i would never leave its own tangent plane. For j = i the projection is
+/// p_i, which weighs a_i. a_j is the area of the splat of p_j. n_j counts up to its sign.
+///
+/// Makes "position". It is the old one, and the point counted as degenerate, where no neighbour has both a normal and a
+/// splat, or where every weight vanishes. Normals and splats describe the old positions until they are made again.
+class Fair : public Operator {
+ public:
+  /// Throws UsageError unless both widths are positive.
+  explicit Fair(const FairOptions& options);
+  std::string name() const override { return "fair"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods& in, Columns& out) const override;
+
+ private:
+  std::optional<Vec3> shift(const Neighborhoods& in, std::size_t i) const;
+  double inverse_f_, inverse_g_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+/// Elliptical splats: disks that cover the surface together (paper Section 4.3.3).
+#pragma once
+
+#include <string>
+
+#include "pointsweep/operators/operator.h"
+
+namespace pointsweep {
+
+/// What turns and flattens the ellipse.
+enum class SplatAxes {
+  positions,  ///< M_i of Equation 1: long where the neighbours are spread
+  curvature,  ///< C_i of Equation 2, by way of k1, k2 and k1_direction: long along ridges and valleys
+};
+
+struct SplatsOptions {
+  SplatAxes axes = SplatAxes::positions;
+};
+
+/// The ellipse around p_i in the tangent plane of n_i.
+///   positions: major axis = eigenvector of the largest eigenvalue of M_i, brought into the plane; ratio √(λ1/λ2).
+///   curvature: major axis = direction of k2; ratio √(k2/k1), at which the surface leaves the plane equally far at the
+///     ends of both axes. Where k1_direction or k1 is 0, as for positions.
+/// Ratios are kept at 1/8 or more.
+///
+/// Scaled to fit N_i: it is grown until it holds eight neighbours (all, and in proportion, where there are fewer), each
+/// measured in the ellipse's own metric. Why eight: an ellipse that holds m points of a surface of even density has
+/// area m / density, and random ellipses of that area leave a share e^-m of the surface bare, 0.03 % for eight; splats
+/// that grow where points are sparse leave less. Points on a square grid get circles twice as wide as need be. Holding
+/// all of N_i instead would make splats grow with k. Neighbours on p_i itself do not count.
+///
+/// Makes "splat_axis" (unit), "splat_length" (major semi-axis) and "splat_ratio" (minor over major, in [1/8, 1]). All
+/// are 0, and the point counted as degenerate, where it has no normal or no neighbour off p_i.
+class Splats : public Operator {
+ public:
+  explicit Splats(const SplatsOptions& options = {}) : options_(options) {}
+  std::string name() const override { return "splats"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods& in, Columns& out) const override;
+
+ private:
+  SplatsOptions options_;
+};
+
+Attribute splat_axis_attribute();
+Attribute splat_length_attribute();
+Attribute splat_ratio_attribute();
+
+}  // namespace pointsweep

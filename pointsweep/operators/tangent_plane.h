@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// Normals and directions as operators that come after `normals` take them.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "pointsweep/math/vec3.h"
+
+namespace pointsweep {
+
+/// A vector attribute of a point, N×3 f32.
+using Float3 = std::array<float, 3>;
+
+/// v / |v|, or (0, 0, 0) where v has no direction: it is 0 or not finite.
+inline Vec3 unit_or_zero(Vec3 v) {
+  const double size = length(v);
+  return size > 0 && std::isfinite(size) ? (1 / size) * v : Vec3{};
+}
+inline Vec3 unit_or_zero(Float3 v) { return unit_or_zero(Vec3{v[0], v[1], v[2]}); }
+
+/// The unit tangent of the plane with unit normal n that goes along `along` and across `across`. These two are unit and
+/// orthogonal; seldom is either exactly tangent. The one nearer to the plane decides, so it never fails.
+inline Vec3 tangent(Vec3 n, Vec3 along, Vec3 across) {
+  const double lift = dot(n, along);
+  return unit_or_zero(std::abs(lift) <= std::abs(dot(n, across)) ? along - lift * n : cross(across, n));
+}
+
+/// A direction without a sign, as it is stored: the component of largest magnitude is positive, the first of equal
+/// ones.
+inline Float3 stored_direction(Vec3 v) {
+  int largest = 0;
+  for (const int axis : {1, 2})
+    if (std::abs(v[axis]) > std::abs(v[largest])) largest = axis;
+  const double sign = v[largest] < 0 ? -1 : 1;
+  return {static_cast<float>(sign * v.x + 0.0), static_cast<float>(sign * v.y + 0.0),
+          static_cast<float>(sign * v.z + 0.0)};
+}
+
+}  // namespace pointsweep
