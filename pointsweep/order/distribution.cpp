@@ -11,6 +11,8 @@
 #include <mutex>
 #include <numeric>
 
+#include "pointsweep/hand_over.h"
+
 namespace pointsweep {
 namespace {
 
@@ -24,6 +26,7 @@ struct alignas(64) GrowingBox : Box {
 
 /// Some records on their way from the source to the store, and all the room that working on them needs.
 struct Chunk {
+  HandOver filled;
   Chunk(const Deal& deal, std::size_t capacity, std::size_t lists)
       : records(std::make_unique_for_overwrite<std::byte[]>(capacity * deal.schema.stride)),
         sorted(std::make_unique_for_overwrite<std::byte[]>(capacity * deal.record.schema().stride)),
@@ -56,11 +59,14 @@ class Distribution {
   }
 
   void run() {
+    reading_.give();
     tbb::parallel_pipeline(
         tokens_,
         tbb::make_filter<void, Chunk*>(tbb::filter_mode::serial_in_order, [this](tbb::flow_control& control) {
           return read(control);
         }) & tbb::make_filter<Chunk*, void>(tbb::filter_mode::parallel, [this](Chunk* chunk) { deal_out(*chunk); }));
+    reading_.take();
+    dealt_.take();
   }
 
   std::vector<Box> boxes() const {
@@ -75,8 +81,10 @@ class Distribution {
 
  private:
   Chunk* read(tbb::flow_control& control) {
+    reading_.take();
     if (next_ == deal_.count) {
       control.stop();
+      reading_.give();
       return nullptr;
     }
     Chunk* chunk = idle_chunk();
@@ -84,13 +92,17 @@ class Distribution {
     chunk->count = std::min<std::uint64_t>(capacity_, deal_.count - next_);
     deal_.read(next_, {chunk->records.get(), chunk->count * deal_.schema.stride});
     next_ += chunk->count;
+    reading_.give();
+    chunk->filled.give();
     return chunk;
   }
 
   void deal_out(Chunk& chunk) {
+    chunk.filled.take();
     classify(chunk);
     sort_by_list(chunk);
     append(chunk);
+    dealt_.give();
     const std::lock_guard lock(mutex_);
     idle_.push_back(&chunk);
   }
@@ -162,6 +174,7 @@ class Distribution {
   std::size_t tokens_;
   std::size_t capacity_ = 0;  ///< records of a chunk
   std::uint64_t next_ = 0;    ///< first record not yet read
+  HandOver reading_, dealt_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Chunk>> chunks_;
   std::vector<Chunk*> idle_;

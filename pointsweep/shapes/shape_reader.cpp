@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "pointsweep/error.h"
+#include "pointsweep/hand_over.h"
 #include "pointsweep/shapes/distributions.h"
 
 namespace pointsweep {
@@ -86,9 +87,14 @@ std::size_t ShapeReader::read(std::uint64_t row, std::span<std::byte> records) {
   if (row >= info_.count) return 0;
   const std::size_t stride = info_.schema.stride;
   const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(records.size() / stride, info_.count - row));
+  HandOver begin, end;
+  begin.give();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+    begin.take();
     for (std::size_t i = range.begin(); i < range.end(); ++i) store(row + i, records.data() + i * stride);
+    end.give();
   });
+  end.take();
   return count;
 }
 

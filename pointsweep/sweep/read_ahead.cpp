@@ -5,11 +5,14 @@
 
 #include <chrono>
 
+#include "pointsweep/hand_over.h"
+
 namespace pointsweep {
 
 struct ReadAhead::Pending {
   LoadedSlab slab;
   double seconds = 0;
+  HandOver begin, end;
   oneapi::tbb::task_group task;
 };
 
@@ -31,16 +34,20 @@ void ReadAhead::start() {
   pending_.push_back(std::make_unique<Pending>());
   Pending& p = *pending_.back();
   const auto slab = static_cast<std::uint32_t>(started_++);
+  p.begin.give();
   p.task.run([this, &p, slab] {
+    p.begin.take();
     const auto start = std::chrono::steady_clock::now();
     p.slab = loader_.load(slab, keep_records_);
     p.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    p.end.give();
   });
 }
 
 LoadedSlab ReadAhead::next() {
   if (pending_.empty()) start();
   pending_.front()->task.wait();
+  pending_.front()->end.take();
   LoadedSlab slab = std::move(pending_.front()->slab);
   seconds_ += pending_.front()->seconds;
   pending_.pop_front();

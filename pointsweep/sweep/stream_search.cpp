@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "pointsweep/hand_over.h"
 #include "pointsweep/search/exact_search.h"
 
 namespace pointsweep {
@@ -91,8 +92,14 @@ std::uint64_t search_stream(const Stream& stream, const SweepPlan& plan, const S
     if (chosen.empty()) return;
     ++slabs_read;
     const SlabVisit here(plan, loader.load(slab, false));
-    oneapi::tbb::parallel_for(std::size_t{0}, chosen.size(),
-                              [&](std::size_t i) { here.serve(queries[chosen[i]], slab); });
+    HandOver begin, end;
+    begin.give();
+    oneapi::tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) {
+      begin.take();
+      here.serve(queries[chosen[i]], slab);
+      end.give();
+    });
+    end.take();
   };
   const auto holds = [&](std::uint32_t slab, const StreamQuery& q) {
     return distance2(slabs[slab].box, q.position) == 0;

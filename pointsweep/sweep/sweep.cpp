@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "pointsweep/hand_over.h"
 #include "pointsweep/sweep/cell_runner.h"
 #include "pointsweep/sweep/read_ahead.h"
 #include "pointsweep/sweep/recall.h"
@@ -53,8 +54,14 @@ class Sweep {
 
   void pull(std::uint32_t step) {
     const std::vector<std::uint32_t> ready = window_.ready_for(step);
-    oneapi::tbb::parallel_for(std::size_t{0}, ready.size(),
-                              [&](std::size_t i) { runner_.run(ready[i], step, workers_.local()); });
+    HandOver begin, end;
+    begin.give();
+    oneapi::tbb::parallel_for(std::size_t{0}, ready.size(), [&](std::size_t i) {
+      begin.take();
+      runner_.run(ready[i], step, workers_.local());
+      end.give();
+    });
+    end.take();
     for (const std::uint32_t slot : ready) {
       WindowCell& cell = window_.at(slot);
       if (!cell.deferred.empty()) cell.deferred_before = cell.deferred;
