@@ -7,6 +7,7 @@ void add_commands(CLI::App& app) {
   add_normals_command(app);
   add_neighbors_command(app);
   add_sort_command(app);
+  add_paper_commands(app);
   add_run_command(app);
   add_operators_command(app);
   add_info_command(app);

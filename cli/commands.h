@@ -10,6 +10,7 @@ namespace pointsweep {
 void add_normals_command(CLI::App& app);
 void add_neighbors_command(CLI::App& app);
 void add_sort_command(CLI::App& app);
+void add_paper_commands(CLI::App& app);  // curvature, splats, fair
 void add_run_command(CLI::App& app);
 void add_operators_command(CLI::App& app);
 void add_info_command(CLI::App& app);

@@ -24,7 +24,7 @@ bool any_needs_diagonal(const std::vector<StageText>& stages) {
 
 }  // namespace
 
-Chain build_chain(const std::vector<StageText>& stages, const CloudFacts& facts) {
+Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
   const NeighborhoodDeclaration& knn = neighborhood_declaration();
   Chain chain;
   for (std::size_t i = 0; i < stages.size(); ++i) {
@@ -32,6 +32,7 @@ Chain build_chain(const std::vector<StageText>& stages, const CloudFacts& facts)
     if (stage.name != knn.name) {
       const OperatorDeclaration& declaration = find_operator(stage);
       chain.operators.push_back(declaration.make(OptionValues(declaration.options, stage), facts));
+      for (const Attribute& a : chain.operators.back()->contract().makes) facts.made.insert(a.name);
     } else if (i == 0) {
       chain.neighborhood = make_neighborhood(OptionValues(knn.options, stage));
     } else {
@@ -42,7 +43,7 @@ Chain build_chain(const std::vector<StageText>& stages, const CloudFacts& facts)
 }
 
 Chain build_chain(const std::vector<StageText>& stages, Cloud& cloud, const std::vector<std::string>& keep) {
-  CloudFacts facts{.points = cloud.count()};
+  Facts facts{.points = cloud.count()};
   Chain chain = build_chain(stages, facts);
   if (chain.operators.empty()) fail_usage("The pipeline makes nothing; add an operator, as in knn(k=8) | normals.");
   chain.keep = keep;

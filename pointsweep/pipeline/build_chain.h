@@ -13,7 +13,7 @@ namespace pointsweep {
 
 /// Throws UsageError, naming the place, for what nobody knows, what is out of range, and a knn that is not the first
 /// stage. Without knn, the 8 nearest are the neighbours.
-Chain build_chain(const std::vector<StageText>& stages, const CloudFacts& facts);
+Chain build_chain(const std::vector<StageText>& stages, Facts facts);
 
 /// The same for a cloud that is at hand. The chain is checked against the cloud's attributes before any point is read;
 /// only then, and only where an operator needs it, all points are read once for their bounds.

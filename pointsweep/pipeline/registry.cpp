@@ -2,13 +2,16 @@
 #include "pointsweep/pipeline/registry.h"
 
 #include "pointsweep/error.h"
+#include "pointsweep/operators/curvature.h"
+#include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/splats.h"
 #include "pointsweep/pipeline/nearest_names.h"
 
 namespace pointsweep {
 namespace {
 
-std::shared_ptr<const Operator> make_normals(const OptionValues& options, const CloudFacts&) {
+std::shared_ptr<const Operator> make_normals(const OptionValues& options, const Facts&) {
   NormalsOptions normals;
   const std::string& orient = options.choice("orient");
   if (orient == "up") normals.orient = Orient::up;
@@ -21,6 +24,33 @@ std::shared_ptr<const Operator> make_normals(const OptionValues& options, const 
     fail_usage("{}: viewpoint is used only with orient=viewpoint; add that, or leave the point out.", options.where());
   if (towards) normals.viewpoint = options.point("viewpoint");
   return std::make_shared<Normals>(normals);
+}
+
+std::shared_ptr<const Operator> make_curvature(const OptionValues&, const Facts&) {
+  return std::make_shared<Curvature>();
+}
+
+std::shared_ptr<const Operator> make_splats(const OptionValues& options, const Facts& facts) {
+  const std::string& axes = options.choice("axes");
+  const bool curved = axes == "curvature" || (axes == "auto" && facts.made.contains(k1_direction_attribute().name));
+  return std::make_shared<Splats>(SplatsOptions{.axes = curved ? SplatAxes::curvature : SplatAxes::positions});
+}
+
+std::shared_ptr<const Operator> make_fair(const OptionValues& options, const Facts& facts) {
+  if (!(facts.diagonal > 0))
+    fail_usage("{}: all points lie in one place, so there is nothing to smooth; leave the stage out.", options.where());
+  const double percent = facts.diagonal / 100;
+  return std::make_shared<Fair>(FairOptions{.f = options.number("f") * percent, .g = options.number("g") * percent});
+}
+
+/// An option of fair: a width by which the paper's Gaussians are given.
+OptionDeclaration width(std::string name, std::string meaning) {
+  return {.name = std::move(name),
+          .kind = OptionKind::number,
+          .preset = "0.5",
+          .meaning = std::move(meaning),
+          .least = 1e-6,
+          .most = 100};
 }
 
 std::vector<OperatorDeclaration> declare_operators() {
@@ -37,6 +67,24 @@ std::vector<OperatorDeclaration> declare_operators() {
                     .preset = "",
                     .meaning = "where the scanner stood, in the coordinates of the cloud; with orient=viewpoint"}},
        .make = make_normals},
+      {.name = "curvature",
+       .meaning = "principal curvatures and what follows from them, by the covariance of the neighbours' normals",
+       .options = {},
+       .make = make_curvature},
+      {.name = "splats",
+       .meaning = "ellipses that cover the surface together",
+       .options = {{.name = "axes",
+                    .kind = OptionKind::choice,
+                    .preset = "auto",
+                    .meaning = "what turns and flattens them; auto: curvature where an earlier stage makes it",
+                    .choices = {"auto", "positions", "curvature"}}},
+       .make = make_splats},
+      {.name = "fair",
+       .meaning = "moves points towards the tangent planes of their neighbours, sparing edges",
+       .options = {width("f", "width of the Gaussian of the distance to a neighbour, % of the cloud's diagonal"),
+                   width("g", "width of the Gaussian of the distance to its tangent plane, % of the cloud's diagonal")},
+       .make = make_fair,
+       .needs_diagonal = true},
   };
 }
 

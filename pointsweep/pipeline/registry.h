@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,17 +16,18 @@
 
 namespace pointsweep {
 
-/// What of a cloud an operator may have to know before it is made.
-struct CloudFacts {
+/// What an operator may have to know of the cloud, and of the stages before it, when it is made.
+struct Facts {
   std::uint64_t points = 0;
   double diagonal = 1;  ///< of the box around all finite points; found only for operators that say they need it
+  std::set<std::string> made = {};  ///< names of the attributes that earlier stages make
 };
 
 struct OperatorDeclaration {
   std::string name;
   std::string meaning;  ///< one line
   std::vector<OptionDeclaration> options;
-  std::function<std::shared_ptr<const Operator>(const OptionValues&, const CloudFacts&)> make;
+  std::function<std::shared_ptr<const Operator>(const OptionValues&, const Facts&)> make;
   bool needs_diagonal = false;
 };
 

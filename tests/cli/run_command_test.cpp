@@ -54,6 +54,18 @@ TEST_F(RunVerb, WhatMakesNoSenseIsStatus2AndNamesThePlace) {
   EXPECT_FALSE(exists("out.ply"));
 }
 
+TEST_F(RunVerb, ShortFormsAreTheirPipelines) {
+  EXPECT_EQ(made("curvature in.ply a.ply --keep k1,k2", "a.ply"),
+            made("run in.ply b.ply --keep k1,k2 --pipeline 'knn(k=8) | normals | curvature'", "b.ply"));
+  EXPECT_EQ(made("splats in.ply c.ply --radius 0.1 -k 12", "c.ply"),
+            made("run in.ply d.ply --pipeline 'knn(k=12, radius=0.1) | normals | splats'", "d.ply"));
+  const std::string fair = " | normals | splats | fair(f=0.3, g=0.7) | normals | splats'";
+  EXPECT_EQ(made("fair in.ply e.ply --f 0.3 --g 0.7", "e.ply"),
+            made("run in.ply f.ply --pipeline 'knn(k=64)" + fair, "f.ply"));
+  refused(2, "fair in.ply g.ply --f 0", "--f: fair: f is a number");
+  refused(2, "splats in.ply g.ply -k 0", "-k: knn: k is a whole number");
+}
+
 TEST_F(RunVerb, OperatorsAreListedWithEveryOption) {
   const std::string out = tool("operators").out;
   EXPECT_TRUE(out.starts_with("knn: ")) << out;

@@ -6,7 +6,7 @@ namespace {
 
 using Usage = Tool;
 
-constexpr const char* kVerbs[] = {"normals", "neighbors", "sort", "run", "operators", "info", "generate"};
+constexpr const char* kVerbs[] = {"normals", "neighbors", "sort", "curvature", "splats", "fair", "run", "operators", "info", "generate"};
 
 TEST_F(Usage, HelpNamesEveryVerb) {
   const Result result = tool("--help");

@@ -35,7 +35,7 @@ Schema schema_with_normals() {
   return schema;
 }
 
-Chain chain_of(const std::string& text) { return build_chain(parse_pipeline(text), CloudFacts{}); }
+Chain chain_of(const std::string& text) { return build_chain(parse_pipeline(text), Facts{}); }
 
 std::vector<std::byte> records_of(const std::string& text) {
   return run_in_memory(surface(), chain_of(text), {}).records;
@@ -92,6 +92,48 @@ TEST(Registry, EveryOptionOfNormalsChangesTheOutput) {
   EXPECT_NE(seen, up);
   EXPECT_NE(records_of("normals(orient=viewpoint, viewpoint=[0,9,0])"), seen);
   EXPECT_NE(records_of("normals(orient=up) | normals(orient=input)"), plain);
+}
+
+TEST(Registry, EveryOptionOfSplatsChangesTheOutput) {
+  const std::string before = "knn(k=16) | normals | curvature | ";
+  EXPECT_NE(records_of(before + "splats(axes=positions)"), records_of(before + "splats(axes=curvature)"));
+  EXPECT_EQ(records_of(before + "splats"), records_of(before + "splats(axes=curvature)"));
+  EXPECT_EQ(records_of("normals | splats"), records_of("normals | splats(axes=positions)"));
+}
+
+TEST(Registry, EveryOptionOfFairChangesTheOutput) {
+  const std::string before = "knn(k=16) | normals | splats | ";
+  const auto plain = records_of(before + "fair");
+  EXPECT_EQ(records_of(before + "fair(f=0.5, g=0.5)"), plain);
+  EXPECT_NE(records_of(before + "fair(f=9)"), plain);
+  EXPECT_NE(records_of(before + "fair(f=9, g=5)"), records_of(before + "fair(f=9)"));
+  expect_refused(before + "fair(f=0)", "f is a number, 1e-06 to 100, not '0'");
+}
+
+TEST(Registry, WidthsOfFairFollowTheDiagonal) {
+  const auto stages = parse_pipeline("knn(k=16) | normals | splats | fair(f=2, g=2)");
+  const auto scaled = [&](double scale) {
+    std::vector<double> xyz;
+    for (const Vec3& p : surface()) xyz.insert(xyz.end(), {scale * p.x, scale * p.y, scale * p.z});
+    std::vector<std::unique_ptr<Reader>> readers;
+    readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
+    Cloud cloud(std::move(readers));
+    return run_in_memory(cloud, build_chain(stages, cloud), {}).field("z");
+  };
+  const auto z = scaled(1), large = scaled(1024);
+  double moved = 0;
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    EXPECT_NEAR(large[i] / 1024, z[i], 1e-9);
+    moved += std::abs(z[i] - surface()[i].z);
+  }
+  EXPECT_GT(moved, 0.01);
+}
+
+TEST(Registry, FairRefusesACloudInOnePlace) {
+  Facts facts{.points = 9, .diagonal = 0};
+  const auto stages = parse_pipeline("normals | splats | fair");
+  EXPECT_NE(refusal([&] { build_chain(stages, facts); }).find("column 20: fair: all points lie in one place"),
+            std::string::npos);
 }
 
 TEST(Registry, PipelinesAreTheChainsOneWouldBuildByHand) {

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "cli/pipeline_run.h"
+
+#include "pointsweep/error.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/preview.h"
+
+namespace pointsweep {
+namespace {
+
+std::vector<std::string> parse_names(const std::string& text) {
+  std::vector<std::string> names(1);
+  for (const char c : text) c == ',' ? void(names.emplace_back()) : names.back().push_back(c);
+  for (const std::string& name : names)
+    if (name.empty()) fail_usage("--keep: '{}' is not a list of attributes such as normal,splat_length.", text);
+  return names;
+}
+
+}  // namespace
+
+void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
+  verb.add_option_function<std::string>(
+          "--keep", [&run](const std::string& text) { run.keep = parse_names(text); },
+          "Made attributes to write, e.g. normal (default: all)")
+      ->type_name("A,B,...");
+  verb.add_flag("--dry-run", run.dry, "Say what would be done and how much memory it takes; write nothing");
+  add_order_option(verb, run.common);
+  add_run_options(verb, run.common);
+}
+
+void run_stages(const std::vector<StageText>& stages, const PipelineRun& command) {
+  if (command.dry) {
+    look_at_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+      fmt::print("{}", to_text(preview(cloud, build_chain(stages, cloud, command.keep), options)));
+    });
+    return;
+  }
+  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+    const Chain chain = build_chain(stages, cloud, command.keep);
+    return run(cloud, chain, {.points = command.paths.output(), .arrays = {}, .writer = {}}, options);
+  });
+}
+
+}  // namespace pointsweep
