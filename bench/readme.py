@@ -10,7 +10,9 @@ BEGIN, END = "<!-- numbers: made by bench/readme.py from a committed result -->\
 
 def table(results):
     first = results[0]
-    yield (f"Normals, k = {first['k']}, whole processes from file to file, points in random file order, {first['threads']} threads, medians; "
+    most = max(len(row['runs']) for result in results for row in result['rows'])
+    runs = f'medians of {most} runs' if most > 1 else 'single runs'
+    yield (f"Normals, k = {first['k']}, whole processes from file to file, points in random file order, {first['threads']} threads, {runs}; "
            f"{first['machine']['cpu']}, {first['machine']['cpus']} cores, {first['compiler'].split(') ')[-1]}, {first['date']}. "
            "Answers compared before times count.\n\n")
     yield "| cloud | program | wall s | CPU s | peak MB | CPU, pointsweep = 1 |\n|---|---|---|---|---|---|\n"
