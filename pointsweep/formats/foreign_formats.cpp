@@ -67,8 +67,10 @@ void refuse_foreign_format(const std::filesystem::path& path, std::string_view h
   }
   const std::size_t zero = head.find('\0');
   if (zero != head.npos) {
-    fail("{}: is binary (byte {} is 0) but neither PLY nor LAS, the binary formats that are read; convert it to one.",
-         path.string(), zero);
+    fail(
+        "{}: is binary (byte {} is 0) but neither PLY, LAS nor QSplat, the binary formats that are read; convert it to "
+        "one.",
+        path.string(), zero);
   }
 }
 

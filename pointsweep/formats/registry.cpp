@@ -11,6 +11,7 @@
 #include "pointsweep/formats/las_writer.h"
 #include "pointsweep/formats/ply_reader.h"
 #include "pointsweep/formats/ply_writer.h"
+#include "pointsweep/formats/qsplat_reader.h"
 #include "pointsweep/formats/reader.h"
 #include "pointsweep/formats/text_reader.h"
 #include "pointsweep/formats/text_writer.h"
@@ -48,6 +49,7 @@ std::unique_ptr<Reader> open_reader(const std::filesystem::path& path) {
   const std::string head = head_of(path);
   if (starts_as_ply(head)) return open_ply(path);
   if (head.starts_with("LASF")) return open_las(path);
+  if (head.starts_with("QSplat")) return open_qsplat(path);
   refuse_foreign_format(path, head);
   return open_text(path);
 }
