@@ -2,15 +2,13 @@
 #include "cli/common_options.h"
 
 #include <fcntl.h>
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-#include <tbb/task_arena.h>
 
 #include <string>
 #include <string_view>
 
 #include "cli/quantities.h"
 #include "pointsweep/error.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -49,7 +47,7 @@ void add_progress_options(CLI::App& verb, CommonOptions& options) {
 }
 
 void add_thread_option(CLI::App& verb, CommonOptions& options) {
-  options.threads = tbb::info::default_concurrency();
+  options.threads = static_cast<int>(thread_count());
   verb.add_option("--threads", options.threads, "Threads to work with (default: all processors)")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads).description(""));
@@ -79,11 +77,6 @@ void add_order_option(CLI::App& verb, CommonOptions& options) {
           "--order", [&options](const std::string& name) { options.order = parse_order(name); },
           "Rows of the output in the order of the input (default) or of the sweep")
       ->type_name("input|sweep");
-}
-
-void with_threads(int threads, const std::function<void()>& work) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  tbb::task_arena(threads).execute(work);
 }
 
 }  // namespace pointsweep

@@ -5,7 +5,6 @@
 #include <CLI/App.hpp>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 
 #include "pointsweep/pipeline/pipeline.h"
@@ -34,8 +33,5 @@ void add_force_option(CLI::App& verb, CommonOptions& options);
 void add_stream_options(CLI::App& verb, CommonOptions& options);
 /// --order
 void add_order_option(CLI::App& verb, CommonOptions& options);
-
-/// Does `work` with so many threads at most.
-void with_threads(int threads, const std::function<void()>& work);
 
 }  // namespace pointsweep

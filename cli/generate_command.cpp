@@ -12,6 +12,7 @@
 #include "pointsweep/formats/writer.h"
 #include "pointsweep/shapes/registry.h"
 #include "pointsweep/shapes/shape_reader.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -56,7 +57,7 @@ void generate(const GenerateOptions& options) {
   plan.bounds = reader.info().bounds;
   const std::unique_ptr<Writer> writer = create_writer(plan);
   ProgressDisplay progress(options.common);
-  with_threads(options.common.threads, [&] { write_all(reader, *writer, progress); });
+  with_threads(static_cast<unsigned>(options.common.threads), [&] { write_all(reader, *writer, progress); });
   writer->finish();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   progress.say(fmt::format("wrote {}: {} points of a {} in {:.1f} s", options.output.string(), plan.count,

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/order/distribution.h"
 
-#include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +8,7 @@
 #include <mutex>
 #include <numeric>
 
-#include "pointsweep/hand_over.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -26,7 +23,6 @@ struct alignas(64) GrowingBox : Box {
 
 /// Some records on their way from the source to the store, and all the room that working on them needs.
 struct Chunk {
-  HandOver filled;
   Chunk(const Deal& deal, std::size_t capacity, std::size_t lists)
       : records(std::make_unique_for_overwrite<std::byte[]>(capacity * deal.schema.stride)),
         sorted(std::make_unique_for_overwrite<std::byte[]>(capacity * deal.record.schema().stride)),
@@ -52,59 +48,45 @@ class Distribution {
       : deal_(deal),
         store_(store),
         position_(position_fields(deal.schema, "the input")),
-        lists_(deal.splitters.pieces() + 1),
-        tokens_(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()) + 1) {
+        lists_(deal.splitters.pieces() + 1) {
+    const unsigned threads = thread_count();
     const std::size_t per_record = deal.schema.stride + deal.record.schema().stride + 4 * sizeof(double) + 6;
-    capacity_ = std::clamp(deal.memory_bytes / tokens_ / per_record, kLeastChunk, kLargestChunk);
+    capacity_ = std::clamp(deal.memory_bytes / threads / per_record, kLeastChunk, kLargestChunk);
+    for (unsigned t = 0; t < threads; ++t) chunks_.emplace_back(deal, capacity_, lists_);
   }
 
   void run() {
-    reading_.give();
-    tbb::parallel_pipeline(
-        tokens_,
-        tbb::make_filter<void, Chunk*>(tbb::filter_mode::serial_in_order, [this](tbb::flow_control& control) {
-          return read(control);
-        }) & tbb::make_filter<Chunk*, void>(tbb::filter_mode::parallel, [this](Chunk* chunk) { deal_out(*chunk); }));
-    reading_.take();
-    dealt_.take();
+    parallel_for(chunks_.size(), [this](std::size_t i, unsigned) {
+      while (read(chunks_[i])) deal_out(chunks_[i]);
+    });
   }
 
   std::vector<Box> boxes() const {
     std::vector<Box> result;
     for (std::size_t list = 0; list + 1 < lists_; ++list) {
       GrowingBox all;
-      for (const auto& chunk : chunks_) all.include(chunk->boxes[list]);
+      for (const auto& chunk : chunks_) all.include(chunk.boxes[list]);
       result.push_back(all.box());
     }
     return result;
   }
 
  private:
-  Chunk* read(tbb::flow_control& control) {
-    reading_.take();
-    if (next_ == deal_.count) {
-      control.stop();
-      reading_.give();
-      return nullptr;
-    }
-    Chunk* chunk = idle_chunk();
-    chunk->first = next_;
-    chunk->count = std::min<std::uint64_t>(capacity_, deal_.count - next_);
-    deal_.read(next_, {chunk->records.get(), chunk->count * deal_.schema.stride});
-    next_ += chunk->count;
-    reading_.give();
-    chunk->filled.give();
-    return chunk;
+  /// False at the end of the source.
+  bool read(Chunk& chunk) {
+    const std::lock_guard lock(reading_);
+    if (next_ == deal_.count) return false;
+    chunk.first = next_;
+    chunk.count = std::min<std::uint64_t>(capacity_, deal_.count - next_);
+    deal_.read(next_, {chunk.records.get(), chunk.count * deal_.schema.stride});
+    next_ += chunk.count;
+    return true;
   }
 
   void deal_out(Chunk& chunk) {
-    chunk.filled.take();
     classify(chunk);
     sort_by_list(chunk);
     append(chunk);
-    dealt_.give();
-    const std::lock_guard lock(mutex_);
-    idle_.push_back(&chunk);
   }
 
   /// Finds the list of each record and grows the boxes.
@@ -156,28 +138,14 @@ class Distribution {
     }
   }
 
-  Chunk* idle_chunk() {
-    const std::lock_guard lock(mutex_);
-    if (idle_.empty()) {
-      chunks_.push_back(std::make_unique<Chunk>(deal_, capacity_, lists_));
-      return chunks_.back().get();
-    }
-    Chunk* chunk = idle_.back();
-    idle_.pop_back();
-    return chunk;
-  }
-
   const Deal& deal_;
   SlabStore& store_;
   PositionFields position_;
   std::size_t lists_;  ///< pieces, and one more for points without a place in space
-  std::size_t tokens_;
   std::size_t capacity_ = 0;  ///< records of a chunk
   std::uint64_t next_ = 0;    ///< first record not yet read
-  HandOver reading_, dealt_;
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<Chunk>> chunks_;
-  std::vector<Chunk*> idle_;
+  std::mutex reading_;
+  std::vector<Chunk> chunks_;  ///< one for each thread
 };
 
 }  // namespace

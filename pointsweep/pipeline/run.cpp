@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -18,6 +15,7 @@
 #include "pointsweep/pipeline/result_sinks.h"
 #include "pointsweep/pipeline/slab_order.h"
 #include "pointsweep/sweep/sweep.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 
@@ -267,10 +265,8 @@ class Run {
 template <class Work>
 Statistics on_threads(const RunOptions& options, Work work) {
   const unsigned threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-  oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
-  oneapi::tbb::task_arena arena(static_cast<int>(threads));
   Statistics statistics;
-  arena.execute([&] { statistics = work(); });
+  with_threads(threads, [&] { statistics = work(); });
   return statistics;
 }
 

@@ -2,7 +2,7 @@
 #include "pointsweep/search/cell.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstdlib>
 #include <limits>
 #include <new>
@@ -13,16 +13,6 @@ namespace {
 std::size_t padded(std::size_t n) { return (n + 15) / 16 * 16; }
 constexpr float kFar = std::numeric_limits<float>::max();
 }  // namespace
-
-float round_down(double v) {
-  const float f = static_cast<float>(v);
-  return static_cast<double>(f) > v ? std::nextafterf(f, -std::numeric_limits<float>::infinity()) : f;
-}
-
-float round_up(double v) {
-  const float f = static_cast<float>(v);
-  return static_cast<double>(f) < v ? std::nextafterf(f, std::numeric_limits<float>::infinity()) : f;
-}
 
 void Cell::Free::operator()(std::byte* p) const { std::free(p); }
 
@@ -49,33 +39,48 @@ void Cell::seal() {
   for (std::size_t i = size_; i < padded(size_); ++i) {
     x[i] = x[size_ - 1], y[i] = y[size_ - 1], z[i] = z[size_ - 1], row[i] = row[size_ - 1];
   }
+  std::array<Box, kCellCapacity / kLeafCapacity> leaves;  // the padding repeats a point, so whole leaves are safe
   box = Box{};
-  for (const int axis : {0, 1, 2}) {
-    const double* c = axis == 0 ? x : axis == 1 ? y : z;
-    const auto [lo, hi] = std::minmax_element(c, c + size_);
-    box.lo[axis] = *lo, box.hi[axis] = *hi;
+  for (std::uint32_t l = 0; l < leaf_count(); ++l) {
+    leaves[l] = bounds_of_leaf(l);
+    box.include(leaves[l]);
   }
   origin = box.center();
-  // The subtraction of the origin rounds; a slack far below single precision keeps the boxes outward all the same.
-  const Vec3 slack = 0x1p-50 * box.extent();
-  const std::size_t leaves = leaf_count();
-  for (std::size_t l = 0; l < leaves; ++l) {
-    const std::size_t b = l * kLeafCapacity;  // the padding repeats a point, so whole leaves are safe
-    bool one_place = true;
-    for (const int axis : {0, 1, 2}) {
-      const double* c = (axis == 0 ? x : axis == 1 ? y : z) + b;
-      double lo = c[0], hi = c[0];
-      for (std::size_t i = 1; i < kLeafCapacity; ++i) lo = std::min(lo, c[i]), hi = std::max(hi, c[i]);
-      one_place = one_place && lo == hi;
-      leaf_box[axis][l] = round_down(lo - origin[axis] - slack[axis]);
-      leaf_box[axis + 3][l] = round_up(hi - origin[axis] + slack[axis]);
-    }
-    leaf_lowest_row[l] = one_place ? *std::min_element(row + b, row + b + kLeafCapacity) : kSeveralPlaces;
-  }
+  for (std::uint32_t l = 0; l < leaf_count(); ++l) set_leaf(l, leaves[l]);
   lowest_row = box.lo == box.hi ? *std::min_element(row, row + size_) : kSeveralPlaces;
-  for (std::size_t l = leaves; l < padded(leaves); ++l) {
+  for (std::size_t l = leaf_count(); l < padded(leaf_count()); ++l) {
     for (int side = 0; side < 3; ++side) leaf_box[side][l] = kFar, leaf_box[side + 3][l] = -kFar;
   }
+}
+
+Box Cell::bounds_of_leaf(std::uint32_t leaf) const {
+  Box bounds;
+  for (const int axis : {0, 1, 2}) {
+    const double* c = (axis == 0 ? x : axis == 1 ? y : z) + leaf * kLeafCapacity;
+    // Four at a time do not wait for one another.
+    double lo[4] = {c[0], c[1], c[2], c[3]}, hi[4] = {c[0], c[1], c[2], c[3]};
+    for (std::size_t i = 4; i < kLeafCapacity; i += 4) {
+      for (std::size_t j = 0; j < 4; ++j) {
+        lo[j] = c[i + j] < lo[j] ? c[i + j] : lo[j];
+        hi[j] = hi[j] < c[i + j] ? c[i + j] : hi[j];
+      }
+    }
+    bounds.lo[axis] = std::min(std::min(lo[0], lo[1]), std::min(lo[2], lo[3]));
+    bounds.hi[axis] = std::max(std::max(hi[0], hi[1]), std::max(hi[2], hi[3]));
+  }
+  return bounds;
+}
+
+void Cell::set_leaf(std::uint32_t leaf, const Box& bounds) {
+  // The subtraction of the origin rounds; a slack far below single precision keeps the boxes outward all the same.
+  const Vec3 slack = 0x1p-50 * box.extent();
+  for (const int axis : {0, 1, 2}) {
+    leaf_box[axis][leaf] = round_down(bounds.lo[axis] - origin[axis] - slack[axis]);
+    leaf_box[axis + 3][leaf] = round_up(bounds.hi[axis] - origin[axis] + slack[axis]);
+  }
+  const std::uint64_t* rows = row + leaf * kLeafCapacity;
+  leaf_lowest_row[leaf] =
+      bounds.lo == bounds.hi ? *std::min_element(rows, rows + kLeafCapacity) : kSeveralPlaces;
 }
 
 }  // namespace pointsweep

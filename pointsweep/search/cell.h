@@ -2,8 +2,11 @@
 /// A cell: a compact group of about a thousand points of one slab, cut into leaves of 16 with tight boxes.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -46,6 +49,9 @@ class Cell {
   std::uint64_t* leaf_lowest_row = nullptr;  ///< as lowest_row, of each leaf
 
  private:
+  Box bounds_of_leaf(std::uint32_t leaf) const;
+  void set_leaf(std::uint32_t leaf, const Box& bounds);
+
   struct Free {
     void operator()(std::byte* p) const;
   };
@@ -54,8 +60,12 @@ class Cell {
   std::size_t bytes_ = 0;
 };
 
-/// v as a float that is not above / not below it.
-float round_down(double v);
-float round_up(double v);
+/// v as a float that is not above it; at most two steps below it.
+inline float round_down(double v) {
+  const float f = std::min(static_cast<float>(v), std::numeric_limits<float>::max());
+  return static_cast<double>(f) > v ? f - (std::abs(f) * 0x1p-23f + std::numeric_limits<float>::denorm_min()) : f;
+}
+/// v as a float that is not below it; at most two steps above it.
+inline float round_up(double v) { return -round_down(-v); }
 
 }  // namespace pointsweep

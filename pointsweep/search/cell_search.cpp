@@ -3,7 +3,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/search/cell_search.cpp"
-#include "pointsweep/search/targets.h"
+#include "pointsweep/math/instruction_sets.h"
 // clang-format off
 #include <hwy/foreach_target.h>
 // clang-format on

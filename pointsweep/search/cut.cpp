@@ -3,17 +3,15 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cassert>
 
 #include "pointsweep/points/neighborhoods.h"
 #include "pointsweep/search/cell.h"
+#include "pointsweep/search/leaf_cut.h"
 
 namespace pointsweep {
 
 namespace {
-
-constexpr std::size_t kFew = 64;
 
 struct Extent {
   std::array<float, 3> lo, hi;
@@ -79,27 +77,6 @@ void select(CutPoint* points, std::size_t n, std::size_t rank, std::size_t axis)
   }
 }
 
-/// select() for few points, without a branch: everyone counts how many come before him.
-void select_few(CutPoint* points, std::size_t n, std::size_t rank, std::size_t axis) {
-  std::array<std::int32_t, kFew> key;
-  std::array<CutPoint, kFew> sides;
-  for (std::size_t i = 0; i < n; ++i) {
-    // Floats as integers of the same order; the lowest bits make equal ones different.
-    const auto bits = std::bit_cast<std::int32_t>(points[i].c[axis]);
-    const std::int32_t ordered = bits ^ ((bits >> 31) & 0x7FFFFFFF);
-    key[i] = (ordered & ~static_cast<std::int32_t>(kFew - 1)) | static_cast<std::int32_t>(i);
-  }
-  std::size_t left = 0, right = rank;
-  for (std::size_t i = 0; i < n; ++i) {
-    std::int32_t before = 0;
-    for (std::size_t j = 0; j < n; ++j) before += key[j] < key[i];
-    const bool goes_left = static_cast<std::size_t>(before) < rank;
-    sides[goes_left ? left : right] = points[i];
-    left += goes_left, right += !goes_left;
-  }
-  std::copy_n(sides.begin(), n, points);
-}
-
 using RowOf = std::function<std::uint64_t(std::uint32_t)>;
 
 class Cutter {
@@ -109,7 +86,7 @@ class Cutter {
 
   void into_cells(CutPoint* points, std::size_t n) {
     if (n <= cell_points_) {
-      into_leaves(points, n);
+      cut_into_leaves({points, n}, row_of_);
       begin_.push_back(begin_.back() + static_cast<std::uint32_t>(n));
       return;
     }
@@ -129,17 +106,6 @@ class Cutter {
 
  private:
   static std::size_t whole_leaves(std::size_t n) { return (n / kLeafCapacity + 1) / 2 * kLeafCapacity; }
-
-  void into_leaves(CutPoint* points, std::size_t n) {
-    if (n <= kLeafCapacity) return;
-    const Extent e = extent_of({points, n});
-    const auto axis = static_cast<std::size_t>(e.longest());
-    const std::size_t left = std::max<std::size_t>(whole_leaves(n), kLeafCapacity);
-    if (!(e.lo[axis] < e.hi[axis])) return by_row(points, n);
-    n <= kFew ? select_few(points, n, left, axis) : select(points, n, left, axis);
-    into_leaves(points, left);
-    into_leaves(points + left, n - left);
-  }
 
   void same_place(CutPoint* points, std::size_t n) {
     by_row(points, n);

@@ -141,12 +141,19 @@ struct Group {
   HWY_INLINE void try_last_leaf(Lanes d, const Packed& packed) {
     const hn::RebindToUnsigned<Lanes> du;
     const std::size_t first = (packed.leaves - 1) * kLeafCapacity;
-    auto number = hn::Set(du, static_cast<std::uint32_t>(first));
-    const auto one = hn::Set(du, 1u);
+    const Vec limit = hn::Min(selection.list[K], radius_key);
+    // First all keys and who matters to anybody, then the insertions: one branch to mispredict instead of sixteen.
+    HWY_ALIGN float keys[kLeafCapacity * hn::MaxLanes(Lanes())];
+    std::uint32_t wanted = 0;
+    for (std::size_t j = 0; j < kLeafCapacity; ++j) {
+      const Vec key = key_of(d, packed, first + j, hn::Set(du, static_cast<std::uint32_t>(first + j)));
+      hn::Store(key, d, keys + j * hn::Lanes(d));
+      wanted |= std::uint32_t{!hn::AllFalse(d, hn::Lt(key, limit))} << j;
+    }
+    if (wanted == 0) return;
     Selection<K> best = selection;  // a copy of its own stays in registers
-    for (std::size_t j = 0; j < kLeafCapacity; ++j, number = hn::Add(number, one)) {
-      const Vec key = key_of(d, packed, first + j, number);
-      if (!hn::AllFalse(d, hn::Lt(key, hn::Min(best.list[K], radius_key)))) best.insert(key);
+    for (; wanted != 0; wanted &= wanted - 1) {
+      best.insert(hn::Load(d, keys + static_cast<std::size_t>(__builtin_ctz(wanted)) * hn::Lanes(d)));
     }
     selection = best;
   }

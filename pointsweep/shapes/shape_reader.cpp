@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/shapes/shape_reader.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 
 #include "pointsweep/error.h"
-#include "pointsweep/hand_over.h"
 #include "pointsweep/shapes/distributions.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -87,14 +84,10 @@ std::size_t ShapeReader::read(std::uint64_t row, std::span<std::byte> records) {
   if (row >= info_.count) return 0;
   const std::size_t stride = info_.schema.stride;
   const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(records.size() / stride, info_.count - row));
-  HandOver begin, end;
-  begin.give();
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
-    begin.take();
-    for (std::size_t i = range.begin(); i < range.end(); ++i) store(row + i, records.data() + i * stride);
-    end.give();
+  parallel_for((count + kGrain - 1) / kGrain, [&](std::size_t grain, unsigned) {
+    const std::size_t end = std::min((grain + 1) * kGrain, count);
+    for (std::size_t i = grain * kGrain; i < end; ++i) store(row + i, records.data() + i * stride);
   });
-  end.take();
   return count;
 }
 

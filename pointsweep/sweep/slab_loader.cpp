@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 
+#include "pointsweep/order/fixed_copy.h"
 #include "pointsweep/search/cut.h"
 
 namespace pointsweep {
@@ -85,10 +86,12 @@ std::unique_ptr<WindowCell> SlabLoader::make_cell(std::uint32_t slab, std::span<
   made->cell = Cell(static_cast<std::uint32_t>(points.size()));
   made->index_in_slab.resize(points.size());
   cell_records.resize(points.size() * stride);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    made->index_in_slab[i] = points[i].index;
-    std::memcpy(cell_records.data() + i * stride, records.data() + points[i].index * stride, stride);
-  }
+  for (std::size_t i = 0; i < points.size(); ++i) made->index_in_slab[i] = points[i].index;
+  with_fixed_size(stride, [&](auto size) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      copy_bytes<size()>(cell_records.data() + i * stride, records.data() + points[i].index * stride, stride);
+    }
+  });
   Cell& cell = made->cell;
   decode_positions(position_, cell_records.data(), stride, points.size(), cell.x, cell.y, cell.z);
   for (std::size_t i = 0; i < points.size(); ++i) cell.row[i] = row_at(row_, cell_records.data() + i * stride);

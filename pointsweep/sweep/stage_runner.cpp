@@ -2,7 +2,8 @@
 #include "pointsweep/sweep/stage_runner.h"
 
 #include <chrono>
-#include <cstring>
+
+#include "pointsweep/order/fixed_copy.h"
 
 namespace pointsweep {
 
@@ -28,7 +29,9 @@ void collect_results(const SweepPlan& plan, const std::byte* const* columns, std
   for (const ResultColumn& r : plan.results) {
     const std::byte* from = columns[r.column];
     std::byte* to = results.data() + r.offset;
-    for (std::size_t i = 0; i < size; ++i, from += r.bytes, to += plan.result_bytes) std::memcpy(to, from, r.bytes);
+    with_fixed_size(r.bytes, [&](auto bytes) {
+      for (std::size_t i = 0; i < size; ++i) copy_bytes<bytes()>(to + i * plan.result_bytes, from + i * r.bytes, r.bytes);
+    });
   }
 }
 

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/sweep/stream_search.h"
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include <algorithm>
 #include <unordered_map>
 
-#include "pointsweep/hand_over.h"
 #include "pointsweep/search/exact_search.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 
@@ -92,14 +90,7 @@ std::uint64_t search_stream(const Stream& stream, const SweepPlan& plan, const S
     if (chosen.empty()) return;
     ++slabs_read;
     const SlabVisit here(plan, loader.load(slab, false));
-    HandOver begin, end;
-    begin.give();
-    oneapi::tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) {
-      begin.take();
-      here.serve(queries[chosen[i]], slab);
-      end.give();
-    });
-    end.take();
+    parallel_for(chosen.size(), [&](std::size_t i, unsigned) { here.serve(queries[chosen[i]], slab); });
   };
   const auto holds = [&](std::uint32_t slab, const StreamQuery& q) {
     return distance2(slabs[slab].box, q.position) == 0;

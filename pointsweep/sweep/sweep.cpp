@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/sweep/sweep.h"
 
-#include <oneapi/tbb/enumerable_thread_specific.h>
-#include <oneapi/tbb/parallel_for.h>
-
 #include <algorithm>
 #include <chrono>
 
-#include "pointsweep/hand_over.h"
 #include "pointsweep/sweep/cell_runner.h"
 #include "pointsweep/sweep/read_ahead.h"
 #include "pointsweep/sweep/recall.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 
@@ -26,7 +23,8 @@ class Sweep {
         loader_(stream, plan, options.cell_points),
         outside_(stream.slabs(), stream.axis()),
         window_(plan, outside_),
-        runner_(plan, window_, outside_, sink) {}
+        runner_(plan, window_, outside_, sink),
+        workers_(thread_count()) {}
 
   /// The paper's main loop: while the stream has points, read some; then let every operator in turn pull what has
   /// become ready; what is finished leaves. At the end, whatever had to be deferred is recalled.
@@ -54,14 +52,8 @@ class Sweep {
 
   void pull(std::uint32_t step) {
     const std::vector<std::uint32_t> ready = window_.ready_for(step);
-    HandOver begin, end;
-    begin.give();
-    oneapi::tbb::parallel_for(std::size_t{0}, ready.size(), [&](std::size_t i) {
-      begin.take();
-      runner_.run(ready[i], step, workers_.local());
-      end.give();
-    });
-    end.take();
+    parallel_for(ready.size(),
+                 [&](std::size_t i, unsigned worker) { runner_.run(ready[i], step, workers_[worker]); });
     for (const std::uint32_t slot : ready) {
       WindowCell& cell = window_.at(slot);
       if (!cell.deferred.empty()) cell.deferred_before = cell.deferred;
@@ -88,7 +80,7 @@ class Sweep {
     });
     Recall recall(stream_, plan_, loader_);
     const std::size_t batch = recall.batch_points(options_.recall_bytes);
-    StageTally& tally = workers_.local().tally;
+    StageTally& tally = workers_.front().tally;
     for (std::size_t first = 0; first < deferred.size(); first += batch) {
       const auto begin = deferred.begin() + static_cast<std::ptrdiff_t>(first);
       const auto end = begin + static_cast<std::ptrdiff_t>(std::min(batch, deferred.size() - first));
@@ -126,7 +118,7 @@ class Sweep {
   Outside outside_;
   Window window_;
   const CellRunner runner_;
-  oneapi::tbb::enumerable_thread_specific<Worker> workers_;
+  std::vector<Worker> workers_;
   SweepStatistics statistics_;
   std::uint64_t points_read_ = 0;
   double active_sum_ = 0;

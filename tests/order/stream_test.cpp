@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
-#include <tbb/global_control.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -14,6 +12,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/order/temp_folder.h"
+#include "pointsweep/threads.h"
 #include "tests/order/cloud_source.h"
 
 namespace pointsweep {
@@ -139,11 +138,10 @@ void check_all_ways(const std::vector<Vec3>& points, StreamOptions options) {
   const Survey look = survey(cloud.source, options.axis, false);
   const TempFolder folder(temp_parent());
   std::vector<Streamed> results;
-  for (const std::size_t threads : {1, 4}) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+  for (const unsigned threads : {1, 4}) {
     for (const TempFolder* spill : {static_cast<const TempFolder*>(nullptr), &folder}) {
       options.spill = spill;
-      results.push_back(run(cloud.source, options, look));
+      with_threads(threads, [&] { results.push_back(run(cloud.source, options, look)); });
       check(cloud, options, results.back());
       if (testing::Test::HasFatalFailure()) return;
       EXPECT_TRUE(same(results.front(), results.back())) << threads << " threads, spilled: " << (spill != nullptr);

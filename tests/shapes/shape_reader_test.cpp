@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
-
 #include <cmath>
 
 #include "pointsweep/error.h"
+#include "pointsweep/threads.h"
 #include "tests/shapes/shapes.h"
 
 namespace pointsweep {
@@ -35,11 +33,12 @@ TEST(ShapeReader, MakesTheSameBytesInPiecesOfAnySize) {
 }
 
 TEST(ShapeReader, MakesTheSameBytesWithAnyNumberOfThreads) {
-  const auto with_threads = [](int threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-    return tbb::task_arena(threads).execute([] { return records_of("statue", many_options()); });
+  const auto records_with = [](unsigned threads) {
+    std::vector<std::byte> records;
+    with_threads(threads, [&] { records = records_of("statue", many_options()); });
+    return records;
   };
-  EXPECT_EQ(with_threads(1), with_threads(4));
+  EXPECT_EQ(records_with(1), records_with(4));
 }
 
 /// FNV-1a of the coordinates, so that a change of a single bit is seen.

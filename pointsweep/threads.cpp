@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/threads.h"
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
+
+#include <algorithm>
+
+#if !defined(__SANITIZE_THREAD__)  // threads_sanitized.cpp takes its place there
+
+namespace pointsweep {
+
+namespace tbb = oneapi::tbb;
+
+void with_threads(unsigned threads, const std::function<void()>& work) {
+  threads = std::max(threads, 1u);
+  tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  tbb::task_arena arena(static_cast<int>(threads));
+  arena.execute(work);
+}
+
+unsigned thread_count() { return static_cast<unsigned>(tbb::this_task_arena::max_concurrency()); }
+
+void parallel_for(std::size_t count, const std::function<void(std::size_t, unsigned)>& body) {
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    body(i, static_cast<unsigned>(tbb::this_task_arena::current_thread_index()));
+  });
+}
+
+struct BackgroundTask::State {
+  tbb::task_group group;
+};
+
+BackgroundTask::BackgroundTask(std::function<void()> work) : state_(std::make_unique<State>()) {
+  state_->group.run(std::move(work));
+}
+
+BackgroundTask::~BackgroundTask() {
+  try {
+    state_->group.wait();
+  } catch (...) {  // the run has already failed of something else
+  }
+}
+
+void BackgroundTask::wait() { state_->group.wait(); }
+
+}  // namespace pointsweep
+
+#endif

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// The same threads without oneTBB, for the thread sanitizer: Debian's oneTBB is not built with it, so that the sanitizer
+// would see races in the library's own structures and miss the order that it keeps.
+#if defined(__SANITIZE_THREAD__)
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <future>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+
+namespace {
+
+thread_local unsigned run_threads = 0;  ///< of the run this thread belongs to; 0: of none
+
+class Loop {
+ public:
+  Loop(std::size_t count, const std::function<void(std::size_t, unsigned)>& body) : count_(count), body_(body) {}
+
+  void work(unsigned worker) {
+    try {
+      for (std::size_t i = next_++; i < count_; i = next_++) body_(i, worker);
+    } catch (...) {
+      next_ = count_;
+      const std::lock_guard lock(mutex_);
+      if (!error_) error_ = std::current_exception();
+    }
+  }
+
+  void rethrow() const {
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  std::size_t count_;
+  const std::function<void(std::size_t, unsigned)>& body_;
+  std::atomic<std::size_t> next_ = 0;
+  std::mutex mutex_;
+  std::exception_ptr error_;
+};
+
+}  // namespace
+
+void with_threads(unsigned threads, const std::function<void()>& work) {
+  struct Restore {
+    unsigned before = run_threads;
+    ~Restore() { run_threads = before; }
+  } restore;
+  run_threads = std::max(threads, 1u);
+  work();
+}
+
+unsigned thread_count() { return run_threads != 0 ? run_threads : std::max(1u, std::thread::hardware_concurrency()); }
+
+void parallel_for(std::size_t count, const std::function<void(std::size_t, unsigned)>& body) {
+  Loop loop(count, body);
+  std::vector<std::thread> others;
+  const auto workers = static_cast<unsigned>(std::min<std::size_t>(thread_count(), count));
+  for (unsigned worker = 1; worker < workers; ++worker) others.emplace_back([&loop, worker] { loop.work(worker); });
+  loop.work(0);
+  for (std::thread& other : others) other.join();
+  loop.rethrow();
+}
+
+struct BackgroundTask::State {
+  std::future<void> done;
+};
+
+BackgroundTask::BackgroundTask(std::function<void()> work) : state_(std::make_unique<State>()) {
+  state_->done = std::async(std::launch::async, [work = std::move(work), threads = thread_count()] {
+    run_threads = threads;
+    work();
+  });
+}
+
+BackgroundTask::~BackgroundTask() {
+  if (state_->done.valid()) state_->done.wait();
+}
+
+void BackgroundTask::wait() {
+  if (state_->done.valid()) state_->done.get();
+}
+
+}  // namespace pointsweep
+
+#endif

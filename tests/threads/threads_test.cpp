@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/threads.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+namespace pointsweep {
+namespace {
+
+TEST(ParallelFor, DoesEveryPieceOnceAndNeverTwoOfOneWorkerAtATime) {
+  for (const unsigned threads : {1u, 2u, 7u}) {
+    with_threads(threads, [&] {
+      ASSERT_EQ(thread_count(), threads);
+      std::vector<std::atomic<int>> done(1000);
+      std::array<std::atomic<int>, 7> busy{};
+      std::atomic<bool> clash = false;
+      parallel_for(done.size(), [&](std::size_t i, unsigned worker) {
+        if (worker >= threads || ++busy[worker] != 1) clash = true;
+        ++done[i];
+        --busy[worker];
+      });
+      EXPECT_FALSE(clash);
+      for (const auto& times : done) EXPECT_EQ(times, 1);
+    });
+  }
+}
+
+TEST(ParallelFor, DoesNothingForNoPieces) {
+  parallel_for(0, [](std::size_t, unsigned) { FAIL(); });
+}
+
+TEST(ParallelFor, EndsWithWhatAPieceThrew) {
+  with_threads(3, [] {
+    const auto body = [](std::size_t i, unsigned) {
+      if (i == 77) throw std::runtime_error("piece 77");
+    };
+    EXPECT_THROW(parallel_for(1000, body), std::runtime_error);
+  });
+}
+
+TEST(BackgroundTask, HasDoneItsWorkWhenWaitReturns) {
+  with_threads(2, [] {
+    int done = 0;
+    BackgroundTask task([&] { done = 1; });
+    task.wait();
+    EXPECT_EQ(done, 1);
+  });
+}
+
+TEST(BackgroundTask, ThrowsItsFailureToWhoeverWaitsAndDropsItOtherwise) {
+  with_threads(2, [] {
+    BackgroundTask waited([] { throw std::runtime_error("no"); });
+    EXPECT_THROW(waited.wait(), std::runtime_error);
+    const BackgroundTask dropped([] { throw std::runtime_error("no"); });
+  });
+}
+
+}  // namespace
+}  // namespace pointsweep
