@@ -25,6 +25,12 @@ constexpr std::size_t kStragglers = 8;
 
 }  // namespace
 
+CellRunner::CellRunner(const SweepPlan& plan, Window& window, const Outside& outside, Sink& sink)
+    : plan_(plan), window_(window), outside_(outside), sink_(sink), read_of_neighbors_(plan.column_bytes.size()) {
+  for (const Stage& stage : plan.stages)
+    for (const std::uint16_t column : stage.reads_neighbors) read_of_neighbors_[column] = true;
+}
+
 void CellRunner::run(std::uint32_t slot, std::uint32_t step, Worker& worker) const {
   WindowCell& cell = window_.at(slot);
   if (step == 0) {
@@ -193,9 +199,15 @@ void CellRunner::finish(WindowCell& cell, Worker& worker) const {
   }
   cell.lists = {};
   cell.refers_to = {};
-  if (plan_.step_count() == 1) {
-    for (auto& column : cell.columns) column = {};
-    std::fill(cell.column_pointers.begin(), cell.column_pointers.end(), nullptr);
+  if (plan_.step_count() == 1) drop_columns(cell);
+}
+
+/// Of the only step, others may still read what the file gave, while all that was made is the cell's own.
+void CellRunner::drop_columns(WindowCell& cell) const {
+  for (std::size_t c = 0; c < cell.columns.size(); ++c) {
+    if (read_of_neighbors_[c]) continue;
+    cell.columns[c] = {};
+    cell.column_pointers[c] = nullptr;
   }
 }
 

@@ -36,8 +36,7 @@ struct Worker {
 
 class CellRunner {
  public:
-  CellRunner(const SweepPlan& plan, Window& window, const Outside& outside, Sink& sink)
-      : plan_(plan), window_(window), outside_(outside), sink_(sink) {}
+  CellRunner(const SweepPlan& plan, Window& window, const Outside& outside, Sink& sink);
 
   /// Thread-safe for different cells that are ready for the step, each thread with a worker of its own.
   void run(std::uint32_t slot, std::uint32_t step, Worker& worker) const;
@@ -50,11 +49,13 @@ class CellRunner {
   void apply(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const;
   void apply_to_some(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const;
   void finish(WindowCell& cell, Worker& worker) const;
+  void drop_columns(WindowCell& cell) const;
 
   const SweepPlan& plan_;
   Window& window_;
   const Outside& outside_;
   Sink& sink_;
+  std::vector<bool> read_of_neighbors_;  ///< by column: whether a stage looks at it in other cells
 };
 
 }  // namespace pointsweep

@@ -198,6 +198,43 @@ TEST(Run, ChainsThatLookAtNeighborsAttributesEqualTheEvaluationOfTheWholeCloud) 
   }
 }
 
+/// Looks at what the file says of the neighbours.
+class SumOfMarks final : public Operator {
+ public:
+  std::string name() const override { return "sum_of_marks"; }
+  Contract contract() const override {
+    return {{}, {scalar("mark", Type::f64, "1", "")}, {scalar("sum", Type::f64, "1", "of the neighbours' marks")}};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      double sum = 0;
+      for (std::size_t j = 0; j < in.count(i); ++j) sum += in.neighbor_value<double>(0, i, j);
+      out.column<double>(0)[i] = sum;
+    }
+  }
+};
+
+TEST(Run, AttributesOfTheFileAreThereForNeighborsAsLongAsAnybodyLooks) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    SCOPED_TRACE(name);
+    const std::vector<Vec3> points = make_cloud(shape, 1500, 15);
+    std::vector<double> xyz, marks;
+    for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z}), marks.push_back(double(marks.size() % 97));
+    auto reader = std::make_unique<ArrayReader>(std::span<const double>(xyz));
+    reader->add({"mark"}, std::span<const double>(marks));
+    std::vector<std::unique_ptr<Reader>> readers;
+    readers.push_back(std::move(reader));
+    Cloud cloud(std::move(readers));
+    const auto sum = run_in_memory(cloud, {{.k = 6}, {std::make_shared<SumOfMarks>()}}, tiny(80, 16)).field("sum");
+    const auto neighbors = brute_force_neighbors(points, 6);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      double expected = 0;
+      for (const std::uint32_t j : neighbors[i]) expected += marks[j];
+      ASSERT_EQ(sum[i], expected) << i;
+    }
+  }
+}
+
 /// Moves a point to the mean of its neighbourhood and itself.
 class MoveToMean final : public Operator {
  public:
