@@ -16,6 +16,7 @@ struct Contract {
   std::vector<Attribute> reads;            ///< of the point itself, besides its position
   std::vector<Attribute> reads_neighbors;  ///< of the points in N_i, besides their positions
   std::vector<Attribute> makes;
+  bool alone = false;  ///< never looks at a neighbour, not even at its position: need not wait for those that moved
 };
 
 /// A pure function of a point and its neighbourhood: the same input gives the same bytes, on any thread, at any time,

@@ -5,6 +5,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/order/survey.h"
+#include "pointsweep/pipeline/planned_sweeps.h"
 
 namespace pointsweep {
 namespace {
@@ -36,7 +37,8 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
     } else if (i == 0) {
       chain.neighborhood = make_neighborhood(OptionValues(knn.options, stage));
     } else {
-      fail_usage("{}: knn comes once and first, since all stages share its neighbourhoods.", stage.place);
+      fail_usage("{}: knn comes once and first; for other neighbourhoods from here on write {}.", stage.place,
+                 to_text(std::vector<StageText>{{"reneighbor", stage.options, ""}}));
     }
   }
   return chain;
@@ -45,9 +47,8 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
 Chain build_chain(const std::vector<StageText>& stages, Cloud& cloud, const std::vector<std::string>& keep) {
   Facts facts{.points = cloud.count()};
   Chain chain = build_chain(stages, facts);
-  if (chain.operators.empty()) fail_usage("The pipeline makes nothing; add an operator, as in knn(k=8) | normals.");
   chain.keep = keep;
-  plan_chain(chain, cloud.schema());
+  plan_sweeps(chain, cloud.schema());
   if (!any_needs_diagonal(stages)) return chain;
   facts.diagonal = diagonal_of(cloud);
   chain.operators = build_chain(stages, facts).operators;

@@ -20,7 +20,8 @@ class Planner {
     Stage stage{.op = op, .reads = {}, .reads_neighbors = {}, .makes = {}, .position = position_};
     for (const Attribute& a : contract.reads) stage.reads.push_back(column_of(a, *op));
     // Whoever comes after a mover looks at the moved positions of its neighbours.
-    bool looks_at_this_step = position_ >= 0 && made_in_this_step(static_cast<std::uint16_t>(position_));
+    bool looks_at_this_step =
+        !contract.alone && position_ >= 0 && made_in_this_step(static_cast<std::uint16_t>(position_));
     for (const Attribute& a : contract.reads_neighbors) {
       stage.reads_neighbors.push_back(column_of(a, *op));
       looks_at_this_step |= made_in_this_step(stage.reads_neighbors.back());

@@ -104,6 +104,13 @@ OptionValues::OptionValues(const std::vector<OptionDeclaration>& declarations, c
     if (!given(d.name) && !d.preset.empty()) preset_.emplace(d.name, d.preset);
 }
 
+OptionValues OptionValues::with_presets_of(const std::vector<OptionDeclaration>& declarations) const {
+  OptionValues values = *this;
+  for (const OptionDeclaration& d : declarations)
+    if (!given(d.name) && !d.preset.empty()) values.preset_.insert_or_assign(d.name, d.preset);
+  return values;
+}
+
 const std::string& OptionValues::choice(std::string_view name) const {
   const auto found = given_.find(name);
   return found != given_.end() ? found->second : preset_.find(name)->second;

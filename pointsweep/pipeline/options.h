@@ -44,6 +44,9 @@ class OptionValues {
 
   /// By name of a declared option. What has no preset is asked for only if given.
   bool given(std::string_view name) const { return given_.contains(name); }
+  bool any_given() const { return !given_.empty(); }
+  /// The same, with the presets of `declarations` where none is given.
+  OptionValues with_presets_of(const std::vector<OptionDeclaration>& declarations) const;
   std::uint64_t whole(std::string_view name) const;
   double number(std::string_view name) const;
   Vec3 point(std::string_view name) const;

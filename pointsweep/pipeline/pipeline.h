@@ -21,11 +21,11 @@ namespace pointsweep {
 enum class Order : std::uint8_t {
   input,  ///< row i of the output is row i of the input
   sweep,  ///< canonical order along the sweep axis: coordinate on it, ties by x, y, z, row; not finite ones last, by
-          ///< row
+          ///< row. Of the input's positions, or of those at the last Resort of the chain
 };
 
 struct Progress {
-  const char* phase;   ///< "ordering", "sweeping" or "writing"
+  const char* phase;   ///< "ordering", "sweeping", "updating" (from one sweep to the next) or "writing"
   std::uint64_t done;  ///< points
   std::uint64_t total;
   std::uint64_t active;  ///< points in the window, while sweeping

@@ -6,7 +6,6 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/order/survey.h"
-#include "pointsweep/pipeline/demand.h"
 #include "pointsweep/pipeline/output_layout.h"
 
 namespace pointsweep {
@@ -18,7 +17,9 @@ std::size_t step_of(const SweepPlan& plan, std::size_t s) {
   return static_cast<std::size_t>(next - plan.steps.begin()) - 1;
 }
 
-std::vector<ColumnPlan> plan_columns(const SweepPlan& plan) {
+/// `first_stage`: its number in the chain, from 0 on.
+std::vector<ColumnPlan> plan_columns(const SweepPlan& plan, std::size_t first_stage,
+                                     const std::vector<Attribute>& carried) {
   std::vector<ColumnPlan> columns(plan.column_bytes.size());
   for (std::size_t c = 0; c < columns.size(); ++c) columns[c].bytes = plan.column_bytes[c];
   const auto note = [&](const std::vector<std::uint16_t>& numbers, const std::vector<Attribute>& attributes,
@@ -37,8 +38,12 @@ std::vector<ColumnPlan> plan_columns(const SweepPlan& plan) {
     note(stage.reads_neighbors, contract.reads_neighbors, step_of(plan, s));
     if (stage.position >= 0) note({static_cast<std::uint16_t>(stage.position)}, {}, step_of(plan, s));
     note(stage.makes, contract.makes, step_of(plan, s));
-    for (const std::uint16_t made : stage.makes) columns[made].made_by = fmt::format("{} {}", s + 1, stage.op->name());
+    for (const std::uint16_t made : stage.makes)
+      columns[made].made_by = fmt::format("{} {}", first_stage + s + 1, stage.op->name());
   }
+  for (const FileColumn& file : plan.file_columns)
+    if (std::ranges::find(carried, columns[file.column].attribute, &Attribute::name) != carried.end())
+      columns[file.column].made_by = "a sweep before";
   for (const ResultColumn& result : plan.results) {
     columns[result.column].written = true;
     columns[result.column].last_step = plan.step_count() - 1;
@@ -46,31 +51,35 @@ std::vector<ColumnPlan> plan_columns(const SweepPlan& plan) {
   return columns;
 }
 
-std::string stages_text(const SweepPlan& plan) {
+std::string stages_text(const SweepPlan& plan, std::size_t first_stage) {
   std::string text = "stages        step  buffer\n";
   for (std::size_t s = 0; s < plan.stages.size(); ++s) {
     const std::size_t step = step_of(plan, s);
     const bool waits = step > 0 && plan.steps[step] == s;
-    text += fmt::format("  {:<12}{:>4}  {}\n", fmt::format("{} {}", s + 1, plan.stages[s].op->name()), step + 1,
+    text += fmt::format("  {:<12}{:>4}  {}\n", fmt::format("{} {}", first_stage + s + 1, plan.stages[s].op->name()),
+                        step + 1,
                         waits ? "pre-buffer: waits until all neighbours have finished the step before"
                               : "through: runs at once, with the stage or search before it");
   }
   return text;
 }
 
-std::string columns_text(const Preview& preview) {
-  if (preview.columns.empty()) return "";
+std::string columns_text(const std::vector<ColumnPlan>& columns) {
+  if (columns.empty()) return "";
   std::string text = "columns             bytes  made by         needed until\n";
-  for (const ColumnPlan& c : preview.columns) {
+  for (const ColumnPlan& c : columns) {
     text += fmt::format("  {:<16} {:>6}  {:<14}  {}\n", c.attribute, c.bytes, c.made_by,
                         c.written ? "written" : fmt::format("step {}", c.last_step + 1));
   }
   return text;
 }
 
-std::string results_text(const PlannedChain& planned) {
-  std::string text = fmt::format("results       {} bytes a point:", planned.plan.result_bytes);
-  for (const Attribute& a : planned.made) {
+/// "12 bytes a point: normal (nx ny nz float32)"
+std::string attributes_text(const std::vector<Attribute>& attributes) {
+  std::size_t bytes = 0;
+  for (const Attribute& a : attributes) bytes += a.bytes();
+  std::string text = fmt::format("{} bytes a point:", bytes);
+  for (const Attribute& a : attributes) {
     text += fmt::format(" {} (", a.name);
     for (std::size_t i = 0; i < a.fields.size(); ++i) text += (i == 0 ? "" : " ") + a.fields[i];
     text += fmt::format(" {})", name_of(a.type));
@@ -87,35 +96,75 @@ std::string neighborhood_text(const Neighborhood& n) {
   return near ? text + fmt::format(" within {}", n.radius) : text;
 }
 
+std::string slabs_text(const MemoryPlan& memory, std::uint64_t points, std::uint64_t record_bytes) {
+  const std::uint64_t slab_points = std::max<std::uint64_t>(memory.slab_points, 1);
+  return fmt::format("slabs         about {} of {} points, {} bytes a point on the way, {}\n",
+                     (points + slab_points - 1) / slab_points, slab_points, record_bytes,
+                     memory.spill_stream ? "spilled" : "in memory");
+}
+
+std::string sweep_text(const Preview& p, std::size_t s, std::size_t first_stage) {
+  const PlannedSweep& sweep = p.planned.sweeps[s];
+  const bool goes_on = s + 1 < p.planned.sweeps.size();
+  std::string text =
+      p.planned.sweeps.size() == 1 ? "" : fmt::format("sweep {} of {}\n", s + 1, p.planned.sweeps.size());
+  text += fmt::format("neighbours    {}\n", neighborhood_text(sweep.chain.plan.neighborhood));
+  text += stages_text(sweep.chain.plan, first_stage) + columns_text(p.columns[s]);
+  if (goes_on) text += "carried on    " + attributes_text(sweep.carried);
+  return text + slabs_text(p.memory.sweeps[s], p.points, p.memory.record_bytes[s]);
+}
+
+std::string memory_text(const Preview& p) {
+  std::uint64_t window = 0;
+  bool spill_results = false;
+  for (const MemoryPlan& sweep : p.memory.sweeps) {
+    window = std::max(window, sweep.window_bytes);
+    spill_results |= sweep.spill_results;
+  }
+  std::string text = fmt::format("memory        {:.1f} MB expected of {:.1f} MB: window {:.1f} MB, results {}",
+                                 megabytes(p.memory.expected_bytes), megabytes(p.budget), megabytes(window),
+                                 spill_results ? "spilled" : "in memory");
+  if (p.memory.row_bytes > 0)
+    text += fmt::format(", {:.1f} MB between sweeps {}", megabytes(p.memory.row_bytes),
+                        p.memory.spill_rows ? "spilled" : "in memory");
+  return text + "\n";
+}
+
 }  // namespace
 
 Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options) {
-  Preview out{.planned = plan_chain(chain, cloud.schema()), .columns = {}, .memory = {}};
-  out.columns = plan_columns(out.planned.plan);
+  Preview out;
+  out.planned = plan_sweeps(chain, cloud.schema(), options.order == Order::sweep);
+  std::size_t first_stage = 0;
+  const std::vector<Attribute>* carried = nullptr;
+  for (const PlannedSweep& sweep : out.planned.sweeps) {
+    const std::vector<Attribute> none;
+    out.columns.push_back(plan_columns(sweep.chain.plan, first_stage, carried == nullptr ? none : *carried));
+    first_stage += sweep.chain.plan.stages.size();
+    carried = &sweep.carried;
+  }
   out.points = cloud.count();
   out.budget = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
-  const bool whole = options.order == Order::sweep;
-  const std::uint64_t output_bytes = OutputLayout(cloud.schema(), out.planned.made).schema().stride;
-  const MemoryDemand demand =
-      memory_demand(cloud, survey(source, options.axis, false), options, whole,
-                    out.planned.payload(cloud.schema()).size(), whole ? output_bytes : out.planned.plan.result_bytes);
-  out.record_bytes = demand.working_record_bytes;
-  out.memory = plan_memory(out.budget, out.planned.plan, demand);
+  out.memory = plan_run_memory(out.budget, out.planned, out.points, survey(source, options.axis, false), options,
+                               OutputLayout(cloud.schema(), out.planned.made).schema().stride);
   return out;
 }
 
 std::string to_text(const Preview& p) {
-  const std::uint64_t slab_points = std::max<std::uint64_t>(p.memory.slab_points, 1);
-  return fmt::format("points        {}\nneighbours    {}\n", p.points, neighborhood_text(p.planned.plan.neighborhood)) +
-         stages_text(p.planned.plan) + columns_text(p) + results_text(p.planned) +
-         fmt::format("slabs         about {} of {} points, {} bytes a point on the way, {}\n",
-                     (p.points + slab_points - 1) / slab_points, slab_points, p.record_bytes,
-                     p.memory.spill_stream ? "spilled" : "in memory") +
-         fmt::format("memory        {:.1f} MB expected of {:.1f} MB: window {:.1f} MB, results {}\n",
-                     megabytes(p.memory.expected_bytes), megabytes(p.budget), megabytes(p.memory.window_bytes),
-                     p.memory.spill_results ? "spilled" : "in memory");
+  std::string text = fmt::format("points        {}\n", p.points);
+  std::size_t first_stage = 0;
+  for (std::size_t s = 0; s < p.planned.sweeps.size(); ++s) {
+    text += sweep_text(p, s, first_stage);
+    first_stage += p.planned.sweeps[s].chain.plan.stages.size();
+  }
+  text += "results       " + attributes_text(p.planned.made);
+  if (p.planned.reorders)
+    text += fmt::format("order         of the {} positions: the output is put in order once more, {}\n",
+                        p.planned.by_moved_positions ? "moved" : "input's",
+                        p.memory.reordering.spill_stream ? "spilled" : "in memory");
+  return text + memory_text(p);
 }
 
 }  // namespace pointsweep

@@ -7,6 +7,7 @@
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/pipeline/nearest_names.h"
+#include "pointsweep/pipeline/update_operators.h"
 
 namespace pointsweep {
 namespace {
@@ -41,6 +42,20 @@ std::shared_ptr<const Operator> make_fair(const OptionValues& options, const Fac
     fail_usage("{}: all points lie in one place, so there is nothing to smooth; leave the stage out.", options.where());
   const double percent = facts.diagonal / 100;
   return std::make_shared<Fair>(FairOptions{.f = options.number("f") * percent, .g = options.number("g") * percent});
+}
+
+std::shared_ptr<const Operator> make_reneighbor(const OptionValues& options, const Facts&) {
+  if (!options.any_given()) return std::make_shared<Reneighbor>();
+  return std::make_shared<Reneighbor>(make_neighborhood(options.with_presets_of(neighborhood_declaration().options)));
+}
+
+std::shared_ptr<const Operator> make_resort(const OptionValues&, const Facts&) { return std::make_shared<Resort>(); }
+
+/// Those of knn; none is preset, for without any the neighbourhoods stay what they were.
+std::vector<OptionDeclaration> options_of_reneighbor() {
+  std::vector<OptionDeclaration> options = neighborhood_declaration().options;
+  for (OptionDeclaration& option : options) option.preset.clear();
+  return options;
 }
 
 /// An option of fair: a width by which the paper's Gaussians are given.
@@ -85,6 +100,16 @@ std::vector<OperatorDeclaration> declare_operators() {
                    width("g", "width of the Gaussian of the distance to its tangent plane, % of the cloud's diagonal")},
        .make = make_fair,
        .needs_diagonal = true},
+      {.name = "reneighbor",
+       .meaning = "neighbourhoods from here on are those of the positions as they are now; options as of knn, without "
+                  "any what it said before",
+       .options = options_of_reneighbor(),
+       .make = make_reneighbor},
+      {.name = "resort",
+       .meaning = "the order from here on is that of the positions as they are now; it changes what --order sweep "
+                  "writes and no value",
+       .options = {},
+       .make = make_resort},
   };
 }
 

@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
+
+#include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
 
@@ -25,6 +28,29 @@ nlohmann::ordered_json thinned(const std::vector<std::pair<std::uint64_t, std::u
 
 }  // namespace
 
+// A point that is nowhere stays so, since nobody moves it: the points of a sweep are among those of the one before, and
+// the fewest certified are those certified in every one.
+void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep) {
+  to.certified = to.sweeps == 0 ? sweep.certified : std::min(to.certified, sweep.certified);
+  to.recalled += sweep.recalled, to.degenerate += sweep.degenerate;
+  to.read_seconds += sweep.read_seconds, to.search_seconds += sweep.search_seconds;
+  for (std::size_t i = 0; i < plan.stages.size(); ++i)
+    to.operator_seconds.emplace_back(plan.stages[i].op->name(), sweep.stage_seconds[i]);
+
+  const std::uint64_t read_before = to.series.empty() ? 0 : to.series.back().first;
+  const std::uint64_t read = sweep.series.empty() ? 0 : sweep.series.back().first;
+  const auto mean = [](double a, std::size_t of_a, double b, std::size_t of_b) {
+    const auto p = static_cast<double>(of_a), q = static_cast<double>(of_b);
+    return p == 0 ? b : q == 0 ? a : (p * a + q * b) / (p + q);
+  };
+  to.peak_points = std::max(to.peak_points, sweep.peak_points);
+  to.mean_points = mean(to.mean_points, to.series.size(), sweep.mean_points, sweep.series.size());
+  to.lifespan_mean_seconds = mean(to.lifespan_mean_seconds, read_before, sweep.lifespan_mean, read);
+  to.lifespan_max_seconds = std::max(to.lifespan_max_seconds, sweep.lifespan_max);
+  for (const auto& [points_read, active] : sweep.series) to.series.emplace_back(read_before + points_read, active);
+  ++to.sweeps;
+}
+
 std::string to_json(const Statistics& s) {
   nlohmann::ordered_json operators = nlohmann::ordered_json::object();
   for (const auto& [name, seconds] : s.operator_seconds) {
@@ -34,6 +60,7 @@ std::string to_json(const Statistics& s) {
   }
   const nlohmann::ordered_json json = {
       {"points", s.points},
+      {"sweeps", s.sweeps},
       {"k", s.k},
       {"certified", s.certified},
       {"recalled", s.recalled},

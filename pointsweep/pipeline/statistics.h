@@ -9,29 +9,37 @@
 
 namespace pointsweep {
 
+struct SweepPlan;
+struct SweepStatistics;
+
+/// Of a run of several sweeps, sums over them unless it is said otherwise.
 struct Statistics {
   std::uint64_t points = 0;
-  std::uint64_t k = 0;           ///< 0: no limit
-  std::uint64_t certified = 0;   ///< neighbourhoods proven exact: all finite points
-  std::uint64_t recalled = 0;    ///< of these, by reading a part of the stream again
+  std::uint64_t sweeps = 0;      ///< one, and one more for each `reneighbor` whose neighbourhoods are used
+  std::uint64_t k = 0;           ///< of the first sweep; 0: no limit
+  std::uint64_t certified = 0;   ///< points whose neighbourhoods are proven exact in every sweep: all finite ones
+  std::uint64_t recalled = 0;    ///< neighbourhoods proven by reading a part of the stream again
   std::uint64_t degenerate = 0;  ///< results that got the documented value for want of data
-  std::uint64_t nonfinite = 0;   ///< points with NaN or infinite coordinates
+  std::uint64_t nonfinite = 0;   ///< points whose coordinates are NaN or infinite, in the input or when a sweep begins
   double total_seconds = 0;      ///< wall
   double order_seconds = 0;      ///< wall: survey and distribution
   double read_seconds = 0;       ///< loading and cutting slabs, summed over threads
   double search_seconds = 0;     ///< summed over threads
-  double write_seconds = 0;      ///< wall: bringing the results into the output
+  double write_seconds = 0;      ///< wall: bringing the results into the output, or to the next sweep
   std::vector<std::pair<std::string, double>> operator_seconds;  ///< summed over threads
   std::uint64_t bytes_read = 0, bytes_spilled = 0, bytes_written = 0;
   std::uint64_t peak_rss_bytes = 0, memory_budget_bytes = 0;
-  std::uint64_t peak_points = 0;
+  std::uint64_t peak_points = 0;  ///< in the window, the most of all sweeps
   double mean_points = 0;
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read (on from sweep to sweep), points active
   double lifespan_mean_seconds = 0, lifespan_max_seconds = 0;
   unsigned threads = 1;
   std::string machine;
   std::vector<std::string> warnings;
 };
+
+/// Adds a sweep that is over to those before it.
+void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep);
 
 /// One JSON object; the series thinned to at most 1,000 rows.
 std::string to_json(const Statistics& statistics);

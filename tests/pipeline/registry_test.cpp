@@ -110,6 +110,18 @@ TEST(Registry, EveryOptionOfFairChangesTheOutput) {
   expect_refused(before + "fair(f=0)", "f is a number, 1e-06 to 100, not '0'");
 }
 
+TEST(Registry, EveryOptionOfReneighborChangesTheOutput) {
+  const std::string before = "knn(k=16) | normals | splats | fair(f=9, g=5) | ", after = " | normals";
+  const auto plain = records_of(before + "reneighbor" + after);
+  EXPECT_NE(plain, records_of("knn(k=16) | normals | splats | fair(f=9, g=5) | normals"));
+  EXPECT_EQ(records_of(before + "reneighbor(k=16)" + after), plain);
+  EXPECT_NE(records_of(before + "reneighbor(k=12)" + after), plain);
+  EXPECT_NE(records_of(before + "reneighbor(radius=0.2)" + after), plain);
+  EXPECT_NE(records_of(before + "reneighbor(k=8, radius=0.1)" + after), records_of(before + "reneighbor(k=8)" + after));
+  EXPECT_NE(records_of(before + "reneighbor(k=8, radius=0.2)" + after),
+            records_of(before + "reneighbor(radius=0.2)" + after));
+}
+
 TEST(Registry, WidthsOfFairFollowTheDiagonal) {
   const auto stages = parse_pipeline("knn(k=16) | normals | splats | fair(f=2, g=2)");
   const auto scaled = [&](double scale) {
@@ -257,19 +269,21 @@ class PreviewOfAChain : public testing::Test {
 TEST_F(PreviewOfAChain, SaysWhenColumnsDie) {
   chain_.keep = {"sum"};
   const Preview p = preview(*cloud_, chain_);
-  ASSERT_EQ(p.columns.size(), 5u);
+  ASSERT_EQ(p.columns.size(), 1u);
+  const std::vector<ColumnPlan>& columns = p.columns[0];
+  ASSERT_EQ(columns.size(), 5u);
   const auto expect = [&](std::size_t c, const char* name, const char* made_by, std::size_t last_step, bool written) {
-    EXPECT_EQ(p.columns[c].attribute, name);
-    EXPECT_EQ(p.columns[c].made_by, made_by);
-    EXPECT_EQ(p.columns[c].last_step, last_step) << name;
-    EXPECT_EQ(p.columns[c].written, written) << name;
+    EXPECT_EQ(columns[c].attribute, name);
+    EXPECT_EQ(columns[c].made_by, made_by);
+    EXPECT_EQ(columns[c].last_step, last_step) << name;
+    EXPECT_EQ(columns[c].written, written) << name;
   };
   expect(0, "left", "1 pair", 1, false);
   expect(1, "right", "1 pair", 0, false);
   expect(2, "normal", "2 normals", 1, false);
   expect(3, "sum", "3 across", 1, true);
   expect(4, "normal", "4 normals", 1, false);
-  EXPECT_EQ(p.planned.plan.result_bytes, 4u);
+  EXPECT_EQ(p.planned.sweeps[0].chain.plan.result_bytes, 4u);
 }
 
 TEST_F(PreviewOfAChain, NamesTheBufferOfEveryStage) {

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/order/row_file.h"
+
+#include <cassert>
+#include <cstring>
+
+namespace pointsweep {
+
+RowFile::RowFile(std::uint64_t rows, std::size_t record_bytes, const TempFolder* spill) : record_bytes_(record_bytes) {
+  if (spill != nullptr)
+    file_ = std::make_unique<SpillFile>(*spill);
+  else
+    memory_ = PageMemory(rows * record_bytes);
+}
+
+void RowFile::append(std::span<const std::byte> records) {
+  if (file_) {
+    file_->write(file_->reserve(records.size()), records);
+  } else {
+    assert(end_ + records.size() <= memory_.size());
+    std::memcpy(memory_.data() + end_, records.data(), records.size());
+  }
+  end_ += records.size();
+}
+
+void RowFile::read(std::uint64_t row, std::span<std::byte> records) const {
+  const std::uint64_t first = row * record_bytes_;
+  assert(first + records.size() <= end_);
+  if (file_)
+    file_->read(first, records);
+  else
+    std::memcpy(records.data(), memory_.data() + first, records.size());
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+/// Records by row between two sweeps: written in sequence, read from any row on.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "pointsweep/order/page_memory.h"
+#include "pointsweep/order/spill_file.h"
+
+namespace pointsweep {
+
+class TempFolder;
+
+class RowFile {
+ public:
+  /// Room for `rows` records of `record_bytes`: in memory, or in a temporary file of `spill` if that is not null.
+  RowFile(std::uint64_t rows, std::size_t record_bytes, const TempFolder* spill);
+
+  /// Appends whole records, in all no more than there is room for. Throws Error where the disk is full.
+  void append(std::span<const std::byte> records);
+  /// Fills `records` (whole ones, all of them appended before) from `row` on.
+  void read(std::uint64_t row, std::span<std::byte> records) const;
+  std::size_t record_bytes() const { return record_bytes_; }
+  std::uint64_t spilled_bytes() const { return file_ ? file_->written_bytes() : 0; }
+
+ private:
+  std::size_t record_bytes_;
+  std::uint64_t end_ = 0;  ///< bytes appended
+  PageMemory memory_;
+  std::unique_ptr<SpillFile> file_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/run_memory.h"
+
+#include <algorithm>
+#include <thread>
+
+namespace pointsweep {
+namespace {
+
+constexpr std::uint64_t kPositionBytes = 3 * sizeof(double);
+
+/// Of a point, the most at once: while a sweep ends, what came into it and what goes out of it.
+std::uint64_t most_carried(const PlannedSweeps& planned) {
+  std::uint64_t most = 0, before = 0;
+  for (const PlannedSweep& sweep : planned.sweeps) {
+    const bool stays = planned.reorders || &sweep != &planned.sweeps.back();
+    std::uint64_t after = 0;
+    for (const Attribute& a : sweep.carried) after += stays ? a.bytes() : 0;
+    most = std::max(most, before + after);
+    before = after;
+  }
+  return most;
+}
+
+bool in_memory(const MemoryPlan& plan) { return !plan.spill_stream && !plan.spill_results; }
+
+MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std::uint64_t points, const Survey& survey,
+                    const RunOptions& options) {
+  const std::uint64_t row_bytes = points >> 32 ? 8 : 4;
+  return {
+      .points = points,
+      .working_record_bytes = record_bytes + row_bytes,
+      .result_record_bytes = result_bytes,
+      .slab_points = options.slab_points != 0 ? options.slab_points : recommended_slab_points(points, survey.dimension),
+      .threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency())};
+}
+
+MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand, const RunOptions& options) {
+  MemoryPlan memory = plan_memory(budget, sweep, demand);
+  if (options.spill) {
+    memory.spill_stream = memory.spill_results = true;
+    memory.result_buffer_bytes = std::max<std::uint64_t>(memory.result_buffer_bytes, 1 << 20);
+  }
+  return memory;
+}
+
+std::uint64_t travelling_bytes(const PlannedSweep& sweep) {
+  const PositionFields p = position_fields(sweep.input, "The input");
+  return size_of(p.x.type) + size_of(p.y.type) + size_of(p.z.type) + 8 * sweep.chain.payload(sweep.input).size();
+}
+
+}  // namespace
+
+bool RunMemory::spills() const {
+  return spill_rows || !in_memory(reordering) || !std::ranges::all_of(sweeps, in_memory);
+}
+
+RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, std::uint64_t points,
+                          const Survey& survey, const RunOptions& options, std::uint64_t output_bytes) {
+  RunMemory memory;
+  const bool whole = leaves_in_order(planned, options);
+  for (const PlannedSweep& sweep : planned.sweeps) {
+    const SweepPlan& stages = sweep.chain.plan;
+    const MemoryDemand needs = demand(whole ? sweep.input.stride : travelling_bytes(sweep),
+                                      whole ? output_bytes : stages.result_bytes, points, survey, options);
+    memory.record_bytes.push_back(needs.working_record_bytes);
+    memory.sweeps.push_back(plan(budget, stages, needs, options));
+    memory.expected_bytes = std::max(memory.expected_bytes, memory.sweeps.back().expected_bytes);
+  }
+  if (planned.reorders) {
+    memory.reordering = plan_ordering_memory(budget, output_bytes + kPositionBytes, points, survey, options);
+    memory.expected_bytes = std::max(memory.expected_bytes, memory.reordering.expected_bytes);
+  }
+  memory.row_bytes = points * most_carried(planned);
+  memory.spill_rows = memory.row_bytes > 0 && (memory.spills() || memory.expected_bytes + memory.row_bytes > budget);
+  if (!memory.spill_rows) memory.expected_bytes += memory.row_bytes;
+  return memory;
+}
+
+MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
+                                const Survey& survey, const RunOptions& options) {
+  SweepPlan none;
+  none.steps = {0, 0};
+  return plan(budget, none, demand(record_bytes, 0, points, survey, options), options);
+}
+
+bool leaves_in_order(const PlannedSweeps& planned, const RunOptions& options) {
+  return options.order == Order::sweep && !planned.reorders;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+/// What the phases of a run ask of the memory plan.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/order/survey.h"
+#include "pointsweep/pipeline/memory_plan.h"
+#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/planned_sweeps.h"
+
+namespace pointsweep {
+
+/// Of all phases, decided before the first.
+struct RunMemory {
+  std::vector<MemoryPlan> sweeps;
+  std::vector<std::uint64_t> record_bytes;  ///< of a point on its way through the stream, by sweep
+  MemoryPlan reordering;                    ///< of the output, if planned.reorders
+  bool spill_rows = false;                  ///< what is carried between sweeps
+  std::uint64_t row_bytes = 0;              ///< what that takes at most, in memory or in the temporary folder
+  std::uint64_t expected_bytes = 0;         ///< the most at any time
+  bool spills() const;
+};
+
+/// What is carried from sweep to sweep is in memory only where everything is. Throws as plan_memory(). The same survey
+/// serves all sweeps: where points go later, nobody knows yet. `output_bytes`: of an output record.
+RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, std::uint64_t points,
+                          const Survey& survey, const RunOptions& options, std::uint64_t output_bytes);
+
+/// For whole records of `record_bytes` that are only put in order.
+MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
+                                const Survey& survey, const RunOptions& options);
+
+/// The order of the only sweep is the one that the output is to have: its records travel along.
+bool leaves_in_order(const PlannedSweeps& planned, const RunOptions& options);
+
+}  // namespace pointsweep

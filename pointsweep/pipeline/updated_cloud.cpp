@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/updated_cloud.h"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kChunkBytes = 1 << 20;
+
+std::size_t bytes_of(const std::vector<Attribute>& attributes) {
+  std::size_t bytes = 0;
+  for (const Attribute& a : attributes) bytes += a.bytes();
+  return bytes;
+}
+
+std::optional<std::size_t> offset_in(const std::vector<Attribute>& attributes, const std::string& name) {
+  std::size_t offset = 0;
+  for (const Attribute& a : attributes) {
+    if (a.name == name) return offset;
+    offset += a.bytes();
+  }
+  return std::nullopt;
+}
+
+/// Whether the positions or anything else that travels with the points are values of the input's own record.
+bool looks_at_input(const PlannedSweep& sweep, std::uint32_t input_stride) {
+  std::vector<std::size_t> fields = sweep.chain.payload(sweep.input);
+  for (const char* axis : {"x", "y", "z"}) fields.push_back(*sweep.input.find(axis));
+  return std::ranges::any_of(fields, [&](std::size_t f) { return sweep.input.fields[f].offset < input_stride; });
+}
+
+/// Puts `n` records of `bytes` to their places, `stride` bytes apart.
+void spread(const std::byte* from, std::size_t bytes, std::size_t n, std::size_t stride, std::byte* to) {
+  for (std::size_t i = 0; i < n; ++i) std::memcpy(to + i * stride, from + i * bytes, bytes);
+}
+
+}  // namespace
+
+RowUpdate::RowUpdate(const std::vector<Attribute>& carried, const std::vector<Attribute>& made,
+                     const std::vector<Attribute>& after)
+    : carried_bytes_(bytes_of(carried)), made_bytes_(bytes_of(made)), after_bytes_(bytes_of(after)) {
+  std::size_t to = 0;
+  for (const Attribute& a : after) {
+    const auto new_one = offset_in(made, a.name);
+    pieces_.push_back({new_one.has_value(), new_one ? *new_one : offset_in(carried, a.name).value(), to, a.bytes()});
+    to += a.bytes();
+  }
+}
+
+void RowUpdate::run(const std::byte* carried, const std::byte* made, std::size_t n, std::byte* after) const {
+  for (std::size_t i = 0; i < n; ++i) {
+    for (const Piece& p : pieces_) {
+      const std::byte* from = p.made ? made + i * made_bytes_ : carried + i * carried_bytes_;
+      std::memcpy(after + i * after_bytes_ + p.to, from + p.from, p.bytes);
+    }
+  }
+}
+
+void update_rows(RowStore& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
+                 const std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>& use) {
+  const std::size_t before = carried == nullptr ? 0 : carried->record_bytes();
+  const std::size_t chunk = std::max<std::size_t>(1, kChunkBytes / std::max(before, update.record_bytes()));
+  std::vector<std::byte> old, updated;
+  results.drain([&](std::uint64_t first, std::span<const std::byte> made) {
+    const std::size_t rows = made.size() / made_bytes;
+    for (std::size_t at = 0; at < rows; at += chunk) {
+      const std::size_t n = std::min(chunk, rows - at);
+      old.resize(n * before);
+      updated.resize(n * update.record_bytes());
+      if (carried != nullptr) carried->read(first + at, old);
+      update.run(old.data(), made.data() + at * made_bytes, n, updated.data());
+      use(first + at, updated);
+    }
+  });
+}
+
+PointSource updated_source(Cloud& cloud, const RowFile& carried, const PlannedSweep& sweep,
+                           std::function<void(std::uint64_t bytes)> note_read) {
+  const std::size_t stride = sweep.input.stride, own = cloud.schema().stride, rest = stride - own;
+  const bool with_input = looks_at_input(sweep, cloud.schema().stride);
+  auto scratch = std::make_shared<std::vector<std::byte>>();
+  const auto read = [=, &cloud, &carried](std::uint64_t row, std::span<std::byte> records) -> std::size_t {
+    std::size_t n = records.size() / stride;
+    n = static_cast<std::size_t>(std::min<std::uint64_t>(n, row < cloud.count() ? cloud.count() - row : 0));
+    if (scratch->size() < n * std::max(own, rest)) scratch->resize(n * std::max(own, rest));
+    if (with_input) {
+      n = cloud.read(row, std::span(*scratch).first(n * own));
+      note_read(n * own);
+      spread(scratch->data(), own, n, stride, records.data());
+    }
+    carried.read(row, std::span(*scratch).first(n * rest));
+    spread(scratch->data(), rest, n, stride, records.data() + own);
+    return n;
+  };
+  return {sweep.input, cloud.count(), read};
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// The cloud between two sweeps: the input, with what has been made in the place of what the input has.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pointsweep/formats/cloud.h"
+#include "pointsweep/order/row_file.h"
+#include "pointsweep/order/row_store.h"
+#include "pointsweep/order/source.h"
+#include "pointsweep/pipeline/planned_sweeps.h"
+
+namespace pointsweep {
+
+/// Rows of `after`, each value from what the sweep made if it did, otherwise from what was carried into it. All three
+/// are records that hold the values of their attributes one after another.
+class RowUpdate {
+ public:
+  RowUpdate(const std::vector<Attribute>& carried, const std::vector<Attribute>& made,
+            const std::vector<Attribute>& after);
+  std::size_t record_bytes() const { return after_bytes_; }
+  /// `carried` may be null if everything is made.
+  void run(const std::byte* carried, const std::byte* made, std::size_t n, std::byte* after) const;
+
+ private:
+  struct Piece {
+    bool made;
+    std::size_t from, to, bytes;
+  };
+  std::vector<Piece> pieces_;
+  std::size_t carried_bytes_, made_bytes_, after_bytes_;
+};
+
+/// Takes the rows of `results`, updated, in their order: `use(first_row, records)` with at most a megabyte at once.
+/// `carried` is null before the first sweep.
+void update_rows(RowStore& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
+                 const std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>& use);
+
+/// The cloud as `sweep` sees it. What is borrowed must outlive the source. The input itself is read only where the
+/// sweep needs something of it; `note_read` is told its bytes.
+PointSource updated_source(Cloud& cloud, const RowFile& carried, const PlannedSweep& sweep,
+                           std::function<void(std::uint64_t bytes)> note_read);
+
+}  // namespace pointsweep

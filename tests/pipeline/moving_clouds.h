@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+/// What the tests of the update operators have in common: a mover without limits, and chains of it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/normals.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/update_operators.h"
+#include "tests/pipeline/hostile_clouds.h"
+#include "tests/pipeline/in_memory.h"
+
+namespace pointsweep {
+
+using Operators = std::vector<std::shared_ptr<const Operator>>;
+
+/// Throws every point somewhere else, by up to `reach` along each axis; one in fifty out of space.
+class Throw final : public Operator {
+ public:
+  explicit Throw(double reach, std::uint64_t seed = 1) : reach_(reach), seed_(seed) {}
+  std::string name() const override { return "throw"; }
+  Contract contract() const override { return {{}, {}, {position_attribute()}}; }
+  Vec3 moved(Vec3 p, std::uint64_t row) const {
+    std::mt19937_64 rng(seed_ * 1'000'003 + row);
+    const auto step = [&] { return reach_ * (2 * (static_cast<double>(rng() >> 11) / 9007199254740992.0) - 1); };
+    p = {p.x + step(), p.y + step(), p.z + step()};
+    if (rng() % 50 == 0) p.y = std::numeric_limits<double>::quiet_NaN();
+    return p;
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const auto position = out.column<std::array<double, 3>>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const Vec3 p = moved(in.position(i), in.row(i));
+      position[i] = {p.x, p.y, p.z};
+    }
+  }
+
+ private:
+  double reach_;
+  std::uint64_t seed_;
+};
+
+inline std::shared_ptr<const Operator> thrown(double reach, std::uint64_t seed = 1) {
+  return std::make_shared<Throw>(reach, seed);
+}
+inline std::shared_ptr<const Operator> reneighbor() { return std::make_shared<Reneighbor>(); }
+inline std::shared_ptr<const Operator> reneighbor(std::size_t k) {
+  return std::make_shared<Reneighbor>(Neighborhood{.k = k});
+}
+inline std::shared_ptr<const Operator> resort() { return std::make_shared<Resort>(); }
+inline std::shared_ptr<const Operator> normals() { return std::make_shared<Normals>(); }
+inline std::shared_ptr<const Operator> graph(std::size_t k, std::size_t n) {
+  return std::make_shared<NeighborRows>(k, n, false);
+}
+
+/// Slabs and cells so small that every boundary case happens, in memory or spilled.
+inline RunOptions tiny(std::uint64_t slab_points, bool spill = false, unsigned threads = 2) {
+  RunOptions options;
+  options.slab_points = slab_points;
+  options.cell_points = slab_points < 200 ? 16 : slab_points < 1000 ? 64 : 1024;
+  options.threads = threads;
+  options.memory_bytes = 1ull << 30;
+  options.spill = spill;
+  return options;
+}
+
+template <class T>
+std::vector<T> values_of(const RunResult& result, const std::vector<std::string>& fields) {
+  std::vector<T> values;
+  for (std::size_t at = 0; at < result.records.size(); at += result.schema.stride) {
+    for (const std::string& name : fields) {
+      const Field& field = result.schema.fields[*result.schema.find(name)];
+      EXPECT_EQ(size_of(field.type), sizeof(T)) << name;
+      std::memcpy(&values.emplace_back(), result.records.data() + at + field.offset, sizeof(T));
+    }
+  }
+  return values;
+}
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+inline std::unique_ptr<Cloud> cloud_of(std::unique_ptr<Reader> reader) {
+  std::vector<std::unique_ptr<Reader>> readers;
+  readers.push_back(std::move(reader));
+  return std::make_unique<Cloud>(std::move(readers));
+}
+
+inline Chain chain_of(const std::string& text) { return build_chain(parse_pipeline(text), Facts{.points = 1000}); }
+
+}  // namespace pointsweep

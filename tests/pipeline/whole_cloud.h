@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+/// The slow and obvious meaning of a chain: every operator on the whole cloud in memory, neighbours by all pairs, one
+/// stage after the other. Nothing of the engine takes part.
+#pragma once
+
+#include <cstring>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/pipeline/update_operators.h"
+#include "tests/support/brute_force.h"
+#include "tests/support/in_core.h"
+
+namespace pointsweep {
+
+class WholeCloud {
+ public:
+  using Column = std::vector<std::byte>;
+
+  WholeCloud(std::vector<Vec3> points, const Chain& chain) : points_(std::move(points)) {
+    neighborhood_ = chain.neighborhood;
+    begin_sweep();
+    for (const auto& op : chain.operators) {
+      if (const auto* update = dynamic_cast<const Reneighbor*>(op.get())) {
+        neighborhood_ = update->neighborhood().value_or(neighborhood_);
+        begin_sweep();
+      } else {
+        apply(*op);
+      }
+    }
+  }
+
+  const std::vector<Vec3>& points() const { return points_; }
+  /// The values of an attribute, one component after the other.
+  template <class T>
+  std::vector<T> values(const std::string& name) const {
+    const Column& column = made_.at(name);
+    std::vector<T> values(column.size() / sizeof(T));
+    std::memcpy(values.data(), column.data(), column.size());
+    return values;
+  }
+
+ private:
+  void begin_sweep() {
+    lists_ = brute_force_neighbors(points_, neighborhood_.k, neighborhood_.radius);
+    is_somewhere_.clear();
+    for (const Vec3& p : points_) is_somewhere_.push_back(is_finite(p));
+  }
+
+  void apply(const Operator& op) {
+    const Contract contract = op.contract();
+    std::vector<Column> own, of_neighbors;
+    for (const Attribute& a : contract.reads) own.push_back(made_.at(a.name));
+    for (const Attribute& a : contract.reads_neighbors) of_neighbors.push_back(made_.at(a.name));
+    const InCoreResult result = InCoreCloud(points_, lists_).apply(op, own, of_neighbors);
+    for (std::size_t m = 0; m < contract.makes.size(); ++m) take(contract.makes[m], result.columns[m]);
+  }
+
+  /// Points that were nowhere when the sweep began stay there and get the value of none.
+  void take(const Attribute& attribute, Column column) {
+    const std::size_t bytes = attribute.bytes();
+    const bool moves = attribute.name == position_attribute().name;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      std::byte* value = column.data() + i * bytes;
+      if (!is_somewhere_[i] && moves) std::memcpy(value, &points_[i], sizeof(Vec3));
+      if (!is_somewhere_[i] && !moves) std::fill_n(value, bytes, attribute.fill);
+      if (moves) std::memcpy(&points_[i], value, sizeof(Vec3));
+    }
+    made_[attribute.name] = std::move(column);
+  }
+
+  std::vector<Vec3> points_;
+  Neighborhood neighborhood_;
+  std::vector<std::vector<std::uint32_t>> lists_;
+  std::vector<bool> is_somewhere_;
+  std::map<std::string, Column> made_;
+};
+
+}  // namespace pointsweep
