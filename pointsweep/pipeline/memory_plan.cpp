@@ -52,7 +52,18 @@ constexpr std::uint64_t kLeastBuffer = 4096;
 
 }  // namespace
 
+void fail_budget(std::uint64_t budget, std::uint64_t needed_bytes) {
+  fail("A memory budget of {} MB is too small for this cloud and chain: give --memory {}M or more.", budget >> 20,
+       std::max((needed_bytes >> 20) + 1, (budget >> 20) + 1));
+}
+
 MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
+  MemoryPlan out = try_plan_memory(budget, plan, demand);
+  if (out.needed_bytes != 0) fail_budget(budget, out.needed_bytes);
+  return out;
+}
+
+MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
   const std::uint64_t stream = demand.points * demand.working_record_bytes;
   const std::uint64_t results = demand.points * demand.result_record_bytes;
   MemoryPlan out;
@@ -87,9 +98,7 @@ MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const Memory
   out.expected_bytes = kFixedBytes + out.window_bytes + spilling;
   if (out.expected_bytes > budget) {
     // What the buffers take grows with the budget: an eighth each.
-    const std::uint64_t needed = (kFixedBytes + out.window_bytes + (2u << 20)) * 4 / 3 + slabs() * kLeastBuffer;
-    fail("A memory budget of {} MB is too small for this cloud and chain: give --memory {}M or more.", budget >> 20,
-         std::max((needed >> 20) + 1, (budget >> 20) + 1));
+    out.needed_bytes = (kFixedBytes + out.window_bytes + (2u << 20)) * 4 / 3 + slabs() * kLeastBuffer;
   }
   return out;
 }

@@ -25,6 +25,7 @@ struct MemoryPlan {
   std::uint64_t recall_bytes = 0;
   std::uint64_t window_bytes = 0;    ///< expected
   std::uint64_t expected_bytes = 0;  ///< in all
+  std::uint64_t needed_bytes = 0;    ///< a budget that does, if this one does not; otherwise 0
 };
 
 /// What a run needs besides anything that grows with the cloud: code, thread stacks, chunks being read and written.
@@ -32,6 +33,11 @@ inline constexpr std::uint64_t kFixedBytes = 24u << 20;
 
 /// Prefers memory, then thinner slabs, then spilling. Throws Error with the figure needed when the budget cannot do.
 MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand);
+
+/// The same without throwing: see needed_bytes.
+MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand);
+/// Throws that Error.
+[[noreturn]] void fail_budget(std::uint64_t budget, std::uint64_t needed_bytes);
 
 /// Memory that is free for the taking on this machine, in bytes: MemAvailable, or less inside a control group.
 std::uint64_t available_memory();

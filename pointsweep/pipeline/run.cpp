@@ -65,6 +65,7 @@ class Run {
     OutputSet files(cloud_, {}, {.points = output, .arrays = {}, .writer = {}}, options_.overwrite, bounds_if_exact());
     const MemoryPlan memory = plan_ordering_memory(statistics_.memory_budget_bytes, cloud_.schema().stride,
                                                    cloud_.count(), survey_, options_);
+    if (memory.needed_bytes != 0) fail_budget(statistics_.memory_budget_bytes, memory.needed_bytes);
     make_folder(memory.spill_stream);
     order(memory, true, {});
     write_stream(cloud_.schema().stride, files);

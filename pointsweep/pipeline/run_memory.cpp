@@ -36,7 +36,7 @@ MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std:
 }
 
 MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand, const RunOptions& options) {
-  MemoryPlan memory = plan_memory(budget, sweep, demand);
+  MemoryPlan memory = try_plan_memory(budget, sweep, demand);
   if (options.spill) {
     memory.spill_stream = memory.spill_results = true;
     memory.result_buffer_bytes = std::max<std::uint64_t>(memory.result_buffer_bytes, 1 << 20);
@@ -71,6 +71,9 @@ RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, st
     memory.reordering = plan_ordering_memory(budget, output_bytes + kPositionBytes, points, survey, options);
     memory.expected_bytes = std::max(memory.expected_bytes, memory.reordering.expected_bytes);
   }
+  std::uint64_t needed = memory.reordering.needed_bytes;
+  for (const MemoryPlan& sweep : memory.sweeps) needed = std::max(needed, sweep.needed_bytes);
+  if (needed != 0) fail_budget(budget, needed);
   memory.row_bytes = points * most_carried(planned);
   memory.spill_rows = memory.row_bytes > 0 && (memory.spills() || memory.expected_bytes + memory.row_bytes > budget);
   if (!memory.spill_rows) memory.expected_bytes += memory.row_bytes;

@@ -28,7 +28,7 @@ struct RunMemory {
 RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, std::uint64_t points,
                           const Survey& survey, const RunOptions& options, std::uint64_t output_bytes);
 
-/// For whole records of `record_bytes` that are only put in order.
+/// For whole records of `record_bytes` that are only put in order. Does not throw: see MemoryPlan::needed_bytes.
 MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
                                 const Survey& survey, const RunOptions& options);
 
