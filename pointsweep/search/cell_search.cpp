@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include <array>
+#include <bit>
 
 #include "pointsweep/search/exact_search.h"
 #include "pointsweep/search/leaf_query-inl.h"
@@ -58,7 +59,7 @@ class CellSearch {
       group_.try_last_leaf(d_, packed_);
     }
     find_leaves(begin, end);
-    if (!try_leaves()) return search_in_double(first, queries);
+    if (!try_leaves() || packed_.farthest >= kFarthest) return search_in_double(first, queries);
     settle(first, queries);
   }
 
@@ -144,9 +145,7 @@ class CellSearch {
       const auto near = hn::Le(d2, limit);
       if (hn::AllFalse(d_, near)) continue;
       hn::Store(d2, d_, d2s);
-      std::uint8_t bytes[8] = {};
-      hn::StoreMaskBits(d_, near, bytes);
-      for (std::uint32_t bits = bytes[0] | bytes[1] << 8; bits != 0; bits &= bits - 1) {
+      for (std::uint32_t bits = bits_of(near); bits != 0; bits &= bits - 1) {
         const auto lane = static_cast<std::uint32_t>(__builtin_ctz(bits));
         if (l + lane >= skip_begin && l + lane < skip_end) continue;
         if (l + lane >= cell.leaf_count()) break;  // padding, which only an infinite reach takes for near
@@ -190,23 +189,29 @@ class CellSearch {
     const Vec nobody = hn::Set(d_, kNobody), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
     const Vec surely_within = hn::Set(d_, limited_ ? radius2_ * (1 - 1e-6f) : kNobody);
-    Vec order_unsure = hn::Zero(d_), set_unsure = hn::Zero(d_);
+    Vec set_unsure = hn::Zero(d_);
+    std::uint64_t close_to_next[kLeafCapacity] = {};  // by lane; a bit for each place in the list
     for (std::size_t i = 0; i <= K; ++i) {
       const Vec key = group_.selection.list[i];
       hn::Store(key, d_, keys_[i]);
       if (i == K) break;
       const Vec next = group_.selection.list[i + 1];
       const auto real = hn::Lt(key, nobody);
-      const auto close = hn::And(real, hn::Le(hn::Sub(next, key), hn::MulAdd(next, relative, absolute)));
-      Vec& unsure = i + 1 == K ? set_unsure : order_unsure;
-      unsure = hn::IfThenElse(close, one, unsure);
+      const auto near = hn::Le(hn::Sub(next, key), hn::MulAdd(next, relative, absolute));
+      const auto close = hn::And(hn::Lt(next, nobody), near);
+      if (i + 1 == K) {
+        set_unsure = hn::IfThenElse(close, one, set_unsure);
+      } else {
+        for (std::uint32_t lanes = bits_of(close); lanes != 0; lanes &= lanes - 1) {
+          close_to_next[__builtin_ctz(lanes)] |= std::uint64_t{1} << i;
+        }
+      }
       if (limited_) {
         const auto within = hn::Le(hn::MulAdd(key, hn::Set(d_, 1 + kRelativeMargin), absolute), surely_within);
         set_unsure = hn::IfThenElse(hn::AndNot(within, real), one, set_unsure);
       }
     }
-    HWY_ALIGN float order_lane[kLeafCapacity], set_lane[kLeafCapacity], reach_lane[kLeafCapacity];
-    hn::Store(order_unsure, d_, order_lane);
+    HWY_ALIGN float set_lane[kLeafCapacity], reach_lane[kLeafCapacity];
     hn::Store(set_unsure, d_, set_lane);
     hn::Store(group_.reach(d_, packed_.farthest), d_, reach_lane);
     for (std::uint32_t q = 0; q < queries; ++q) {
@@ -214,9 +219,15 @@ class CellSearch {
         settle_in_double(first + q, q, reach_lane[q]);
       } else {
         write_lane(q, reach_lane[q]);
-        if (order_lane[q] != 0) order_last(first + q);
+        order_last(first + q, close_to_next[q] >> (K - what_.k));
       }
     }
+  }
+
+  std::uint32_t bits_of(hn::Mask<Lanes> mask) const {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(d_, mask, bytes);
+    return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
   }
 
   void write_lane(std::uint32_t lane, float reach) {
@@ -230,13 +241,23 @@ class CellSearch {
                                          : std::numeric_limits<double>::infinity());
   }
 
-  /// Puts the list written last into exact order. It is nearly so already: insertion sort.
-  void order_last(std::uint32_t point) {
-    const std::size_t begin = out_.begin[out_.begin.size() - 2], size = out_.refs.size() - begin;
+  /// Puts the list written last into exact order: runs of neighbours each of which is close to the next.
+  void order_last(std::uint32_t point, std::uint64_t close_to_next) {
+    NeighborRef* refs = out_.refs.data() + out_.begin[out_.begin.size() - 2];
+    while (close_to_next != 0) {
+      const int begin = std::countr_zero(close_to_next);
+      const int length = std::countr_one(close_to_next >> begin) + 1;
+      order_run(point, refs + begin, static_cast<std::size_t>(length));
+      close_to_next &= ~(((std::uint64_t{1} << (length - 1)) - 1) << begin);
+    }
+  }
+
+  /// Insertion sort by exact distances.
+  void order_run(std::uint32_t point, NeighborRef* refs, std::size_t size) {
     const Vec3 p = cell_.position(point);
     std::array<Candidate, K> list;
     for (std::size_t i = 0; i < size; ++i) {
-      const NeighborRef ref = out_.refs[begin + i];
+      const NeighborRef ref = refs[i];
       const Cell& cell = directory_.cell(slot_of(ref));
       const Vec3 at = cell.position(index_of(ref));
       const Candidate candidate{distance2(at, p), at, cell.row[index_of(ref)], ref};
@@ -244,7 +265,7 @@ class CellSearch {
       for (; place > 0 && nearer(candidate, list[place - 1]); --place) list[place] = list[place - 1];
       list[place] = candidate;
     }
-    for (std::size_t i = 0; i < size; ++i) out_.refs[begin + i] = list[i].ref;
+    for (std::size_t i = 0; i < size; ++i) refs[i] = list[i].ref;
   }
 
   /// One query again among the packed candidates, by their exact distances.
@@ -265,9 +286,7 @@ class CellSearch {
       const Vec dx = hn::Sub(hn::Load(d, packed_.x + i), one.x), dy = hn::Sub(hn::Load(d, packed_.y + i), one.y);
       const Vec dz = hn::Sub(hn::Load(d, packed_.z + i), one.z);
       const Vec d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-      std::uint8_t bytes[8] = {};
-      hn::StoreMaskBits(d, hn::Le(d2, limit), bytes);
-      for (std::uint32_t bits = bytes[0] | bytes[1] << 8; bits != 0; bits &= bits - 1) {
+      for (std::uint32_t bits = bits_of(hn::Le(d2, limit)); bits != 0; bits &= bits - 1) {
         offer(i + static_cast<std::uint32_t>(__builtin_ctz(bits)), p, row);
       }
     }

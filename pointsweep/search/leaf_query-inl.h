@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "pointsweep/search/cell.h"
 
@@ -40,9 +41,58 @@ inline constexpr float kSmallest = 0x1p-100f;  ///< added to every key, keeps it
 inline constexpr float kRelativeMargin = 0x1p-11f;
 inline constexpr float kAbsoluteMargin = 0x1p-28f;
 
+HWY_INLINE void exchange(Vec& lower, Vec& upper) {
+  const Vec least = hn::Min(lower, upper);
+  upper = hn::Max(lower, upper);
+  lower = least;
+}
+
+/// Batcher's odd-even merge sort of sixteen.
+struct Comparators {
+  static constexpr std::size_t kCount = 63;
+  std::uint8_t lower[kCount] = {}, upper[kCount] = {};
+  constexpr Comparators() {
+    std::size_t n = 0;
+    for (unsigned p = 1; p < 16; p *= 2) {
+      for (unsigned q = p; q > 0; q /= 2) {
+        for (unsigned j = q % p; j + q < 16; j += 2 * q) {
+          for (unsigned i = j; i < j + q && i + q < 16; ++i) {
+            if (i / (2 * p) != (i + q) / (2 * p)) continue;
+            lower[n] = static_cast<std::uint8_t>(i), upper[n] = static_cast<std::uint8_t>(i + q);
+            ++n;
+          }
+        }
+      }
+    }
+  }
+};
+inline constexpr Comparators kComparators;
+
+/// Sorts sixteen keys per lane.
+HWY_INLINE void sort_sixteen(Vec (&keys)[kLeafCapacity]) {
+  [&]<std::size_t... C>(std::index_sequence<C...>) HWY_ATTR {
+    (exchange(keys[kComparators.lower[C]], keys[kComparators.upper[C]]), ...);
+  }(std::make_index_sequence<Comparators::kCount>());
+}
+
+/// The last steps of a bitonic merge of N keys per lane that lie `stride` apart, in registers.
+template <std::size_t N>
+HWY_INLINE void merge_bitonic(Vec* keys, std::size_t stride) {
+  Vec v[N];
+  for (std::size_t i = 0; i < N; ++i) v[i] = keys[i * stride];
+  for (std::size_t half = N / 2; half > 0; half /= 2) {
+    for (std::size_t i = 0; i < N; ++i) {
+      if ((i & half) == 0) exchange(v[i], v[i + half]);
+    }
+  }
+  for (std::size_t i = 0; i < N; ++i) keys[i * stride] = v[i];
+}
+
 /// The K + 1 smallest keys per lane, ascending. With k < K the first K - k places hold -1 for good.
 template <std::size_t K>
 struct Selection {
+  /// From so many keys on, sorting sixteen and merging them costs less than inserting one after another.
+  static constexpr std::size_t kMergeFrom = K >= 32 ? 6 : kLeafCapacity + 1;
   Vec list[K + 1];
 
   HWY_INLINE void start(Lanes d, std::size_t k) {
@@ -51,6 +101,20 @@ struct Selection {
   HWY_INLINE void insert(Vec key) {
     for (std::size_t i = K; i > 0; --i) list[i] = hn::Max(list[i - 1], hn::Min(list[i], key));
     list[0] = hn::Min(list[0], key);
+  }
+  /// Takes sixteen keys at once. The smaller halves of two ascending lists, one of them turned round, make a bitonic
+  /// one; of what falls out the smallest is the new last key.
+  HWY_INLINE void merge(Vec (&keys)[kLeafCapacity]) {
+    static_assert(K % kLeafCapacity == 0 && K <= 64);
+    sort_sixteen(keys);
+    for (std::size_t i = 0; i < kLeafCapacity; ++i) {
+      Vec& mine = list[K - kLeafCapacity + i];
+      Vec& other = keys[kLeafCapacity - 1 - i];
+      exchange(mine, other);
+      list[K] = hn::Min(list[K], other);
+    }
+    for (std::size_t i = 0; i < 8; ++i) merge_bitonic<K / 8>(list + i, 8);
+    for (std::size_t i = 0; i < K; i += 8) merge_bitonic<8>(list + i, 1);
   }
 };
 
@@ -150,6 +214,17 @@ struct Group {
       hn::Store(key, d, keys + j * hn::Lanes(d));
       wanted |= std::uint32_t{!hn::AllFalse(d, hn::Lt(key, limit))} << j;
     }
+    if constexpr (Selection<K>::kMergeFrom <= kLeafCapacity) {
+      if (static_cast<std::size_t>(__builtin_popcount(wanted)) >= Selection<K>::kMergeFrom) {
+        Vec all[kLeafCapacity];
+        const Vec beyond = hn::Set(d, kNobody);
+        for (std::size_t j = 0; j < kLeafCapacity; ++j) {
+          const Vec key = hn::Load(d, keys + j * hn::Lanes(d));
+          all[j] = hn::IfThenElse(hn::Gt(key, radius_key), beyond, key);
+        }
+        return selection.merge(all);
+      }
+    }
     if (wanted == 0) return;
     Selection<K> best = selection;  // a copy of its own stays in registers
     for (; wanted != 0; wanted &= wanted - 1) {
@@ -163,13 +238,20 @@ struct Group {
     const hn::RebindToUnsigned<Lanes> du;
     const auto lane = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<std::uint32_t>(first_query)));
     const std::size_t first = (packed.leaves - 1) * kLeafCapacity;
-    Selection<K> best = selection;
-    for (std::size_t j = 0; j < kLeafCapacity; ++j) {
+    const auto key_but_own = [&](std::size_t j) HWY_ATTR {
       const auto number = hn::Set(du, static_cast<std::uint32_t>(first + j));
       const auto self = hn::RebindMask(d, hn::Eq(lane, hn::Set(du, static_cast<std::uint32_t>(j))));
-      best.insert(hn::IfThenElse(self, hn::Set(d, kNobody), key_of(d, packed, first + j, number)));
+      return hn::IfThenElse(self, hn::Set(d, kNobody), key_of(d, packed, first + j, number));
+    };
+    if constexpr (Selection<K>::kMergeFrom <= kLeafCapacity) {
+      Vec all[kLeafCapacity];
+      for (std::size_t j = 0; j < kLeafCapacity; ++j) all[j] = key_but_own(j);
+      selection.merge(all);
+    } else {
+      Selection<K> best = selection;
+      for (std::size_t j = 0; j < kLeafCapacity; ++j) best.insert(key_but_own(j));
+      selection = best;
     }
-    selection = best;
   }
 
   /// An upper bound, per lane, of the squared distance at which the neighbourhood ends; kNobody or more where unknown.

@@ -114,6 +114,11 @@ std::vector<std::pair<std::string, Shape>> shapes() {
        [](auto& r) {
          return Vec3{1e154 * uniform(r), 1e154 * uniform(r), 0};
        }},
+      {"a speck among far points",
+       [](auto& r) {
+         const double s = uniform(r) < 0.3 ? 1e-9 : 1e7;
+         return Vec3{s * uniform(r), s * uniform(r), s * uniform(r)};
+       }},
       {"density over six decades",
        [](auto& r) {
          const double s = std::pow(10, -6 * uniform(r));
