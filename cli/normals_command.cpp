@@ -1,23 +1,21 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep normals IN... OUT`: the cloud with a unit normal for each point.
-#include <optional>
-
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
 #include "cli/quantities.h"
+#include "cli/stage_options.h"
 #include "pointsweep/error.h"
 #include "pointsweep/operators/normals.h"
 
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kDefaultNeighbors = 8;
+constexpr const char* kDefaultNeighbors = "8";
 
 struct NormalsCommand {
   CommonOptions common;
   InputsAndOutput paths;
-  std::optional<std::uint64_t> k;
-  std::optional<double> radius;
+  std::vector<OptionText> neighborhood;
   NormalsOptions normals;
 };
 
@@ -39,16 +37,14 @@ void parse_orientation(const std::string& text, NormalsOptions& normals) {
 }
 
 Neighborhood neighborhood_of(const NormalsCommand& command) {
-  Neighborhood neighborhood;
-  neighborhood.k = command.radius ? Neighborhood::kUnlimited : kDefaultNeighbors;
-  if (command.k) neighborhood.k = *command.k;
-  if (command.radius) neighborhood.radius = *command.radius;
-  return neighborhood;
+  return make_neighborhood(OptionValues(neighborhood_declaration().options,
+                                        neighborhood_stage(command.neighborhood, kDefaultNeighbors, "normals")));
 }
 
 void normals(const NormalsCommand& command) {
+  const Neighborhood neighborhood = neighborhood_of(command);
   run_over_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
-    const Chain chain{neighborhood_of(command), {std::make_shared<Normals>(command.normals)}};
+    const Chain chain{neighborhood, {std::make_shared<Normals>(command.normals)}};
     return run(cloud, chain, {.points = command.paths.output(), .arrays = {}, .writer = {}}, options);
   });
 }
@@ -59,12 +55,7 @@ void add_normals_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("normals", "Compute the normal of every point from its exact neighbours");
   auto command = std::make_shared<NormalsCommand>();
   add_inputs_and_output(verb, command->paths, "the file to write: all attributes of the input, and nx ny nz");
-  verb.add_option_function<std::string>(
-          "-k", [command](const std::string& text) { command->k = parse_count("-k", text); },
-          "Neighbours to look at, the point itself not counted (default: 8, all with --radius)")
-      ->type_name("N");
-  verb.add_option("--radius", command->radius, "Look no farther than this; with -k, at the k nearest within it")
-      ->type_name("D");
+  add_neighborhood_options(verb, kDefaultNeighbors, command->neighborhood);
   verb.add_option_function<std::string>(
           "--orient", [command](const std::string& text) { parse_orientation(text, command->normals); },
           "Side to point to: none (default), up, viewpoint X,Y,Z (towards it), input (as normals already there)")

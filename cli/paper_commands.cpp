@@ -5,8 +5,8 @@
 
 #include "cli/commands.h"
 #include "cli/pipeline_run.h"
+#include "cli/stage_options.h"
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/registry.h"
 
 namespace pointsweep {
 namespace {
@@ -36,38 +36,17 @@ std::vector<StageText> stages_of(const ShortForm& form, const ShortFormCommand& 
   std::vector<StageText> stages = parse_pipeline(form.stages, form.verb);
   for (StageText& stage : stages)
     if (stage.name == form.with_options) stage.options = command.options;
-  StageText knn{neighborhood_declaration().name, command.neighborhood, form.verb};
-  if (knn.options.empty()) knn.options.push_back({"k", form.neighbors, form.verb});
-  stages.insert(stages.begin(), knn);
+  stages.insert(stages.begin(), neighborhood_stage(command.neighborhood, form.neighbors, form.verb));
   return stages;
-}
-
-void add_option(CLI::App& verb, const std::string& flag, const OptionDeclaration& option, const std::string& preset,
-                std::vector<OptionText>& into) {
-  const std::string help =
-      fmt::format("{}: {}{}", option.allowed(), option.meaning, preset.empty() ? "" : " (default: " + preset + ")");
-  verb.add_option_function<std::string>(
-          flag,
-          [&into, flag, name = option.name](const std::string& value) {
-            into.push_back({name, value, flag});
-          },
-          help)
-      ->type_name("VALUE");
 }
 
 void add_short_form(CLI::App& app, const ShortForm& form) {
   CLI::App& verb = *app.add_subcommand(form.verb, form.meaning);
   auto command = std::make_shared<ShortFormCommand>();
   add_inputs_and_output(verb, command->run.paths, "the file to write: all attributes of the input, and what is made");
-  for (const OptionDeclaration& option : neighborhood_declaration().options) {
-    const bool k = option.name == "k";
-    add_option(verb, (k ? "-" : "--") + option.name, option, k ? form.neighbors : "", command->neighborhood);
-  }
-  for (const OperatorDeclaration& declaration : all_operators()) {
-    if (declaration.name != form.with_options) continue;
-    for (const OptionDeclaration& option : declaration.options)
-      add_option(verb, "--" + option.name, option, option.preset, command->options);
-  }
+  add_neighborhood_options(verb, form.neighbors, command->neighborhood);
+  for (const OperatorDeclaration& declaration : all_operators())
+    if (declaration.name == form.with_options) add_stage_options(verb, declaration.options, command->options);
   add_pipeline_options(verb, command->run);
   verb.footer(
       fmt::format("Short for 'run' with the pipeline knn(k={}) | {}\n\nExample:\n"

@@ -11,9 +11,25 @@ namespace pointsweep {
 
 namespace {
 
+std::string names_of(const Schema& schema) {
+  std::string names;
+  for (const Field& field : schema.fields) names += (names.empty() ? "" : ", ") + field.name;
+  return names;
+}
+
 class Planner {
  public:
   Planner(const Schema& input, PlannedChain& out) : input_(input), out_(out), plan_(out.plan) { plan_.steps = {0}; }
+
+  /// A rule looks at points as they come, before any stage.
+  void add(const NeighborhoodRule& rule) {
+    for (const Attribute& a : rule.reads()) {
+      if (!input_.find(a.name))
+        fail_usage("The neighbours are to be {}, but the input has no attribute '{}'; it has {}.", rule.meaning(),
+                   a.name, names_of(input_));
+      plan_.rule_reads.push_back(file_column(a));
+    }
+  }
 
   void add(const std::shared_ptr<const Operator>& op) {
     const Contract contract = op->contract();
@@ -82,25 +98,25 @@ class Planner {
       }
       return known->second.column;
     }
-    return file_column(wanted, op);
+    for (const std::string& name : wanted.fields) {
+      if (input_.find(name)) continue;
+      fail_usage(
+          "{}: needs '{}', which no earlier stage makes and the input does not have. Add the operator that makes "
+          "it before '{}'.",
+          op.name(), wanted.name, op.name());
+    }
+    const std::uint16_t column = file_column(wanted);
+    latest_[wanted.name] = {wanted, column};
+    return column;
   }
 
-  std::uint16_t file_column(const Attribute& wanted, const Operator& op) {
+  /// A new column of what the input has.
+  std::uint16_t file_column(const Attribute& wanted) {
     std::vector<std::string> fields;
-    for (const std::string& name : wanted.fields) {
-      const auto index = input_.find(name);
-      if (!index) {
-        fail_usage(
-            "{}: needs '{}', which no earlier stage makes and the input does not have. Add the operator that makes "
-            "it before '{}'.",
-            op.name(), wanted.name, op.name());
-      }
-      fields.push_back(input_.fields[*index].name);
-    }
+    for (const std::string& name : wanted.fields) fields.push_back(input_.fields[*input_.find(name)].name);
     const std::uint16_t column = new_column(wanted);
     plan_.file_columns.push_back({column, {}, wanted.type});
     out_.file_fields.push_back(std::move(fields));
-    latest_[wanted.name] = {wanted, column};
     return column;
   }
 
@@ -133,6 +149,7 @@ PlannedChain plan_chain(const Chain& chain, const Schema& input) {
   PlannedChain out;
   out.plan.neighborhood = chain.neighborhood;
   Planner planner(input, out);
+  if (chain.neighborhood.rule) planner.add(*chain.neighborhood.rule);
   for (const auto& op : chain.operators) planner.add(op);
   planner.finish(chain.keep);
   return out;

@@ -35,8 +35,8 @@ struct PlannedChain {
 };
 
 /// Throws UsageError in a sentence naming the stage when k is 0, a radius is negative, or an operator reads an
-/// attribute that neither the input nor an earlier stage has, and when an attribute to keep is made by no stage.
-/// `input` names the cloud's fields.
+/// attribute that neither the input nor an earlier stage has, a rule of neighbourhoods one that the input has not, and
+/// when an attribute to keep is made by no stage. `input` names the cloud's fields.
 PlannedChain plan_chain(const Chain& chain, const Schema& input);
 
 }  // namespace pointsweep

@@ -46,6 +46,8 @@ bool may_be(const OptionDeclaration& option, std::string_view value) {
       return std::find(option.choices.begin(), option.choices.end(), value) != option.choices.end();
     case OptionKind::point:
       return read_point(value).has_value();
+    case OptionKind::attribute:
+      return !value.empty();
   }
   return false;
 }
@@ -75,6 +77,8 @@ std::string OptionDeclaration::allowed() const {
       return range_text(least, most);
     case OptionKind::point:
       return "X,Y,Z";
+    case OptionKind::attribute:
+      return "the name of an attribute";
     case OptionKind::choice:
       break;
   }

@@ -15,10 +15,11 @@
 namespace pointsweep {
 
 enum class OptionKind : std::uint8_t {
-  whole,   ///< whole number from `least` to `most`
-  number,  ///< number from `least` to `most`
-  choice,  ///< one of `choices`
-  point,   ///< three finite numbers X,Y,Z
+  whole,      ///< whole number from `least` to `most`
+  number,     ///< number from `least` to `most`
+  choice,     ///< one of `choices`
+  point,      ///< three finite numbers X,Y,Z
+  attribute,  ///< name of an attribute
 };
 
 struct OptionDeclaration {

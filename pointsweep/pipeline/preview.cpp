@@ -31,6 +31,7 @@ std::vector<ColumnPlan> plan_columns(const SweepPlan& plan, std::size_t first_st
     }
   };
   for (const FileColumn& file : plan.file_columns) columns[file.column].made_by = "the file";
+  if (plan.neighborhood.rule) note(plan.rule_reads, plan.neighborhood.rule->reads(), 0);
   for (std::size_t s = 0; s < plan.stages.size(); ++s) {
     const Stage& stage = plan.stages[s];
     const Contract contract = stage.op->contract();
@@ -91,9 +92,9 @@ double megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 <
 
 std::string neighborhood_text(const Neighborhood& n) {
   const bool limited = n.k != Neighborhood::kUnlimited, near = std::isfinite(n.radius);
-  if (!limited && !near) return "all points";
-  std::string text = limited ? fmt::format("the {} nearest", n.k) : "all";
-  return near ? text + fmt::format(" within {}", n.radius) : text;
+  std::string text = limited ? fmt::format("the {} nearest", n.k) : near ? "all" : "all points";
+  if (near) text += fmt::format(" within {}", n.radius);
+  return n.rule ? text + "; of these " + n.rule->meaning() : text;
 }
 
 std::string slabs_text(const MemoryPlan& memory, std::uint64_t points, std::uint64_t record_bytes) {

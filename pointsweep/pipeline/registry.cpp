@@ -4,6 +4,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/fair.h"
+#include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/pipeline/nearest_names.h"
@@ -58,6 +59,10 @@ std::vector<OptionDeclaration> options_of_reneighbor() {
   return options;
 }
 
+std::shared_ptr<const Operator> make_neighborhood_size(const OptionValues&, const Facts&) {
+  return std::make_shared<NeighborhoodSize>();
+}
+
 /// An option of fair: a width by which the paper's Gaussians are given.
 OptionDeclaration width(std::string name, std::string meaning) {
   return {.name = std::move(name),
@@ -100,6 +105,10 @@ std::vector<OperatorDeclaration> declare_operators() {
                    width("g", "width of the Gaussian of the distance to its tangent plane, % of the cloud's diagonal")},
        .make = make_fair,
        .needs_diagonal = true},
+      {.name = "neighborhood_size",
+       .meaning = "how many neighbours a point has and how far they reach",
+       .options = {},
+       .make = make_neighborhood_size},
       {.name = "reneighbor",
        .meaning = "neighbourhoods from here on are those of the positions as they are now; options as of knn, without "
                   "any what it said before",
@@ -118,30 +127,6 @@ std::vector<OperatorDeclaration> declare_operators() {
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = declare_operators();
   return operators;
-}
-
-const NeighborhoodDeclaration& neighborhood_declaration() {
-  static const NeighborhoodDeclaration knn{
-      .name = "knn",
-      .meaning = "neighbours for all stages: the k nearest, those within a radius, or the k nearest of these",
-      .options = {{.name = "k",
-                   .kind = OptionKind::whole,
-                   .preset = "8",
-                   .meaning = "how many, the point itself not counted; with a radius alone, all within it",
-                   .least = 1},
-                  {.name = "radius",
-                   .kind = OptionKind::number,
-                   .preset = "",
-                   .meaning = "no farther than this, in the unit of the coordinates"}}};
-  return knn;
-}
-
-Neighborhood make_neighborhood(const OptionValues& options) {
-  Neighborhood neighborhood;
-  const bool all = options.given("radius") && !options.given("k");
-  neighborhood.k = all ? Neighborhood::kUnlimited : options.whole("k");
-  if (options.given("radius")) neighborhood.radius = options.number("radius");
-  return neighborhood;
 }
 
 const OperatorDeclaration& find_operator(const StageText& stage) {

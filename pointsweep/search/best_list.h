@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pointsweep/math/vec3.h"
+#include "pointsweep/points/neighborhood_rule.h"
 #include "pointsweep/points/neighborhoods.h"
 
 namespace pointsweep {
@@ -29,11 +30,14 @@ inline bool nearer(const Candidate& a, const Candidate& b) {
   return a.row < b.row;
 }
 
-/// What a neighbourhood is: the `k` nearest points, those within `radius` (inclusive), or the k nearest of these.
+/// What a neighbourhood is: the `k` nearest points, those within `radius` (inclusive), or the k nearest of these; and,
+/// where there is a rule, the first of these that it keeps. Searches find what k and radius say; the sweep and the
+/// recall apply the rule.
 struct Neighborhood {
   static constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
   std::size_t k = 8;
   double radius = std::numeric_limits<double>::infinity();
+  SharedRule rule = {};
   double radius2() const { return radius * radius; }
 };
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "pointsweep/math/vec3.h"
-#include "pointsweep/shapes/natural_logarithm.h"
+#include "pointsweep/math/natural_logarithm.h"
 #include "pointsweep/shapes/rng.h"
 
 namespace pointsweep {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "pointsweep/sweep/shorten.h"
+
 namespace pointsweep {
 
 namespace {
@@ -50,6 +52,7 @@ bool CellRunner::search(std::uint32_t slot, Worker& worker) const {
   const bool complete = certify(cell, worker.neighbors, worker);
   if (complete) {
     cell.reach = std::min(reach_of_most(worker.neighbors.reach2, 0.9), cell.cell.box.diagonal() + cell.wait_reach);
+    shorten(plan_, cell.view(), cell.cell.size(), window_.slots(), worker.neighbors);
     if (plan_.step_count() > 1) {
       cell.lists = worker.neighbors;
       cell.lists.reach2.clear();

@@ -37,6 +37,7 @@ struct ResultColumn {
 
 struct SweepPlan {
   Neighborhood neighborhood;
+  std::vector<std::uint16_t> rule_reads = {};  ///< columns of neighborhood.rule->reads(), all of them from the file
   std::vector<Stage> stages;
   /// Stages run in steps: step s is stages [steps[s], steps[s+1]). A step begins with the search (step 0) or with a
   /// pre-buffered stage, whose neighbours must all have finished the step before; the stages behind it in the step are

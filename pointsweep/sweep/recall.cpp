@@ -5,6 +5,7 @@
 #include <cstring>
 #include <unordered_map>
 
+#include "pointsweep/sweep/shorten.h"
 #include "pointsweep/sweep/stream_search.h"
 
 namespace pointsweep {
@@ -134,6 +135,7 @@ void Recall::run(std::vector<DeferredPoint> points, Sink& sink, StageTally& tall
     slabs_read_ += search_stream(stream_, plan_, loader_, queries);
     std::vector<std::uint32_t> next;
     for (std::size_t i = 0; i < queries.size(); ++i) {
+      shorten(plan_, queries[i]);
       nodes.set_file_columns(wanted[i], queries[i].file_columns);
       std::vector<std::uint32_t> list;
       for (std::size_t j = 0; j < queries[i].neighbors.size(); ++j) {

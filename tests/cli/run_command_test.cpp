@@ -84,6 +84,22 @@ TEST_F(RunVerb, UpdateOperatorsWorkInTextAndJson) {
     EXPECT_NE(dry.out.find(words), std::string::npos) << words << "\n" << dry.out;
 }
 
+TEST_F(RunVerb, NeighborhoodsOfTheirOwnSizeCanBeKeptAndUsedAgain) {
+  const std::string adaptive = "'knn(k=40, adaptive=eigenentropy) | ";
+  made("run in.ply sizes.ply --pipeline " + adaptive + "neighborhood_size'", "sizes.ply");
+  const std::string normals = made("run in.ply a.ply --keep normal --pipeline " + adaptive + "normals'", "a.ply");
+  EXPECT_EQ(made("normals in.ply b.ply -k 40 --adaptive eigenentropy", "b.ply"), normals);
+  EXPECT_NE(made("normals in.ply c.ply -k 40", "c.ply"), normals);
+  const std::string again = made("normals sizes.ply d.ply -k 40 --k-from neighbor_count", "d.ply");
+  EXPECT_EQ(made("run sizes.ply e.ply --pipeline " + adaptive + "normals'", "e.ply"), again);
+  EXPECT_EQ(made("run sizes.ply f.ply --pipeline '[{\"type\": \"knn\", \"k\": 40, \"k_from\": \"neighbor_count\"}, "
+                 "{\"type\": \"normals\"}]'",
+                 "f.ply"),
+            again);
+  refused(2, "curvature in.ply g.ply -k 40 --k-from neighbor_count", "the input has no attribute 'neighbor_count'");
+  refused(2, "normals in.ply g.ply --k-from neighbor_count", "normals: knn: k_from needs k");
+}
+
 TEST_F(RunVerb, OperatorsAreListedWithEveryOption) {
   const std::string out = tool("operators").out;
   EXPECT_TRUE(out.starts_with("knn: ")) << out;

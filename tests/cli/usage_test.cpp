@@ -43,7 +43,7 @@ TEST_F(Usage, NonsenseIsStatus2) {
   refused(2, "normals a.ply b.ply --memory lots", "'lots' is not a size");
   refused(2, "normals a.ply b.ply --orient sideways", "'sideways'");
   refused(2, "normals a.ply b.ply --orient viewpoint 1,2", "X,Y,Z");
-  refused(2, "normals a.ply b.ply -k -1", "'-1' is not a whole number");
+  refused(2, "normals a.ply b.ply -k -1", "-k: knn: k is a whole number, 1 or more, not '-1'");
 }
 
 TEST_F(Usage, AMissingInputIsStatus1) {

@@ -82,6 +82,27 @@ TEST(Registry, EveryOptionOfKnnChangesTheOutput) {
   EXPECT_NE(records_of("knn(radius=0.2) | normals"), plain);
   EXPECT_NE(records_of("knn(k=8, radius=0.05) | normals"), plain);
   EXPECT_NE(records_of("knn(k=8, radius=0.2) | normals"), records_of("knn(radius=0.2) | normals"));
+  EXPECT_NE(records_of("knn(k=8, k_from=z) | normals"), plain);
+  EXPECT_NE(records_of("knn(k=8, radius_from=x) | normals"), plain);
+  const auto adaptive = records_of("knn(k=30, adaptive=eigenentropy) | normals");
+  EXPECT_NE(adaptive, records_of("knn(k=30) | normals"));
+  EXPECT_EQ(adaptive, records_of("knn(k=30, adaptive=eigenentropy, k_min=10) | normals"));
+  EXPECT_NE(adaptive, records_of("knn(k=30, adaptive=eigenentropy, k_min=20) | normals"));
+  EXPECT_EQ(plain, records_of("knn(adaptive=none) | normals"));
+}
+
+TEST(Registry, RulesOfNeighborhoodsNeedAMostAndDoNotMix) {
+  expect_refused("knn(k_from=s) | normals",
+                 "column 1: knn: k_from needs k, the most that any point may have, as in knn(k=64, k_from=s)");
+  expect_refused("knn(radius=1, k_from=s) | normals", "k_from needs k");
+  expect_refused("knn(radius_from=s) | normals", "radius_from needs k or radius");
+  expect_refused("knn(adaptive=eigenentropy) | normals", "adaptive needs k");
+  expect_refused("knn(k=9, adaptive=eigenentropy) | normals", "k_min is 10, but k, the most there may be, is 9");
+  expect_refused("knn(k=9, k_min=4) | normals", "k_min is used only with adaptive=eigenentropy");
+  expect_refused("knn(k=20, adaptive=eigenentropy, k_from=s) | normals", "adaptive chooses k itself");
+  expect_refused("knn(k=20, adaptive=entropy) | normals", "adaptive is none or eigenentropy, not 'entropy'");
+  expect_refused("knn(k=20, adaptive=eigenentropy, k_min=2) | normals", "k_min is a whole number, 3 or more");
+  expect_refused("knn(k=20, k_from='') | normals", "k_from is the name of an attribute, not ''");
 }
 
 TEST(Registry, EveryOptionOfNormalsChangesTheOutput) {

@@ -3,21 +3,11 @@
 
 #include <cmath>
 
-#include "pointsweep/shapes/natural_logarithm.h"
 #include "pointsweep/shapes/rng.h"
 #include "pointsweep/shapes/wave.h"
 
 namespace pointsweep {
 namespace {
-
-TEST(NaturalLogarithm, AgreesWithTheCLibrary) {
-  Rng rng(1, 0);
-  for (int i = 0; i < 100'000; ++i) {
-    const double x = std::ldexp(rng.uniform(1, 2), static_cast<int>(rng.next() % 200) - 100);
-    ASSERT_NEAR(natural_logarithm(x), std::log(x), 1e-13 * std::max(0.01, std::abs(std::log(x)))) << x;
-  }
-  EXPECT_EQ(natural_logarithm(1), 0);
-}
 
 TEST(Wave, RepeatsAndItsSlopeIsItsDerivative) {
   Rng rng(2, 0);

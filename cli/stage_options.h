@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+/// Options of stages as flags of a verb: names, ranges, meanings and defaults come from their declarations.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+#include <vector>
+
+#include "pointsweep/pipeline/registry.h"
+
+namespace pointsweep {
+
+/// "--f VALUE" for the option f, "--k-from" for k_from. What is given is appended to `into`, which outlives the
+/// parsing.
+void add_stage_options(CLI::App& verb, const std::vector<OptionDeclaration>& options, std::vector<OptionText>& into);
+
+/// -k, --radius and what else says which points are neighbours; `k` is the verb's default.
+void add_neighborhood_options(CLI::App& verb, const std::string& k, std::vector<OptionText>& into);
+
+/// The stage that these options make; where none was given, the `k` nearest.
+StageText neighborhood_stage(const std::vector<OptionText>& given, const std::string& k, const std::string& verb);
+
+}  // namespace pointsweep

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/// Neighbourhoods whose k or radius is an attribute of the point.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pointsweep/points/neighborhood_rule.h"
+
+namespace pointsweep {
+
+/// Names of attributes (scalars of any type, taken as double); empty: no such limit.
+struct AttributeLimits {
+  std::string k = {};  ///< the point keeps as many neighbours as the whole part of the value says
+  std::string radius =
+      {};  ///< the point keeps the neighbours within the value, inclusive, in length units of the cloud
+};
+
+/// Keeps the neighbours that both limits allow. A value that is NaN or negative, and a k below 1, allow none: the point
+/// has no neighbours, which operators count as degenerate. A value above what the search was asked for allows all that
+/// it found. A radius of 0 keeps the points in the same place.
+class LimitsFromAttributes final : public NeighborhoodRule {
+ public:
+  /// Throws UsageError where neither attribute is named.
+  explicit LimitsFromAttributes(AttributeLimits limits);
+  std::string meaning() const override;
+  std::vector<Attribute> reads() const override;
+  void choose(const Neighborhoods& in, std::span<std::uint32_t> counts) const override;
+
+ private:
+  AttributeLimits limits_;
+};
+
+}  // namespace pointsweep

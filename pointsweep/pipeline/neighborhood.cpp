@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+/// The word of a pipeline that says what all stages take for neighbours.
+#include "pointsweep/error.h"
+#include "pointsweep/operators/least_eigenentropy.h"
+#include "pointsweep/operators/limits_from_attributes.h"
+#include "pointsweep/pipeline/registry.h"
+
+namespace pointsweep {
+namespace {
+
+NeighborhoodDeclaration declare_neighborhood() {
+  return {
+      .name = "knn",
+      .meaning = "neighbours for all stages: the k nearest, those within a radius, or the k nearest of these",
+      .options = {
+          {.name = "k",
+           .kind = OptionKind::whole,
+           .preset = "8",
+           .meaning = "how many, the point itself not counted; with a radius alone, all within it",
+           .least = 1},
+          {.name = "radius",
+           .kind = OptionKind::number,
+           .preset = "",
+           .meaning = "no farther than this, in the unit of the coordinates"},
+          {.name = "k_from",
+           .kind = OptionKind::attribute,
+           .preset = "",
+           .meaning = "as many as this attribute of the point says, at most k; needs k"},
+          {.name = "radius_from",
+           .kind = OptionKind::attribute,
+           .preset = "",
+           .meaning = "no farther than this attribute of the point says; needs k or radius as the most"},
+          {.name = "adaptive",
+           .kind = OptionKind::choice,
+           .preset = "none",
+           .meaning = "eigenentropy: as many, from k_min to k, as give the least eigenentropy (Weinmann 2014); needs k",
+           .choices = {"none", "eigenentropy"}},
+          {.name = "k_min",
+           .kind = OptionKind::whole,
+           .preset = "10",
+           .meaning = "the least k that adaptive=eigenentropy may choose",
+           .least = 3}}};
+}
+
+/// The most that a rule may choose from must be said: the k that is taken where none is given is for points that are
+/// all alike.
+void require_most(const OptionValues& options, const char* option, bool radius_does) {
+  if (options.given("k") || (radius_does && options.given("radius"))) return;
+  fail_usage("{}: {} needs {}, the most that any point may have, as in knn(k=64, {}={}).", options.where(), option,
+             radius_does ? "k or radius" : "k", option, options.choice(option));
+}
+
+SharedRule limits_of(const OptionValues& options) {
+  AttributeLimits limits;
+  if (options.given("k_from")) {
+    require_most(options, "k_from", false);
+    limits.k = options.choice("k_from");
+  }
+  if (options.given("radius_from")) {
+    require_most(options, "radius_from", true);
+    limits.radius = options.choice("radius_from");
+  }
+  return std::make_shared<LimitsFromAttributes>(limits);
+}
+
+SharedRule adaptive_rule(const OptionValues& options) {
+  require_most(options, "adaptive", false);
+  const std::uint64_t least = options.whole("k_min"), most = options.whole("k");
+  if (least > most)
+    fail_usage("{}: k_min is {}, but k, the most there may be, is {}; give k_min of at most k.", options.where(), least,
+               most);
+  return std::make_shared<LeastEigenentropy>(least);
+}
+
+SharedRule rule_of(const OptionValues& options) {
+  const bool adaptive = options.choice("adaptive") != "none";
+  const bool from_attributes = options.given("k_from") || options.given("radius_from");
+  if (!adaptive && options.given("k_min"))
+    fail_usage("{}: k_min is used only with adaptive=eigenentropy; add that, or leave it out.", options.where());
+  if (adaptive && from_attributes)
+    fail_usage("{}: adaptive chooses k itself; leave out k_from and radius_from, or adaptive.", options.where());
+  if (adaptive) return adaptive_rule(options);
+  return from_attributes ? limits_of(options) : SharedRule();
+}
+
+}  // namespace
+
+const NeighborhoodDeclaration& neighborhood_declaration() {
+  static const NeighborhoodDeclaration knn = declare_neighborhood();
+  return knn;
+}
+
+Neighborhood make_neighborhood(const OptionValues& options) {
+  Neighborhood neighborhood;
+  const bool all = options.given("radius") && !options.given("k");
+  neighborhood.k = all ? Neighborhood::kUnlimited : options.whole("k");
+  if (options.given("radius")) neighborhood.radius = options.number("radius");
+  neighborhood.rule = rule_of(options);
+  return neighborhood;
+}
+
+}  // namespace pointsweep

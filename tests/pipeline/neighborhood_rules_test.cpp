@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+// Neighbourhoods of a size of their own, through the whole engine.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "pointsweep/operators/least_eigenentropy.h"
+#include "pointsweep/operators/limits_from_attributes.h"
+#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/neighborhood_size.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/preview.h"
+#include "tests/operators/chosen.h"
+#include "tests/pipeline/hostile_clouds.h"
+#include "tests/pipeline/in_memory.h"
+#include "tests/pipeline/refusal.h"
+#include "tests/support/brute_force.h"
+
+namespace pointsweep {
+namespace {
+
+using Lists = std::vector<std::vector<std::uint32_t>>;
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+/// Points with the attributes "scale", from -2 to `most_k` with some that are no numbers, and "range", up to
+/// `most_range`.
+struct Attributed {
+  std::vector<Vec3> points;
+  std::vector<double> xyz, scale, range;
+
+  Attributed(const CloudShape& shape, std::size_t n, double most_k, double most_range, std::uint64_t seed)
+      : points(make_cloud(shape, n, seed)) {
+    std::mt19937_64 random(seed);
+    for (const Vec3& p : points) {
+      xyz.insert(xyz.end(), {p.x, p.y, p.z});
+      const double u = uniform(random);
+      scale.push_back(u < 0.02 ? std::numeric_limits<double>::quiet_NaN() : u < 0.04 ? kInf : -2 + u * (most_k + 2));
+      range.push_back(u > 0.98 ? -1 : most_range * uniform(random));
+    }
+  }
+  Cloud cloud() const {
+    auto reader = std::make_unique<ArrayReader>(std::span<const double>(xyz));
+    reader->add({"scale"}, std::span<const double>(scale));
+    reader->add({"range"}, std::span<const double>(range));
+    std::vector<std::unique_ptr<Reader>> readers;
+    readers.push_back(std::move(reader));
+    return Cloud(std::move(readers));
+  }
+  /// The k nearest within `radius`, less what a point's own limits leave out.
+  Lists lists(std::size_t k, double radius, bool by_scale, bool by_range) const {
+    Lists out;
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      const double own_k = by_scale ? scale[i] : kInf, own_radius = by_range ? range[i] : kInf;
+      const std::size_t most = own_k >= 1 ? std::size_t(std::min(own_k, double(std::min(k, points.size())))) : 0;
+      out.push_back(own_radius >= 0 ? brute_force_neighbors_of(points, i, most, std::min(radius, own_radius))
+                                    : std::vector<std::uint32_t>{});
+    }
+    return out;
+  }
+};
+
+/// The largest neighbor_count among the neighbours and the point itself: needs what neighbours have made.
+class LargestCount final : public Operator {
+ public:
+  std::string name() const override { return "largest_count"; }
+  Contract contract() const override {
+    const Attribute count = NeighborhoodSize().contract().makes[0];
+    return {{count}, {count}, {scalar("largest", Type::u32, "1", "largest count around")}};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      std::uint32_t most = in.value<std::uint32_t>(0, i);
+      for (std::size_t j = 0; j < in.count(i); ++j) most = std::max(most, in.neighbor_value<std::uint32_t>(0, i, j));
+      out.column<std::uint32_t>(0)[i] = most;
+    }
+  }
+};
+
+RunOptions tiny(std::uint64_t slab_points, std::uint32_t cell_points, unsigned threads) {
+  RunOptions options;
+  options.slab_points = slab_points, options.cell_points = cell_points, options.threads = threads;
+  options.memory_bytes = 1ull << 30;
+  options.spill = threads == 2;
+  return options;
+}
+
+constexpr std::size_t kWritten = 12;  // neighbours of each point that are compared by row
+
+void expect_lists(const RunResult& found, const std::vector<Vec3>& points, const Lists& expected) {
+  const auto count = found.field("neighbor_count"), radius = found.field("neighbor_radius"),
+             largest = found.field("largest");
+  std::vector<std::vector<double>> neighbor;
+  for (std::size_t j = 0; j < kWritten; ++j) neighbor.push_back(found.field("neighbor_" + std::to_string(j)));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::vector<std::uint32_t>& list = expected[i];
+    ASSERT_EQ(count[i], double(list.size())) << i;
+    ASSERT_EQ(radius[i], list.empty() ? 0 : std::sqrt(distance2(points[list.back()], points[i]))) << i;
+    for (std::size_t j = 0; j < kWritten; ++j)
+      ASSERT_EQ(neighbor[j][i], j < list.size() ? double(list[j]) : double(0xFFFFFFFFu)) << i << ", " << j;
+    std::size_t most = list.size();
+    for (const std::uint32_t j : list) most = std::max(most, expected[j].size());
+    ASSERT_EQ(largest[i], double(most)) << i;
+  }
+}
+
+/// Runs with slabs, cells, threads and memory of all kinds; what was recalled in all of them is added up.
+void expect_everywhere(const Attributed& input, const Neighborhood& what, const Lists& expected,
+                       std::uint64_t& recalled) {
+  const std::size_t n = input.points.size();
+  const Chain chain{what,
+                    {std::make_shared<NeighborRows>(kWritten, n, false), std::make_shared<NeighborhoodSize>(),
+                     std::make_shared<LargestCount>()}};
+  for (const auto& [slab, cell, threads] :
+       {std::tuple<std::uint64_t, std::uint32_t, unsigned>{60, 16, 1}, {250, 64, 2}, {100000, 1024, 4}}) {
+    SCOPED_TRACE("slabs of " + std::to_string(slab));
+    Cloud cloud = input.cloud();
+    const RunResult result = run_in_memory(cloud, chain, tiny(slab, cell, threads));
+    expect_lists(result, input.points, expected);
+    if (testing::Test::HasFatalFailure()) return;
+    recalled += result.statistics.recalled;
+    EXPECT_EQ(result.statistics.certified + result.statistics.nonfinite, n);
+  }
+}
+
+Neighborhood limited(std::size_t k, double radius, const AttributeLimits& limits) {
+  return {.k = k, .radius = radius, .rule = std::make_shared<LimitsFromAttributes>(limits)};
+}
+
+/// A length that holds a handful of points of most clouds.
+double typical(const std::vector<Vec3>& points) {
+  std::vector<double> reach;
+  for (std::uint32_t i = 0; i < points.size(); i += 50)
+    if (const auto list = brute_force_neighbors_of(points, i, 20, kInf); !list.empty())
+      reach.push_back(std::sqrt(distance2(points[list.back()], points[i])));
+  std::nth_element(reach.begin(), reach.begin() + std::ptrdiff_t(reach.size() / 2), reach.end());
+  return reach[reach.size() / 2];
+}
+
+TEST(NeighborhoodRules, OfAttributesEqualBruteForceOnHostileClouds) {
+  std::uint64_t recalled = 0;
+  for (const auto& [name, shape] : hostile_shapes()) {
+    SCOPED_TRACE(name);
+    const double reach = typical(make_cloud(shape, 1200, 21));
+    const Attributed input(shape, 1200, 24, reach, 21);
+    expect_everywhere(input, limited(16, kInf, {.k = "scale"}), input.lists(16, kInf, true, false), recalled);
+    expect_everywhere(input, limited(80, reach, {.k = "scale", .radius = "range"}), input.lists(80, reach, true, true),
+                      recalled);
+    expect_everywhere(input, limited(Neighborhood::kUnlimited, reach, {.radius = "range"}),
+                      input.lists(Neighborhood::kUnlimited, reach, false, true), recalled);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(recalled, 100u) << "the recall was not put to the test";
+}
+
+TEST(NeighborhoodRules, OfLeastEigenentropyEqualThoseOfTheWholeCloudInMemory) {
+  std::uint64_t recalled = 0;
+  const auto rule = std::make_shared<LeastEigenentropy>(6);
+  for (const auto& [name, shape] : hostile_shapes()) {
+    SCOPED_TRACE(name);
+    const Attributed input(shape, 1200, 1, 1, 22);
+    Lists expected = brute_force_neighbors(input.points, 24);
+    const auto kept = chosen(*rule, input.points, expected);
+    for (std::size_t i = 0; i < kept.size(); ++i) expected[i].resize(kept[i]);
+    expect_everywhere(input, {.k = 24, .rule = rule}, expected, recalled);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(recalled, 100u) << "the recall was not put to the test";
+}
+
+TEST(NeighborhoodRules, ThatKeepAllGiveTheBytesOfNoRule) {
+  const Attributed input(hostile_shapes()[0].second, 3000, 1, 1, 23);
+  const auto rule = std::make_shared<LimitsFromAttributes>(AttributeLimits{.k = "all"});
+  const std::vector<double> all(input.points.size(), 1e9);
+  const auto records = [&](const Neighborhood& what) {
+    auto reader = std::make_unique<ArrayReader>(std::span<const double>(input.xyz));
+    reader->add({"all"}, std::span<const double>(all));
+    std::vector<std::unique_ptr<Reader>> readers;
+    readers.push_back(std::move(reader));
+    Cloud cloud(std::move(readers));
+    Chain chain = build_chain(parse_pipeline("normals | curvature | splats"), Facts{});
+    chain.neighborhood = what;
+    return run_in_memory(cloud, chain, tiny(250, 64, 2)).records;
+  };
+  EXPECT_EQ(records({.k = 12, .rule = rule}), records({.k = 12}));
+}
+
+TEST(NeighborhoodRules, ReadAttributesOfAnyTypeEvenCoordinates) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 800, 24);
+  std::vector<float> xyz, few;
+  for (const Vec3& p : points) {
+    xyz.insert(xyz.end(), {float(p.x), float(p.y), float(p.z)});
+    few.push_back(float(xyz.size() % 7));
+  }
+  auto reader = std::make_unique<ArrayReader>(std::span<const float>(xyz));
+  reader->add({"few"}, std::span<const float>(few));
+  std::vector<std::unique_ptr<Reader>> readers;
+  readers.push_back(std::move(reader));
+  Cloud cloud(std::move(readers));
+  for (const Order order : {Order::input, Order::sweep}) {
+    RunOptions options = tiny(100, 32, 2);
+    options.order = order;
+    const auto stages = parse_pipeline("knn(k=8, k_from=few, radius_from=z) | neighborhood_size");
+    const RunResult result = run_in_memory(cloud, build_chain(stages, cloud), options);
+    const auto count = result.field("neighbor_count"), radius = result.field("neighbor_radius"),
+               limit = result.field("few"), z = result.field("z");
+    double most = 0;
+    for (std::size_t i = 0; i < count.size(); ++i) {
+      EXPECT_LE(count[i], limit[i]);
+      EXPECT_LE(radius[i], z[i]);
+      most = std::max(most, count[i]);
+    }
+    EXPECT_EQ(most, 6);
+  }
+}
+
+TEST(NeighborhoodRules, AnAttributeThatTheInputLacksIsRefusedWithWhatItHas) {
+  const Attributed input(hostile_shapes()[0].second, 10, 1, 1, 25);
+  Cloud cloud = input.cloud();
+  const std::string sentence =
+      refusal([&] { build_chain(parse_pipeline("knn(k=8, k_from=scales) | normals"), cloud); });
+  EXPECT_EQ(sentence,
+            "The neighbours are to be as many as 'scales' says, but the input has no attribute 'scales'; it has x, y, "
+            "z, scale, range.");
+}
+
+TEST(NeighborhoodRules, ThePreviewSaysWhatIsKeptAndWhatItReads) {
+  const Attributed input(hostile_shapes()[0].second, 1000, 1, 1, 26);
+  Cloud cloud = input.cloud();
+  const auto text_of = [&](const char* pipeline) {
+    return to_text(preview(cloud, build_chain(parse_pipeline(pipeline), cloud)));
+  };
+  const std::string limits = text_of("knn(k=64, k_from=scale, radius_from=range) | normals");
+  EXPECT_NE(limits.find("the 64 nearest; of these as many as 'scale' says, those within 'range'"), limits.npos)
+      << limits;
+  EXPECT_NE(limits.find("scale                 8  the file        step 1"), limits.npos) << limits;
+  const std::string adaptive = text_of("knn(k=64, adaptive=eigenentropy, k_min=12) | normals");
+  EXPECT_NE(adaptive.find("the 64 nearest; of these the first 12 or more with the least eigenentropy"), adaptive.npos)
+      << adaptive;
+}
+
+}  // namespace
+}  // namespace pointsweep
