@@ -21,7 +21,7 @@ struct ShortForm {
 };
 
 constexpr ShortForm kShortForms[] = {
-    {"curvature", "Compute normals and curvatures", "normals | curvature", "", "8", "-k 24 --keep k1,k2"},
+    {"curvature", "Compute normals and curvatures", "normals | curvature", "", "8", "-k 64 --keep k1,k2"},
     {"splats", "Compute normals and ellipses that cover the surface", "normals | splats", "", "8", "-k 12"},
     {"fair", "Smooth the points, sparing edges; normals and splats of the moved ones",
      "normals | splats | fair | normals | splats", "fair", "64", "-k 96 --f 0.3"},

@@ -42,8 +42,10 @@ class WeightedNeighborhood {
   Vec3 offset(std::size_t j) const { return scale_ * in_.offset(i_, j); }
   double scale() const { return scale_; }
   double unscale() const { return unscale_; }
-  /// θ of a scaled offset
+  /// θ of a scaled offset, over nearest_theta()
   double theta(Vec3 offset) const { return exp_negative(std::max(length2(offset) - near2_, 0.0) * falloff_); }
+  /// θ of the nearest neighbour that is not on p_i
+  double nearest_theta() const { return exp_negative(near2_ * falloff_); }
   /// What the rounding of coordinates may do to a component of a scaled offset: half an ulp of p_i and half of p_j.
   double rounding() const { return magnitude(in_.position(i_)) * scale_ * 0x1p-51; }
 
