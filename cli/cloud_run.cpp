@@ -23,6 +23,7 @@ RunOptions run_options(const CommonOptions& options) {
   run.temp_folder = options.temp_dir;
   run.axis = options.axis;
   run.order = options.order;
+  run.engine = options.engine;
   run.overwrite = options.force;
   return run;
 }

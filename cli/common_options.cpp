@@ -32,6 +32,11 @@ Order parse_order(std::string_view name) {
   return name == "sweep" ? Order::sweep : Order::input;
 }
 
+Engine parse_engine(std::string_view name) {
+  if (name != "exact" && name != "reference") fail_usage("--engine: '{}' is not exact or reference.", name);
+  return name == "reference" ? Engine::reference : Engine::exact;
+}
+
 }  // namespace
 
 void add_progress_options(CLI::App& verb, CommonOptions& options) {
@@ -77,6 +82,13 @@ void add_order_option(CLI::App& verb, CommonOptions& options) {
           "--order", [&options](const std::string& name) { options.order = parse_order(name); },
           "Rows of the output in the order of the input (default) or of the sweep")
       ->type_name("input|sweep");
+}
+
+void add_engine_option(CLI::App& verb, CommonOptions& options) {
+  verb.add_option_function<std::string>(
+          "--engine", [&options](const std::string& name) { options.engine = parse_engine(name); },
+          "exact (default), or reference: the paper's algorithm point by point, slow and at times inexact")
+      ->type_name("exact|reference");
 }
 
 }  // namespace pointsweep

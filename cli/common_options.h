@@ -17,7 +17,8 @@ struct CommonOptions {
   std::filesystem::path temp_dir;  ///< where to spill; empty: the system's folder
   std::optional<int> axis;         ///< 0, 1, 2; none: the axis of largest extent
   Order order = Order::input;      ///< of the rows of the output
-  std::filesystem::path stats;     ///< JSON file; empty: none
+  Engine engine = Engine::exact;
+  std::filesystem::path stats;  ///< JSON file; empty: none
   bool quiet = false;
   bool force = false;            ///< an existing output may be replaced
   int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
@@ -33,5 +34,7 @@ void add_force_option(CLI::App& verb, CommonOptions& options);
 void add_stream_options(CLI::App& verb, CommonOptions& options);
 /// --order
 void add_order_option(CLI::App& verb, CommonOptions& options);
+/// --engine
+void add_engine_option(CLI::App& verb, CommonOptions& options);
 
 }  // namespace pointsweep

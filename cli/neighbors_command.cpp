@@ -51,6 +51,7 @@ void add_neighbors_command(CLI::App& app) {
   verb.add_option("--radius", command->radius, "Leave out neighbours farther than this")->type_name("D");
   verb.add_option("--distances", command->distances, "Write the distances to them to this .npy file, float64")
       ->type_name("FILE");
+  add_engine_option(verb, command->common);
   add_run_options(verb, command->common);
   verb.footer(
       "Rows run through the inputs in the order given, from 0. Equal distances are ordered by x, y, z, then row. "

@@ -61,6 +61,7 @@ void add_normals_command(CLI::App& app) {
           "Side to point to: none (default), up, viewpoint X,Y,Z (towards it), input (as normals already there)")
       ->type_name("HOW");
   add_order_option(verb, command->common);
+  add_engine_option(verb, command->common);
   add_run_options(verb, command->common);
   verb.footer(
       "A point whose neighbours define no plane gets the normal 0 0 0.\n"

@@ -25,6 +25,7 @@ void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
       ->type_name("A,B,...");
   verb.add_flag("--dry-run", run.dry, "Say what would be done and how much memory it takes; write nothing");
   add_order_option(verb, run.common);
+  add_engine_option(verb, run.common);
   add_run_options(verb, run.common);
 }
 

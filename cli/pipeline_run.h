@@ -17,7 +17,7 @@ struct PipelineRun {
   bool dry = false;
 };
 
-/// --keep, --dry-run, --order and all common options. `run` outlives the parsing.
+/// --keep, --dry-run, --order, --engine and all common options. `run` outlives the parsing.
 void add_pipeline_options(CLI::App& verb, PipelineRun& run);
 
 /// Builds the chain for the cloud and runs it, or says what would be done.

@@ -24,6 +24,13 @@ enum class Order : std::uint8_t {
           ///< row. Of the input's positions, or of those at the last Resort of the chain
 };
 
+/// What finds the neighbourhoods and moves the points through the operators.
+enum class Engine : std::uint8_t {
+  exact,      ///< the engine of this library: exact, in parallel, within the memory budget
+  reference,  ///< the paper's own algorithm, point by point, on one thread: neighbourhoods may lack a point, and counts
+              ///< of these are in Statistics::reference. Error if its active set outgrows the budget on the way.
+};
+
 struct Progress {
   const char* phase;   ///< "ordering", "sweeping", "updating" (from one sweep to the next) or "writing"
   std::uint64_t done;  ///< points
@@ -37,6 +44,7 @@ struct RunOptions {
   std::filesystem::path temp_folder;  ///< empty: the system's
   std::optional<int> axis;            ///< 0, 1, 2; absent: the longest
   Order order = Order::input;
+  Engine engine = Engine::exact;
   bool overwrite = false;
   /// Called from one thread at a time, a few times a second at most on average; may throw to end the run, leaving
   /// nothing behind.

@@ -134,6 +134,9 @@ std::string memory_text(const Preview& p) {
 }  // namespace
 
 Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options) {
+  if (options.engine == Engine::reference)
+    fail_usage(
+        "The reference has no plan to show: it reads point by point; leave out --dry-run or --engine reference.");
   Preview out;
   out.planned = plan_sweeps(chain, cloud.schema(), options.order == Order::sweep);
   std::size_t first_stage = 0;

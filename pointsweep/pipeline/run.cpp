@@ -15,6 +15,7 @@
 #include "pointsweep/pipeline/output_set.h"
 #include "pointsweep/pipeline/pipeline.h"
 #include "pointsweep/pipeline/planned_sweeps.h"
+#include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/result_sinks.h"
 #include "pointsweep/pipeline/run_memory.h"
 #include "pointsweep/pipeline/updated_cloud.h"
@@ -158,18 +159,44 @@ class Run {
     statistics_.write_seconds += seconds_since(start);
   }
 
+  /// Into `results` go result records by row, or, with a layout, output records by place in the stream.
   void sweep_into(RowStore& results, const PlannedChain& planned, const MemoryPlan& memory, const OutputLayout* whole) {
+    if (options_.engine == Engine::reference) {
+      add_sweep(statistics_, planned.plan, sweep_by_reference(results, planned, memory, whole));
+    } else {
+      add_sweep(statistics_, planned.plan, sweep_by_cells(results, planned, memory, whole));
+    }
+    put_nonfinite(results, planned, whole);
+  }
+
+  SweepStatistics sweep_by_cells(RowStore& results, const PlannedChain& planned, const MemoryPlan& memory,
+                                 const OutputLayout* whole) const {
     InputOrderSink by_row(results, planned.plan.result_bytes);
     std::optional<SweepOrderSink> by_place;
     if (whole != nullptr) by_place.emplace(results, *stream_, *whole, cloud_.schema().stride);
-    SweepOptions sweep_options{
-        .cell_points = options_.cell_points,
-        .read_ahead = std::max(1u, statistics_.threads / 2),
-        .recall_bytes = memory.recall_bytes,
-        .progress = [this](std::uint64_t read, std::uint64_t active) { report("sweeping", read, active); }};
-    add_sweep(statistics_, planned.plan,
-              sweep(*stream_, planned.plan, by_place ? static_cast<Sink&>(*by_place) : by_row, sweep_options));
-    put_nonfinite(results, planned, whole);
+    const SweepOptions sweep_options{.cell_points = options_.cell_points,
+                                     .read_ahead = std::max(1u, statistics_.threads / 2),
+                                     .recall_bytes = memory.recall_bytes,
+                                     .progress = sweep_progress()};
+    return sweep(*stream_, planned.plan, by_place ? static_cast<Sink&>(*by_place) : by_row, sweep_options);
+  }
+
+  SweepStatistics sweep_by_reference(RowStore& results, const PlannedChain& planned, const MemoryPlan& memory,
+                                     const OutputLayout* whole) {
+    const std::uint64_t others = memory.expected_bytes - memory.window_bytes;
+    const std::uint64_t budget = statistics_.memory_budget_bytes;
+    if (!statistics_.reference) statistics_.reference.emplace();
+    return run_reference({.stream = *stream_,
+                          .planned = planned,
+                          .store = results,
+                          .layout = whole,
+                          .memory_bytes = budget - std::min(budget, others),
+                          .progress = sweep_progress()},
+                         *statistics_.reference);
+  }
+
+  std::function<void(std::uint64_t, std::uint64_t)> sweep_progress() const {
+    return [this](std::uint64_t read, std::uint64_t active) { report("sweeping", read, active); };
   }
 
   void put_nonfinite(RowStore& results, const PlannedChain& planned, const OutputLayout* whole) {

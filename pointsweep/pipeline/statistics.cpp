@@ -26,6 +26,18 @@ nlohmann::ordered_json thinned(const std::vector<std::pair<std::uint64_t, std::u
   return rows;
 }
 
+/// [{"operator": "knn", "series": [[points read, points], ...]}, ...]
+nlohmann::ordered_json buffers(const Statistics& s) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const auto& [name, series] : s.buffers) out.push_back({{"operator", name}, {"series", thinned(series)}});
+  return out;
+}
+
+nlohmann::ordered_json counts(const ReferenceCounts& r) {
+  return {{"complete", r.complete}, {"incomplete", r.overlooked + r.unknown}, {"overlooked", r.overlooked},
+          {"unknown", r.unknown},   {"write_seconds", r.write_seconds},       {"audit_seconds", r.audit_seconds}};
+}
+
 }  // namespace
 
 // A point that is nowhere stays so, since nobody moves it: the points of a sweep are among those of the one before, and
@@ -48,6 +60,10 @@ void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& swe
   to.lifespan_mean_seconds = mean(to.lifespan_mean_seconds, read_before, sweep.lifespan_mean, read);
   to.lifespan_max_seconds = std::max(to.lifespan_max_seconds, sweep.lifespan_max);
   for (const auto& [points_read, active] : sweep.series) to.series.emplace_back(read_before + points_read, active);
+  for (auto [name, series] : sweep.buffers) {
+    for (auto& [points_read, waiting] : series) points_read += read_before;
+    to.buffers.emplace_back(name, std::move(series));
+  }
   ++to.sweeps;
 }
 
@@ -58,7 +74,7 @@ std::string to_json(const Statistics& s) {
     for (int again = 2; operators.contains(key); ++again) key = fmt::format("{}_{}", name, again);
     operators[key] = seconds;
   }
-  const nlohmann::ordered_json json = {
+  nlohmann::ordered_json json = {
       {"points", s.points},
       {"sweeps", s.sweeps},
       {"k", s.k},
@@ -77,11 +93,13 @@ std::string to_json(const Statistics& s) {
       {"peak_rss_bytes", s.peak_rss_bytes},
       {"memory_budget_bytes", s.memory_budget_bytes},
       {"working_set", {{"peak_points", s.peak_points}, {"mean_points", s.mean_points}, {"series", thinned(s.series)}}},
+      {"buffers", buffers(s)},
       {"lifespan_seconds", {{"mean", s.lifespan_mean_seconds}, {"max", s.lifespan_max_seconds}}},
       {"threads", s.threads},
       {"machine", s.machine},
       {"warnings", s.warnings},
   };
+  if (s.reference) json["reference"] = counts(*s.reference);
   return json.dump(2) + "\n";
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,15 @@ namespace pointsweep {
 
 struct SweepPlan;
 struct SweepStatistics;
+
+/// What the paper's own algorithm tells of its neighbourhoods, each point counted once in each sweep.
+struct ReferenceCounts {
+  std::uint64_t complete = 0;    ///< exact for certain
+  std::uint64_t overlooked = 0;  ///< a nearer point had left the search too early
+  std::uint64_t unknown = 0;     ///< perhaps so: it reaches to where points had already been written
+  double write_seconds = 0;      ///< in its write operator
+  double audit_seconds = 0;      ///< finding these counts; not a part of the algorithm
+};
 
 /// Of a run of several sweeps, sums over them unless it is said otherwise.
 struct Statistics {
@@ -32,7 +42,10 @@ struct Statistics {
   std::uint64_t peak_points = 0;  ///< in the window, the most of all sweeps
   double mean_points = 0;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read (on from sweep to sweep), points active
+  /// By operator, or by step of the engine: points read, points in its buffer.
+  std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
   double lifespan_mean_seconds = 0, lifespan_max_seconds = 0;
+  std::optional<ReferenceCounts> reference;  ///< of a run by the paper's algorithm
   unsigned threads = 1;
   std::string machine;
   std::vector<std::string> warnings;

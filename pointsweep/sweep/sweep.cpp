@@ -13,6 +13,19 @@ namespace pointsweep {
 
 namespace {
 
+/// "knn, normals", "curvature, splats", "finished"
+decltype(SweepStatistics::buffers) named_buffers(const SweepPlan& plan) {
+  decltype(SweepStatistics::buffers) buffers;
+  for (std::size_t step = 0; step < plan.step_count(); ++step) {
+    std::string name = step == 0 ? "knn" : "";
+    for (std::size_t s = plan.steps[step]; s < plan.steps[step + 1]; ++s)
+      name += (name.empty() ? "" : ", ") + plan.stages[s].op->name();
+    buffers.push_back({name, {}});
+  }
+  buffers.push_back({"finished", {}});
+  return buffers;
+}
+
 class Sweep {
  public:
   Sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options)
@@ -52,8 +65,7 @@ class Sweep {
 
   void pull(std::uint32_t step) {
     const std::vector<std::uint32_t> ready = window_.ready_for(step);
-    parallel_for(ready.size(),
-                 [&](std::size_t i, unsigned worker) { runner_.run(ready[i], step, workers_[worker]); });
+    parallel_for(ready.size(), [&](std::size_t i, unsigned worker) { runner_.run(ready[i], step, workers_[worker]); });
     for (const std::uint32_t slot : ready) {
       WindowCell& cell = window_.at(slot);
       if (!cell.deferred.empty()) cell.deferred_before = cell.deferred;
@@ -65,7 +77,19 @@ class Sweep {
     statistics_.peak_points = std::max(statistics_.peak_points, active);
     active_sum_ += static_cast<double>(active);
     statistics_.series.emplace_back(points_read_, active);
+    note_buffers();
     if (options_.progress) options_.progress(points_read_, active);
+  }
+
+  void note_buffers() {
+    std::vector<std::uint64_t> waiting(plan_.step_count() + 1, 0);
+    for (const std::uint32_t slot : window_.occupied()) {
+      const WindowCell& cell = window_.at(slot);
+      waiting[cell.steps_done] += cell.cell.size();
+    }
+    if (statistics_.buffers.empty()) statistics_.buffers = named_buffers(plan_);
+    for (std::size_t b = 0; b < waiting.size(); ++b)
+      statistics_.buffers[b].second.emplace_back(points_read_, waiting[b]);
   }
 
   void recall() {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -30,7 +31,10 @@ struct SweepStatistics {
   std::uint64_t peak_points = 0;
   double mean_points = 0;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active; one entry a slab
-  double lifespan_mean = 0, lifespan_max = 0;                   ///< seconds
+  /// By step, what waits for it or for its own neighbours: points read, points waiting; last, what is finished and kept
+  /// for others. Named after the operators of the step.
+  std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
+  double lifespan_mean = 0, lifespan_max = 0;  ///< seconds
 };
 
 /// Runs the plan over the whole stream; every point of every slab is handed to `sink` exactly once. Uses all threads of

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/reference_run.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "reference/reference.h"
+
+namespace pointsweep {
+namespace {
+
+/// Brings finished points to the store, many at a time.
+class Rows {
+ public:
+  explicit Rows(const ReferenceRun& run)
+      : run_(run), stride_(run.layout ? run.layout->schema().stride : run.planned.plan.result_bytes) {}
+
+  void add(const reference::Written& point) {
+    rows_.push_back(run_.layout ? point.index : point.row);
+    records_.resize(records_.size() + stride_);
+    std::byte* to = records_.data() + records_.size() - stride_;
+    if (run_.layout) {
+      run_.layout->assemble(point.record, point.results, 1, to);
+    } else {
+      std::copy_n(point.results, stride_, to);
+    }
+    if (rows_.size() == kMost) flush();
+  }
+
+  void flush() {
+    run_.store.put(rows_, records_);
+    rows_.clear();
+    records_.clear();
+  }
+
+ private:
+  static constexpr std::size_t kMost = 1024;
+  const ReferenceRun& run_;
+  std::size_t stride_;
+  std::vector<std::uint64_t> rows_;
+  std::vector<std::byte> records_;
+};
+
+reference::Task task_of(const PlannedChain& planned) {
+  const Neighborhood& neighborhood = planned.plan.neighborhood;
+  reference::Task task{.reach = {neighborhood.k, neighborhood.radius2()}, .operators = {}, .kept = planned.made};
+  for (const Stage& stage : planned.plan.stages) task.operators.push_back(stage.op);
+  return task;
+}
+
+}  // namespace
+
+SweepStatistics run_reference(const ReferenceRun& run, ReferenceCounts& counts) {
+  Rows rows(run);
+  const reference::Statistics s =
+      reference::run(run.stream, task_of(run.planned), [&](const reference::Written& point) { rows.add(point); },
+                     {.memory_bytes = run.memory_bytes, .progress = run.progress});
+  rows.flush();
+  counts.complete += s.complete, counts.overlooked += s.overlooked, counts.unknown += s.unknown;
+  counts.write_seconds += s.operators.back().seconds, counts.audit_seconds += s.audit_seconds;
+  SweepStatistics out;
+  out.certified = s.complete;
+  out.degenerate = s.degenerate;
+  out.read_seconds = s.operators[0].seconds;
+  out.search_seconds = s.operators[1].seconds;
+  for (std::size_t i = 2; i + 1 < s.operators.size(); ++i) out.stage_seconds.push_back(s.operators[i].seconds);
+  for (const reference::OperatorRecord& op : s.operators) out.buffers.emplace_back(op.name, op.series);
+  out.peak_points = s.peak_points, out.mean_points = s.mean_points, out.series = s.series;
+  out.lifespan_mean = s.lifespan_mean, out.lifespan_max = s.lifespan_max;
+  return out;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+/// A run by the paper's own algorithm (reference/) instead of the engine.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "pointsweep/order/row_store.h"
+#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/pipeline/output_layout.h"
+#include "pointsweep/pipeline/statistics.h"
+#include "pointsweep/sweep/sweep.h"
+
+namespace pointsweep {
+
+struct ReferenceRun {
+  const Stream& stream;
+  const PlannedChain& planned;
+  RowStore& store;             ///< receives result records by input row,
+  const OutputLayout* layout;  ///< or, if not null, whole records by place in the stream
+  std::uint64_t memory_bytes;  ///< for the active set
+  std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
+};
+
+/// What the sweep would tell of itself; what only the reference tells is added to `counts`.
+SweepStatistics run_reference(const ReferenceRun& run, ReferenceCounts& counts);
+
+}  // namespace pointsweep

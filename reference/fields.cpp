@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#include "reference/fields.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <set>
+
+namespace pointsweep::reference {
+namespace {
+
+constexpr std::size_t kAlignment = alignof(std::max_align_t);
+constexpr std::size_t kPositionBytes = 3 * sizeof(double);
+
+bool is_position(const Attribute& attribute) { return attribute.name == position_attribute().name; }
+Field position_field() { return {.offset = 0, .bytes = kPositionBytes, .is_position = true}; }
+
+}  // namespace
+
+Fields::Fields(const Schema& record, const std::vector<std::shared_ptr<const Operator>>& chain,
+               const std::vector<Attribute>& kept)
+    : record_(record), bytes_(record.stride) {
+  latest_[position_attribute().name] = position_field();
+  for (const auto& op : chain) stages_.push_back(plan(op));
+  plan_copies();
+  for (const Attribute& attribute : kept) kept_.push_back(latest_.at(attribute.name));
+}
+
+Field Fields::add(std::size_t bytes) {
+  bytes_ = (bytes_ + kAlignment - 1) / kAlignment * kAlignment;
+  const Field field{.offset = bytes_, .bytes = bytes};
+  bytes_ += bytes;
+  return field;
+}
+
+Stage Fields::plan(const std::shared_ptr<const Operator>& op) {
+  const Contract contract = op->contract();
+  Stage stage;
+  stage.op = op;
+  stage.neighbor_position = position_field();
+  for (const Attribute& a : contract.reads) stage.reads.push_back(find(a));
+  for (const Attribute& a : contract.reads_neighbors) stage.reads_neighbors.push_back(find(a));
+  for (const Attribute& a : contract.makes) {
+    const auto known = latest_.find(a.name);
+    if (known == latest_.end() || known->second.bytes != a.bytes()) latest_[a.name] = add(a.bytes());
+    stage.makes.push_back(latest_.at(a.name));
+    stage.moves |= is_position(a);
+  }
+  stage.waits = stage.moves || !contract.reads_neighbors.empty();
+  return stage;
+}
+
+Field Fields::find(const Attribute& attribute) {
+  const auto known = latest_.find(attribute.name);
+  return known != latest_.end() ? known->second : find_in_file(attribute);
+}
+
+Field Fields::find_in_file(const Attribute& attribute) {
+  FileAttribute file{add(attribute.bytes()), attribute.type, {}};
+  for (const std::string& name : attribute.fields) {
+    const auto index = record_.find(name);
+    assert(index && "the chain was checked against the input");
+    file.from.push_back(record_.fields[*index]);
+  }
+  latest_[attribute.name] = file.to;
+  file_.push_back(file);
+  return file.to;
+}
+
+/// A waiting operator looks at its neighbours when they may be operators ahead, so what it or any later one overwrites
+/// is copied when a point enters its buffer. Positions are overwritten by movers alone, and a mover waits for all that
+/// refer to a point (smallest_reference) but those in its own buffer.
+void Fields::plan_copies() {
+  std::set<std::size_t> overwritten;  // by offset: what this stage or a later one makes
+  for (auto stage = stages_.rbegin(); stage != stages_.rend(); ++stage) {
+    for (const Field& made : stage->makes)
+      if (!made.is_position) overwritten.insert(made.offset);
+    const auto copied = [&](Field& field) {
+      stage->copies.push_back({field, add(field.bytes)});
+      field = stage->copies.back().to;
+    };
+    for (Field& field : stage->reads_neighbors)
+      if (field.is_position ? stage->moves : overwritten.contains(field.offset)) copied(field);
+    if (stage->moves) copied(stage->neighbor_position);
+  }
+}
+
+void Fields::fill(StreamPoint& point, const std::byte* record) const {
+  point.fields = std::make_unique<std::byte[]>(bytes_);
+  std::memcpy(point.fields.get(), record, record_.stride);
+  for (const FileAttribute& file : file_) {
+    std::byte* to = file.to.in(point);
+    const pointsweep::Field promised{.name = "", .type = file.type};
+    for (const pointsweep::Field& from : file.from) {
+      if (from.type == file.type && from.is_plain()) {
+        std::memcpy(to, record + from.offset, size_of(file.type));
+      } else {
+        set_value(promised, to, value_of(from, record));
+      }
+      to += size_of(file.type);
+    }
+  }
+}
+
+void Fields::result(StreamPoint& point, std::vector<std::byte>& out) const {
+  out.clear();
+  for (const Field& field : kept_) out.insert(out.end(), field.in(point), field.in(point) + field.bytes);
+}
+
+}  // namespace pointsweep::reference

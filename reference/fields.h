@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+/// Which fields a point has while it is active, and where (paper Section 5.1 and Figure 10).
+///
+/// A field is one place in the point: an operator that makes an attribute again overwrites it, as in the paper. What
+/// must not be overwritten too early is the business of the buffers and of their copies (FairOpFields).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operators/operator.h"
+#include "pointsweep/points/schema.h"
+#include "reference/stream_point.h"
+
+namespace pointsweep::reference {
+
+/// A field of a point: `bytes` from `offset` of its fields, or its position.
+struct Field {
+  std::size_t offset = 0;
+  std::size_t bytes = 0;
+  bool is_position = false;
+
+  std::byte* in(StreamPoint& p) const {
+    return is_position ? reinterpret_cast<std::byte*>(&p.position) : p.fields.get() + offset;
+  }
+};
+
+/// What a buffer keeps of its points for their neighbours, because it or a later operator overwrites it.
+struct Copy {
+  Field from, to;
+};
+
+/// An operator and the fields it works on.
+struct Stage {
+  std::shared_ptr<const Operator> op;
+  std::vector<Field> reads, reads_neighbors, makes;
+  Field neighbor_position;
+  std::vector<Copy> copies;
+  bool waits = false;  ///< looks at what earlier operators make of its neighbours: pre-buffer
+  bool moves = false;  ///< changes positions: pre- and post-buffer
+};
+
+/// All fields of a chain of operators (AllFields): the record of the file (InputFields), then what operators make
+/// (OpFields, OpOutFields).
+class Fields {
+ public:
+  /// `record`: working records of the stream. The chain must have been checked: every attribute read is made before or
+  /// is in the record. `kept`: attributes to be written, together a result record.
+  Fields(const Schema& record, const std::vector<std::shared_ptr<const Operator>>& chain,
+         const std::vector<Attribute>& kept);
+
+  const std::vector<Stage>& stages() const { return stages_; }
+  std::size_t bytes() const { return bytes_; }
+
+  /// Gives the point its fields, those of the file filled in.
+  void fill(StreamPoint& point, const std::byte* record) const;
+  const std::byte* record(const StreamPoint& point) const { return point.fields.get(); }
+  /// The attributes to be written, one after another.
+  void result(StreamPoint& point, std::vector<std::byte>& out) const;
+
+ private:
+  struct FileAttribute {
+    Field to;
+    Type type;
+    std::vector<pointsweep::Field> from;
+  };
+  Field add(std::size_t bytes);
+  Field find(const Attribute& attribute);
+  Field find_in_file(const Attribute& attribute);
+  Stage plan(const std::shared_ptr<const Operator>& op);
+  void plan_copies();
+
+  Schema record_;
+  std::size_t bytes_;
+  std::map<std::string, Field> latest_;  ///< by name of the attribute
+  std::vector<FileAttribute> file_;
+  std::vector<Stage> stages_;
+  std::vector<Field> kept_;
+};
+
+}  // namespace pointsweep::reference

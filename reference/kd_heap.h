@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+/// The kD-heap S: a dynamic, semi-balanced 2-D kD-tree over the sweep plane with an integrated priority heap over the
+/// stream index (paper Section 4.2.2).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "reference/stream_point.h"
+
+namespace pointsweep::reference {
+
+/// Each node holds a point and a line that parts the points below it; the point itself may lie on either side. So the
+/// smallest index can stand at the top of every subtree (heap), and a point is removed by moving up the smaller of the
+/// two points below, down to a leaf, while all lines stay where they are (kD-tree).
+///
+/// Three more numbers per subtree spare visits: how far its points still reach, where the plane will have passed the
+/// first of them, and the last coordinate along the axis.
+///
+/// Semi-balanced: where one side holds more than three quarters, the subtree is built anew (a scapegoat tree). Equal
+/// coordinates may stand on both sides of a line, so duplicates cannot unbalance it. Depth is O(log m), insertion and
+/// removal O(log m), amortised; the paper says no more of its balancing than the name.
+///
+/// Points are borrowed; their `input` and `index` must not change while they are here, nor their reach, except by
+/// offer_to_all().
+class KdHeap {
+ public:
+  explicit KdHeap(int sweep_axis) : sweep_axis_(sweep_axis) {}
+
+  bool empty() const { return root_ == nullptr; }
+  std::size_t size() const { return root_ ? root_->size : 0; }
+  /// The point of smallest index. Not of an empty heap.
+  StreamPoint& smallest() const { return *root_->point; }
+
+  void insert(StreamPoint& point);
+  void pop_smallest();
+  /// Appends the points whose neighbourhoods end before the plane, in no order, and removes them.
+  void take_passed(double plane, std::vector<StreamPoint*>& out);
+
+  /// Offers the points near p to `set`: afterwards it holds what brute force over all would leave in it.
+  void find_nearest(Vec3 p, NearestSet& set) const;
+  /// Offers `point` to the sets of all points whose reach holds it.
+  void offer_to_all(StreamPoint& point);
+
+ private:
+  struct Node {
+    StreamPoint* point = nullptr;
+    std::unique_ptr<Node> lower, upper;
+    int axis = 0;
+    double split = 0;
+    std::size_t size = 1;
+    double reach2 = 0;  ///< largest of the subtree
+    double end = 0;     ///< smallest of the subtree: where on the sweep axis a neighbourhood ends
+    double last = 0;    ///< largest of the subtree: coordinate on the sweep axis
+    bool is_leaf() const { return !lower && !upper; }
+  };
+  using Link = std::unique_ptr<Node>;
+  struct Search;
+
+  double end_of(const StreamPoint& point) const;
+  bool passed(const StreamPoint& point, double plane) const;
+  void summarize(Node& node) const;
+  int wider_axis(Vec3 extent) const;
+  Link make(StreamPoint* point);
+  void recycle(Link& link);
+
+  void insert(Link& link, StreamPoint* point);
+  void remove_top(Link& link);
+  void take_passed(Link& link, double plane, std::vector<StreamPoint*>& out);
+  bool offer_to_all(Node& node, StreamPoint& point, Vec3 beyond);
+  void rebuild(Link& link);
+  void dissolve(Link& link, std::vector<StreamPoint*>& points);
+  Link build(std::span<StreamPoint*> points);
+
+  int sweep_axis_;
+  Link root_;
+  std::vector<Link> spare_;
+};
+
+}  // namespace pointsweep::reference

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+/// The neighbourhood N_i of a point while it is being found, and after (paper Section 4.2.2).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "pointsweep/math/vec3.h"
+
+namespace pointsweep::reference {
+
+struct StreamPoint;
+
+/// The order of neighbours: by distance, ties by x, y, z of the input, and row.
+struct Rank {
+  double distance2;
+  Vec3 position;
+  std::uint64_t row;
+
+  friend bool operator<(const Rank& a, const Rank& b) {
+    return std::tie(a.distance2, a.position.x, a.position.y, a.position.z, a.row) <
+           std::tie(b.distance2, b.position.x, b.position.y, b.position.z, b.row);
+  }
+};
+
+/// A point as a neighbour of another.
+struct Neighbor {
+  double distance2;
+  StreamPoint* point;
+
+  Rank rank() const;
+};
+
+/// What a neighbourhood is: the k nearest points, and none of them farther than the radius.
+struct Reach {
+  std::size_t k;
+  double radius2;
+};
+
+/// Filled first with the nearest of the points before p_i in the stream (left-sided), then with every later one that
+/// comes nearer than the farthest of them (right-sided): both sides are merged as they come.
+class NearestSet {
+ public:
+  explicit NearestSet(Reach reach) : k_(reach.k), reach2_(reach.radius2) {}
+
+  /// Squared distance within which a point may enter: of the farthest neighbour if there are k, else of the radius.
+  double reach2() const { return reach2_; }
+  bool full() const { return found_.size() == k_; }
+  /// Whether the set changed. O(log k).
+  bool offer(const Neighbor& candidate);
+  /// Puts the nearest first. Ends the filling.
+  void sort();
+  /// The neighbours: sorted after sort(), a heap with the farthest on top before.
+  std::span<const Neighbor> found() const { return found_; }
+
+ private:
+  std::size_t k_;
+  double reach2_;
+  std::vector<Neighbor> found_;
+};
+
+}  // namespace pointsweep::reference

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// applyOperator of the paper's Figures 12 and 14: hands points to an operator's formula, and its results to the
+/// points.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "reference/fields.h"
+
+namespace pointsweep::reference {
+
+/// The formulas are those of the engine; they want batches in columns, so the points that an operator may process at
+/// one moment are gathered into some, a few at a time.
+class OperatorCall {
+ public:
+  explicit OperatorCall(const Stage& stage) : stage_(stage) {}
+
+  /// A point enters the operator's buffer.
+  void copy_fields(StreamPoint& point) const;
+  void apply(std::span<StreamPoint* const> points);
+  std::uint64_t degenerate() const { return degenerate_; }
+
+ private:
+  /// Positions, rows and values of some points, in columns.
+  struct Gathered {
+    std::vector<double> x, y, z;
+    std::vector<std::uint64_t> row;
+    std::vector<std::vector<std::byte>> values;
+
+    void start(std::size_t attributes);
+    void add(Vec3 position, const StreamPoint& point);
+    void add_values(StreamPoint& point, const std::vector<Field>& fields);
+  };
+  void gather(std::span<StreamPoint* const> points);
+  void lay_out_slots();
+  void apply_gathered(std::span<StreamPoint* const> points);
+
+  const Stage& stage_;
+  Gathered own_, near_;
+  std::vector<std::uint32_t> begin_, refs_;
+  std::vector<const std::byte*> pointers_;  ///< of the slots' columns
+  std::vector<PointColumns> slots_;
+  std::uint64_t degenerate_ = 0;
+};
+
+}  // namespace pointsweep::reference

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// The read operator Φ_R (paper Section 4.2.1).
+#pragma once
+
+#include <vector>
+
+#include "pointsweep/order/stream.h"
+#include "reference/fields.h"
+#include "reference/stream_operator.h"
+
+namespace pointsweep::reference {
+
+/// Reads and buffers one point at a time, in canonical order. Ordering itself is shared with the engine (order/): its
+/// slabs are read one by one and sorted.
+class ReadOperator final : public StreamOperator {
+ public:
+  ReadOperator(const Stream& stream, const Fields& fields, Reach reach, ActiveSet& active);
+
+  void pull_push() override;
+  StreamPoint* front() override { return waiting_; }
+  void pop_front() override { waiting_ = nullptr; }
+  std::uint64_t smallest_element() override;
+  std::uint64_t smallest_reference() override { return kNoIndex; }
+  std::size_t size() const override { return waiting_ == nullptr ? 0 : 1; }
+
+  std::uint64_t position() const { return position_; }  ///< points read
+  std::uint64_t total() const { return total_; }
+
+ private:
+  void load_slab();
+
+  const Stream& stream_;
+  const Fields& fields_;
+  Reach reach_;
+  ActiveSet& active_;
+  StreamPoint* waiting_ = nullptr;
+  std::uint64_t position_ = 0, total_ = 0;
+
+  // The slab that is being read
+  std::size_t next_slab_ = 0;
+  std::vector<std::byte> records_;
+  std::vector<double> x_, y_, z_;
+  std::vector<std::uint64_t> row_;
+  std::vector<std::uint32_t> order_;
+  std::size_t next_ = 0;  ///< in order_
+};
+
+}  // namespace pointsweep::reference

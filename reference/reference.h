@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+/// The method of the paper, point by point: the baseline that the engine is measured against, and a second opinion.
+///
+/// R. Pajarola, "Stream-Processing Points", IEEE Visualization 2005. Of the engine it shares attributes, file formats,
+/// the ordered stream (Section 3 takes it for given) and the formulas of the operators; search, buffers and the sweep
+/// are its own. One thread. What is held in memory is the active set, whose size is the cloud's affair: FIFO order
+/// makes every point wait for the slowest before it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/operators/operator.h"
+#include "pointsweep/order/stream.h"
+#include "reference/nearest_set.h"
+
+namespace pointsweep::reference {
+
+struct Task {
+  Reach reach;
+  std::vector<std::shared_ptr<const Operator>> operators;  ///< checked against the attributes of the stream's records
+  std::vector<Attribute> kept;                             ///< made by them; in this order a result record
+};
+
+/// A finished point. Points are finished in stream order.
+struct Written {
+  std::uint64_t index;       ///< in the stream
+  std::uint64_t row;         ///< in the input
+  const std::byte* record;   ///< working record of the stream
+  const std::byte* results;  ///< the kept attributes, one after another
+  bool complete;             ///< its neighbourhood is certain to be exact
+};
+
+struct Options {
+  std::uint64_t memory_bytes = 0;  ///< for the active set; Error if it grows beyond
+  /// Called now and then with the points read and active so far; may throw to end the run.
+  std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
+};
+
+/// A stream operator as it was seen through the run.
+struct OperatorRecord {
+  std::string name;  ///< "read", "knn", the names of the operators of the task, "write"
+  double seconds = 0;
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points in its buffer; at most 1,000
+};
+
+struct Statistics {
+  std::vector<OperatorRecord> operators;  ///< as in Figures 4 and 6
+  double audit_seconds = 0;               ///< in none of the above
+  std::uint64_t complete = 0;             ///< neighbourhoods certain to be exact
+  std::uint64_t overlooked = 0;           ///< neighbourhoods that lack a nearer point for certain
+  std::uint64_t unknown = 0;              ///< neighbourhoods that reach to where points had been written
+  std::uint64_t degenerate = 0;
+  std::uint64_t peak_points = 0;
+  double mean_points = 0;
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active; at most 1,000
+  double lifespan_mean = 0, lifespan_max = 0;                   ///< seconds from being read to being written
+};
+
+/// Runs the task over the stream and gives every point of it to `write`. O(k n log m) for m active points.
+Statistics run(const Stream& stream, const Task& task, const std::function<void(const Written&)>& write,
+               const Options& options);
+
+}  // namespace pointsweep::reference

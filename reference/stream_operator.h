@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+/// The common interface of all stream operators (paper Section 5.2 and Figure 11).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "reference/stream_point.h"
+
+namespace pointsweep::reference {
+
+/// An operator Φ_k with its buffer Q_k: a queue of points in stream order that pulls from the operator before it.
+class StreamOperator {
+ public:
+  virtual ~StreamOperator() = default;
+
+  /// Takes what the previous operator has released, processes what may be processed, releases what may be released.
+  virtual void pull_push() = 0;
+  /// The next point to be released; null if there is none now.
+  virtual StreamPoint* front() = 0;
+  virtual void pop_front() = 0;
+
+  /// Every point of smaller index has been released to the next operator, or to one further on; kNoIndex: all have.
+  virtual std::uint64_t smallest_element() = 0;
+  /// No point that this operator or an earlier one has not released refers to a smaller index.
+  virtual std::uint64_t smallest_reference() = 0;
+  /// Points in the buffer.
+  virtual std::size_t size() const = 0;
+
+  void set_prev(StreamOperator& prev) { prev_ = &prev; }
+
+ protected:
+  StreamOperator* prev_ = nullptr;
+};
+
+}  // namespace pointsweep::reference

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+/// A point of the active set with all its fields (the paper's AllFields, Section 5.1 and Figure 10).
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "reference/nearest_set.h"
+
+namespace pointsweep::reference {
+
+/// The index of nobody: larger than that of every point.
+inline constexpr std::uint64_t kNoIndex = std::numeric_limits<std::uint64_t>::max();
+
+struct StreamPoint {
+  StreamPoint(Vec3 p, std::uint64_t input_row, std::uint64_t stream_index, Reach reach)
+      : input(p), position(p), row(input_row), index(stream_index), neighbors(reach) {}
+
+  // InputFields and ReadOpFields
+  Vec3 input;           ///< as in the input: search and order go by it
+  Vec3 position;        ///< where an operator may have moved it
+  std::uint64_t row;    ///< in the input
+  std::uint64_t index;  ///< i, in the stream
+  std::chrono::steady_clock::time_point read_at;
+
+  // NeighborOpFields
+  NearestSet neighbors;
+  std::uint64_t min_index = kNoIndex;  ///< smallest index among the point and the neighbours it refers to
+  std::uint64_t max_index = 0;         ///< largest; known once the neighbourhood is complete
+
+  // What the search could not see when the point came (Audit)
+  static constexpr double kNothing = std::numeric_limits<double>::infinity();
+  std::optional<Rank> overlooked;  ///< the nearest
+  double written2 = kNothing;      ///< squared distance along the axis to the last point written
+  bool complete = false;           ///< nothing can be missing among its neighbours
+
+  // Every other field, at the places that Fields gives them: the record of the file, attributes, an operator's copies
+  std::unique_ptr<std::byte[]> fields;
+
+  Neighbor as_neighbor_of(Vec3 p) { return {distance2(input, p), this}; }
+};
+
+/// The active set A: all points read and not yet written, a FIFO queue in stream order (Section 3).
+using ActiveSet = std::deque<StreamPoint>;
+
+}  // namespace pointsweep::reference

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "pointsweep/operators/curvature.h"
+#include "pointsweep/operators/fair.h"
+#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/splats.h"
+#include "pointsweep/pipeline/preview.h"
+#include "tests/pipeline/hostile_clouds.h"
+#include "tests/pipeline/in_memory.h"
+#include "tests/pipeline/refusal.h"
+#include "tests/reference/reference_run.h"
+#include "tests/support/brute_force.h"
+
+namespace pointsweep {
+namespace {
+
+using Operators = std::vector<std::shared_ptr<const Operator>>;
+
+/// Makes "order", the number of neighbours whose "order" was smaller, from the "order" of the stage before: what it
+/// reads of its neighbours is what it overwrites.
+class Smaller : public Operator {
+ public:
+  explicit Smaller(bool first) : first_(first) {}
+  std::string name() const override { return "smaller"; }
+  Contract contract() const override {
+    const Attribute order = scalar("order", Type::f64, "1", "");
+    return first_ ? Contract{{}, {}, {order}} : Contract{{order}, {order}, {order}};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const std::span<double> order = out.column<double>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      order[i] = 1e3 * in.position(i).x;
+      if (first_) continue;
+      order[i] = 0;
+      for (std::size_t j = 0; j < in.count(i); ++j)
+        order[i] += in.neighbor_value<double>(0, i, j) < in.value<double>(0, i);
+    }
+  }
+
+ private:
+  bool first_;
+};
+
+const auto kNormals = std::make_shared<Normals>();
+const auto kSplats = std::make_shared<Splats>();
+const auto kFair = std::make_shared<Fair>(FairOptions{.f = 0.1, .g = 0.1});
+
+struct NamedChain {
+  std::string name;
+  Operators operators;
+  int hops;  ///< how far from a point its results look: along lists of neighbours of neighbours
+};
+
+std::vector<NamedChain> chains() {
+  return {
+      {"the paper's Normal", {kNormals}, 0},
+      {"the paper's Curvature",
+       {kNormals, std::make_shared<Curvature>(), std::make_shared<Splats>(SplatsOptions{SplatAxes::curvature})},
+       1},
+      {"the paper's Fairing", {kNormals, kSplats, kFair, kNormals, kSplats}, 2},
+      {"fairing twice", {kNormals, kSplats, kFair, kNormals, kSplats, kFair, kNormals}, 4},
+      {"normals made again behind curvature",
+       {kNormals, std::make_shared<Curvature>(),
+        std::make_shared<Normals>(NormalsOptions{.orient = Orient::up, .viewpoint = {}})},
+       1},
+      {"fairing, then curvature of the old normals", {kNormals, kSplats, kFair, std::make_shared<Curvature>()}, 2},
+      {"an operator that overwrites what it reads",
+       {std::make_shared<Smaller>(true), std::make_shared<Smaller>(false), std::make_shared<Smaller>(false)},
+       2},
+  };
+}
+
+std::vector<Vec3> surface(std::size_t n) { return make_cloud(hostile_shapes()[0].second, n, 21); }
+
+RunOptions by(Engine engine, Order order = Order::input) {
+  RunOptions options;
+  options.engine = engine;
+  options.order = order;
+  options.memory_bytes = 1u << 30;
+  return options;
+}
+
+/// Points all of whose neighbours, `hops` steps far, have neighbourhoods that the reference calls complete.
+std::vector<bool> complete_within(std::vector<bool> complete, const std::vector<std::vector<std::uint32_t>>& neighbors,
+                                  int hops) {
+  for (int hop = 0; hop < hops; ++hop) {
+    std::vector<bool> next = complete;
+    for (std::size_t i = 0; i < next.size(); ++i)
+      for (const std::uint32_t j : neighbors[i]) next[i] = next[i] && complete[j];
+    complete = std::move(next);
+  }
+  return complete;
+}
+
+TEST(ReferenceChains, GiveTheEnginesBytesWhereNeighborhoodsAreComplete) {
+  const std::size_t k = 10;
+  const std::vector<Vec3> points = surface(3000);
+  const auto neighbors = brute_force_neighbors(points, k);
+  for (const NamedChain& chain : chains()) {
+    SCOPED_TRACE(chain.name);
+    const RunResult engine = run_in_memory(points, {{.k = k}, chain.operators, {}}, by(Engine::exact));
+    const reference::Task task = reference::task_of(k, std::numeric_limits<double>::infinity(), chain.operators);
+    const reference::PointsRun run = reference::run_on_points(points, task);
+    const std::vector<bool> comparable = complete_within(run.complete, neighbors, chain.hops);
+    std::size_t compared = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!comparable[i]) continue;
+      ++compared;
+      const std::byte* record = engine.records.data() + i * engine.schema.stride;
+      std::size_t at = 0;
+      for (const Attribute& a : task.kept) {
+        for (const std::string& name : a.fields) {
+          const Field& field = engine.schema.fields[*engine.schema.find(name)];
+          ASSERT_EQ(std::memcmp(record + field.offset, run.results[i].data() + at, size_of(a.type)), 0)
+              << name << " of row " << i;
+          at += size_of(a.type);
+        }
+      }
+    }
+    EXPECT_GT(compared, points.size() / 4);
+  }
+}
+
+TEST(ReferenceRun, GivesTheSameRecordsAsTheEngineInEitherOrder) {
+  std::vector<Vec3> points = surface(3000);
+  points[17].y = std::numeric_limits<double>::quiet_NaN();
+  const Chain chain{{.k = 100, .radius = 0.15}, {kNormals, kSplats, kFair, kNormals}, {}};
+  for (const Order order : {Order::input, Order::sweep}) {
+    const RunResult engine = run_in_memory(points, chain, by(Engine::exact, order));
+    RunResult reference = run_in_memory(points, chain, by(Engine::reference, order));
+    EXPECT_TRUE(engine.records == reference.records);
+    ASSERT_TRUE(reference.statistics.reference);
+    EXPECT_EQ(reference.statistics.reference->complete, 2999u);
+    EXPECT_EQ(reference.statistics.certified, 2999u);
+    EXPECT_EQ(reference.statistics.nonfinite, 1u);
+    EXPECT_EQ(reference.statistics.degenerate, engine.statistics.degenerate);
+    EXPECT_FALSE(engine.statistics.reference);
+  }
+}
+
+TEST(ReferenceRun, TellsTheSameStatisticsAsTheEngine) {
+  const Chain chain{{.k = 8}, {kNormals, std::make_shared<Curvature>()}, {}};
+  const RunResult engine = run_in_memory(surface(3000), chain, by(Engine::exact));
+  const RunResult reference = run_in_memory(surface(3000), chain, by(Engine::reference));
+  const auto names = [](const auto& named) {
+    std::vector<std::string> out;
+    for (const auto& [name, value] : named) out.push_back(name);
+    return out;
+  };
+  EXPECT_EQ(names(reference.statistics.operator_seconds), names(engine.statistics.operator_seconds));
+  EXPECT_EQ(names(reference.statistics.buffers),
+            (std::vector<std::string>{"read", "knn", "normals", "curvature", "write"}));
+  EXPECT_EQ(names(engine.statistics.buffers), (std::vector<std::string>{"knn, normals", "curvature", "finished"}));
+  ASSERT_EQ(engine.statistics.buffers[0].second.size(), engine.statistics.series.size());
+  for (std::size_t i = 0; i < engine.statistics.series.size(); ++i) {
+    std::uint64_t sum = 0;
+    for (const auto& [name, series] : engine.statistics.buffers) sum += series[i].second;
+    EXPECT_EQ(sum, engine.statistics.series[i].second) << i;
+  }
+}
+
+TEST(ReferenceRun, HasNoPreview) {
+  const std::vector<double> xyz = {0, 0, 0, 1, 0, 0};
+  std::vector<std::unique_ptr<Reader>> readers;
+  readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
+  Cloud cloud(std::move(readers));
+  EXPECT_NE(refusal([&] {
+              preview(cloud, {{.k = 1}, {kNormals}, {}}, by(Engine::reference));
+            }).find("leave out --dry-run or --engine reference"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace pointsweep
