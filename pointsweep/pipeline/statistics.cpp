@@ -68,6 +68,10 @@ void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& swe
 }
 
 std::string to_json(const Statistics& s) {
+  nlohmann::ordered_json distances = nlohmann::ordered_json::array();
+  for (const DistanceBin& bin : s.neighbor_distances) {
+    distances.push_back({{"from", bin.from}, {"to", bin.to}, {"nearest", bin.nearest}, {"farthest", bin.farthest}});
+  }
   nlohmann::ordered_json operators = nlohmann::ordered_json::object();
   for (const auto& [name, seconds] : s.operator_seconds) {
     std::string key = name;
@@ -100,6 +104,7 @@ std::string to_json(const Statistics& s) {
       {"warnings", s.warnings},
   };
   if (s.reference) json["reference"] = counts(*s.reference);
+  if (!distances.empty()) json["neighbor_distances"] = std::move(distances);
   return json.dump(2) + "\n";
 }
 

@@ -22,6 +22,13 @@ struct ReferenceCounts {
   double audit_seconds = 0;      ///< finding these counts; not a part of the algorithm
 };
 
+/// Distances from `from` on below `to`, in the length unit of the cloud: of how many points the nearest neighbour is so
+/// far away, of how many the farthest of the neighbourhood.
+struct DistanceBin {
+  double from, to;
+  std::uint64_t nearest, farthest;
+};
+
 /// Of a run of several sweeps, sums over them unless it is said otherwise.
 struct Statistics {
   std::uint64_t points = 0;
@@ -46,6 +53,8 @@ struct Statistics {
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
   double lifespan_mean_seconds = 0, lifespan_max_seconds = 0;
   std::optional<ReferenceCounts> reference;  ///< of a run by the paper's algorithm
+  /// Of the first sweep, eight bins for each octave; if RunOptions asked for them.
+  std::vector<DistanceBin> neighbor_distances;
   unsigned threads = 1;
   std::string machine;
   std::vector<std::string> warnings;
