@@ -10,6 +10,7 @@ void add_commands(CLI::App& app) {
   add_paper_commands(app);
   add_run_command(app);
   add_operators_command(app);
+  add_verify_command(app);
   add_info_command(app);
   add_generate_command(app);
   add_render_command(app);

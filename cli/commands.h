@@ -13,6 +13,7 @@ void add_sort_command(CLI::App& app);
 void add_paper_commands(CLI::App& app);  // curvature, splats, fair
 void add_run_command(CLI::App& app);
 void add_operators_command(CLI::App& app);
+void add_verify_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_generate_command(CLI::App& app);
 void add_render_command(CLI::App& app);

@@ -27,17 +27,17 @@ std::optional<int> parse_axis(std::string_view name) {
   return name[0] - 'x';
 }
 
-Order parse_order(std::string_view name) {
-  if (name != "input" && name != "sweep") fail_usage("--order: '{}' is not input or sweep.", name);
-  return name == "sweep" ? Order::sweep : Order::input;
-}
-
 Engine parse_engine(std::string_view name) {
   if (name != "exact" && name != "reference") fail_usage("--engine: '{}' is not exact or reference.", name);
   return name == "reference" ? Engine::reference : Engine::exact;
 }
 
 }  // namespace
+
+Order parse_order(std::string_view name) {
+  if (name != "input" && name != "sweep") fail_usage("--order: '{}' is not input or sweep.", name);
+  return name == "sweep" ? Order::sweep : Order::input;
+}
 
 void add_progress_options(CLI::App& verb, CommonOptions& options) {
   verb.add_flag("-q,--quiet", options.quiet, "Say nothing but errors");
@@ -62,18 +62,27 @@ void add_force_option(CLI::App& verb, CommonOptions& options) {
   verb.add_flag("-f,--force", options.force, "Replace an output that exists");
 }
 
-void add_stream_options(CLI::App& verb, CommonOptions& options) {
+void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meaning) {
   verb.add_option_function<std::string>(
-          "--memory", [&options](const std::string& text) { options.memory = parse_size("--memory", text); },
-          "Budget for the whole process, K M G T being powers of 1024 (default: half of the memory available now)")
+          "--memory", [&options](const std::string& text) { options.memory = parse_size("--memory", text); }, meaning)
       ->type_name("SIZE");
-  verb.add_option("--temp-dir", options.temp_dir,
-                  "Where to spill what does not fit (default: the system's temporary folder)")
-      ->type_name("DIR");
+}
+
+void add_axis_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
           "--axis", [&options](const std::string& name) { options.axis = parse_axis(name); },
           "Sweep axis: auto (largest extent), x, y or z")
       ->type_name("AXIS");
+}
+
+void add_stream_options(CLI::App& verb, CommonOptions& options) {
+  add_memory_option(
+      verb, options,
+      "Budget for the whole process, K M G T being powers of 1024 (default: half of the memory available now)");
+  verb.add_option("--temp-dir", options.temp_dir,
+                  "Where to spill what does not fit (default: the system's temporary folder)")
+      ->type_name("DIR");
+  add_axis_option(verb, options);
   verb.add_option("--stats", options.stats, "Write statistics of the run to this JSON file")->type_name("FILE");
   verb.add_option("--report", options.report, "Write a page about the run, with plots and a picture (.html)")
       ->type_name("FILE");

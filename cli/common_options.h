@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 
 #include "pointsweep/pipeline/pipeline.h"
 
@@ -38,5 +39,11 @@ void add_stream_options(CLI::App& verb, CommonOptions& options);
 void add_order_option(CLI::App& verb, CommonOptions& options);
 /// --engine
 void add_engine_option(CLI::App& verb, CommonOptions& options);
+/// --memory SIZE
+void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meaning);
+/// --axis
+void add_axis_option(CLI::App& verb, CommonOptions& options);
+/// "input" or "sweep"; throws UsageError for anything else.
+Order parse_order(std::string_view name);
 
 }  // namespace pointsweep

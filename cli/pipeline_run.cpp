@@ -18,11 +18,14 @@ std::vector<std::string> parse_names(const std::string& text) {
 
 }  // namespace
 
-void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
+void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning) {
   verb.add_option_function<std::string>(
-          "--keep", [&run](const std::string& text) { run.keep = parse_names(text); },
-          "Made attributes to write, e.g. normal (default: all)")
+          "--keep", [&keep](const std::string& text) { keep = parse_names(text); }, meaning)
       ->type_name("A,B,...");
+}
+
+void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
+  add_keep_option(verb, run.keep, "Made attributes to write, e.g. normal (default: all)");
   verb.add_flag("--dry-run", run.dry, "Say what would be done and how much memory it takes; write nothing");
   add_order_option(verb, run.common);
   add_engine_option(verb, run.common);

@@ -17,6 +17,8 @@ struct PipelineRun {
   bool dry = false;
 };
 
+/// --keep
+void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning);
 /// --keep, --dry-run, --order, --engine and all common options. `run` outlives the parsing.
 void add_pipeline_options(CLI::App& verb, PipelineRun& run);
 

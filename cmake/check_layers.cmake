@@ -13,6 +13,7 @@ set(may_include_sweep points math order search operators)
 set(may_include_reference points math order operators)
 set(may_include_pipeline points math order search operators formats shapes sweep reference)
 set(may_include_report points math formats render pipeline)
+set(may_include_verify points math operators formats)  # not search, not sweep: it checks them
 
 if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)

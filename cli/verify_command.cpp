@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+/// `pointsweep verify IN... OUT`: the user's own check of what a run has written.
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "cli/cloud_run.h"
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "cli/pipeline_run.h"
+#include "cli/progress.h"
+#include "cli/quantities.h"
+#include "pointsweep/error.h"
+#include "pointsweep/formats/extension.h"
+#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/verify/npy_reader.h"
+#include "pointsweep/verify/verify.h"
+
+namespace pointsweep {
+namespace {
+
+struct VerifyCommand {
+  CommonOptions common;
+  InputsAndOutput paths;
+  std::string pipeline;
+  std::vector<OptionText> neighborhood;
+  std::vector<std::string> keep;
+  VerifyOptions check;
+};
+
+MadeBy made_by(const Chain& chain) {
+  const bool all = chain.neighborhood.k == Neighborhood::kUnlimited;
+  return {
+      .neighborhood = {.k = all ? NeighborRule::kUnlimited : chain.neighborhood.k, .radius = chain.neighborhood.radius},
+      .operators = chain.operators,
+      .keep = chain.keep};
+}
+
+StageText knn_of(const VerifyCommand& command) {
+  return {neighborhood_declaration().name, command.neighborhood, "verify"};
+}
+
+/// An array of neighbours or of distances says itself how it was made, but for a radius.
+MadeBy made_by_neighbors(const VerifyCommand& command, const Cloud& cloud, const Reader& out) {
+  const std::vector<Field>& columns = out.info().schema.fields;
+  const bool distances = columns.front().type == Type::f64;
+  Chain chain = build_chain({knn_of(command)}, Facts{.points = cloud.count()});
+  const bool k_given = std::any_of(command.neighborhood.begin(), command.neighborhood.end(),
+                                   [](const OptionText& option) { return option.name == "k"; });
+  if (k_given && chain.neighborhood.k != columns.size())
+    fail_usage("-k: the array has {} columns, and {} neighbours need as many.", columns.size(), chain.neighborhood.k);
+  chain.neighborhood.k = columns.size();
+  chain.operators = {std::make_shared<NeighborRows>(columns.size(), cloud.count(), distances)};
+  chain.keep = {distances ? "distances" : "neighbors"};
+  return made_by(chain);
+}
+
+/// Which attributes of an output are not simply those of the input: new ones, and old ones that are `changed`.
+class MadeAttributes {
+ public:
+  MadeAttributes(const Schema& in, const Schema& out, const std::set<std::string>& changed)
+      : in_(in), out_(out), changed_(changed) {}
+
+  bool has(const std::string& field) const {
+    const auto old = in_.find(field);
+    return out_.find(field) && (!old || changed_.contains(in_.fields[*old].name));
+  }
+  bool has(const Attribute& attribute) const {
+    return std::all_of(attribute.fields.begin(), attribute.fields.end(),
+                       [&](const std::string& field) { return has(field); });
+  }
+  /// The stages that usually make them.
+  std::string likely_pipeline() const {
+    std::string text;
+    const bool curvature = has("k1") || has("k2") || has("mean_curvature") || has("surface_variation");
+    if (has("nx") || curvature || has("splat_length")) text = "normals";
+    if (curvature) text += " | curvature";
+    if (has("splat_length")) text += " | splats";
+    return text;
+  }
+
+ private:
+  const Schema& in_;
+  const Schema& out_;
+  const std::set<std::string>& changed_;
+};
+
+MadeBy made_by_pipeline(const VerifyCommand& command, Cloud& cloud, const Reader& out,
+                        const std::set<std::string>& changed = {}) {
+  const MadeAttributes attributes(cloud.schema(), out.info().schema, changed);
+  const std::string likely = attributes.likely_pipeline();
+  if (command.pipeline.empty() && likely.empty()) return {};
+  std::vector<StageText> stages =
+      command.pipeline.empty() ? parse_pipeline(likely) : parse_pipeline_or_file(command.pipeline);
+  const bool knn = !stages.empty() && stages.front().name == neighborhood_declaration().name;
+  if (knn && !command.neighborhood.empty())
+    fail_usage("{}: the pipeline says in knn which neighbours it takes; leave the option out.",
+               command.neighborhood.front().place);
+  if (!knn) stages.insert(stages.begin(), knn_of(command));
+  MadeBy made = made_by(build_chain(stages, cloud, command.keep));
+  if (!command.pipeline.empty() || !command.keep.empty()) return made;
+  for (const auto& op : made.operators)
+    for (const Attribute& a : op->contract().makes)
+      if (attributes.has(a)) made.keep.push_back(a.name);
+  return made;
+}
+
+VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& display) {
+  VerifyOptions options = command.check;
+  options.axis = command.common.axis;
+  if (command.common.memory != 0) options.memory_bytes = command.common.memory;
+  options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
+    stop_if_interrupted();
+    display.report(phase, done, total);
+  };
+  return options;
+}
+
+/// Attributes of the input that most points have otherwise in the output.
+std::set<std::string> changed_attributes(const Arrivals& arrivals) {
+  std::set<std::string> names;
+  for (const AttributeArrival& a : arrivals.attributes)
+    if (a.sum_in != a.sum_out && a.rows_different > arrivals.points_in / 2) names.insert(a.name);
+  return names;
+}
+
+Verdict checked(const VerifyCommand& command, Cloud& cloud, ProgressDisplay& display) {
+  const std::filesystem::path& path = command.paths.output();
+  const VerifyOptions options = check_options(command, display);
+  if (extension_of(path) == ".npy") {
+    const std::unique_ptr<Reader> array = open_npy(path);
+    return verify(cloud, *array, true, made_by_neighbors(command, cloud, *array), options);
+  }
+  const std::unique_ptr<Reader> out = open_reader(path);
+  const MadeBy made = made_by_pipeline(command, cloud, *out);
+  const Verdict verdict = verify(cloud, *out, false, made, options);
+  if (verdict.same() || !command.pipeline.empty()) return verdict;
+  // Nobody said what was made: normals, say, that the input had already may have been made anew.
+  const MadeBy anew = made_by_pipeline(command, cloud, *out, changed_attributes(verdict.arrivals));
+  return anew.keep == made.keep ? verdict : verify(cloud, *out, false, anew, options);
+}
+
+void run_check(const VerifyCommand& command) {
+  if (command.paths.files.size() < 2) fail_usage("IN... OUT: name what was read, and last what was written.");
+  Cloud cloud(command.paths.inputs());
+  ProgressDisplay display(command.common);
+  const Verdict verdict = checked(command, cloud, display);
+  if (!command.common.quiet) fmt::print("{}", to_text(verdict));
+  if (verdict.same()) return;
+  fail("{}: is not what the input gives; {}: {}.", verdict.output,
+       verdict.difference_count == 1 ? "one difference"
+                                     : fmt::format("{} differences, the first", verdict.difference_count),
+       verdict.differences.front());
+}
+
+void add_neighborhood_options(CLI::App& verb, VerifyCommand& command) {
+  for (const OptionDeclaration& option : neighborhood_declaration().options) {
+    const std::string flag = (option.name == "k" ? "-" : "--") + option.name;
+    verb.add_option_function<std::string>(
+            flag,
+            [&command, flag, name = option.name](const std::string& value) {
+              command.neighborhood.push_back({name, value, flag});
+            },
+            fmt::format("{}: {}", option.allowed(), option.meaning))
+        ->type_name("VALUE");
+  }
+}
+
+void add_check_options(CLI::App& verb, VerifyCommand& command) {
+  verb.add_option_function<std::string>(
+          "--sample", [&command](const std::string& text) { command.check.sample = parse_count("--sample", text); },
+          "Points whose made attributes are evaluated again by brute force (default: 10000)")
+      ->type_name("N");
+  verb.add_option("--seed", command.check.seed, "Which points: another seed, another sample (default: 0)")
+      ->type_name("S");
+  verb.add_option_function<std::string>(
+          "--order",
+          [&command](const std::string& name) {
+            command.check.order = parse_order(name) == Order::sweep ? RowOrder::sweep : RowOrder::input;
+          },
+          "Order of the output's rows (default: found out)")
+      ->type_name("input|sweep");
+  add_axis_option(verb, command.common);
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("verify", "Check that an output is complete and right, by brute force");
+  auto command = std::make_shared<VerifyCommand>();
+  add_inputs_and_output(verb, command->paths, "the file that a run has written from them");
+  add_neighborhood_options(verb, *command);
+  verb.add_option("--pipeline", command->pipeline,
+                  "The stages that made it (default: what adds the attributes found, in its usual form)")
+      ->type_name("TEXT|FILE");
+  add_keep_option(verb, command->keep, "Made attributes that were written (default: all)");
+  add_check_options(verb, *command);
+  add_memory_option(verb, command->common,
+                    "Memory for the sample's neighbours; more are looked at in turns (default: 1G)");
+  add_progress_options(verb, command->common);
+  verb.footer(
+      "Every point of both files is compared; the made attributes are evaluated again for the sample, from neighbours\n"
+      "found by reading the whole input against it, without the search that made them. Say the options of the run, or\n"
+      "its pipeline where normals were oriented, points moved, or attributes replaced that the input had. Status 0: "
+      "the\n"
+      "same; 1: different.\n"
+      "\nExample:\n"
+      "  pointsweep verify scan.ply normals.ply -k 12\n"
+      "  pointsweep verify scan.ply out.las --pipeline 'knn(k=12) | normals(orient=up)' --sample 1000");
+  verb.callback([command] { run_check(*command); });
+}
+
+}  // namespace pointsweep

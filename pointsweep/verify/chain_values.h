@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+/// What a chain of operators makes of chosen points, evaluated stage by stage on their surroundings in memory.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operators/operator.h"
+#include "pointsweep/verify/row_source.h"
+#include "pointsweep/verify/surroundings.h"
+
+namespace pointsweep {
+
+class ChainValues {
+ public:
+  /// `keep`: names of the made attributes that count; empty: all. Throws UsageError if an operator reads what neither
+  /// the input nor an earlier stage has.
+  ChainValues(std::vector<std::shared_ptr<const Operator>> operators, const std::vector<std::string>& keep,
+              const Schema& input);
+
+  /// The last version of each kept attribute, in the order first made.
+  const std::vector<Attribute>& made() const { return made_; }
+  /// Bytes of a result: the values of made(), one after another.
+  std::size_t result_bytes() const;
+  /// How many rings of neighbours need neighbours of their own: 1 if only neighbours' positions and attributes of the
+  /// file are looked at, one more for each stage that looks at what another made of neighbours. 0 without operators.
+  std::size_t rings() const;
+
+  /// Results of the chosen points of `around`, which has rings() rings. Reads the input once more if an operator reads
+  /// attributes of the file.
+  std::vector<std::byte> evaluate(const Surroundings& around, RowSource& in) const;
+
+ private:
+  struct Stage {
+    std::shared_ptr<const Operator> op;
+    std::vector<std::uint16_t> reads, reads_neighbors, makes;
+    int position = -1;  ///< column of the moved positions it sees
+    int ring = -1;      ///< outermost ring on which it is needed; negative: nowhere
+  };
+  struct FileColumn {
+    std::uint16_t column;
+    Attribute attribute;
+    std::vector<Field> fields;  ///< of the input, one for each component
+  };
+  using ColumnBytes = std::vector<std::vector<std::byte>>;  ///< by column number
+
+  std::uint16_t column_of(const Attribute& wanted, const Operator& op, const Schema& input);
+  std::uint16_t new_column(const Attribute& attribute);
+  void make(const Attribute& attribute, Stage& stage);
+  void find_rings();
+  void need(std::uint16_t column, int ring);
+  void fetch_file_columns(const Surroundings& around, RowSource& in, ColumnBytes& columns) const;
+  void apply(const Stage& stage, const Surroundings& around, ColumnBytes& columns) const;
+
+  std::vector<Stage> stages_;
+  std::vector<FileColumn> file_columns_;
+  std::vector<Attribute> columns_;
+  std::vector<int> maker_;  ///< stage by column; -1: the file
+  std::vector<Attribute> made_;
+  std::vector<std::uint16_t> made_columns_;
+  std::vector<std::pair<std::string, std::uint16_t>> latest_;  ///< column by name of attribute
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+/// A value that should have come into a file, and the place where it should be.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// Compares a value of one record with its copy in another, as far as the type of the copy can tell. Values are equal
+/// if
+/// - both are stored alike and their bits are equal; or else
+/// - storing `from` at `to` gives what is there: a format may round (LAS coordinates) and saturate; where `from` is
+///   float32 and `to` float64, the nearest float32 of `to` counts, since text files hold the fewest digits of a float.
+class FieldPair {
+ public:
+  /// One component of each; `name` is what people are told.
+  FieldPair(std::string name, const Field& from, std::uint32_t from_component, const Field& to,
+            std::uint32_t to_component);
+
+  const std::string& name() const { return name_; }
+  /// A word that is the same for equal values: from a record with `from`, and from one with `to`.
+  std::uint64_t expected(const std::byte* from_record) const;
+  std::uint64_t found(const std::byte* to_record) const;
+  double expected_value(const std::byte* from_record) const { return value_of(from_, from_record); }
+  double found_value(const std::byte* to_record) const { return value_of(to_, to_record); }
+
+ private:
+  std::uint64_t word_of(double value) const;
+
+  std::string name_;
+  Field from_, to_;
+  bool bitwise_, single_;
+};
+
+/// Pairs of all components of from.fields[index] with where a writer of any format may have put them in `to`; nothing
+/// if a component is nowhere. Writers change characters and lengths of names, number components, use the spelling of
+/// their format, and add an exact copy NAME_TYPE of what their format rounds: then the copy counts.
+std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to);
+
+}  // namespace pointsweep

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/nearest_in_stream.h"
+
+#include <algorithm>
+
+namespace pointsweep {
+
+bool operator<(const NearPoint& a, const NearPoint& b) {
+  if (a.distance2 != b.distance2) return a.distance2 < b.distance2;
+  if (a.position.x != b.position.x) return a.position.x < b.position.x;
+  if (a.position.y != b.position.y) return a.position.y < b.position.y;
+  if (a.position.z != b.position.z) return a.position.z < b.position.z;
+  return a.row < b.row;
+}
+
+NearestInStream::NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most)
+    : places_(std::move(places)),
+      reach2_(std::move(reach2)),
+      most_(most),
+      found_(places_.size()),
+      index_(places_, reach2_) {}
+
+void NearestInStream::offer(Vec3 p, std::uint64_t row) {
+  if (!is_finite(p)) return;
+  index_.visit(p, [&](std::uint32_t place) {
+    const double d2 = distance2(places_[place], p);
+    if (!(d2 <= reach2_[place])) return;
+    std::vector<NearPoint>& found = found_[place];
+    const NearPoint candidate{d2, p, row};
+    if (found.size() == most_) {
+      if (!(candidate < found.front())) return;
+      std::pop_heap(found.begin(), found.end());
+      found.back() = candidate;
+    } else {
+      found.push_back(candidate);
+    }
+    if (most_ != kAll) std::push_heap(found.begin(), found.end());
+    if (found.size() == most_) reach2_[place] = std::min(reach2_[place], found.front().distance2);
+  });
+}
+
+std::vector<NearPoint>& NearestInStream::nearest(std::size_t place) {
+  std::sort(found_[place].begin(), found_[place].end());
+  return found_[place];
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// The nearest points of chosen places by brute force: every point of a stream is held against every place that it
+/// could still be near to. Shares nothing with the search of the engine.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "pointsweep/math/vec3.h"
+#include "pointsweep/verify/ball_index.h"
+
+namespace pointsweep {
+
+struct NearPoint {
+  double distance2;
+  Vec3 position;
+  std::uint64_t row;
+
+  /// By distance, then x, y, z, then row: the order of neighbours.
+  friend bool operator<(const NearPoint& a, const NearPoint& b);
+};
+
+class NearestInStream {
+ public:
+  static constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+
+  /// Keeps the `most` nearest of each place among the points with distance2 <= reach2. Where the answer is known to lie
+  /// nearer, a smaller reach2 saves work. About 40 bytes for each point kept.
+  NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most);
+
+  /// One point of the stream, which comes in any order; points that are not finite are nobody's neighbours.
+  void offer(Vec3 p, std::uint64_t row);
+  /// Squared distance beyond which nothing is wanted any more at `place`.
+  double reach2(std::size_t place) const { return reach2_[place]; }
+  /// What was found, nearest first; nothing may be offered afterwards.
+  std::vector<NearPoint>& nearest(std::size_t place);
+
+ private:
+  std::vector<Vec3> places_;
+  std::vector<double> reach2_;
+  std::size_t most_;
+  std::vector<std::vector<NearPoint>> found_;  ///< heaps whose first is the farthest, once they are full
+  BallIndex index_;
+};
+
+}  // namespace pointsweep

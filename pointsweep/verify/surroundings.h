@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+/// Chosen points with their neighbours, the neighbours' neighbours, and so on as far as a chain of operators looks.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pointsweep/math/vec3.h"
+#include "pointsweep/verify/nearest_in_stream.h"
+#include "pointsweep/verify/row_source.h"
+
+namespace pointsweep {
+
+/// A finite point of the input.
+struct KnownPoint {
+  Vec3 position;
+  std::uint64_t row;
+};
+
+/// The k nearest other points, those within `radius` (inclusive), or the k nearest of these.
+struct NeighborRule {
+  static constexpr std::size_t kUnlimited = NearestInStream::kAll;
+  std::size_t k = 8;
+  double radius = std::numeric_limits<double>::infinity();
+};
+
+/// Points are numbered ring by ring: first the chosen ones, then their neighbours that were not chosen, and so on. All
+/// but those of the last ring have their neighbours.
+struct Surroundings {
+  std::vector<double> x, y, z;
+  std::vector<std::uint64_t> row;
+  std::vector<std::size_t> ring_end;     ///< points up to ring r are 0 ... ring_end[r] - 1
+  std::vector<std::size_t> list_begin;   ///< into neighbors, of points 0 ... ring_end[rings - 1] - 1, and the end
+  std::vector<std::uint32_t> neighbors;  ///< numbers of points, nearest first
+
+  std::size_t size() const { return row.size(); }
+};
+
+/// Reads the whole input once for each of `rings` (1 or more). `subset` are points of the input, at random or evenly
+/// strewn: from them comes a first idea of how far neighbours are.
+Surroundings find_surroundings(RowSource& in, std::span<const KnownPoint> chosen, std::span<const KnownPoint> subset,
+                               const NeighborRule& rule, std::size_t rings, const PhaseProgress& progress);
+
+}  // namespace pointsweep

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+/// What a check found.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pointsweep/verify/arrivals.h"
+
+namespace pointsweep {
+
+struct Verdict {
+  std::string input, output;  ///< names
+  Arrivals arrivals;
+  bool attributes_compared = true;   ///< false for arrays, which hold none of the input's
+  std::string order;                 ///< "input" or "sweep along x"; empty if the rows are in neither
+  std::vector<std::string> made;     ///< attributes that operators made, by brute force again
+  std::uint64_t sampled = 0;         ///< points for which they were
+  std::uint64_t wrong_points = 0;    ///< of these, with a value that is not as it should be
+  std::uint64_t passes = 0;          ///< times that the whole input was read
+  std::vector<std::string> unknown;  ///< attributes of the output that are neither the input's nor made: not checked
+
+  std::uint64_t difference_count = 0;
+  std::vector<std::string> differences;  ///< the first few, a sentence each
+
+  bool same() const { return difference_count == 0; }
+};
+
+/// Several lines for people, the last one saying "same" or "different".
+std::string to_text(const Verdict& verdict);
+
+}  // namespace pointsweep

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/verify.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/field_names.h"
+#include "pointsweep/verify/chain_values.h"
+#include "pointsweep/verify/field_pair.h"
+#include "pointsweep/verify/sample_rows.h"
+#include "pointsweep/verify/sweep_rows.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::uint64_t kSubset = 65536;
+constexpr std::size_t kDifferencesShown = 10;
+
+/// Rows of `made` values as the chain gives them.
+Schema result_schema(const std::vector<Attribute>& made) {
+  Schema schema;
+  for (const Attribute& a : made)
+    for (const std::string& field : a.fields) schema.append(field, a.type);
+  return schema;
+}
+
+/// Whether a field of an output comes from one of `schema`.
+bool is_of(const Schema& schema, const std::string& name) {
+  const auto copy = [&](const Field& field) { return name == fmt::format("{}_{}", field.name, name_of(field.type)); };
+  const std::vector<std::string> columns = column_names(schema);
+  return schema.find(name) || schema.find(library_name_of(name)) ||
+         std::find(columns.begin(), columns.end(), name) != columns.end() ||
+         std::any_of(schema.fields.begin(), schema.fields.end(), copy);
+}
+
+class Verification {
+ public:
+  Verification(Cloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options)
+      : in_(in),
+        out_(out),
+        made_by_(made_by),
+        options_(options),
+        chain_(made_by.operators, made_by.keep, in_.schema()),
+        rows_(sample_rows(in_.count(), options.sample, options.seed)) {
+    verdict_.input = in_.name(), verdict_.output = out_.name();
+    verdict_.attributes_compared = !is_array;
+    for (const Attribute& a : chain_.made()) verdict_.made.push_back(a.name);
+  }
+
+  Verdict run() {
+    pair_made_attributes();
+    compare();
+    judge_arrivals();
+    if (verdict_.arrivals.points_in == verdict_.arrivals.points_out && !order_is_lost_ && !made_pairs_.empty())
+      check_sample();
+    return std::move(verdict_);
+  }
+
+ private:
+  template <class... Args>
+  void differ(fmt::format_string<Args...> format, Args&&... args) {
+    if (++verdict_.difference_count <= kDifferencesShown)
+      verdict_.differences.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  void pair_made_attributes() {
+    const Schema results = result_schema(chain_.made());
+    replaced_.assign(in_.schema().fields.size(), !verdict_.attributes_compared);
+    for (std::size_t f = 0; f < results.fields.size(); ++f) {
+      const std::string& name = results.fields[f].name;
+      if (const auto old = in_.schema().find(name)) replaced_[*old] = true;
+      if (auto pairs = pairs_of_field(results, f, out_.schema())) {
+        made_pairs_.insert(made_pairs_.end(), pairs->begin(), pairs->end());
+      } else {
+        differ("the output has no '{}', which is to be made", name);
+      }
+    }
+    for (const Field& field : out_.schema().fields)
+      if (!is_of(in_.schema(), field.name) && !is_of(results, field.name)) verdict_.unknown.push_back(field.name);
+  }
+
+  /// The first reading of the input: also takes the positions of the sample and a thin subset of all.
+  void compare() {
+    const std::uint64_t stride = std::max<std::uint64_t>(1, in_.count() / kSubset);
+    std::size_t next = 0;
+    const auto look = [&](std::uint64_t row, Vec3 p) {
+      const bool finite = is_finite(p);
+      if (finite && row % stride == 0) subset_.push_back({p, row});
+      if (next == rows_.size() || rows_[next] != row) return;
+      ++next;
+      finite ? void(finite_.push_back({p, row})) : void(nonfinite_.push_back({p, row}));
+    };
+    verdict_.passes = 1;
+    if (verdict_.attributes_compared) {
+      verdict_.arrivals = compare_arrivals(in_, out_, replaced_, options_.progress, look);
+      return;
+    }
+    verdict_.arrivals.points_in = in_.count(), verdict_.arrivals.points_out = out_.count();
+    for_each_position(in_, "reading", options_.progress, look);
+  }
+
+  void judge_arrivals() {
+    const Arrivals& a = verdict_.arrivals;
+    for (const std::string& name : a.missing) differ("the output lacks the attribute '{}'", name);
+    if (a.points_in != a.points_out) differ("{} points came out of {}", a.points_out, a.points_in);
+    if (!verdict_.attributes_compared) {
+      verdict_.order = "input";
+    } else if (sweep_is_meant()) {
+      judge_sweep_order();
+    } else {
+      verdict_.order = "input";
+      judge_row_by_row();
+    }
+  }
+
+  std::size_t longest_axis() const { return static_cast<std::size_t>(verdict_.arrivals.bounds.longest_axis()); }
+
+  /// As told; else where rows are not those of the input, but the same in another order, or look like it.
+  bool sweep_is_meant() const {
+    const Arrivals& a = verdict_.arrivals;
+    if (options_.order) return *options_.order == RowOrder::sweep;
+    const bool most_differ = std::any_of(a.attributes.begin(), a.attributes.end(), [&](const AttributeArrival& one) {
+      return one.rows_different > a.points_in / 2;
+    });
+    return !a.row_by_row() && (a.in_some_order() || (most_differ && a.ascending[longest_axis()]));
+  }
+
+  void judge_row_by_row() {
+    const Arrivals& a = verdict_.arrivals;
+    if (a.points_in != a.points_out && !a.attributes.empty())
+      differ("row {} is the first that is not the same in both", *a.first_different);
+    for (const AttributeArrival& one : a.attributes) {
+      if (one.rows_different == 0 || a.points_in != a.points_out) continue;
+      differ("row {}: {} is {}, but {} in the input ({} such {})", one.first_different, one.name, one.found,
+             one.expected, one.rows_different, one.rows_different == 1 ? "row" : "rows");
+    }
+  }
+
+  void judge_sweep_order() {
+    const Arrivals& a = verdict_.arrivals;
+    for (const AttributeArrival& one : a.attributes)
+      if (one.sum_in != one.sum_out) differ("the values of {} are not those of the input", one.name);
+    const bool sums_tell = std::any_of(a.attributes.begin(), a.attributes.end(),
+                                       [](const AttributeArrival& one) { return one.sum_in != one.sum_out; });
+    if (!sums_tell && a.sum_in != a.sum_out && a.points_in == a.points_out)
+      differ("all values are there, but not all with the points they belong to");
+    axis_ = options_.axis ? *options_.axis : a.bounds.longest_axis();
+    verdict_.order = fmt::format("sweep along {}", "xyz"[axis_]);
+    if (moved() || a.ascending[static_cast<std::size_t>(axis_)]) return;
+    differ("the rows ascend neither as those of the input nor along {}", "xyz"[axis_]);
+    verdict_.order.clear();
+    order_is_lost_ = true;
+  }
+
+  bool moved() const {
+    const auto x = in_.schema().find("x");
+    return x && replaced_[*x];
+  }
+
+  void check_sample() {
+    std::vector<std::uint64_t> places = rows_;  // of the sample in the output
+    if (axis_ >= 0) places = sweep_rows(in_, rows_, axis_, options_.progress), ++verdict_.passes;
+    const std::size_t turn = points_in_a_turn();
+    for (std::size_t first = 0; first < finite_.size(); first += turn) {
+      const auto chosen = std::span(finite_).subspan(first, std::min(turn, finite_.size() - first));
+      const Surroundings around =
+          find_surroundings(in_, chosen, subset_, made_by_.neighborhood, chain_.rings(), options_.progress);
+      verdict_.passes += chain_.rings();
+      hold_against_output(chosen, chain_.evaluate(around, in_), places);
+    }
+    hold_against_output(nonfinite_, values_of_none(), places);
+  }
+
+  /// How many points and their surroundings fit the memory, if neighbourhoods overlap as in a volume.
+  std::size_t points_in_a_turn() const {
+    const double k = made_by_.neighborhood.k == NeighborRule::kUnlimited
+                         ? 256
+                         : static_cast<double>(std::min<std::uint64_t>(made_by_.neighborhood.k, in_.count()));
+    double lists = 1, all = 1;
+    for (std::size_t ring = 1; ring < chain_.rings(); ++ring) {
+      const double r = static_cast<double>(ring);
+      all = std::min(all * k, r * r * r * k);
+      lists += all;
+    }
+    const double bytes = lists * (k + 1) * 64 + 200;
+    return std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(options_.memory_bytes) / bytes));
+  }
+
+  /// What points without a place in space get; nobody moves them.
+  std::vector<std::byte> values_of_none() const {
+    std::vector<std::byte> values;
+    for (const KnownPoint& p : nonfinite_) {
+      for (const Attribute& a : chain_.made()) {
+        const std::size_t at = values.size();
+        values.resize(at + a.bytes(), a.fill);
+        if (a.name == position_attribute().name) std::memcpy(values.data() + at, &p.position, sizeof p.position);
+      }
+    }
+    return values;
+  }
+
+  /// `points` are some of the sample in ascending rows, `results` one record each.
+  void hold_against_output(std::span<const KnownPoint> points, const std::vector<std::byte>& results,
+                           const std::vector<std::uint64_t>& places) {
+    struct Wanted {
+      std::uint64_t place;
+      std::size_t point;
+    };
+    std::vector<Wanted> wanted;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto at = std::lower_bound(rows_.begin(), rows_.end(), points[i].row) - rows_.begin();
+      wanted.push_back({places[static_cast<std::size_t>(at)], i});
+    }
+    std::sort(wanted.begin(), wanted.end(), [](const Wanted& a, const Wanted& b) { return a.place < b.place; });
+    std::vector<std::uint64_t> ascending;
+    for (const Wanted& w : wanted) ascending.push_back(w.place);
+    for_each_record(out_, ascending, [&](std::size_t i, const std::byte* record) {
+      check_point(wanted[i].place, points[wanted[i].point].row,
+                  results.data() + wanted[i].point * chain_.result_bytes(), record);
+    });
+    verdict_.sampled += points.size();
+  }
+
+  void check_point(std::uint64_t place, std::uint64_t row, const std::byte* result, const std::byte* record) {
+    bool wrong = false;
+    for (const FieldPair& pair : made_pairs_) {
+      if (pair.expected(result) == pair.found(record)) continue;
+      if (!wrong)
+        differ("row {}{}: {} is {}, but {} by brute force", place,
+               place == row ? "" : fmt::format(" (row {} of the input)", row), pair.name(), pair.found_value(record),
+               pair.expected_value(result));
+      wrong = true;
+    }
+    verdict_.wrong_points += wrong;
+  }
+
+  RowSource in_, out_;
+  const MadeBy& made_by_;
+  const VerifyOptions& options_;
+  ChainValues chain_;
+  std::vector<std::uint64_t> rows_;             ///< of the sample, ascending
+  std::vector<KnownPoint> finite_, nonfinite_;  ///< the sample
+  std::vector<KnownPoint> subset_;              ///< of all points, evenly strewn over the rows
+  std::vector<bool> replaced_;                  ///< by field of the input
+  std::vector<FieldPair> made_pairs_;           ///< from a result record to a record of the output
+  int axis_ = -1;                               ///< of the sweep whose order the rows have; negative: the input's
+  bool order_is_lost_ = false;
+  Verdict verdict_;
+};
+
+}  // namespace
+
+Verdict verify(Cloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options) {
+  return Verification(in, out, is_array, made_by, options).run();
+}
+
+}  // namespace pointsweep

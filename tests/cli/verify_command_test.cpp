@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "tests/cli/tool.h"
+
+namespace pointsweep {
+namespace {
+
+class VerifyVerb : public Tool {
+ protected:
+  VerifyVerb() { EXPECT_EQ(tool("generate statue in.ply -n 4000 --noise 0.002").status, 0); }
+
+  void same(const std::string& arguments, const std::string& words = "") {
+    const Result result = tool("verify " + arguments);
+    EXPECT_EQ(result.status, 0) << arguments << "\n" << result.out << result.err;
+    EXPECT_TRUE(result.out.ends_with("same\n")) << result.out;
+    EXPECT_NE(result.out.find(words), std::string::npos) << result.out;
+  }
+};
+
+TEST_F(VerifyVerb, AcceptsWhatEveryVerbWrites) {
+  made("normals in.ply out.ply", "out.ply");
+  same("in.ply out.ply", "4000 of 4000 points, 0 wrong: normal");
+  made("normals in.ply k.las -k 12 --order sweep --axis x", "k.las");
+  same("in.ply k.las -k 12 --axis x", "sweep along x");
+  made("normals in.ply r.xyz --radius 0.05", "r.xyz");
+  same("in.ply r.xyz --radius 0.05");
+  made("curvature in.ply c.ply --keep k1,k2", "c.ply");
+  same("in.ply c.ply", "0 wrong: k1 k2");
+  made("splats in.ply s.csv", "s.csv");
+  same("in.ply s.csv --sample 100", "100 of 4000 points");
+  made("fair in.ply f.ply -k 16", "f.ply");
+  same("in.ply f.ply --sample 50 --pipeline 'knn(k=16) | normals | splats | fair | normals | splats'");
+  made("sort in.ply sorted.ply", "sorted.ply");
+  same("in.ply sorted.ply", "none, so no neighbourhoods were looked at");
+  made("neighbors in.ply n.npy -k 5 --distances d.npy", "n.npy");
+  same("in.ply n.npy", "0 wrong: neighbors");
+  same("in.ply d.npy -k 5", "0 wrong: distances");
+}
+
+TEST_F(VerifyVerb, SeveralInputsAreOneCloud) {
+  EXPECT_EQ(tool("generate statue more.ply -n 1000 --seed 2").status, 0);
+  made("normals in.ply more.ply both.ply", "both.ply");
+  same("in.ply more.ply both.ply");
+  refused(1, "verify in.ply both.ply", "5000 points came out of 4000");
+}
+
+TEST_F(VerifyVerb, WhatDiffersIsStatus1AndOneSentence) {
+  std::string bytes = made("normals in.ply out.ply", "out.ply");
+  bytes[bytes.size() - 1] ^= 1;  // nz of the last point
+  write("out.ply", bytes);
+  const Result result = tool("verify in.ply out.ply");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_TRUE(result.out.ends_with("different\n"));
+  EXPECT_TRUE(result.err.starts_with("pointsweep: out.ply: is not what the input gives; one difference: row 3999: nz"))
+      << result.err;
+  EXPECT_EQ(tool("verify in.ply out.ply --quiet").out, "");
+}
+
+TEST_F(VerifyVerb, EveryOptionMatters) {
+  made("normals in.ply out.ply", "out.ply");
+  EXPECT_NE(tool("verify in.ply out.ply -k 9").status, 0);
+  EXPECT_NE(tool("verify in.ply out.ply --radius 0.01").status, 0);
+  EXPECT_NE(tool("verify in.ply out.ply --order sweep").status, 0);
+  EXPECT_NE(tool("verify in.ply out.ply --pipeline 'normals(orient=up)'").status, 0);
+  made("normals in.ply sweep.ply --order sweep", "sweep.ply");
+  EXPECT_NE(tool("verify in.ply sweep.ply --axis x").status, 0);
+  EXPECT_EQ(tool("verify in.ply sweep.ply --axis z").status, 0) << "the statue is highest";
+  made("run in.ply some.ply --pipeline 'normals | splats' --keep normal", "some.ply");
+  EXPECT_NE(tool("verify in.ply some.ply --pipeline 'normals | splats'").status, 0);
+  same("in.ply some.ply --pipeline 'normals | splats' --keep normal");
+  made("fair in.ply f.ply -k 16", "f.ply");
+  const std::string fair =
+      "in.ply f.ply --pipeline 'knn(k=16) | normals | splats | fair | normals | splats' --sample 500";
+  same(fair);
+  same(fair + " --memory 2M --seed 7");
+}
+
+TEST_F(VerifyVerb, WhatMakesNoSenseIsStatus2) {
+  made("normals in.ply out.ply", "out.ply");
+  made("neighbors in.ply n.npy", "n.npy");
+  refused(2, "verify in.ply", "IN... OUT");
+  refused(2, "verify in.ply out.ply -k 0", "-k: knn: k is a whole number");
+  refused(2, "verify in.ply out.ply -k 8 --pipeline 'knn(k=8) | normals'", "leave the option out");
+  refused(2, "verify in.ply out.ply --pipeline fair", "needs 'splat_length'");
+  refused(2, "verify in.ply out.ply --order none", "--order");
+  refused(2, "verify in.ply n.npy -k 9", "8 columns");
+  refused(1, "verify in.ply none.ply", "none.ply");
+}
+
+}  // namespace
+}  // namespace pointsweep

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/field_pair.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace pointsweep {
+namespace {
+
+Schema schema_of(const std::string& name, Type type, std::uint32_t count = 1) {
+  Schema schema;
+  schema.append(name, type, count);
+  return schema;
+}
+
+/// Whether a copy `there` in a field of type `to` passes for the value `here` of type `from`.
+bool passes(Type from, double here, Type to, double there, double scale = 1) {
+  const Schema a = schema_of("v", from);
+  Schema b = schema_of("v", to);
+  b.fields[0].scale = scale;
+  std::byte one[8]{}, other[8]{};
+  set_value(a.fields[0], one, here);
+  set_value(b.fields[0], other, there);
+  const FieldPair pair = pairs_of_field(a, 0, b)->front();
+  return pair.expected(one) == pair.found(other);
+}
+
+TEST(FieldPair, EqualTypesMustHaveEqualBits) {
+  EXPECT_TRUE(passes(Type::f32, 0.1, Type::f32, 0.1));
+  EXPECT_FALSE(passes(Type::f32, 0.1, Type::f32, std::nextafterf(0.1f, 1.0f)));
+  EXPECT_FALSE(passes(Type::f64, 0.0, Type::f64, -0.0));
+  EXPECT_TRUE(passes(Type::u16, 7, Type::u16, 7));
+}
+
+TEST(FieldPair, AFloatInTextIsTheNearestFloat) {
+  EXPECT_TRUE(passes(Type::f32, 0.1, Type::f64, 0.1));
+  EXPECT_FALSE(passes(Type::f32, 0.1, Type::f64, 0.1000001));
+  EXPECT_TRUE(passes(Type::f32, std::nan(""), Type::f64, std::nan("")));
+}
+
+TEST(FieldPair, StoredIntegersAreRoundedAndSaturatedAsTheTypeDemands) {
+  EXPECT_TRUE(passes(Type::f64, 1.2345, Type::i32, 1.23, 0.01));
+  EXPECT_FALSE(passes(Type::f64, 1.2345, Type::i32, 1.24, 0.01));
+  EXPECT_TRUE(passes(Type::f32, 300, Type::u8, 255));
+  EXPECT_FALSE(passes(Type::f32, 200, Type::u8, 255));
+}
+
+TEST(FieldPair, FindsAFieldUnderTheNamesThatWritersGive) {
+  const auto finds = [](const Schema& from, const std::string& name) {
+    return pairs_of_field(from, 0, schema_of(name, Type::f32)).has_value();
+  };
+  EXPECT_TRUE(finds(schema_of("nx", Type::f32), "NormalX"));
+  EXPECT_TRUE(finds(schema_of("Reflectance [dB]", Type::f32), "Reflectance_[dB]"));
+  EXPECT_TRUE(finds(schema_of("a name longer than thirty-two bytes", Type::f32), "a name longer than thirty-two by"));
+  EXPECT_TRUE(finds(schema_of("R", Type::f32), "red"));
+  EXPECT_FALSE(finds(schema_of("nx", Type::f32), "ny"));
+}
+
+TEST(FieldPair, FindsEveryComponentOrNothing) {
+  const Schema from = schema_of("a", Type::f32, 2);
+  Schema to = schema_of("a_0", Type::f32);
+  EXPECT_FALSE(pairs_of_field(from, 0, to));
+  to.append("a_1", Type::f32);
+  EXPECT_EQ(pairs_of_field(from, 0, to)->size(), 2u);
+  Schema las = schema_of("a[0]", Type::f32);
+  las.append("a[1]", Type::f32);
+  EXPECT_TRUE(pairs_of_field(from, 0, las));
+}
+
+TEST(FieldPair, AnExactCopyCountsRatherThanARoundedOne) {
+  Schema to = schema_of("intensity", Type::u16);
+  to.append("intensity_float32", Type::f32);
+  const Schema from = schema_of("intensity", Type::f32);
+  std::byte one[4]{}, other[6]{};
+  set_value(from.fields[0], one, 0.5);
+  const FieldPair pair = pairs_of_field(from, 0, to)->front();
+  EXPECT_NE(pair.expected(one), pair.found(other));
+  set_value(to.fields[1], other, 0.5);
+  EXPECT_EQ(pair.expected(one), pair.found(other));
+}
+
+}  // namespace
+}  // namespace pointsweep
