@@ -32,9 +32,11 @@ class Tool : public testing::Test {
   ~Tool() override { std::filesystem::remove_all(folder_); }
 
   /// `arguments` pass through the shell, so they may redirect further descriptors.
-  Result tool(const std::string& arguments) {
-    const std::string command =
-        "cd '" + folder_.string() + "' && exec '" POINTSWEEP_TOOL "' " + arguments + " >.out 2>.err </dev/null";
+  Result tool(const std::string& arguments) { return tool_under("exec", arguments); }
+  /// `how` the shell is to start the tool, e.g. "ulimit -f 10 && exec".
+  Result tool_under(const std::string& how, const std::string& arguments) {
+    const std::string command = "cd '" + folder_.string() + "' && " + how + " '" POINTSWEEP_TOOL "' " + arguments +
+                                " >.out 2>.err </dev/null";
     const int state = std::system(command.c_str());
     return {WIFEXITED(state) ? WEXITSTATUS(state) : 128 + WTERMSIG(state), contents(folder_ / ".out"),
             contents(folder_ / ".err")};
