@@ -28,6 +28,7 @@ Cloud::Cloud(std::vector<std::unique_ptr<Reader>> readers) : readers_(std::move(
   for (const auto& reader : readers_) {
     first_row_.push_back(count_);
     count_ += reader->info().count;
+    states_.emplace_back(reader->info().path);
   }
 }
 
@@ -47,6 +48,14 @@ std::size_t Cloud::read(std::uint64_t row, std::span<std::byte> records) {
     done += read_input(input, row + done - first_row_[input], records.subspan(done * schema_.stride));
   }
   return done;
+}
+
+void Cloud::require_unchanged() const {
+  for (std::size_t i = 0; i < readers_.size(); ++i) {
+    if (!states_[i].has_changed()) continue;
+    fail("{}: was written to while it was read, so old and new points may be mixed; run again when nobody does.",
+         readers_[i]->info().path.string());
+  }
 }
 
 /// As read(), from one input whose rows start at 0 and which has at least one more.

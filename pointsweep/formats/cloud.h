@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pointsweep/formats/common_schema.h"
+#include "pointsweep/formats/file_state.h"
 #include "pointsweep/formats/reader.h"
 #include "pointsweep/points/schema.h"
 
@@ -35,10 +36,14 @@ class Cloud {
   /// As Reader::read, over all inputs. Not thread-safe.
   std::size_t read(std::uint64_t row, std::span<std::byte> records);
 
+  /// Throws Error if an input was written to since the cloud was made: what was read may be a mixture of old and new.
+  void require_unchanged() const;
+
  private:
   std::size_t read_input(std::size_t input, std::uint64_t row, std::span<std::byte> records);
 
   std::vector<std::unique_ptr<Reader>> readers_;
+  std::vector<FileState> states_;  ///< of the inputs when the cloud was made
   std::vector<std::uint64_t> first_row_;
   std::vector<InputMapping> mappings_;
   std::vector<std::byte> scratch_;

@@ -68,7 +68,8 @@ void OutputSet::write_records(std::span<const std::byte> records) {
   for (const auto& writer : writers_) writer->write(records);
 }
 
-void OutputSet::finish() {
+void OutputSet::finish(const Cloud& cloud) {
+  cloud.require_unchanged();
   for (const auto& writer : writers_) writer->finish();
   for (const Array& array : arrays_) array.writer->finish();
 }

@@ -21,8 +21,8 @@ class OutputSet {
   void write_results(Cloud& cloud, std::uint64_t first_row, std::span<const std::byte> results);
   /// The next whole records of layout().
   void write_records(std::span<const std::byte> records);
-  /// Gives the files their names.
-  void finish();
+  /// Gives the files their names, unless the inputs have changed meanwhile.
+  void finish(const Cloud& cloud);
   std::uint64_t bytes_written() const;
 
  private:

@@ -268,7 +268,7 @@ class Run {
   }
 
   Statistics finish(OutputSet& files) {
-    files.finish();
+    files.finish(cloud_);
     statistics_.bytes_written = files.bytes_written();
     statistics_.total_seconds = seconds_since(started_);
     statistics_.peak_rss_bytes = peak_resident_bytes();

@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstring>
+#include <thread>
 
 #include "pointsweep/error.h"
 #include "tests/formats/point_files.h"
@@ -197,6 +199,21 @@ TEST(Cloud, ReadsFilesOfDifferentFormatsAsOne) {
   EXPECT_THAT(values_of(cloud, "red"), ElementsAre(4, 8, 12));
   EXPECT_EQ(cloud.bytes(), std::filesystem::file_size(folder / "a.ply") + std::filesystem::file_size(folder / "b.csv"));
   EXPECT_NE(cloud.extras(), nullptr);
+}
+
+TEST(Cloud, NoticesAnInputThatIsWrittenToButNotOneThatIsReplaced) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("a.xyz", "1 2 3\n4 5 6\n");
+  const auto wait_for_the_clock_of_the_disk = [] { std::this_thread::sleep_for(std::chrono::milliseconds(20)); };
+  wait_for_the_clock_of_the_disk();
+  const Cloud cloud({path});
+  EXPECT_NO_THROW(cloud.require_unchanged());
+  std::filesystem::rename(folder.write("b.xyz", "7 8 9\n"), path);
+  EXPECT_NO_THROW(cloud.require_unchanged());
+  const Cloud other({path});
+  wait_for_the_clock_of_the_disk();
+  folder.write("a.xyz", "7 8 0\n");
+  EXPECT_THAT(sentence_of<Error>([&] { other.require_unchanged(); }), HasSubstr("was written to while it was read"));
 }
 
 }  // namespace

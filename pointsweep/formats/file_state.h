@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+/// Whether a file was written to since it was opened.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace pointsweep {
+
+/// What writing to a file changes. Another file that has taken its name meanwhile is no change: whoever had opened the
+/// old one still reads that.
+class FileState {
+ public:
+  /// Of what is no file (an array in memory), nothing is known and nothing ever changes.
+  explicit FileState(const std::filesystem::path& path);
+  /// As the clock of the file system tells: writes within its tick (some milliseconds) of the first look may be missed.
+  bool has_changed() const;
+
+ private:
+  std::filesystem::path path_;
+  bool known_ = false;
+  std::uint64_t device_ = 0, inode_ = 0, size_ = 0;
+  std::int64_t seconds_ = 0, nanoseconds_ = 0;  ///< of the last change of its content
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: MIT
+"""Makes every file operation of small runs fail, one after the other, and kills runs at every place; see docs/reliability.md.
+
+A run must end with status 0 and the right output, or with status 1, one sentence, and no output at all (or a whole one:
+statistics are written last). Nothing else may lie in the folders afterwards; only what kill -9 left may, until the next
+run has removed it."""
+import argparse
+import collections
+import datetime
+import json
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+SPILLED = "--memory 30M --temp-dir temp"
+# Name -> what is generated, the run, its outputs. One thread: then operations come in one order.
+RUNS = {
+    "normals": ("in.ply", "normals in.ply out.ply", ["out.ply"]),
+    "normals, spilled": ("in.ply", f"normals in.ply out.ply {SPILLED}", ["out.ply"]),
+    "normals in sweep order to LAS, spilled": ("in.las", f"normals in.las out.las --order sweep {SPILLED}", ["out.las"]),
+    "curvature of text, statistics": ("in.xyz", "curvature in.xyz out.csv --stats s.json", ["out.csv", "s.json"]),
+    "sort, spilled": ("in.ply", f"sort in.ply out.ply {SPILLED}", ["out.ply"]),
+    "neighbors and distances": ("in.ply", "neighbors in.ply out.npy --distances d.npy", ["out.npy", "d.npy"]),
+}
+# Operations that each kind of fault can meet.
+SPACE = {"create", "mkostemp", "mkdtemp", "write", "rename", "link", "truncate", "close"}
+KINDS = {"enospc": SPACE, "eio": None, "short": {"read", "write"}, "eintr": {"read", "write"}, "kill": None, "int": None,
+         "term": None}
+HARMLESS = {"short", "eintr"}
+STATUS_OF_SIGNAL = {"int": 130, "term": 143, "kill": -9}
+
+
+class Broken(Exception):
+    pass
+
+
+def require(condition, message):
+    if not condition:
+        raise Broken(message)
+
+
+class Place:
+    """A folder with an input, and what a run in it must give."""
+
+    def __init__(self, options, name):
+        self.options, self.name = options, name
+        self.input, self.command, self.outputs = RUNS[name]
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pointsweep-faults-", dir=options.work))
+        (self.folder / "temp").mkdir()
+        self.tool(f"generate statue {self.input} -n {options.points} --noise 0.002")
+        self.before = self.files()
+        log = self.folder.with_suffix(".log")
+        status, error, _ = self.run(FAULTS_LOG=log)
+        require(status == 0, f"{name}: does not even run: {error}")
+        lines = [line.split() for line in log.read_text().splitlines()]
+        self.operations = [words[1] for words in lines]
+        self.opened_at = max(at for at, words in enumerate(lines, 1) if words[1:3] == ["open", str(self.folder / self.input)])
+        log.unlink()
+        self.right = {output: self.content(output) for output in self.outputs}
+        self.clear()
+
+    def tool(self, arguments):
+        subprocess.run([self.options.tool, *arguments.split(), "--quiet"], cwd=self.folder, check=True)
+
+    def run(self, timeout=60, **settings):
+        """Status, standard error and seconds of one run under the shim."""
+        environment = dict(os.environ, LD_PRELOAD=str(self.options.shim), FAULTS_FOLDERS=str(self.folder))
+        environment.update({key: str(value) for key, value in settings.items()})
+        begin = time.monotonic()
+        done = subprocess.run([self.options.tool, *self.command.split(), "--quiet", "--threads", "1"], cwd=self.folder,
+                              env=environment, capture_output=True, text=True, timeout=timeout)
+        return done.returncode, done.stderr, time.monotonic() - begin
+
+    def files(self):
+        return {str(path.relative_to(self.folder)) for path in self.folder.rglob("*")}
+
+    def content(self, name):
+        data = (self.folder / name).read_bytes()
+        return b"" if name.endswith(".json") else data  # statistics hold times
+
+    def clear(self):
+        for name in self.files() - self.before:
+            path = self.folder / name
+            shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
+        (self.folder / "temp").mkdir(exist_ok=True)
+
+    def require_outputs_whole(self, all_of_them):
+        for output in self.outputs:
+            present = (self.folder / output).exists()
+            require(present or not all_of_them, f"{output} is missing after success")
+            require(not present or self.content(output) == self.right[output], f"{output} is wrong")
+
+    def require_clean(self):
+        left = self.files() - self.before - set(self.outputs)
+        require(not left, f"left behind: {sorted(left)}")
+
+
+def check_ended(place, kind, status, error):
+    """What every run under a fault that is no kill -9 must have done."""
+    sentences = error.strip().splitlines()
+    if kind in STATUS_OF_SIGNAL:
+        require(status in (0, STATUS_OF_SIGNAL[kind]), f"status {status}: {error}")
+    else:
+        require(status == 0 or (status == 1 and kind not in HARMLESS), f"status {status}: {error}")
+    require(status == 0 or (len(sentences) == 1 and sentences[0].startswith("pointsweep: ")), f"not one sentence: {error}")
+    place.require_outputs_whole(status == 0)
+    place.require_clean()
+
+
+def check_killed(place, status):
+    place.require_outputs_whole(status == 0)
+    for output in place.outputs:  # as a user would before trying again; leftovers are the tool's to remove
+        (place.folder / output).unlink(missing_ok=True)
+    status, error, _ = place.run()
+    require(status == 0, f"the next run fails: {error}")
+    place.require_outputs_whole(True)
+    place.require_clean()
+
+
+def fault(place, kind, at):
+    status, error, seconds = place.run(FAULTS_KIND=kind, FAULTS_AT=at)
+    if kind == "kill":
+        check_killed(place, status)
+    else:
+        check_ended(place, kind, status, error)
+    if kind in ("int", "term"):
+        require(seconds < 1, f"took {seconds:.2f} s to end")
+    place.clear()
+    return "succeeded" if status == 0 else "ended by the signal" if kind in STATUS_OF_SIGNAL else "refused in a sentence"
+
+
+def every_operation(place):
+    tally = {}
+    for kind, meets in KINDS.items():
+        outcomes = collections.Counter()
+        for at, operation in enumerate(place.operations, 1):
+            if meets is not None and operation not in meets:
+                continue
+            try:
+                outcomes[fault(place, kind, at)] += 1
+            except (Broken, subprocess.TimeoutExpired) as broken:
+                raise Broken(f"{place.name}: {kind} at operation {at} ({operation}): {broken}") from broken
+        tally[kind] = dict(outcomes)
+    return tally
+
+
+def changed_input(place):
+    """The input becomes shorter, longer or another, or the temporary folder goes away, before any operation."""
+    tally = {}
+    target = {"shrink": place.input, "grow": place.input, "rewrite": place.input, "remove": "temp"}
+    for kind, name in target.items():
+        if kind == "remove" and "temp" not in place.command:
+            continue
+        outcomes = collections.Counter()
+        original = (place.folder / place.input).read_bytes()
+        for at in range(1, len(place.operations) + 1):
+            status, error, _ = place.run(FAULTS_KIND=kind, FAULTS_AT=at, FAULTS_TARGET=place.folder / name)
+            require(status in (0, 1), f"{place.name}: {kind} at {at}: status {status}: {error}")
+            require(status == 0 or len(error.strip().splitlines()) == 1, f"{place.name}: {kind} at {at}: {error}")
+            if kind == "remove" or at > place.opened_at:  # what changes before it is opened is another input
+                place.require_outputs_whole(status == 0)
+            place.require_clean()
+            (place.folder / place.input).write_bytes(original)
+            time.sleep(0.02)  # some ticks of the file system's clock
+            place.clear()
+            outcomes["succeeded" if status == 0 else "refused in a sentence"] += 1
+        tally[kind] = dict(outcomes)
+    return tally
+
+
+def random_kills(place, count, seed):
+    """kill -9 after a random time, with the next run cleaning up; threads as a user has them."""
+    generator = random.Random(seed)
+    begin = time.monotonic()
+    place.run()
+    whole = time.monotonic() - begin
+    place.clear()
+    outcomes = collections.Counter()
+    for _ in range(count):
+        process = subprocess.Popen([place.options.tool, *place.command.split(), "--quiet"], cwd=place.folder,
+                                   stderr=subprocess.DEVNULL)
+        time.sleep(generator.uniform(0, 1.1 * whole))
+        process.send_signal(signal.SIGKILL)
+        status = process.wait()
+        outcomes["left something for the next run" if place.files() - place.before - set(place.outputs)
+                 else "left nothing"] += 1
+        check_killed(place, status)
+        place.clear()
+    return dict(outcomes)
+
+
+def full_disk(place):
+    """A real file system of every size from nothing up, where it may be mounted."""
+    outcomes = collections.Counter()
+    disk = place.folder / "disk"
+    disk.mkdir()
+    sizes = range(16, 4 * sum(len(data) for data in place.right.values()) // 1024, 64)
+    try:
+        for size in sizes:
+            mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}k", "tmpfs", disk], capture_output=True)
+            if mounted.returncode != 0:
+                return "not mounted here"
+            try:
+                words = [f"disk/{w}" if w in place.outputs else w for w in place.command.split()]
+                words = ["disk" if w == "temp" else w for w in words]
+                done = subprocess.run([place.options.tool, *words, "--quiet"], cwd=place.folder, capture_output=True, text=True)
+                left = {path.name for path in disk.iterdir()}
+                if done.returncode == 0:
+                    require(left == set(place.outputs), f"on a disk of {size}k: {left}")
+                    require(all((disk / o).read_bytes() == d for o, d in place.right.items() if d), f"wrong on {size}k")
+                else:
+                    require(done.returncode == 1 and len(done.stderr.strip().splitlines()) == 1, done.stderr)
+                    require(not left, f"on a disk of {size}k: {left}")
+                outcomes["succeeded" if done.returncode == 0 else "refused in a sentence"] += 1
+            finally:
+                subprocess.run(["umount", disk], check=True)
+    finally:
+        disk.rmdir()
+    return dict(outcomes)
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="script/faults", description=__doc__.split("\n")[0])
+    parser.add_argument("--tool", type=pathlib.Path, default=ROOT / "build/release/cli/pointsweep")
+    parser.add_argument("--shim", type=pathlib.Path, default=ROOT / "build/release/tests/libpointsweep_faults.so")
+    parser.add_argument("--points", type=int, default=20000, help="in each cloud (default 20000)")
+    parser.add_argument("--kills", type=int, default=200, help="random kill -9 in all (default 200)")
+    parser.add_argument("--seed", type=int, default=1, help="of the random times")
+    parser.add_argument("--work", type=pathlib.Path, help="folder to work in (default: the system's temporary folder)")
+    parser.add_argument("--only", nargs="+", choices=list(RUNS), metavar="RUN", help="names of the runs to try")
+    parser.add_argument("--output", type=pathlib.Path, help="JSON file for what was tried")
+    return parser.parse_args()
+
+
+def main():
+    options = arguments()
+    options.tool, options.shim = options.tool.resolve(), options.shim.resolve()
+    names = options.only or list(RUNS)
+    result = {"date": datetime.date.today().isoformat(), "points": options.points, "runs": {}}
+    result["commit"] = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True,
+                                      text=True).stdout.strip()
+    for index, name in enumerate(names):
+        place = Place(options, name)
+        kills = options.kills // len(names) + (index < options.kills % len(names))
+        tried = {"operations": dict(collections.Counter(place.operations)), "faults": every_operation(place),
+                 "changed": changed_input(place), "random kill -9": random_kills(place, kills, options.seed + index),
+                 "disks of every size": full_disk(place)}
+        result["runs"][name] = tried
+        print(f"{name}: {json.dumps(tried)}", flush=True)
+        shutil.rmtree(place.folder)
+    if options.output:
+        options.output.write_text(json.dumps(result, indent=1) + "\n")
+    print("Nothing wrong, partial or left behind.")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except Broken as broken:
+        sys.exit(f"script/faults: {broken}")
