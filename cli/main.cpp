@@ -54,7 +54,9 @@ int main(int argc, char** argv) {
   pointsweep::add_commands(app);
 
   pointsweep::catch_interrupts();
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is an error of writing, not a sudden death
+  // A reader that went away and a limit on file sizes are errors of writing, not a sudden death.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   const int status = run(app, argc, argv);
   if (std::fflush(stdout) != 0 && status == 0) return complain(1, "standard output cannot be written");
   return status;

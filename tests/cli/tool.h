@@ -35,8 +35,8 @@ class Tool : public testing::Test {
   Result tool(const std::string& arguments) { return tool_under("exec", arguments); }
   /// `how` the shell is to start the tool, e.g. "ulimit -f 10 && exec".
   Result tool_under(const std::string& how, const std::string& arguments) {
-    const std::string command = "cd '" + folder_.string() + "' && " + how + " '" POINTSWEEP_TOOL "' " + arguments +
-                                " >.out 2>.err </dev/null";
+    const std::string command =
+        "cd '" + folder_.string() + "' && " + how + " '" POINTSWEEP_TOOL "' " + arguments + " >.out 2>.err </dev/null";
     const int state = std::system(command.c_str());
     return {WIFEXITED(state) ? WEXITSTATUS(state) : 128 + WTERMSIG(state), contents(folder_ / ".out"),
             contents(folder_ / ".err")};
