@@ -20,6 +20,9 @@ constexpr std::uint64_t kSamplesPerPiece = 64, kLeastSample = 4096;
 constexpr std::size_t kReadBytes = 256 << 10;
 
 class Splitting {
+  static constexpr std::size_t kRowLevel = 3;
+  using Sample = std::array<std::vector<double>, kRowLevel + 1>;  ///< by level
+
  public:
   Splitting(const Schema& working, const SplitOptions& options, SlabStore& store)
       : working_(working),
@@ -33,18 +36,21 @@ class Splitting {
     keys_.push_back(SortKey::row);
   }
 
-  /// Appends `piece`, or what it is split into, to `done`. All its points are equal in the keys before `level`.
+  /// Appends `piece`, or what it is split into, to `done`. If the order is to be canonical, all its points are equal in
+  /// the keys before `level`.
   void split(const StreamPiece& piece, std::size_t level) {
     if (piece.count == 0) return;
     if (piece.count <= options_.most) {
       done.push_back(piece);
       return;
     }
+    const Sample sample = sample_of(piece);
+    if (!options_.canonical) level = level_of_widest_spread(piece, sample);
     while (keys_[level] != SortKey::row && !(lowest(piece, level) < highest(piece, level))) ++level;
-    for (const StreamPiece& part : parts_of(piece, level)) split(part, level);
+    for (const StreamPiece& part : parts_of(piece, level, sample[level])) split(part, level);
   }
 
-  void split_by_row(const StreamPiece& piece) { split(piece, keys_.size() - 1); }
+  void split_by_row(const StreamPiece& piece) { split(piece, kRowLevel); }
 
   std::vector<StreamPiece> done;
 
@@ -56,8 +62,25 @@ class Splitting {
     return piece.box.hi[static_cast<int>(keys_[level])];
   }
 
-  std::vector<StreamPiece> parts_of(const StreamPiece& piece, std::size_t level) {
-    const Splitters splitters(limits(piece, level));
+  /// That of the coordinate whose middle four fifths lie widest apart, so that a noisy wall is not split into sheets
+  /// thinner than its noise, however far a few other points are; where they do not lie apart, that of the longest side.
+  std::size_t level_of_widest_spread(const StreamPiece& piece, const Sample& sample) const {
+    std::size_t widest = 0;
+    std::array<double, 2> most{};
+    for (std::size_t level = 0; level < kRowLevel; ++level) {
+      std::vector<double> values = sample[level];
+      const auto tenth = static_cast<std::ptrdiff_t>(values.size() / 10);
+      std::ranges::sort(values);
+      const double middle = values.empty() ? 0 : values.end()[-1 - tenth] - values.begin()[tenth];
+      const std::array spread{middle, highest(piece, level) - lowest(piece, level)};
+      if (spread > most) most = spread, widest = level;
+    }
+    return widest;
+  }
+
+  std::vector<StreamPiece> parts_of(const StreamPiece& piece, std::size_t level, std::vector<double> sample) {
+    const std::vector<double> part_limits = limits(piece, level, std::move(sample));
+    const Splitters splitters(part_limits);
     const std::size_t first = store_.add_slabs(splitters.pieces());
     const std::vector<Box> boxes =
         distribute({.schema = working_,
@@ -73,15 +96,17 @@ class Splitting {
     store_.finish();
     store_.release(piece.list);
     std::vector<StreamPiece> parts;
-    for (std::size_t p = 0; p < boxes.size(); ++p) parts.push_back({first + p, store_.count(first + p), boxes[p]});
+    for (std::size_t p = 0; p < boxes.size(); ++p) {
+      const bool by_row = keys_[level] == SortKey::row && p > 0;
+      parts.push_back({first + p, store_.count(first + p), boxes[p],
+                       by_row ? static_cast<std::uint64_t>(part_limits[p - 1]) : piece.least_row});
+    }
     return parts;
   }
 
   /// Limits that leave points on both sides, so that every split makes progress.
-  std::vector<double> limits(const StreamPiece& piece, std::size_t level) const {
-    const std::size_t parts = std::clamp<std::uint64_t>((piece.count - 1) / options_.aim + 1, 2, options_.most_pieces);
-    std::vector<double> sample = sample_keys(piece, keys_[level], std::max(kLeastSample, kSamplesPerPiece * parts));
-    std::vector<double> result = quantile_limits(sample, parts);
+  std::vector<double> limits(const StreamPiece& piece, std::size_t level, std::vector<double> sample) const {
+    std::vector<double> result = quantile_limits(sample, parts(piece));
     if (keys_[level] == SortKey::row) return result;  // no two points are equal, so quantiles of them differ
     const double lo = lowest(piece, level), hi = highest(piece, level);
     std::erase_if(result, [&](double limit) { return limit <= lo || limit > hi; });
@@ -89,31 +114,38 @@ class Splitting {
     return result;
   }
 
-  /// The keys of about `size` records. Who is in the sample depends on the rows alone, since the order in which threads
-  /// stored the records is not the same in every run.
-  std::vector<double> sample_keys(const StreamPiece& piece, SortKey key, std::uint64_t size) const {
+  std::size_t parts(const StreamPiece& piece) const {
+    return std::clamp<std::uint64_t>((piece.count - 1) / options_.aim + 1, 2, options_.most_pieces);
+  }
+
+  /// All keys of some records. Who is in the sample depends on the rows alone, since the order in which threads stored
+  /// the records is not the same in every run.
+  Sample sample_of(const StreamPiece& piece) const {
+    const std::uint64_t size = std::max(kLeastSample, kSamplesPerPiece * parts(piece));
     const std::uint64_t every = piece.count / size + 1;
     const std::uint64_t below = std::numeric_limits<std::uint64_t>::max() / every;
     const std::size_t stride = working_.stride;
     const std::uint64_t chunk = std::max<std::size_t>(1, kReadBytes / stride);
     std::vector<std::byte> records(std::min(chunk, piece.count) * stride);
-    std::vector<double> sample;
+    Sample sample;
     for (std::uint64_t first = 0; first < piece.count; first += chunk) {
       const std::size_t n = std::min(chunk, piece.count - first);
       store_.read(piece.list, first, {records.data(), n * stride});
       for (std::size_t i = 0; i < n; ++i) {
         const std::byte* record = records.data() + i * stride;
-        if (mix(row_of(working_, record)) <= below) sample.push_back(value_of_key(record, key));
+        if (mix(row_of(working_, record)) <= below) add_keys(record, sample);
       }
     }
     return sample;
   }
 
-  double value_of_key(const std::byte* record, SortKey key) const {
-    if (key == SortKey::row) return static_cast<double>(row_of(working_, record));
+  void add_keys(const std::byte* record, Sample& sample) const {
     Vec3 p;
     decode_positions(position_, record, working_.stride, 1, &p.x, &p.y, &p.z);
-    return p[static_cast<int>(key)];
+    for (std::size_t level = 0; level < kRowLevel; ++level) {
+      sample[level].push_back(p[static_cast<int>(keys_[level])]);
+    }
+    sample[kRowLevel].push_back(static_cast<double>(row_of(working_, record)));
   }
 
   const Schema& working_;

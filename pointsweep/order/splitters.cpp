@@ -10,6 +10,18 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr std::size_t kCellsPerLimit = 16, kMostCells = 65536;
+constexpr double kThinnest = 4;  ///< spacings
+
+/// By the look of a few of them.
+double median_spacing(std::span<const std::pair<double, double>> sample) {
+  constexpr std::size_t kLook = 255;
+  std::vector<double> spacings;
+  const std::size_t every = sample.size() / kLook + 1;
+  for (std::size_t i = 0; i < sample.size(); i += every) spacings.push_back(sample[i].second);
+  const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2);
+  std::nth_element(spacings.begin(), middle, spacings.end());
+  return *middle;
+}
 
 }  // namespace
 
@@ -46,6 +58,23 @@ std::vector<double> quantile_limits(std::vector<double>& sample, std::size_t pie
     previous = quantile;
   }
   return limits;
+}
+
+std::vector<double> limits_not_too_near(std::span<const double> limits, std::span<const double> sample,
+                                        std::span<const double> spacing) {
+  if (spacing.empty()) return {limits.begin(), limits.end()};
+  std::vector<std::pair<double, double>> sorted;
+  for (std::size_t i = 0; i < sample.size(); ++i) sorted.emplace_back(sample[i], spacing[i]);
+  std::ranges::sort(sorted);
+  std::vector<double> kept;
+  auto begin = sorted.begin(), end = begin;
+  for (const double limit : limits) {
+    end = std::partition_point(end, sorted.end(), [limit](const auto& s) { return s.first < limit; });
+    if (begin == end || limit - begin->first < kThinnest * median_spacing({begin, end})) continue;
+    kept.push_back(limit);
+    begin = end;
+  }
+  return kept;
 }
 
 }  // namespace pointsweep

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace pointsweep {
@@ -46,5 +47,11 @@ class Splitters {
 /// At most `pieces` - 1 quantiles of a sample. A value that fills more than one piece gets a piece of its own, so that
 /// it can be split by something else. Reorders the sample.
 std::vector<double> quantile_limits(std::vector<double>& sample, std::size_t pieces);
+
+/// Those of the ascending `limits` that leave every piece at least as thick as four times the median spacing of its
+/// points: slabs thinner than that are slivers that wait for each other. `spacing` is that at each sample point; if it
+/// is empty, all limits are kept.
+std::vector<double> limits_not_too_near(std::span<const double> limits, std::span<const double> sample,
+                                        std::span<const double> spacing);
 
 }  // namespace pointsweep

@@ -21,7 +21,7 @@ constexpr std::size_t kLeastBlock = 8192, kLargestBlock = 1 << 20;  ///< bytes
 /// Splitting does not stop at the axis, so a slab of one point is possible and one of none is not.
 std::uint64_t most_points(const StreamOptions& options) {
   const std::uint64_t aim = std::max<std::uint64_t>(1, options.slab_points);
-  return options.max_slab_points != 0 ? options.max_slab_points : 4 * aim;
+  return options.max_slab_points != 0 ? options.max_slab_points : 2 * aim;
 }
 
 std::size_t most_pieces(const StreamOptions& options) {
@@ -36,14 +36,23 @@ std::size_t block_bytes(const StreamOptions& options, std::size_t pieces, std::s
   return std::clamp<std::size_t>(options.buffer_bytes / 2 / (pieces + 1), kLeastBlock, kLargestBlock);
 }
 
-Splitters first_splitters(std::uint64_t points, const Survey& survey, const StreamOptions& options) {
+Splitters first_splitters(std::uint64_t points, const Survey& survey, const LocalSpacing& spacing,
+                          const StreamOptions& options) {
   std::vector<double> sample;
   for (const Vec3& p : survey.sample) sample.push_back(p[options.axis]);
+  const std::vector<double> coordinates = sample;
   const std::uint64_t wanted = points / std::max<std::uint64_t>(1, options.slab_points) + 1;
   const std::size_t pieces =
       std::min<std::uint64_t>({wanted, most_pieces(options), sample.size() / kSamplesPerPiece + 1});
-  return Splitters(quantile_limits(sample, pieces));
+  std::vector<double> limits = quantile_limits(sample, pieces);
+  if (!options.canonical) limits = limits_not_too_near(limits, coordinates, spacing.at_sample());
+  return Splitters(limits);
 }
+
+struct PiecedSlab {
+  Slab slab;
+  std::vector<StreamPiece> pieces;
+};
 
 }  // namespace
 
@@ -55,6 +64,7 @@ struct Stream::State {
     split.aim = std::clamp<std::uint64_t>(options.slab_points, 1, split.most);
     split.most_pieces = most_pieces(options);
     split.buffer_bytes = options.buffer_bytes / 4;
+    split.canonical = options.canonical;
   }
 
   /// Reads the source once and returns the pieces it is cut into.
@@ -83,25 +93,28 @@ struct Stream::State {
     return dealt;
   }
 
-  /// Joins neighbouring pieces that are small together: a thin slab gives slivers.
-  std::vector<Slab> join_pieces() {
-    std::vector<Slab> slabs;
+  /// Joins neighbouring pieces that are small together: a thin slab gives slivers. Copies of one point stay by
+  /// themselves, so that they need not wait for slabs around them.
+  void join(const std::vector<StreamPiece>& pieces) {
     std::uint64_t first = 0;
-    for (std::size_t p = 0; p < pieces.size(); ++p) {
-      if (slabs.empty() || slabs.back().count + pieces[p].count > split.aim) {
-        slabs.push_back({first, 0, {}});
-        first_piece.push_back(p);
+    bool after_copies = false;
+    for (const StreamPiece& piece : pieces) {
+      const bool copies = piece.count > 1 && piece.box.lo == piece.box.hi;
+      if (slabs.empty() || copies || after_copies || slabs.back().slab.count + piece.count > split.aim) {
+        slabs.push_back({{first, 0, {}, piece.least_row}, {}});
       }
-      slabs.back().count += pieces[p].count;
-      slabs.back().box.include(pieces[p].box);
-      first += pieces[p].count;
+      after_copies = copies;
+      slabs.back().slab.count += piece.count;
+      slabs.back().slab.least_row = std::min(slabs.back().slab.least_row, piece.least_row);
+      slabs.back().slab.box.include(piece.box);
+      slabs.back().pieces.push_back(piece);
+      first += piece.count;
     }
-    first_piece.push_back(pieces.size());
-    return slabs;
   }
 
   void sort_nonfinite() {
     SplitOptions by_row = split;
+    by_row.canonical = true;
     by_row.most = by_row.aim = std::max<std::uint64_t>(1, split.buffer_bytes / 2 / record.schema().stride);
     nonfinite_list = sort_list_by_row(nonfinite_list, record.schema(), by_row, *store);
   }
@@ -109,8 +122,7 @@ struct Stream::State {
   WorkingRecord record;
   SplitOptions split;
   std::optional<SlabStore> store;
-  std::vector<StreamPiece> pieces;       ///< in the order of the stream
-  std::vector<std::size_t> first_piece;  ///< by slab; one more at the end
+  std::vector<PiecedSlab> slabs;
   std::size_t nonfinite_list = 0;
 };
 
@@ -118,9 +130,11 @@ Stream::Stream(const PointSource& source, const Survey& survey, const StreamOpti
     : axis_(options.axis), state_(std::make_unique<State>(source, options)) {
   State& s = *state_;
   record_schema_ = s.record.schema();
-  const std::vector<StreamPiece> dealt = s.deal_out(source, first_splitters(source.count, survey, options), options);
-  s.pieces = split_large_pieces(dealt, record_schema_, s.split, *s.store);
-  slabs_ = s.join_pieces();
+  spacing_ = LocalSpacing(survey.sample, source.count, survey.dimension);
+  const std::vector<StreamPiece> dealt =
+      s.deal_out(source, first_splitters(source.count, survey, spacing_, options), options);
+  s.join(split_large_pieces(dealt, record_schema_, s.split, *s.store));
+  for (const PiecedSlab& slab : s.slabs) slabs_.push_back(slab.slab);
   nonfinite_count_ = s.store->count(s.nonfinite_list);
   s.sort_nonfinite();
 }
@@ -133,9 +147,9 @@ std::uint64_t Stream::memory_bytes() const { return state_->store->memory_bytes(
 void Stream::read(std::size_t slab, std::span<std::byte> out) const {
   const State& s = *state_;
   assert(out.size() == slabs_[slab].count * record_schema_.stride);
-  for (std::size_t p = s.first_piece[slab]; p < s.first_piece[slab + 1]; ++p) {
-    const std::size_t bytes = s.pieces[p].count * record_schema_.stride;
-    s.store->read(s.pieces[p].list, 0, out.first(bytes));
+  for (const StreamPiece& piece : s.slabs[slab].pieces) {
+    const std::size_t bytes = piece.count * record_schema_.stride;
+    s.store->read(piece.list, 0, out.first(bytes));
     out = out.subspan(bytes);
   }
 }

@@ -11,6 +11,7 @@
 
 #include "pointsweep/math/box.h"
 #include "pointsweep/order/canonical_order.h"
+#include "pointsweep/order/local_spacing.h"
 #include "pointsweep/order/source.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/points/schema.h"
@@ -23,13 +24,17 @@ class TempFolder;
 struct Slab {
   std::uint64_t first = 0;  ///< stream position of its first point
   std::uint64_t count = 0;
-  Box box;  ///< tight, of its points in double
+  Box box;                      ///< tight, of its points in double
+  std::uint64_t least_row = 0;  ///< no input row in it is below
 };
 
 struct StreamOptions {
   int axis = 0;
   std::uint64_t slab_points = 65536;  ///< aim
-  std::uint64_t max_slab_points = 0;  ///< a slab above it is split again; 0: four times slab_points
+  std::uint64_t max_slab_points = 0;  ///< a slab above it is split again; 0: twice slab_points
+  /// Slabs in canonical order, as an output in that order needs them. Otherwise in the order in which a sweep should
+  /// read them.
+  bool canonical = true;
   bool whole_records = false;  ///< working records carry the whole input record, otherwise the position and `payload`
   std::vector<std::size_t> payload;     ///< indices of source fields to carry when not whole_records
   const TempFolder* spill = nullptr;    ///< null: in memory
@@ -38,8 +43,8 @@ struct StreamOptions {
 };
 
 /// The ordered stream: slabs ascending in canonical order (coordinate along the axis; ties by x, then y, then z, then
-/// input row). Every point of slab s precedes every point of slab s+1 in that order; inside a slab points lie in no
-/// order. Points with a NaN or infinite coordinate are in no slab but in `nonfinite`.
+/// input row). Every point of slab s precedes every point of slab s+1 in that order, unless the options give that up;
+/// inside a slab points lie in no order. Points with a NaN or infinite coordinate are in no slab but in `nonfinite`.
 class Stream {
  public:
   /// The distribution pass: reads the source once, and once more what a slab that turned out too big needs.
@@ -49,6 +54,8 @@ class Stream {
 
   int axis() const { return axis_; }
   const std::vector<Slab>& slabs() const { return slabs_; }
+  /// What the survey's sample tells of how densely the points lie.
+  const LocalSpacing& spacing() const { return spacing_; }
   std::uint64_t nonfinite_count() const { return nonfinite_count_; }
   std::uint64_t spilled_bytes() const;
   std::uint64_t memory_bytes() const;
@@ -65,6 +72,7 @@ class Stream {
  private:
   int axis_ = 0;
   std::vector<Slab> slabs_;
+  LocalSpacing spacing_;
   std::uint64_t nonfinite_count_ = 0;
   Schema record_schema_;
   struct State;

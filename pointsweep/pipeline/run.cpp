@@ -125,6 +125,7 @@ class Run {
                     StreamOptions{.axis = survey_.axis,
                                   .slab_points = memory.slab_points,
                                   .max_slab_points = 0,
+                                  .canonical = whole,
                                   .whole_records = whole,
                                   .payload = payload,
                                   .spill = folder_if(memory.spill_stream),

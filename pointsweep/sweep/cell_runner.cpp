@@ -90,15 +90,24 @@ bool CellRunner::certify(WindowCell& cell, const CellNeighbors& found, Worker& w
     }
   }
   if (early.size() * kStragglers > cell.cell.size()) {
-    const double needed = reach_of_most(found.reach2, 1 - 1.0 / kStragglers);
-    cell.wait_reach = std::max(cell.wait_reach, std::isfinite(needed) ? needed : 0);
-    cell.wait_for_slabs = outside_.slabs_read() + 1;
+    wait(cell, found);
     return false;
   }
   for (const std::uint32_t i : early) defer(cell, i, found.reach2[i], worker);
   for (const std::uint32_t i : behind) defer(cell, i, found.reach2[i], worker);
   worker.certified += cell.cell.size() - early.size() - behind.size();
   return true;
+}
+
+/// The cell waits with a better idea of its reach than its density gave.
+void CellRunner::wait(WindowCell& cell, const CellNeighbors& found) const {
+  const double needed = reach_of_most(found.reach2, 1 - 1.0 / kStragglers);
+  cell.wait_reach = std::max(cell.wait_reach, std::isfinite(needed) ? needed : 0);
+  cell.wait_for_slabs = outside_.slabs_read() + 1;
+  for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
+    double& reach = cell.leaf_reach[i / kLeafCapacity];
+    if (std::isfinite(found.reach2[i])) reach = std::max(reach, std::sqrt(found.reach2[i]));
+  }
 }
 
 void CellRunner::defer(WindowCell& cell, std::uint32_t i, double reach2, Worker& worker) const {

@@ -44,6 +44,7 @@ class CellRunner {
  private:
   bool search(std::uint32_t slot, Worker& worker) const;
   bool certify(WindowCell& cell, const CellNeighbors& found, Worker& worker) const;
+  void wait(WindowCell& cell, const CellNeighbors& found) const;
   void defer_points_of_deferred_neighbors(WindowCell& cell, Worker& worker) const;
   void defer(WindowCell& cell, std::uint32_t i, double reach2, Worker& worker) const;
   void apply(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const;

@@ -1,20 +1,38 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/sweep/certificate.h"
 
+#include <algorithm>
+
 namespace pointsweep {
 
-Outside::Outside(const std::vector<Slab>& slabs, int axis) : slabs_(slabs), axis_(axis), dropped_(slabs.size()) {}
+Outside::Outside(const std::vector<Slab>& slabs, int axis)
+    : slabs_(slabs), axis_(axis), least_begin_(slabs.size()), dropped_(slabs.size()) {
+  double least = Box::kInf;
+  for (std::size_t s = slabs.size(); s-- > 0;) least_begin_[s] = least = std::min(least, slabs[s].box.lo[axis]);
+}
 
 void Outside::cell_was_dropped(std::uint32_t slab, const Box& box) {
   if (dropped_[slab].empty()) dropping_slabs_.push_back(slab);
   dropped_[slab].push_back(box);
 }
 
-bool Outside::unread_within(const Box& box, double reach2) const {
+void Outside::place_is_full(Vec3 place, std::uint64_t row) {
+  const auto [at, is_new] = full_places_.try_emplace({place.x, place.y, place.z}, row);
+  if (!is_new) at->second = std::min(at->second, row);
+}
+
+bool Outside::is_superfluous(const Box& box, std::uint64_t least_row) const {
+  if (full_places_.empty() || !(box.lo == box.hi)) return false;
+  const auto at = full_places_.find({box.lo.x, box.lo.y, box.lo.z});
+  return at != full_places_.end() && least_row > at->second;
+}
+
+bool Outside::unread_within(const Box& box, double reach2, bool needed_only) const {
   for (std::size_t s = read_; s < slabs_.size(); ++s) {
-    const double ahead = slabs_[s].box.lo[axis_] - box.hi[axis_];
-    if (ahead > 0 && ahead * ahead > reach2) return false;  // slabs ascend along the axis: the rest is farther still
-    if (distance2(slabs_[s].box, box) <= reach2) return true;
+    const double ahead = least_begin_[s] - box.hi[axis_];
+    if (ahead > 0 && ahead * ahead > reach2) return false;
+    if (distance2(slabs_[s].box, box) > reach2) continue;
+    if (!needed_only || !is_superfluous(slabs_[s].box, slabs_[s].least_row)) return true;
   }
   return false;
 }

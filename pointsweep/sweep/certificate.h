@@ -3,8 +3,9 @@
 /// exactness, Section 2 of the design; the paper only looks ahead, Section 4.2.2).
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <span>
+#include <map>
 #include <vector>
 
 #include "pointsweep/math/box.h"
@@ -14,26 +15,42 @@ namespace pointsweep {
 
 /// What lies outside the window: the boxes of the slabs still to come and of the cells that have left.
 /// Changing it is the sweep's alone; asking is thread-safe.
+///
+/// Of points at one place only the lowest rows belong to any neighbourhood. A place is full when a cell has been read
+/// that holds more than k points there, of the lowest rows; slabs and cells that hold nothing but further copies are
+/// superfluous, unread or dropped, so that more copies of a point than fit in memory can pass.
 class Outside {
  public:
+  /// Slabs in any order; they ascend along the axis only by and large.
   Outside(const std::vector<Slab>& slabs, int axis);
 
   std::size_t slabs_read() const { return read_; }
   void slab_was_read() { ++read_; }
   void cell_was_dropped(std::uint32_t slab, const Box& box);
+  /// Points at `place` with a row above `row` are superfluous.
+  void place_is_full(Vec3 place, std::uint64_t row);
 
-  /// Whether a slab still to come lies within sqrt(reach2) of a box. Never once all are read, however far the reach.
-  bool unread_within(const Box& box, double reach2) const;
+  /// Whether all points in a box, none of a row below `least_row`, are superfluous.
+  bool is_superfluous(const Box& box, std::uint64_t least_row) const;
+  /// Whether a slab still to come that is not superfluous lies within sqrt(reach2) of a box. Never once all are read,
+  /// however far the reach.
+  bool unread_within(const Box& box, double reach2) const { return unread_within(box, reach2, true); }
   bool unread_within(Vec3 p, double reach2) const { return unread_within(Box{p, p}, reach2); }
+  /// The same for any slab still to come.
+  bool anything_unread_within(const Box& box, double reach2) const { return unread_within(box, reach2, false); }
   /// Boxes of dropped cells within sqrt(reach2) of a box.
   void dropped_near(const Box& box, double reach2, std::vector<Box>& out) const;
 
  private:
+  bool unread_within(const Box& box, double reach2, bool needed_only) const;
+
   const std::vector<Slab>& slabs_;
   int axis_;
+  std::vector<double> least_begin_;  ///< by slab: where it or any later one begins along the axis
   std::size_t read_ = 0;
   std::vector<std::uint32_t> dropping_slabs_;  ///< those with dropped cells
   std::vector<std::vector<Box>> dropped_;      ///< by slab
+  std::map<std::array<double, 3>, std::uint64_t> full_places_;
 };
 
 }  // namespace pointsweep

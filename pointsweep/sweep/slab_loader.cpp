@@ -15,8 +15,8 @@ namespace {
 /// What a load needs besides its result; kept per thread, so that the steady state allocates nothing.
 struct LoadScratch {
   std::vector<std::byte> records, cell_records;
-  std::vector<CutPoint> points;
-  std::vector<std::uint32_t> begin;
+  std::vector<CutPoint> points, sparse;
+  std::vector<std::uint32_t> begin, sparse_begin;
 };
 
 std::uint64_t row_at(const Field& field, const std::byte* record) {
@@ -30,19 +30,45 @@ std::uint64_t row_at(const Field& field, const std::byte* record) {
   return row;
 }
 
-/// Coordinates relative to the middle of the slab, a chunk at a time through double.
-void make_cut_points(const PositionFields& position, const std::vector<std::byte>& records, std::size_t stride,
-                     Vec3 middle, std::vector<CutPoint>& points) {
+/// Coordinates relative to the middle of the slab, a chunk at a time through double; points in sparse places last.
+/// Returns how many are not.
+std::size_t make_cut_points(const PositionFields& position, std::size_t stride, const Slab& slab,
+                            const LocalSpacing& spacing, LoadScratch& s) {
   constexpr std::size_t kChunk = 1024;
   std::array<double, kChunk> x, y, z;
-  for (std::size_t first = 0; first < points.size(); first += kChunk) {
-    const std::size_t n = std::min(kChunk, points.size() - first);
-    decode_positions(position, records.data() + first * stride, stride, n, x.data(), y.data(), z.data());
+  const Vec3 middle = slab.box.center();
+  const bool may_be_sparse = spacing.has_sparse_places();
+  s.points.resize(slab.count);
+  s.sparse.clear();
+  std::size_t dense = 0;
+  for (std::size_t first = 0; first < slab.count; first += kChunk) {
+    const std::size_t n = std::min<std::size_t>(kChunk, slab.count - first);
+    decode_positions(position, s.records.data() + first * stride, stride, n, x.data(), y.data(), z.data());
     for (std::size_t i = 0; i < n; ++i) {
-      points[first + i] = {{static_cast<float>(x[i] - middle.x), static_cast<float>(y[i] - middle.y),
+      const CutPoint point{{static_cast<float>(x[i] - middle.x), static_cast<float>(y[i] - middle.y),
                             static_cast<float>(z[i] - middle.z)},
                            static_cast<std::uint32_t>(first + i)};
+      if (may_be_sparse && spacing.is_sparse({x[i], y[i], z[i]}))
+        s.sparse.push_back(point);
+      else
+        s.points[dense++] = point;
     }
+  }
+  std::ranges::copy(s.sparse, s.points.begin() + static_cast<std::ptrdiff_t>(dense));
+  return dense;
+}
+
+/// Cuts the first `dense` points and the others apart, so that a few outliers do not stretch the cells and leaves of a
+/// surface.
+void cut_apart(std::size_t dense, std::uint32_t cell_points,
+               const std::function<std::uint64_t(std::uint32_t index)>& row_of, LoadScratch& s) {
+  const std::span<CutPoint> points(s.points);
+  s.begin.assign(1, 0);
+  if (dense > 0) cut(points.first(dense), cell_points, row_of, s.begin);
+  if (dense == points.size()) return;
+  cut(points.subspan(dense), cell_points, row_of, s.sparse_begin);
+  for (std::size_t c = 1; c < s.sparse_begin.size(); ++c) {
+    s.begin.push_back(static_cast<std::uint32_t>(dense) + s.sparse_begin[c]);
   }
 }
 
@@ -61,10 +87,9 @@ LoadedSlab SlabLoader::load(std::uint32_t slab, bool keep_records) const {
   const std::size_t stride = stream_.record_schema().stride;
   s.records.resize(about.count * stride);
   stream_.read(slab, s.records);
-  s.points.resize(about.count);
-  make_cut_points(position_, s.records, stride, about.box.center(), s.points);
-  cut(
-      s.points, cell_points_, [&](std::uint32_t i) { return row_at(row_, s.records.data() + i * stride); }, s.begin);
+  const std::size_t dense = make_cut_points(position_, stride, about, stream_.spacing(), s);
+  cut_apart(
+      dense, cell_points_, [&](std::uint32_t i) { return row_at(row_, s.records.data() + i * stride); }, s);
 
   LoadedSlab loaded;
   loaded.cells.reserve(s.begin.size() - 1);

@@ -96,21 +96,21 @@ std::uint64_t search_stream(const Stream& stream, const SweepPlan& plan, const S
     return distance2(slabs[slab].box, q.position) == 0;
   };
   // First what lies in a query's own slab, so that every ball becomes finite; then what the balls touch.
-  std::vector<std::uint8_t> seen_own(queries.size(), 0);
+  std::vector<std::vector<std::uint32_t>> seen(queries.size());  ///< boxes of slabs may overlap
   std::vector<std::uint32_t> chosen;
   for (std::uint32_t s = 0; s < slabs.size(); ++s) {
     chosen.clear();
     for (std::uint32_t q = 0; q < queries.size(); ++q) {
       if (queries[q].reach2 == Box::kInf && holds(s, queries[q])) chosen.push_back(q);
     }
-    for (const std::uint32_t q : chosen) seen_own[q] = 1;
+    for (const std::uint32_t q : chosen) seen[q].push_back(s);
     visit(s, chosen);
   }
   for (std::uint32_t s = 0; s < slabs.size(); ++s) {
     chosen.clear();
     for (std::uint32_t q = 0; q < queries.size(); ++q) {
-      const bool seen = seen_own[q] && holds(s, queries[q]);
-      if (!seen && distance2(slabs[s].box, queries[q].position) <= queries[q].reach2) chosen.push_back(q);
+      if (!std::ranges::binary_search(seen[q], s) && distance2(slabs[s].box, queries[q].position) <= queries[q].reach2)
+        chosen.push_back(q);
     }
     visit(s, chosen);
   }

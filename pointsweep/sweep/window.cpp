@@ -9,6 +9,8 @@ namespace pointsweep {
 
 namespace {
 
+constexpr double kMuchDenser = 4;  ///< times shorter reach
+
 /// How far neighbourhoods of a leaf's points should reach, from its own density, taken as a surface or as a volume.
 double expected_reach(const Cell& cell, std::uint32_t leaf, const Neighborhood& what) {
   double side[3];
@@ -20,13 +22,28 @@ double expected_reach(const Cell& cell, std::uint32_t leaf, const Neighborhood& 
   return 1.3 * std::max(surface, volume);
 }
 
-double expected_reach(const Cell& cell, const Neighborhood& what) {
-  if (what.k == Neighborhood::kUnlimited) return what.radius;
-  std::vector<double> reach(cell.leaf_count());
-  for (std::uint32_t l = 0; l < reach.size(); ++l) reach[l] = expected_reach(cell, l, what);
+/// The same by leaf.
+std::vector<double> expected_reaches(const Cell& cell, const Neighborhood& what) {
+  std::vector<double> reach(cell.leaf_count(), what.radius);
+  if (what.k == Neighborhood::kUnlimited) return reach;
+  for (std::uint32_t l = 0; l < reach.size(); ++l) reach[l] = std::min(expected_reach(cell, l, what), what.radius);
+  return reach;
+}
+
+Box leaf_box(const Cell& cell, std::uint32_t leaf) {
+  Box b;
+  for (int a = 0; a < 3; ++a) {
+    b.lo[a] = cell.origin[a] + double{cell.leaf_box[a][leaf]};
+    b.hi[a] = cell.origin[a] + double{cell.leaf_box[a + 3][leaf]};
+  }
+  return b;
+}
+
+/// Of seven leaves in eight.
+double reach_of_most(std::vector<double> reach) {
   const auto most = reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * 7 / 8);
   std::nth_element(reach.begin(), most, reach.end());
-  return std::min(*most, what.radius);
+  return *most;
 }
 
 }  // namespace
@@ -41,12 +58,22 @@ void Window::admit(std::unique_ptr<WindowCell> cell) {
     slot = free_.back();
     free_.pop_back();
   }
-  cell->wait_reach = expected_reach(cell->cell, plan_.neighborhood);
+  cell->leaf_reach = expected_reaches(cell->cell, plan_.neighborhood);
+  cell->wait_reach = reach_of_most(cell->leaf_reach);
+  note_full_place(*cell);
   cell->read_at = std::chrono::steady_clock::now();
   points_ += cell->cell.size();
   directory_.add(slot, &cell->cell);
   views_[slot] = cell->view();
   cells_[slot] = std::move(cell);
+}
+
+/// More than k points at one place, the lowest rows of all there: nobody will ever look at a point of a higher row
+/// there.
+void Window::note_full_place(const WindowCell& cell) {
+  const std::size_t k = plan_.neighborhood.k;
+  if (cell.cell.lowest_row == Cell::kSeveralPlaces || cell.cell.size() <= k) return;
+  outside_.place_is_full(cell.cell.box.lo, cell.cell.row[k]);
 }
 
 bool Window::ready(const WindowCell& cell, std::uint32_t step) const {
@@ -68,16 +95,25 @@ std::vector<std::uint32_t> Window::ready_for(std::uint32_t step) const {
   return slots;
 }
 
-/// A later point may need a cell that needs nothing later itself. Twice its own reach is kept clear of unread slabs
-/// and of waiting cells, and of waiting cells of similar density as much as these reach. What is denser than
-/// four times a waiting cell is not kept for it: its few points that fall on dropped cells are recalled instead.
+/// Whether a waiting cell will probably look at `cell`: for each leaf in turn, since one cell may hold a dense and a
+/// sparse end. A leaf asks as far as twice its reach. What is four times denser than a leaf is not kept for it: its few
+/// points that fall on dropped cells are recalled instead.
+bool Window::asks_for(const WindowCell& waiting, const WindowCell& cell) const {
+  const double most = kMuchDenser * cell.reach;
+  if (distance2(waiting.cell.box, cell.cell.box) > most * most) return false;
+  for (std::uint32_t l = 0; l < waiting.cell.leaf_count(); ++l) {
+    const double reach = waiting.leaf_reach[l], asked = std::min(2 * reach, most);
+    if (reach <= most && distance2(leaf_box(waiting.cell, l), cell.cell.box) <= asked * asked) return true;
+  }
+  return false;
+}
+
+/// A later point may need a cell that needs nothing later itself. Twice its own reach is kept clear of unread slabs.
 bool Window::still_needed(const WindowCell& cell, const std::vector<const WindowCell*>& unsearched) const {
   const double own = 2 * cell.reach;
-  if (outside_.unread_within(cell.cell.box, own * own)) return true;
-  return std::any_of(unsearched.begin(), unsearched.end(), [&](const WindowCell* other) {
-    const double reach = std::max(own, std::min(2 * other->wait_reach, 4 * cell.reach));
-    return distance2(other->cell.box, cell.cell.box) <= reach * reach;
-  });
+  return outside_.anything_unread_within(cell.cell.box, own * own) ||
+         std::any_of(unsearched.begin(), unsearched.end(),
+                     [&](const WindowCell* waiting) { return asks_for(*waiting, cell); });
 }
 
 void Window::drop() {
@@ -92,7 +128,8 @@ void Window::drop() {
   std::vector<std::uint32_t> leaving;
   for (const std::uint32_t slot : occupied()) {
     const WindowCell& cell = *cells_[slot];
-    if (cell.steps_done == plan_.step_count() && !referred[slot] && !still_needed(cell, unsearched)) {
+    if (cell.steps_done < plan_.step_count() || referred[slot]) continue;
+    if (outside_.is_superfluous(cell.cell.box, cell.cell.lowest_row) || !still_needed(cell, unsearched)) {
       leaving.push_back(slot);
     }
   }
@@ -102,7 +139,9 @@ void Window::drop() {
     const double lifespan = std::chrono::duration<double>(now - cell.read_at).count();
     lifespan_sum_ += lifespan * cell.cell.size();
     lifespan_max_ = std::max(lifespan_max_, lifespan);
-    outside_.cell_was_dropped(cell.slab, cell.cell.box);
+    if (!outside_.is_superfluous(cell.cell.box, cell.cell.lowest_row)) {
+      outside_.cell_was_dropped(cell.slab, cell.cell.box);
+    }
     directory_.remove(slot);
     points_ -= cell.cell.size();
     cells_[slot].reset();

@@ -37,6 +37,8 @@ class Window {
 
  private:
   bool ready(const WindowCell& cell, std::uint32_t step) const;
+  void note_full_place(const WindowCell& cell);
+  bool asks_for(const WindowCell& waiting, const WindowCell& cell) const;
   bool still_needed(const WindowCell& cell, const std::vector<const WindowCell*>& unsearched) const;
 
   const SweepPlan& plan_;

@@ -19,6 +19,7 @@ struct WindowCell {
   std::vector<const std::byte*> column_pointers;  ///< the same, as Neighborhoods wants them
 
   std::uint32_t steps_done = 0;
+  std::vector<double> leaf_reach;        ///< how far the neighbourhoods of each leaf should reach; until searched
   double wait_reach = 0;                 ///< the search waits until nothing unread is as near as this
   std::size_t wait_for_slabs = 0;        ///< and until so many slabs have been read
   double reach = 0;                      ///< how far most of its neighbourhoods reached, once searched

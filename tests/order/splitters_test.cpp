@@ -66,6 +66,24 @@ TEST(QuantileLimits, GiveAFrequentValueAPieceOfItsOwn) {
   EXPECT_EQ(std::ranges::adjacent_find(limits), limits.end());
 }
 
+TEST(LimitsNotTooNear, LeaveNoPieceThinnerThanFourSpacings) {
+  // A wall of 0.05 at 1, with points 0.1 apart, on ground with points 0.1 apart.
+  std::vector<double> sample;
+  for (int i = 0; i < 1000; ++i) sample.push_back(i < 500 ? 1 + i * 1e-4 : (i - 500) * 0.01);
+  const std::vector<double> spacing(sample.size(), 0.1);
+  const std::vector<double> wanted{0.5, 1, 1.01, 1.02, 1.03, 1.5, 1.6, 2, 4};
+  EXPECT_EQ(limits_not_too_near(wanted, sample, spacing), (std::vector<double>{0.5, 1, 1.5, 2, 4}));
+  EXPECT_EQ(limits_not_too_near(wanted, sample, std::vector<double>(sample.size(), 1e-4)), wanted);
+  EXPECT_EQ(limits_not_too_near(wanted, sample, {}), wanted) << "nothing is known";
+}
+
+TEST(LimitsNotTooNear, FollowTheSpacingOfEachPiece) {
+  std::vector<double> sample, spacing;
+  for (int i = 0; i < 1000; ++i) sample.push_back(i), spacing.push_back(i < 500 ? 1 : 10);
+  const std::vector<double> wanted{10, 20, 500, 510, 520, 530, 540, 550, 560};
+  EXPECT_EQ(limits_not_too_near(wanted, sample, spacing), (std::vector<double>{10, 20, 500, 540}));
+}
+
 TEST(QuantileLimits, OfNothingAreNone) {
   std::vector<double> sample;
   EXPECT_TRUE(quantile_limits(sample, 10).empty());

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -73,7 +74,7 @@ Streamed run(const PointSource& source, const StreamOptions& options, const Surv
 template <class T>
 void check(const CloudSource<T>& cloud, const StreamOptions& options, const Streamed& streamed) {
   const std::uint32_t stride = cloud.source.schema.stride;
-  const std::uint64_t most = options.max_slab_points != 0 ? options.max_slab_points : 4 * options.slab_points;
+  const std::uint64_t most = options.max_slab_points != 0 ? options.max_slab_points : 2 * options.slab_points;
   std::vector<int> seen(cloud.source.count, 0);
   const auto see = [&](const Entry& e) {
     ASSERT_LT(e.row, cloud.source.count);
@@ -343,6 +344,55 @@ TEST(Stream, OfLargeCoordinatesLosesNothing) {
   std::vector<Vec3> points = random_points(5000, 7);
   for (Vec3& p : points) p = p + Vec3{4.5e5, 5.2e6, 300};
   check_all_ways<double>(points, small_options(1));
+}
+
+/// Every input row in exactly one slab, in the slab's box and not below its least row.
+void check_slabs(const Streamed& streamed, std::size_t points) {
+  std::vector<int> seen(points, 0);
+  for (std::size_t s = 0; s < streamed.slabs.size(); ++s) {
+    for (const Entry& e : streamed.points[s]) {
+      ++seen[e.row];
+      ASSERT_EQ(distance2(streamed.slabs[s].box, e.p), 0);
+      ASSERT_GE(e.row, streamed.slabs[s].least_row);
+    }
+  }
+  ASSERT_EQ(std::ranges::count(seen, 1), static_cast<std::ptrdiff_t>(points));
+}
+
+TEST(StreamNotCanonical, ANoisyWallAcrossTheAxisIsNotCutIntoSheets) {
+  std::vector<Vec3> points = random_points(40000, 4);  // 6 x 4 x 2
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] = i % 100 == 0 ? Vec3{30 * points[i].x, points[i].y, points[i].z}
+                             : Vec3{1e-4 * points[i].x, points[i].y, points[i].z};
+  const CloudSource<double> cloud(points);
+  StreamOptions options;
+  options.slab_points = 1000;
+  const auto thin_slabs = [&] {
+    const Streamed streamed = run(cloud.source, options, survey(cloud.source, 0, false));
+    check_slabs(streamed, points.size());
+    return std::ranges::count_if(streamed.slabs,
+                                 [](const Slab& s) { return s.box.extent().x < 1e-4 && s.box.extent().y > 2; });
+  };
+  EXPECT_GT(thin_slabs(), 20);
+  options.canonical = false;
+  EXPECT_EQ(thin_slabs(), 0);
+}
+
+TEST(StreamNotCanonical, CopiesOfAPointAreSplitByRowsThatAscend) {
+  std::vector<Vec3> points = random_points(3000, 4);
+  for (std::size_t i = 0; i < points.size(); i += 1 + i % 2) points[i] = {0.5, 0.25, 0.125};
+  const CloudSource<double> cloud(points);
+  StreamOptions options;
+  options.slab_points = 100, options.canonical = false;
+  const Streamed streamed = run(cloud.source, options, survey(cloud.source, 0, false));
+  check_slabs(streamed, points.size());
+  std::vector<std::uint64_t> least;
+  for (const Slab& slab : streamed.slabs) {
+    if (slab.box.lo == slab.box.hi && slab.count > 1) least.push_back(slab.least_row);
+  }
+  EXPECT_GT(least.size(), 10u);
+  EXPECT_TRUE(std::ranges::is_sorted(least));
+  EXPECT_EQ(std::ranges::adjacent_find(least), least.end());
 }
 
 }  // namespace

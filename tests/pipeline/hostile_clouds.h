@@ -46,6 +46,15 @@ inline std::vector<std::pair<std::string, CloudShape>> hostile_shapes() {
        [](auto& r) {
          return Vec3{std::floor(30 * uniform(r)), 0, 0};
        }},
+      {"most at one place of a surface",
+       [](auto& r) {
+         return uniform(r) < 0.7 ? Vec3{0.3, 0.3, 0.02} : Vec3{uniform(r), uniform(r), 0.1 * uniform(r) * uniform(r)};
+       }},
+      {"noisy wall across the longest axis",
+       [](auto& r) {
+         return uniform(r) < 0.8 ? Vec3{4 + 1e-4 * uniform(r), uniform(r), uniform(r)}
+                                 : Vec3{10 * uniform(r), uniform(r), 0.001 * uniform(r)};
+       }},
       {"one place",
        [](auto&) {
          return Vec3{1, 2, 3};
@@ -59,6 +68,11 @@ inline std::vector<std::pair<std::string, CloudShape>> hostile_shapes() {
        [](auto& r) {
          const double d = std::pow(10, 4 * uniform(r) - 4), a = 2 * M_PI * uniform(r);
          return Vec3{d * std::cos(a), d * std::sin(a), 0.01 * d * uniform(r)};
+       }},
+      {"two stations",
+       [](auto& r) {
+         const double d = std::pow(10, 3 * uniform(r) - 3), a = 2 * M_PI * uniform(r), x = uniform(r) < 0.5 ? 0 : 0.7;
+         return Vec3{x + d * std::cos(a), d * std::sin(a), 0.001 * d * uniform(r)};
        }},
       {"national grid in millimetres",
        [](auto& r) {

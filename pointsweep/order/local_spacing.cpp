@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/order/local_spacing.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pointsweep {
+namespace {
+
+constexpr int kLevels = 21;          ///< three coordinates of so many bits fit 64
+constexpr int kTableLevels = 4;      ///< of the table that finds a run
+constexpr std::size_t kFew = 16;     ///< a leaf has fewer sample points
+constexpr double kInLeaf = 6;        ///< sample points in a leaf across which a surface lies, on average
+constexpr int kSparser = 4;          ///< levels that a sparse place is above the median: a factor of 16
+constexpr std::size_t kLeast = 8;    ///< sample points in sparse places that make these worth a look
+constexpr double kFarAway = 0x1p60;  ///< in sides of the root cube
+
+std::uint64_t spread(std::uint64_t v) {
+  v = (v | v << 32) & 0x1f00000000ffff;
+  v = (v | v << 16) & 0x1f0000ff0000ff;
+  v = (v | v << 8) & 0x100f00f00f00f00f;
+  v = (v | v << 4) & 0x10c30c30c30c30c3;
+  return (v | v << 2) & 0x1249249249249249;
+}
+
+constexpr std::uint64_t codes_of_cube(int level) { return std::uint64_t{1} << 3 * (kLevels - level); }
+
+/// The box of the middle 98 % of each coordinate.
+Box box_of_most(std::span<const Vec3> sample) {
+  Box box;
+  std::vector<double> values(sample.size());
+  const auto cut = static_cast<std::ptrdiff_t>(values.size() / 100);
+  for (int axis = 0; axis < 3; ++axis) {
+    std::ranges::transform(sample, values.begin(), [axis](const Vec3& p) { return p[axis]; });
+    std::ranges::nth_element(values, values.begin() + cut);
+    box.lo[axis] = values[static_cast<std::size_t>(cut)];
+    std::ranges::nth_element(values, values.end() - 1 - cut);
+    box.hi[axis] = values.end()[-1 - cut];
+  }
+  return box;
+}
+
+}  // namespace
+
+LocalSpacing::LocalSpacing(std::span<const Vec3> sample, std::uint64_t points, double dimension) {
+  if (sample.size() < kFew) return;
+  const Box most = box_of_most(sample);
+  const Vec3 extent = most.extent();
+  side_ = 2 * std::max({extent.x, extent.y, extent.z});
+  lo_ = most.center() - Vec3{side_ / 2, side_ / 2, side_ / 2};
+  if (!(side_ > 0) || !std::isfinite(side_)) return;
+  std::vector<std::uint64_t> codes;
+  for (const Vec3& p : sample) {
+    if (inside(p)) codes.push_back(code_of(p));
+  }
+  std::ranges::sort(codes);
+  std::vector<Leaf> leaves;
+  grow(codes, 0, 0, leaves);
+  const std::vector<int> levels = levels_of(sample, leaves);
+  const double sampled = static_cast<double>(sample.size()) / static_cast<double>(std::max<std::uint64_t>(points, 1));
+  const double leaf_to_spacing = side_ * std::pow(std::min(sampled, 1.0) / kInLeaf, 1 / dimension);
+  for (const int level : levels) at_sample_.push_back(std::ldexp(leaf_to_spacing, -level));
+  find_sparse_places(levels, leaves);
+}
+
+void LocalSpacing::grow(std::span<const std::uint64_t> codes, std::uint64_t begin, int level,
+                        std::vector<Leaf>& leaves) {
+  if (codes.size() < kFew || level == kLevels) return leaves.push_back({begin, level});
+  for (int child = 0; child < 8; ++child) {
+    const std::uint64_t end = begin + codes_of_cube(level + 1);
+    const auto count = static_cast<std::size_t>(std::ranges::lower_bound(codes, end) - codes.begin());
+    grow(codes.first(count), begin, level + 1, leaves);
+    codes = codes.subspan(count);
+    begin = end;
+  }
+}
+
+std::vector<int> LocalSpacing::levels_of(std::span<const Vec3> sample, const std::vector<Leaf>& leaves) const {
+  std::vector<int> levels;
+  for (const Vec3& p : sample) {
+    const auto after = [&](std::uint64_t code) { return std::ranges::upper_bound(leaves, code, {}, &Leaf::begin); };
+    levels.push_back(inside(p) ? after(code_of(p))[-1].level : level_outside(p));
+  }
+  return levels;
+}
+
+/// Keeps leaves as runs of sparse and of other ones, with a table of where each cube of a coarse level begins.
+void LocalSpacing::find_sparse_places(const std::vector<int>& levels, const std::vector<Leaf>& leaves) {
+  std::vector<int> sorted = levels;
+  std::ranges::sort(sorted);
+  sparse_level_ = sorted[sorted.size() / 2] - kSparser;
+  const auto sparse_points = std::ranges::upper_bound(sorted, sparse_level_) - sorted.begin();
+  if (sparse_points < static_cast<std::ptrdiff_t>(std::max(kLeast, sorted.size() / 2048))) return;
+  begin_.push_back(0);
+  for (const Leaf& leaf : leaves) {
+    const bool sparse = leaf.level <= sparse_level_, in_sparse_run = begin_.size() % 2 == 0;
+    if (sparse != in_sparse_run) begin_.push_back(leaf.begin);
+  }
+  for (std::uint64_t cube = 0; cube <= codes_of_cube(0) / codes_of_cube(kTableLevels); ++cube) {
+    const auto after = std::ranges::upper_bound(begin_, cube * codes_of_cube(kTableLevels));
+    first_.push_back(static_cast<std::uint32_t>(after - begin_.begin()) - 1);
+  }
+}
+
+bool LocalSpacing::is_sparse(Vec3 p) const {
+  if (!has_sparse_places()) return false;
+  if (!inside(p)) return level_outside(p) <= sparse_level_;
+  const std::uint64_t code = code_of(p), cube = code / codes_of_cube(kTableLevels);
+  const auto run = std::upper_bound(begin_.begin() + first_[cube] + 1, begin_.begin() + first_[cube + 1] + 1, code);
+  return (run - begin_.begin()) % 2 == 0;
+}
+
+bool LocalSpacing::inside(Vec3 p) const {
+  const Vec3 d = p - lo_;
+  return 0 <= d.x && d.x < side_ && 0 <= d.y && d.y < side_ && 0 <= d.z && d.z < side_;
+}
+
+std::uint64_t LocalSpacing::code_of(Vec3 p) const {
+  constexpr double kCubes = 1 << kLevels;
+  const auto index = [&](int axis) {
+    return spread(static_cast<std::uint64_t>(std::min((p[axis] - lo_[axis]) / side_ * kCubes, kCubes - 1)));
+  };
+  return index(0) | index(1) << 1 | index(2) << 2;
+}
+
+/// As far from the root as its own side, no more is known of a place than that the root is nearest: level 0.
+int LocalSpacing::level_outside(Vec3 p) const {
+  double distance = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    distance = std::max({distance, lo_[axis] - p[axis], p[axis] - (lo_[axis] + side_)});
+  const double sides = std::min(distance / side_, kFarAway);
+  return sides < 1 ? 0 : -std::ilogb(sides);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// How much of a hostile cloud is in memory at once. Slabs here are 3 % of the cloud, so that an even cloud fills 16 %.
+#include <gtest/gtest.h>
+
+#include "pointsweep/operators/neighbor_rows.h"
+#include "tests/pipeline/hostile_clouds.h"
+#include "tests/pipeline/in_memory.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kPoints = 100000;
+
+RunOptions small_slabs() {
+  RunOptions options;
+  options.slab_points = 3000, options.cell_points = 256, options.threads = 2, options.memory_bytes = 1ull << 30;
+  return options;
+}
+
+Statistics sweep_of(const CloudShape& shape, std::size_t k = 8) {
+  const Chain chain{{.k = k}, {std::make_shared<NeighborRows>(k, kPoints, false)}};
+  return run_in_memory(make_cloud(shape, kPoints, 3), chain, small_slabs()).statistics;
+}
+
+Vec3 on_sphere(std::mt19937_64& r) {
+  std::normal_distribution<double> g;
+  const Vec3 p{g(r), g(r), 2 * g(r)};
+  return (1 / length(p)) * p;
+}
+
+TEST(Window, HoldsNoMoreForOutliersThanTheOutliers) {
+  const Statistics clean = sweep_of(on_sphere);
+  EXPECT_LT(clean.peak_points, kPoints / 5);
+  for (const double share : {0.001, 0.01}) {
+    for (const double size : {10.0, 1000.0}) {
+      SCOPED_TRACE(testing::Message() << share << " of the points in a box " << size << " times larger");
+      const Statistics s = sweep_of([&](auto& r) {
+        return uniform(r) < share ? size * Vec3{2 * uniform(r) - 1, 2 * uniform(r) - 1, 2 * uniform(r) - 1}
+                                  : on_sphere(r);
+      });
+      EXPECT_LT(s.peak_points, 3 * clean.peak_points / 2 + static_cast<std::uint64_t>(share * kPoints));
+      EXPECT_LT(s.recalled, static_cast<std::uint64_t>(share * kPoints) + 60);
+    }
+  }
+}
+
+TEST(Window, HoldsNoMoreForAWallAcrossTheAxis) {
+  for (const double noise : {0.0, 1e-4, 1e-3}) {
+    SCOPED_TRACE(noise);
+    const Statistics s = sweep_of([&](auto& r) {
+      return uniform(r) < 0.5 ? Vec3{4 + noise * uniform(r), uniform(r), uniform(r)}
+                              : Vec3{10 * uniform(r), uniform(r), 0};
+    });
+    EXPECT_LT(s.peak_points, kPoints / 4);
+    EXPECT_LT(s.recalled, kPoints / 200);
+  }
+}
+
+TEST(Window, LetsCopiesOfOnePointPass) {
+  for (const std::size_t k : {8, 100}) {
+    SCOPED_TRACE(k);
+    const Statistics s = sweep_of([](auto& r) { return uniform(r) < 0.9 ? Vec3{0, 0, 1} : on_sphere(r); }, k);
+    EXPECT_LT(s.peak_points, kPoints / 4);
+    EXPECT_LT(s.recalled, kPoints / 200);
+  }
+}
+
+TEST(Window, FollowsADensityThatFallsOverFourDecades) {
+  const Statistics s = sweep_of([](auto& r) {
+    const double d = std::pow(10, 4 * uniform(r) - 4), a = 2 * M_PI * uniform(r);
+    return Vec3{d * std::cos(a), d * std::sin(a), 0.001 * d * uniform(r)};
+  });
+  EXPECT_LT(s.peak_points, kPoints / 4);
+  EXPECT_LT(s.recalled, kPoints / 200);
+}
+
+}  // namespace
+}  // namespace pointsweep
