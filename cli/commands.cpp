@@ -12,6 +12,7 @@ void add_commands(CLI::App& app) {
   add_operators_command(app);
   add_info_command(app);
   add_generate_command(app);
+  add_render_command(app);
   for (CLI::App* verb : app.get_subcommands({})) verb->group("Verbs");
 }
 

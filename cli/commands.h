@@ -15,6 +15,7 @@ void add_run_command(CLI::App& app);
 void add_operators_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_generate_command(CLI::App& app);
+void add_render_command(CLI::App& app);
 
 /// All of them, in the order of the help.
 void add_commands(CLI::App& app);

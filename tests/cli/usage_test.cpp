@@ -6,7 +6,8 @@ namespace {
 
 using Usage = Tool;
 
-constexpr const char* kVerbs[] = {"normals", "neighbors", "sort", "curvature", "splats", "fair", "run", "operators", "info", "generate"};
+constexpr const char* kVerbs[] = {"normals", "neighbors", "sort", "curvature", "splats", "fair",
+                                  "run",     "operators", "info", "generate",  "render"};
 
 TEST_F(Usage, HelpNamesEveryVerb) {
   const Result result = tool("--help");

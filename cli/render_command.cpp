@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+/// `pointsweep render IN... OUT.png`: a picture of a cloud of any size.
+#include <charconv>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cli/cloud_run.h"
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "cli/progress.h"
+#include "pointsweep/error.h"
+#include "pointsweep/formats/extension.h"
+#include "pointsweep/formats/output_file.h"
+#include "pointsweep/render/png.h"
+#include "pointsweep/render/render.h"
+
+namespace pointsweep {
+namespace {
+
+struct RenderCommand {
+  CommonOptions common;
+  InputsAndOutput paths;
+  RenderOptions options;
+  std::string view = "front", up = "z";
+};
+
+template <class T>
+bool parse_whole(std::string_view text, int base, T& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+void parse_picture_size(const std::string& text, RenderOptions& options) {
+  const std::size_t cross = text.find('x');
+  if (cross == text.npos || !parse_whole(std::string_view(text).substr(0, cross), 10, options.width) ||
+      !parse_whole(std::string_view(text).substr(cross + 1), 10, options.height)) {
+    fail_usage("--size: '{}' is not WIDTHxHEIGHT in pixels, e.g. 1200x900.", text);
+  }
+}
+
+Rgb parse_color(const std::string& text) {
+  if (text == "white") return {255, 255, 255};
+  if (text == "black") return {0, 0, 0};
+  unsigned value = 0;
+  if (text.size() != 6 || !parse_whole(text, 16, value)) {
+    fail_usage("--background: '{}' is not white, black or RRGGBB in hexadecimal, e.g. 20242c.", text);
+  }
+  const auto byte = [value](int shift) { return static_cast<std::uint8_t>(value >> shift & 255); };
+  return {byte(16), byte(8), byte(0)};
+}
+
+int axis_of(const std::string& name) {
+  if (name != "x" && name != "y" && name != "z") fail_usage("--up: '{}' is not x, y or z.", name);
+  return name[0] - 'x';
+}
+
+void render_picture(RenderCommand& command) {
+  if (command.paths.files.size() < 2) fail_usage("IN... OUT: name at least one file to read, and last the picture.");
+  const auto& output = command.paths.output();
+  if (extension_of(output) != ".png")
+    fail_usage("{}: pictures are PNG; give a name that ends with .png.", output.string());
+  RenderOptions options = command.options;
+  options.view = parse_view(command.view, axis_of(command.up));
+  OutputFile file(output, command.common.force);
+  Cloud cloud(command.paths.inputs());
+  ProgressDisplay display(command.common);
+  options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
+    stop_if_interrupted();
+    display.report(phase, done, total);
+  };
+  const Rendering rendering = render(cloud, options);
+  file.append(to_png(rendering.picture));
+  file.commit();
+  std::string sentence =
+      fmt::format("wrote {}: {} points, coloured by {}", output.string(), cloud.count(), rendering.color);
+  if (rendering.is_number) sentence += fmt::format(", violet {:.4g} to yellow {:.4g}", rendering.lo, rendering.hi);
+  display.say(sentence);
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("render", "Draw a cloud as a picture");
+  auto command = std::make_shared<RenderCommand>();
+  add_inputs_and_output(verb, command->paths, "the picture to write (.png)");
+  verb.add_option("--color", command->options.color,
+                  "rgb, normal, height, curvature, plain or an attribute (default: rgb, else plain, else height)")
+      ->type_name("WHAT");
+  verb.add_option("--view", command->view, "front, top, iso or AZIMUTH,ELEVATION in degrees (default: front)")
+      ->type_name("VIEW");
+  verb.add_option("--up", command->up, "Axis that points up: x, y or z (default: z)")->type_name("AXIS");
+  verb.add_option_function<std::string>(
+          "--size", [command](const std::string& text) { parse_picture_size(text, command->options); },
+          "Pixels (default: 1200x900)")
+      ->type_name("WxH");
+  verb.add_option_function<std::string>(
+          "--background", [command](const std::string& text) { command->options.background = parse_color(text); },
+          "white (default), black or RRGGBB")
+      ->type_name("COLOR");
+  add_force_option(verb, command->common);
+  add_progress_options(verb, command->common);
+  verb.footer(
+      "Points are drawn as their splats where the file has them (nx.., splat_x.., splat_length, splat_ratio), else as "
+      "discs\n"
+      "with the file's radius or of about the spacing of points. Numbers are coloured from their 2 % to their 98 % "
+      "quantile.\n"
+      "The cloud is read twice and never held in memory.\n"
+      "\nExample:\n"
+      "  pointsweep render splats.ply picture.png --color curvature --view 30,20");
+  verb.callback([command] { render_picture(*command); });
+}
+
+}  // namespace pointsweep

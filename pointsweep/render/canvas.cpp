@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/render/canvas.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pointsweep/render/color_map.h"
+
+namespace pointsweep {
+namespace {
+
+Vec3 no_longer_than(Vec3 v, double longest) {
+  const double l = length(v);
+  return l > longest ? (longest / l) * v : v;
+}
+
+}  // namespace
+
+Canvas::Canvas(unsigned width, unsigned height, unsigned fineness, Rgb background)
+    : width_(width),
+      height_(height),
+      fineness_(fineness),
+      columns_(std::int64_t{width} * fineness),
+      rows_(std::int64_t{height} * fineness),
+      longest_(static_cast<double>(std::max(columns_, rows_)) / 8),
+      samples_(static_cast<std::size_t>(columns_ * rows_), {-std::numeric_limits<float>::infinity(), background}) {}
+
+void Canvas::draw(const ProjectedEllipse& ellipse, Rgb color) {
+  const double f = fineness_;
+  const Vec3 c = f * ellipse.center, u = no_longer_than(f * ellipse.u, longest_),
+             v = no_longer_than(f * ellipse.v, longest_);
+  const double half_x = std::sqrt(u.x * u.x + v.x * v.x), half_y = std::sqrt(u.y * u.y + v.y * v.y);
+  const double width = static_cast<double>(columns_), height = static_cast<double>(rows_);
+  if (!(c.x + half_x >= 0 && c.x - half_x <= width && c.y + half_y >= 0 && c.y - half_y <= height)) return;
+  if (c.x >= 0 && c.x < width && c.y >= 0 && c.y < height) {
+    put(static_cast<std::int64_t>(c.x), static_cast<std::int64_t>(c.y), c.z, color);
+  }
+  const double det = u.x * v.y - u.y * v.x;
+  if (std::abs(det) < 0.05) return;  // covers less than a sixth of a sample: seen from its edge, or far away
+  const auto first = [](double low) { return static_cast<std::int64_t>(std::max(0.0, std::ceil(low - 0.5))); };
+  const auto last = [](double high, std::int64_t count) {
+    return std::min(count - 1, static_cast<std::int64_t>(std::floor(high - 0.5)));
+  };
+  const std::int64_t x_end = last(c.x + half_x, columns_), y_end = last(c.y + half_y, rows_);
+  for (std::int64_t y = first(c.y - half_y); y <= y_end; ++y) {
+    for (std::int64_t x = first(c.x - half_x); x <= x_end; ++x) {
+      const double dx = static_cast<double>(x) + 0.5 - c.x, dy = static_cast<double>(y) + 0.5 - c.y;
+      const double s = (dx * v.y - dy * v.x) / det, t = (u.x * dy - u.y * dx) / det;
+      if (s * s + t * t <= 1) put(x, y, c.z + s * u.z + t * v.z, color);
+    }
+  }
+}
+
+void Canvas::put(std::int64_t x, std::int64_t y, double depth, Rgb color) {
+  Sample& sample = samples_[static_cast<std::size_t>(y * columns_ + x)];
+  const auto near = static_cast<float>(depth);
+  if (near > sample.depth) sample = {near, color};
+}
+
+void Canvas::shade_by_depth() {
+  constexpr std::int64_t kSteps[8][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
+  const std::int64_t reach = 2 * fineness_;
+  std::vector<float> light(samples_.size(), 1);
+  for (std::int64_t y = 0; y < rows_; ++y) {
+    for (std::int64_t x = 0; x < columns_; ++x) {
+      const double depth = samples_[static_cast<std::size_t>(y * columns_ + x)].depth;
+      if (!std::isfinite(depth)) continue;
+      double behind = 0;
+      for (const auto& [dx, dy] : kSteps) {
+        const std::int64_t other_x = x + reach * dx, other_y = y + reach * dy;
+        if (other_x < 0 || other_x >= columns_ || other_y < 0 || other_y >= rows_) continue;
+        const double other = samples_[static_cast<std::size_t>(other_y * columns_ + other_x)].depth;
+        if (std::isfinite(other)) behind += std::clamp((other - depth) / static_cast<double>(reach), 0.0, 4.0);
+      }
+      light[static_cast<std::size_t>(y * columns_ + x)] = static_cast<float>(1 / (1 + 0.15 * behind));
+    }
+  }
+  for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].color = shaded(samples_[i].color, double{light[i]});
+}
+
+Picture Canvas::picture() const {
+  Picture picture{width_, height_, std::vector<Rgb>(std::size_t{width_} * height_)};
+  const unsigned n = fineness_ * fineness_;
+  for (std::size_t y = 0; y < height_; ++y) {
+    for (std::size_t x = 0; x < width_; ++x) {
+      unsigned red = n / 2, green = n / 2, blue = n / 2;
+      for (unsigned i = 0; i < n; ++i) {
+        const std::size_t row = y * fineness_ + i / fineness_, column = x * fineness_ + i % fineness_;
+        const Rgb color = samples_[row * static_cast<std::size_t>(columns_) + column].color;
+        red += color.red, green += color.green, blue += color.blue;
+      }
+      const auto byte = [n](unsigned sum) { return static_cast<std::uint8_t>(sum / n); };
+      picture.pixels[y * width_ + x] = {byte(red), byte(green), byte(blue)};
+    }
+  }
+  return picture;
+}
+
+}  // namespace pointsweep

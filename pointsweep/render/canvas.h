@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+/// The picture while it is drawn: colour and depth of every sample, and ellipses on it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/math/vec3.h"
+
+namespace pointsweep {
+
+struct Rgb {
+  std::uint8_t red = 0, green = 0, blue = 0;
+  friend bool operator==(const Rgb&, const Rgb&) = default;
+};
+
+/// width×height pixels of three bytes, rows from the top.
+struct Picture {
+  unsigned width = 0, height = 0;
+  std::vector<Rgb> pixels;
+};
+
+/// An ellipse in space as the camera sees it: x to the right, y down, z towards the viewer, in pixels.
+struct ProjectedEllipse {
+  Vec3 center;
+  Vec3 u, v;  ///< semi-axes
+};
+
+/// Of what falls on a sample the nearest is kept; of the equally near the first. Memory: 8 bytes × samples per pixel².
+class Canvas {
+ public:
+  /// `fineness`² samples for each pixel.
+  Canvas(unsigned width, unsigned height, unsigned fineness, Rgb background);
+
+  /// Fills the samples whose middle is inside, each with its own depth; at least the sample under the center, unless
+  /// that is outside of the picture. Semi-axes longer than an eighth of the picture's sides are shortened to that: an
+  /// outlier's huge splat would hide the rest and cost as much as all others.
+  void draw(const ProjectedEllipse& ellipse, Rgb color);
+
+  /// Darkens samples that lie behind what is around them: light and shade for points without normals (after the
+  /// eye-dome lighting of Boucheny 2009, with 1/(1+x) for exp(-x)).
+  void shade_by_depth();
+
+  /// The mean of the samples of each pixel.
+  Picture picture() const;
+
+ private:
+  struct Sample {
+    float depth;
+    Rgb color;
+  };
+  void put(std::int64_t x, std::int64_t y, double depth, Rgb color);
+
+  unsigned width_, height_, fineness_;  ///< of the picture, in pixels; samples per pixel side
+  std::int64_t columns_, rows_;         ///< samples
+  double longest_;                      ///< semi-axis, in samples
+  std::vector<Sample> samples_;
+};
+
+}  // namespace pointsweep

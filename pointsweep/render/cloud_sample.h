@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+/// What has to be known of a cloud before it is drawn, found in one pass.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "pointsweep/formats/cloud.h"
+#include "pointsweep/render/point_color.h"
+
+namespace pointsweep {
+
+/// A block of the cloud's points: records and positions.
+struct PointBlock {
+  std::uint64_t first_row;
+  std::size_t size;
+  const std::byte* records;
+  std::size_t stride;
+  const double *x, *y, *z;
+
+  Vec3 position(std::size_t i) const { return {x[i], y[i], z[i]}; }
+  const std::byte* record(std::size_t i) const { return records + i * stride; }
+};
+
+/// Reads the cloud once from its first to its last row.
+void for_each_block(Cloud& cloud, const std::function<void(const PointBlock&)>& visit);
+
+struct CloudSample {
+  Box bounds;                   ///< of the finite points
+  std::uint64_t finite = 0;     ///< points
+  std::vector<Vec3> positions;  ///< of at most 65,536 finite points, one from each of as many equal stretches of rows
+  std::vector<double> numbers;  ///< that decide the colours of these, if numbers do
+};
+
+/// Also shows every record to `color`.
+CloudSample sample_cloud(Cloud& cloud, PointColor& color, const std::function<void(std::uint64_t rows)>& progress);
+
+}  // namespace pointsweep

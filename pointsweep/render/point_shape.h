@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// The piece of surface that a point stands for: the best that its file allows.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "pointsweep/points/schema.h"
+#include "pointsweep/render/spacing_tree.h"
+
+namespace pointsweep {
+
+/// An ellipse in space.
+struct SurfaceElement {
+  Vec3 u, v;    ///< semi-axes
+  Vec3 normal;  ///< unit, or 0 where it is not known
+};
+
+class PointShape {
+ public:
+  /// `right` and `up` span the plane of discs without a normal; discs whose radius is estimated are at most
+  /// `largest_guess` (length), so that the few points of a sparse place do not look like surface.
+  PointShape(const Schema& schema, const SpacingTree& spacing, Vec3 right, Vec3 up, double largest_guess);
+
+  bool has_normals() const { return !normal_.empty(); }
+
+  /// The splat (normal, splat_x splat_y splat_z, splat_length, splat_ratio) where the file has one; else a disc across
+  /// the normal, else one that faces the viewer, with the file's `radius` or a little more than the spacing of points
+  /// around, so that a surface is closed.
+  SurfaceElement operator()(const std::byte* record, Vec3 position) const;
+
+ private:
+  /// Fields of one attribute, empty if the file has not all of them.
+  struct Fields : std::vector<Field> {
+    Fields() = default;
+    Fields(const Schema& schema, std::initializer_list<const char*> names);
+  };
+  static Vec3 vector_of(const Fields& fields, const std::byte* record);
+
+  const SpacingTree& spacing_;
+  Vec3 right_, up_;
+  double largest_guess_;
+  Fields normal_, axis_, size_, radius_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/render/render.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pointsweep/error.h"
+#include "pointsweep/render/cloud_sample.h"
+#include "pointsweep/render/color_map.h"
+#include "pointsweep/render/point_color.h"
+#include "pointsweep/render/point_shape.h"
+#include "pointsweep/render/spacing_tree.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr double kAmbient = 0.25;
+constexpr double kLargestGuess = 0.015;  // of the larger side
+constexpr std::uint64_t kMostPixels = 1u << 26, kFinePixels = 1u << 24;
+
+void check(const RenderOptions& options) {
+  const auto good = [](unsigned side) { return side >= 16 && side <= 16384; };
+  if (good(options.width) && good(options.height) && std::uint64_t{options.width} * options.height <= kMostPixels)
+    return;
+  fail_usage("--size: {}x{} is no size of a picture; each side is 16 to 16384 pixels, both together at most {}.",
+             options.width, options.height, kMostPixels);
+}
+
+/// What the middle 99.8 % of `values` span, widened by 5 % of that on either side but not beyond their ends: a few
+/// points far out stay outside of the picture.
+std::pair<double, double> span_without_outliers(std::vector<double>& values) {
+  std::sort(values.begin(), values.end());
+  const auto cut = static_cast<std::size_t>(0.001 * static_cast<double>(values.size()));
+  const double lo = values[cut], hi = values[values.size() - 1 - cut], more = 0.05 * (hi - lo);
+  return {std::max(values.front(), lo - more), std::min(values.back(), hi + more)};
+}
+
+void frame_sample(Camera& camera, const std::vector<Vec3>& positions) {
+  std::vector<double> x, y;
+  for (const Vec3 p : positions) {
+    x.push_back(dot(p - camera.origin, camera.right));
+    y.push_back(dot(p - camera.origin, camera.up));
+  }
+  const auto [lo_x, hi_x] = span_without_outliers(x);
+  const auto [lo_y, hi_y] = span_without_outliers(y);
+  frame(camera, lo_x, hi_x, lo_y, hi_y);
+}
+
+/// From above the viewer's left shoulder. Surfaces have no back: the side that is seen is lit.
+class Light {
+ public:
+  explicit Light(const Camera& camera) : toward_(camera.toward) {
+    const Vec3 from = camera.toward + 0.45 * camera.up + (-0.35) * camera.right;
+    from_ = (1 / length(from)) * from;
+  }
+  double on(Vec3 normal) const {
+    const double facing = dot(normal, toward_) < 0 ? -1 : 1;
+    return kAmbient + (1 - kAmbient) * std::max(0.0, facing * dot(normal, from_));
+  }
+
+ private:
+  Vec3 toward_, from_;
+};
+
+}  // namespace
+
+Rendering render(Cloud& cloud, const RenderOptions& options) {
+  check(options);
+  const auto report = [&](const char* phase, std::uint64_t rows) {
+    if (options.progress) options.progress(phase, rows, cloud.count());
+  };
+  PointColor color(cloud.schema(), options.color, options.view.up);
+  CloudSample sample = sample_cloud(cloud, color, [&](std::uint64_t rows) { report("looking", rows); });
+  if (sample.positions.empty())
+    fail("{}: has no point with finite coordinates, so there is nothing to see.",
+         cloud.readers().front()->info().path.string());
+  if (color.is_number()) {
+    const auto [lo, hi] = robust_range(std::move(sample.numbers));
+    color.set_range(lo, hi);
+  }
+  Camera camera = camera_of(options.view, sample.bounds.center(), options.width, options.height);
+  frame_sample(camera, sample.positions);
+  const SpacingTree spacing(std::move(sample.positions), sample.finite);
+  const double largest_guess = kLargestGuess * std::max(options.width, options.height) / camera.scale;
+  const PointShape shape(cloud.schema(), spacing, camera.right, camera.up, largest_guess);
+  const Light light(camera);
+  const unsigned fineness = std::uint64_t{options.width} * options.height <= kFinePixels ? 2 : 1;
+  Canvas canvas(options.width, options.height, fineness, options.background);
+  for_each_block(cloud, [&](const PointBlock& block) {
+    for (std::size_t i = 0; i < block.size; ++i) {
+      const Vec3 p = block.position(i);
+      if (!is_finite(p)) continue;
+      const SurfaceElement element = shape(block.record(i), p);
+      const bool lit = color.is_shaded() && element.normal != Vec3{};
+      const Rgb own = color(block.record(i));
+      canvas.draw({camera.project(p), camera.project_offset(element.u), camera.project_offset(element.v)},
+                  lit ? shaded(own, light.on(element.normal)) : own);
+    }
+    report("drawing", block.first_row + block.size);
+  });
+  if (!shape.has_normals()) canvas.shade_by_depth();
+  return {canvas.picture(), color.name(), color.is_number(), color.lo(), color.hi()};
+}
+
+}  // namespace pointsweep

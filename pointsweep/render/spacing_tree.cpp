@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/render/spacing_tree.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pointsweep/math/box.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kLeaf = 16;
+
+/// The area of the two longer sides; a line of points gets a strip as wide as its points are apart.
+double area_of(const Box& box, std::size_t points) {
+  const Vec3 e = box.extent();
+  const double longest = std::max({e.x, e.y, e.z}), shortest = std::min({e.x, e.y, e.z});
+  const double middle = e.x + e.y + e.z - longest - shortest;
+  return longest * std::max(middle, longest / static_cast<double>(points));
+}
+
+}  // namespace
+
+SpacingTree::SpacingTree(std::vector<Vec3> sample, std::uint64_t points) : sample_(std::move(sample)) {
+  const double share = points == 0 ? 1 : static_cast<double>(sample_.size()) / static_cast<double>(points);
+  build(0, sample_.size(), std::min(share, 1.0));
+  sample_ = {};
+}
+
+void SpacingTree::build(std::size_t begin, std::size_t end, double share) {
+  Box box;
+  for (std::size_t i = begin; i < end; ++i) box.include(sample_[i]);
+  const std::size_t count = end - begin, node = nodes_.size();
+  nodes_.emplace_back();
+  const int axis = box.longest_axis();
+  if (count <= kLeaf || box.extent()[axis] <= 0) {
+    // n points in rows have n - 1 gaps; for few points that matters.
+    const double gaps = std::sqrt(static_cast<double>(std::max<std::size_t>(count, 1))) - 0.5;
+    if (count > 1) nodes_[node].spacing = std::sqrt(area_of(box, count) * share) / gaps;
+    return;
+  }
+  const std::size_t middle = begin + count / 2;
+  const auto at = [this](std::size_t i) { return sample_.begin() + static_cast<std::ptrdiff_t>(i); };
+  std::nth_element(at(begin), at(middle), at(end), [axis](Vec3 a, Vec3 b) { return a[axis] < b[axis]; });
+  nodes_[node].axis = axis;
+  nodes_[node].split = sample_[middle][axis];
+  build(begin, middle, share);
+  nodes_[node].above = static_cast<std::uint32_t>(nodes_.size());
+  build(middle, end, share);
+}
+
+double SpacingTree::spacing(Vec3 p) const {
+  std::uint32_t node = 0;
+  while (nodes_[node].axis >= 0) {
+    const Node& n = nodes_[node];
+    node = p[n.axis] < n.split ? node + 1 : n.above;
+  }
+  return nodes_[node].spacing;
+}
+
+}  // namespace pointsweep

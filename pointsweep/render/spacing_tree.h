@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+/// How far the points of a cloud lie apart, everywhere, estimated from a sample of it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/math/vec3.h"
+
+namespace pointsweep {
+
+/// Halves the sample along its longest side until 16 points are left; of these the two longer sides of their box say
+/// how much surface belongs to each. So dense and sparse parts of a scan get their own spacing. Memory and time to
+/// build follow the sample, a look-up is one comparison for each halving.
+class SpacingTree {
+ public:
+  /// `sample` stands for `points` points of a surface. No finite point: every spacing is 0.
+  SpacingTree(std::vector<Vec3> sample, std::uint64_t points);
+
+  /// Side of the square that one point of the cloud has to itself around `p`.
+  double spacing(Vec3 p) const;
+
+ private:
+  struct Node {
+    int axis = -1;  ///< -1: a leaf
+    double split = 0;
+    std::uint32_t above = 0;  ///< node of what is not below the split; what is below follows its parent
+    double spacing = 0;
+  };
+  void build(std::size_t begin, std::size_t end, double share);
+
+  std::vector<Vec3> sample_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace pointsweep

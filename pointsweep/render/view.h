@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// From where a cloud is looked at, and where its points fall on the picture.
+#pragma once
+
+#include <string_view>
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/math/vec3.h"
+
+namespace pointsweep {
+
+/// Degrees. Azimuth 0 looks along +y with x to the right (the front), 90 from +x; elevation 90 looks down. With `up` 1
+/// (y up, as many scanned models are) the front looks along -z instead, with `up` 0 along +z with y to the right.
+struct View {
+  double azimuth = 0, elevation = 0;
+  int up = 2;  ///< the axis that points up: 0, 1, 2 for x, y, z
+};
+
+/// "front", "top", "iso" or "AZIMUTH,ELEVATION" in degrees, |elevation| <= 90. Throws UsageError.
+View parse_view(std::string_view text, int up);
+
+/// An orthographic camera: an orthonormal basis, and the part of the plane that the picture shows.
+struct Camera {
+  Vec3 right, up, toward;  ///< unit vectors; `toward` the viewer
+  Vec3 origin;             ///< world point that all projections are relative to, so that map coordinates lose nothing
+  double center_x = 0, center_y = 0;  ///< middle of the picture, along right and up
+  double scale = 1;                   ///< pixels per length
+  double width = 0, height = 0;       ///< pixels
+
+  /// x to the right and y down in pixels from the upper left corner; z in pixels towards the viewer.
+  Vec3 project(Vec3 p) const {
+    const Vec3 d = p - origin;
+    return {0.5 * width + scale * (dot(d, right) - center_x), 0.5 * height - scale * (dot(d, up) - center_y),
+            scale * dot(d, toward)};
+  }
+  /// The same for a difference of two points.
+  Vec3 project_offset(Vec3 d) const { return {scale * dot(d, right), -scale * dot(d, up), scale * dot(d, toward)}; }
+};
+
+/// Without a frame: center and scale are still to be chosen. Made with plain operations, so that pictures are the same
+/// bytes on every machine.
+Camera camera_of(const View& view, Vec3 origin, unsigned width, unsigned height);
+
+/// Chooses center and scale so that the box [lo, hi] along right and up fills the picture up to a margin of 3 %.
+void frame(Camera& camera, double lo_x, double hi_x, double lo_y, double hi_y);
+
+}  // namespace pointsweep
