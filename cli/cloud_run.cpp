@@ -11,7 +11,9 @@
 #include "cli/progress.h"
 #include "cli/quantities.h"
 #include "pointsweep/error.h"
+#include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/output_file.h"
+#include "pointsweep/report/run_report.h"
 
 namespace pointsweep {
 namespace {
@@ -24,12 +26,46 @@ RunOptions run_options(const CommonOptions& options) {
   run.axis = options.axis;
   run.order = options.order;
   run.overwrite = options.force;
+  run.count_distances = !options.report.empty();
+  run.half_way_states = options.half_way;
   return run;
 }
 
 Cloud open_inputs(const InputsAndOutput& paths) {
   if (paths.files.size() < 2) fail_usage("IN... OUT: name at least one file to read, and last the file to write.");
   return Cloud(paths.inputs());
+}
+
+void complete(OutputFile& file, const std::string& text) {
+  file.append(std::as_bytes(std::span(text)));
+  file.commit();
+}
+
+/// The result, read again, from a corner and a little from above; none where the output is no point file or has no
+/// point to show.
+std::optional<Rendering> picture_of(const std::filesystem::path& output, const Statistics& statistics,
+                                    ProgressDisplay& display) {
+  if (extension_of(output) == ".npy" || statistics.nonfinite == statistics.points) return std::nullopt;
+  Cloud cloud({output});
+  RenderOptions options;
+  options.width = 900;
+  options.height = 640;
+  options.view = {30, 20, 2};
+  options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
+    stop_if_interrupted();
+    display.report(phase, done, total);
+  };
+  return render(cloud, options);
+}
+
+RunSummary summary_of(const InputsAndOutput& paths, const Statistics& statistics, ProgressDisplay& display) {
+  RunSummary summary{paths.output().filename().string(),
+                     {},
+                     paths.output().string(),
+                     statistics,
+                     picture_of(paths.output(), statistics, display)};
+  for (const auto& input : paths.inputs()) summary.inputs += (summary.inputs.empty() ? "" : ", ") + input.string();
+  return summary;
 }
 
 /// "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory; 3 without a result"
@@ -61,6 +97,8 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
   Cloud cloud = open_inputs(paths);
   std::optional<OutputFile> stats;  // made first: a place that cannot be written is known before the work, not after
   if (!options.stats.empty()) stats.emplace(options.stats, options.force);
+  std::optional<OutputFile> report;
+  if (!options.report.empty()) report.emplace(options.report, options.force);
   ProgressDisplay display(options);
   RunOptions run = run_options(options);
   run.progress = [&display](const Progress& p) {
@@ -68,11 +106,8 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
     display.report(p.phase, p.done, p.total);
   };
   const Statistics statistics = work(cloud, run);
-  if (stats) {
-    const std::string json = to_json(statistics) + "\n";
-    stats->append(std::as_bytes(std::span(json)));
-    stats->commit();
-  }
+  if (stats) complete(*stats, to_json(statistics) + "\n");
+  if (report) complete(*report, report_of(summary_of(paths, statistics, display)));
   for (const std::string& warning : statistics.warnings) display.say(warning);
   display.say(conclusion(paths.output(), statistics));
 }

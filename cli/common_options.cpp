@@ -70,6 +70,10 @@ void add_stream_options(CLI::App& verb, CommonOptions& options) {
           "Sweep axis: auto (largest extent), x, y or z")
       ->type_name("AXIS");
   verb.add_option("--stats", options.stats, "Write statistics of the run to this JSON file")->type_name("FILE");
+  verb.add_option("--report", options.report, "Write a page about the run, with plots and a picture (.html)")
+      ->type_name("FILE");
+  // For figures of the sweep, not for users.
+  verb.add_option("--half-way-states", options.half_way)->group("");
 }
 
 void add_order_option(CLI::App& verb, CommonOptions& options) {

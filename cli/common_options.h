@@ -18,6 +18,8 @@ struct CommonOptions {
   std::optional<int> axis;         ///< 0, 1, 2; none: the axis of largest extent
   Order order = Order::input;      ///< of the rows of the output
   std::filesystem::path stats;     ///< JSON file; empty: none
+  std::filesystem::path report;    ///< HTML page; empty: none
+  std::filesystem::path half_way;  ///< .npy file of the state of each point; empty: none
   bool quiet = false;
   bool force = false;            ///< an existing output may be replaced
   int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
@@ -29,7 +31,7 @@ void add_progress_options(CLI::App& verb, CommonOptions& options);
 void add_thread_option(CLI::App& verb, CommonOptions& options);
 /// --force
 void add_force_option(CLI::App& verb, CommonOptions& options);
-/// --memory SIZE, --temp-dir DIR, --axis, --stats FILE
+/// --memory SIZE, --temp-dir DIR, --axis, --stats FILE, --report FILE and, hidden, --half-way-states FILE
 void add_stream_options(CLI::App& verb, CommonOptions& options);
 /// --order
 void add_order_option(CLI::App& verb, CommonOptions& options);

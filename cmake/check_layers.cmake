@@ -11,6 +11,7 @@ set(may_include_shapes points math formats)
 set(may_include_render points math order formats)
 set(may_include_sweep points math order search operators)
 set(may_include_pipeline points math order search operators formats shapes sweep)
+set(may_include_report points math formats render pipeline)
 set(may_include_reference points math formats operators)
 
 if(NOT DEFINED ROOT)

@@ -43,7 +43,11 @@ struct RunOptions {
   std::function<void(const Progress&)> progress;
   std::uint64_t slab_points = 0;     ///< aim; 0: chosen from the cloud. No result depends on it.
   std::uint32_t cell_points = 1024;  ///< a multiple of 16 up to 2,048. No result depends on it.
-  bool spill = false;                ///< use the temporary folder even where memory would do. No result depends on it.
+  bool count_distances = false;      ///< fill Statistics::neighbor_distances; about 5 ns a point
+  /// A .npy file of one uint8 for each input row: its PointState (sweep/sweep.h) when half of the points have been
+  /// read. Takes a byte of memory for each point besides the budget; empty: none.
+  std::filesystem::path half_way_states;
+  bool spill = false;  ///< use the temporary folder even where memory would do. No result depends on it.
 };
 
 /// Where results go. Any of the three may be absent.

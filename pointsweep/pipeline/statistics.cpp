@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "pointsweep/pipeline/observation.h"
 #include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
@@ -48,17 +49,22 @@ void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& swe
   to.lifespan_mean_seconds = mean(to.lifespan_mean_seconds, read_before, sweep.lifespan_mean, read);
   to.lifespan_max_seconds = std::max(to.lifespan_max_seconds, sweep.lifespan_max);
   for (const auto& [points_read, active] : sweep.series) to.series.emplace_back(read_before + points_read, active);
+  if (to.sweeps == 0) to.neighbor_distances = bins_of(sweep.distances);
   ++to.sweeps;
 }
 
 std::string to_json(const Statistics& s) {
+  nlohmann::ordered_json distances = nlohmann::ordered_json::array();
+  for (const DistanceBin& bin : s.neighbor_distances) {
+    distances.push_back({{"from", bin.from}, {"to", bin.to}, {"nearest", bin.nearest}, {"farthest", bin.farthest}});
+  }
   nlohmann::ordered_json operators = nlohmann::ordered_json::object();
   for (const auto& [name, seconds] : s.operator_seconds) {
     std::string key = name;
     for (int again = 2; operators.contains(key); ++again) key = fmt::format("{}_{}", name, again);
     operators[key] = seconds;
   }
-  const nlohmann::ordered_json json = {
+  nlohmann::ordered_json json = {
       {"points", s.points},
       {"sweeps", s.sweeps},
       {"k", s.k},
@@ -82,6 +88,7 @@ std::string to_json(const Statistics& s) {
       {"machine", s.machine},
       {"warnings", s.warnings},
   };
+  if (!distances.empty()) json["neighbor_distances"] = std::move(distances);
   return json.dump(2) + "\n";
 }
 

@@ -12,6 +12,13 @@ namespace pointsweep {
 struct SweepPlan;
 struct SweepStatistics;
 
+/// Distances from `from` on below `to`, in the length unit of the cloud: of how many points the nearest neighbour is so
+/// far away, of how many the farthest of the neighbourhood.
+struct DistanceBin {
+  double from, to;
+  std::uint64_t nearest, farthest;
+};
+
 /// Of a run of several sweeps, sums over them unless it is said otherwise.
 struct Statistics {
   std::uint64_t points = 0;
@@ -33,6 +40,8 @@ struct Statistics {
   double mean_points = 0;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read (on from sweep to sweep), points active
   double lifespan_mean_seconds = 0, lifespan_max_seconds = 0;
+  /// Of the first sweep, eight bins for each octave; if RunOptions asked for them.
+  std::vector<DistanceBin> neighbor_distances;
   unsigned threads = 1;
   std::string machine;
   std::vector<std::string> warnings;

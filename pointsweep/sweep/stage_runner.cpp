@@ -6,9 +6,22 @@
 #include "pointsweep/order/fixed_copy.h"
 
 namespace pointsweep {
+namespace {
+
+void count_distances(const Batch& batch, NeighborDistances& distances) {
+  const Neighborhoods in(batch.own, batch.size, batch.slots, batch.begin, batch.refs, {}, {});
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    if (in.count(i) == 0) continue;
+    distances.nearest.add(in.distance2(i, 0));
+    distances.farthest.add(in.distance2(i, in.count(i) - 1));
+  }
+}
+
+}  // namespace
 
 void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, StageTally& tally) {
   tally.seconds.resize(plan.stages.size());
+  if (step == 0 && tally.distances) count_distances(batch, *tally.distances);
   for (std::size_t s = plan.steps[step]; s < plan.steps[step + 1]; ++s) {
     const auto start = std::chrono::steady_clock::now();
     const Stage& stage = plan.stages[s];

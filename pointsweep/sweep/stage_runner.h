@@ -5,8 +5,10 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "pointsweep/sweep/distance_histogram.h"
 #include "pointsweep/sweep/plan.h"
 
 namespace pointsweep {
@@ -15,6 +17,7 @@ namespace pointsweep {
 struct StageTally {
   std::vector<double> seconds;  ///< by stage
   std::uint64_t degenerate = 0;
+  std::unique_ptr<NeighborDistances> distances;  ///< filled if it is there
 };
 
 /// A batch as the stages see it. `own_columns` are the columns of the batch itself, which a stage both reads and fills.

@@ -24,7 +24,10 @@ class Sweep {
         outside_(stream.slabs(), stream.axis()),
         window_(plan, outside_),
         runner_(plan, window_, outside_, sink),
-        workers_(thread_count()) {}
+        workers_(thread_count()) {
+    if (!options.count_distances) return;
+    for (Worker& worker : workers_) worker.tally.distances = std::make_unique<NeighborDistances>();
+  }
 
   /// The paper's main loop: while the stream has points, read some; then let every operator in turn pull what has
   /// become ready; what is finished leaves. At the end, whatever had to be deferred is recalled.
@@ -36,6 +39,7 @@ class Sweep {
       for (std::uint32_t step = 0; step < plan_.step_count(); ++step) pull(step);
       take_note();
       window_.drop();
+      if (options_.half_way != nullptr && !half_way_noted_) note_half_way();
     }
     statistics_.read_seconds = read_ahead.seconds();
     recall();
@@ -47,13 +51,15 @@ class Sweep {
     outside_.slab_was_read();
     points_read_ += stream_.slabs()[slab].count;
     if (sink_.wants_records()) sink_.slab_read(slab, std::move(loaded.records));
-    for (auto& cell : loaded.cells) window_.admit(std::move(cell));
+    for (auto& cell : loaded.cells) {
+      if (options_.half_way != nullptr && !half_way_noted_) note_state(cell->cell, PointState::gone);
+      window_.admit(std::move(cell));
+    }
   }
 
   void pull(std::uint32_t step) {
     const std::vector<std::uint32_t> ready = window_.ready_for(step);
-    parallel_for(ready.size(),
-                 [&](std::size_t i, unsigned worker) { runner_.run(ready[i], step, workers_[worker]); });
+    parallel_for(ready.size(), [&](std::size_t i, unsigned worker) { runner_.run(ready[i], step, workers_[worker]); });
     for (const std::uint32_t slot : ready) {
       WindowCell& cell = window_.at(slot);
       if (!cell.deferred.empty()) cell.deferred_before = cell.deferred;
@@ -66,6 +72,25 @@ class Sweep {
     active_sum_ += static_cast<double>(active);
     statistics_.series.emplace_back(points_read_, active);
     if (options_.progress) options_.progress(points_read_, active);
+  }
+
+  void note_state(const Cell& cell, PointState state) {
+    for (std::uint32_t i = 0; i < cell.size(); ++i) (*options_.half_way)[cell.row[i]] = state;
+  }
+
+  /// What was read is gone, but for what is in the window.
+  void note_half_way() {
+    std::uint64_t all = 0;
+    for (const auto& slab : stream_.slabs()) all += slab.count;
+    if (points_read_ < all - points_read_) return;
+    half_way_noted_ = true;
+    for (const std::uint32_t slot : window_.occupied()) {
+      const WindowCell& cell = window_.at(slot);
+      const bool finished = cell.steps_done == plan_.step_count();
+      note_state(cell.cell, cell.steps_done == 0 ? PointState::waiting
+                            : finished           ? PointState::kept
+                                                 : PointState::searched);
+    }
   }
 
   void recall() {
@@ -98,6 +123,7 @@ class Sweep {
     for (const Worker& worker : workers_) {
       statistics_.certified += worker.certified;
       statistics_.degenerate += worker.tally.degenerate;
+      if (worker.tally.distances) statistics_.distances.add(*worker.tally.distances);
       statistics_.search_seconds += worker.search_seconds;
       for (std::size_t s = 0; s < worker.tally.seconds.size(); ++s) {
         statistics_.stage_seconds[s] += worker.tally.seconds[s];
@@ -121,6 +147,7 @@ class Sweep {
   std::vector<Worker> workers_;
   SweepStatistics statistics_;
   std::uint64_t points_read_ = 0;
+  bool half_way_noted_ = false;
   double active_sum_ = 0;
 };
 

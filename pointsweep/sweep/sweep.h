@@ -8,14 +8,28 @@
 #include <vector>
 
 #include "pointsweep/order/stream.h"
+#include "pointsweep/sweep/distance_histogram.h"
 #include "pointsweep/sweep/plan.h"
 
 namespace pointsweep {
+
+/// How far a point has come.
+enum class PointState : std::uint8_t {
+  unread,
+  waiting,   ///< in the window, for what is unread near it
+  searched,  ///< its neighbourhood is known; waits for what its neighbours make
+  kept,      ///< finished (or left to the recall), but others still look at it
+  gone,      ///< has left the window
+};
 
 struct SweepOptions {
   std::uint32_t cell_points = 1024;      ///< a multiple of 16, at most kCellCapacity
   std::size_t read_ahead = 1;            ///< slabs being read and cut while others are worked on
   std::size_t recall_bytes = 64u << 20;  ///< memory for a batch of recalled points
+  bool count_distances = false;          ///< fill SweepStatistics::distances
+  /// If given, the PointState of every point by input row, as it is once half of the points have been read. The caller
+  /// gives it a place for each row of the input.
+  std::vector<PointState>* half_way = nullptr;
   /// Called by the sweep's thread after each slab with the points read and finished so far; may throw to end the run.
   std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
 };
@@ -31,6 +45,7 @@ struct SweepStatistics {
   double mean_points = 0;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active; one entry a slab
   double lifespan_mean = 0, lifespan_max = 0;                   ///< seconds
+  NeighborDistances distances;                                  ///< one count for each finite point, if asked for
 };
 
 /// Runs the plan over the whole stream; every point of every slab is handed to `sink` exactly once. Uses all threads of

@@ -84,6 +84,18 @@ TEST_F(RunVerb, UpdateOperatorsWorkInTextAndJson) {
     EXPECT_NE(dry.out.find(words), std::string::npos) << words << "\n" << dry.out;
 }
 
+TEST_F(RunVerb, AReportShowsTheRunAndItsResult) {
+  const std::string page = made("curvature in.ply out.ply --report report.html", "report.html");
+  for (const char* words : {"<!doctype html>", "data:image/png;base64,iVBOR", "Working set", "curvature",
+                            "Distances of neighbours", "<td>out.ply</td>"}) {
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+  }
+  EXPECT_EQ(made("curvature in.ply again.ply", "again.ply"), contents(folder_ / "out.ply"));
+  refused(1, "curvature in.ply other.ply --report report.html", "report.html");
+  EXPECT_FALSE(exists("other.ply"));
+  made("neighbors in.ply graph.npy --report graph.html", "graph.html");
+}
+
 TEST_F(RunVerb, OperatorsAreListedWithEveryOption) {
   const std::string out = tool("operators").out;
   EXPECT_TRUE(out.starts_with("knn: ")) << out;

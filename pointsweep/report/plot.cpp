@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/report/plot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "pointsweep/report/scale.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr double kWidth = 720, kHeight = 300, kLeft = 64, kRight = 16, kTop = 34, kBottom = 46;
+constexpr const char* kColors[] = {"#4269d0", "#efb118", "#ff725c", "#6cc5b0", "#3ca951", "#ff8ab7", "#a463f2"};
+constexpr double kBarHeight = 22;
+
+const char* color_of(std::size_t i) { return kColors[i % std::size(kColors)]; }
+
+std::string opened(double height, const std::string& title) {
+  return fmt::format(
+      "<svg viewBox=\"0 0 {:g} {:g}\" role=\"img\" aria-label=\"{}\">\n<text x=\"{:g}\" y=\"18\" "
+      "class=\"title\">{}</text>\n",
+      kWidth, height, escaped(title), kLeft, escaped(title));
+}
+
+std::string text_at(double x, double y, const char* anchor, const std::string& text) {
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor, escaped(text));
+}
+
+/// Grid, numbers and labels of both axes.
+std::string frame_of(const PlotText& text, const Scale& x, const Scale& y) {
+  std::string svg;
+  const double bottom = kHeight - kBottom;
+  for (const Tick& tick : y.ticks(5)) {
+    const double at = y.place(tick.value);
+    svg += fmt::format("<path class=\"grid\" d=\"M{:g} {:.1f}H{:g}\"/>\n", kLeft, at, kWidth - kRight);
+    svg += text_at(kLeft - 6, at + 4, "end", tick.text);
+  }
+  for (const Tick& tick : x.ticks(8)) {
+    const double at = x.place(tick.value);
+    svg += fmt::format("<path class=\"grid\" d=\"M{:.1f} {:g}v5\"/>\n", at, bottom);
+    svg += text_at(at, bottom + 18, "middle", tick.text);
+  }
+  svg += text_at(0.5 * (kLeft + kWidth - kRight), kHeight - 8, "middle", text.x);
+  return svg + text_at(kWidth - kRight, 18, "end", text.y);
+}
+
+std::string legend(const std::vector<std::string>& names) {
+  if (names.size() < 2) return {};
+  std::string svg;
+  double x = kLeft + 8;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    svg +=
+        fmt::format("<rect x=\"{:.1f}\" y=\"{:g}\" width=\"10\" height=\"10\" fill=\"{}\"/>\n", x, kTop, color_of(i));
+    svg += text_at(x + 14, kTop + 9, "start", names[i]);
+    x += 34 + 6.5 * static_cast<double>(names[i].size());
+  }
+  return svg;
+}
+
+}  // namespace
+
+std::string escaped(std::string_view text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '&')
+      safe += "&amp;";
+    else if (c == '<')
+      safe += "&lt;";
+    else if (c == '>')
+      safe += "&gt;";
+    else if (c == '"')
+      safe += "&quot;";
+    else
+      safe += c;
+  }
+  return safe;
+}
+
+std::string line_plot(const PlotText& text, const std::vector<Series>& series) {
+  double most_x = 0, most_y = 0;
+  std::vector<std::string> names;
+  for (const Series& s : series) {
+    names.push_back(s.name);
+    for (const auto& [x, y] : s.points) {
+      if (std::isfinite(x)) most_x = std::max(most_x, x);
+      if (std::isfinite(y)) most_y = std::max(most_y, y);
+    }
+  }
+  const Scale x(0, most_x, kLeft, kWidth - kRight), y(0, 1.1 * most_y, kHeight - kBottom, kTop);
+  std::string svg = opened(kHeight, text.title) + frame_of(text, x, y);
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    std::string path;
+    for (const auto& [px, py] : series[i].points) {
+      if (!std::isfinite(px) || !std::isfinite(py)) continue;
+      path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x.place(px), y.place(py));
+    }
+    svg += fmt::format("<path class=\"line\" stroke=\"{}\" d=\"{}\"/>\n", color_of(i), path);
+  }
+  return svg + legend(names) + "</svg>\n";
+}
+
+std::string bar_plot(const std::string& title, const std::vector<Bar>& bars) {
+  constexpr double kNames = 190;
+  double most = 0;
+  for (const Bar& bar : bars) most = std::max(most, bar.value);
+  const Scale x(0, most, kNames, kWidth - 150);
+  std::string svg = opened(kTop + kBarHeight * static_cast<double>(bars.size()) + 8, title);
+  for (std::size_t i = 0; i < bars.size(); ++i) {
+    const double y = kTop + kBarHeight * static_cast<double>(i), end = x.place(bars[i].value);
+    svg += text_at(kNames - 8, y + 14, "end", bars[i].name);
+    svg += fmt::format("<rect x=\"{:g}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:g}\" fill=\"{}\"/>\n", kNames, y + 3,
+                       std::max(0.5, end - kNames), kBarHeight - 6, color_of(0));
+    svg += text_at(end + 6, y + 14, "start", bars[i].label);
+  }
+  return svg + "</svg>\n";
+}
+
+std::string histogram_plot(const PlotText& text, const std::vector<double>& edges,
+                           const std::vector<Histogram>& histograms) {
+  if (edges.size() < 2) return {};
+  double most = 0;
+  std::vector<std::string> names;
+  for (const Histogram& h : histograms) {
+    names.push_back(h.name);
+    for (const double count : h.counts) most = std::max(most, count);
+  }
+  const Scale x(edges.front(), edges.back(), kLeft, kWidth - kRight, true), y(0, 1.1 * most, kHeight - kBottom, kTop);
+  std::string svg = opened(kHeight, text.title) + frame_of(text, x, y);
+  for (std::size_t h = 0; h < histograms.size(); ++h) {
+    std::string path = fmt::format("M{:.1f} {:.1f}", x.place(edges.front()), y.place(0));
+    for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+      path += fmt::format("V{:.1f}H{:.1f}", y.place(histograms[h].counts[i]), x.place(edges[i + 1]));
+    }
+    path += fmt::format("V{:.1f}Z", y.place(0));
+    svg += fmt::format("<path class=\"area\" stroke=\"{0}\" fill=\"{0}\" d=\"{1}\"/>\n", color_of(h), path);
+  }
+  return svg + legend(names) + "</svg>\n";
+}
+
+}  // namespace pointsweep
