@@ -103,7 +103,7 @@ void add_render_command(CLI::App& app) {
   verb.footer(
       "Points are drawn as their splats where the file has them (nx.., splat_x.., splat_length, splat_ratio), else as "
       "discs\n"
-      "with the file's radius or of about the spacing of points. Numbers are coloured from their 2 % to their 98 % "
+      "with the file's radius or of about the spacing of points. Numbers are coloured from their 5 % to their 95 % "
       "quantile.\n"
       "The cloud is read twice and never held in memory.\n"
       "\nExample:\n"

@@ -103,8 +103,8 @@ std::pair<double, double> robust_range(std::vector<double> values) {
     std::nth_element(values.begin(), at, values.end());
     return *at;
   };
-  const double lo = quantile(0.02);
-  return {lo, quantile(0.98)};
+  const double lo = quantile(0.05);
+  return {lo, quantile(0.95)};
 }
 
 }  // namespace pointsweep

@@ -52,7 +52,7 @@ class PointColor {
   double most_ = 0;
 };
 
-/// The 2 % and 98 % quantiles of the finite ones of `values`, so that outliers do not use up the colours; (0, 1) if
+/// The 5 % and 95 % quantiles of the finite ones of `values`, so that outliers do not use up the colours; (0, 1) if
 /// there is none.
 std::pair<double, double> robust_range(std::vector<double> values);
 

@@ -109,8 +109,8 @@ TEST(Render, HeightGoesFromVioletToYellow) {
   Cloud cloud = spheres.cloud(false);
   const Rendering r = render(cloud, small("height"));
   ASSERT_TRUE(r.is_number);
-  EXPECT_NEAR(r.lo, -0.96, 0.02);
-  EXPECT_NEAR(r.hi, 0.96, 0.02);
+  EXPECT_NEAR(r.lo, -0.9, 0.02);
+  EXPECT_NEAR(r.hi, 0.9, 0.02);
   const Rgb top = pixel(r, 100, 20), bottom = pixel(r, 100, 180);
   EXPECT_GT(top.red, 3 * top.blue);
   EXPECT_GT(bottom.blue, 3 * bottom.green);
