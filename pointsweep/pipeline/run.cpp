@@ -11,6 +11,7 @@
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/nonfinite_points.h"
+#include "pointsweep/pipeline/observation.h"
 #include "pointsweep/pipeline/ordered_output.h"
 #include "pointsweep/pipeline/output_set.h"
 #include "pointsweep/pipeline/pipeline.h"
@@ -175,11 +176,18 @@ class Run {
     InputOrderSink by_row(results, planned.plan.result_bytes);
     std::optional<SweepOrderSink> by_place;
     if (whole != nullptr) by_place.emplace(results, *stream_, *whole, cloud_.schema().stride);
+    const bool first = statistics_.sweeps == 0;
+    std::vector<PointState> half_way(first && !options_.half_way_states.empty() ? cloud_.count() : 0);
     const SweepOptions sweep_options{.cell_points = options_.cell_points,
                                      .read_ahead = std::max(1u, statistics_.threads / 2),
                                      .recall_bytes = memory.recall_bytes,
+                                     .count_distances = first && options_.count_distances,
+                                     .half_way = half_way.empty() ? nullptr : &half_way,
                                      .progress = sweep_progress()};
-    return sweep(*stream_, planned.plan, by_place ? static_cast<Sink&>(*by_place) : by_row, sweep_options);
+    SweepStatistics done =
+        sweep(*stream_, planned.plan, by_place ? static_cast<Sink&>(*by_place) : by_row, sweep_options);
+    if (!half_way.empty()) write_states(half_way, options_.half_way_states, options_.overwrite);
+    return done;
   }
 
   SweepStatistics sweep_by_reference(RowStore& results, const PlannedChain& planned, const MemoryPlan& memory,

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "pointsweep/pipeline/observation.h"
 #include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
@@ -64,6 +65,7 @@ void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& swe
     for (auto& [points_read, waiting] : series) points_read += read_before;
     to.buffers.emplace_back(name, std::move(series));
   }
+  if (to.sweeps == 0) to.neighbor_distances = bins_of(sweep.distances);
   ++to.sweeps;
 }
 

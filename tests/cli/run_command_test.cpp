@@ -100,6 +100,18 @@ TEST_F(RunVerb, NeighborhoodsOfTheirOwnSizeCanBeKeptAndUsedAgain) {
   refused(2, "normals in.ply g.ply --k-from neighbor_count", "normals: knn: k_from needs k");
 }
 
+TEST_F(RunVerb, AReportShowsTheRunAndItsResult) {
+  const std::string page = made("curvature in.ply out.ply --report report.html", "report.html");
+  for (const char* words : {"<!doctype html>", "data:image/png;base64,iVBOR", "Working set", "curvature",
+                            "Distances of neighbours", "<td>out.ply</td>"}) {
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+  }
+  EXPECT_EQ(made("curvature in.ply again.ply", "again.ply"), contents(folder_ / "out.ply"));
+  refused(1, "curvature in.ply other.ply --report report.html", "report.html");
+  EXPECT_FALSE(exists("other.ply"));
+  made("neighbors in.ply graph.npy --report graph.html", "graph.html");
+}
+
 TEST_F(RunVerb, OperatorsAreListedWithEveryOption) {
   const std::string out = tool("operators").out;
   EXPECT_TRUE(out.starts_with("knn: ")) << out;
