@@ -14,6 +14,7 @@
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/update_operators.h"
 #include "pointsweep/verify/npy_reader.h"
 #include "pointsweep/verify/verify.h"
 
@@ -29,12 +30,33 @@ struct VerifyCommand {
   VerifyOptions check;
 };
 
+/// What is made after points got new neighbours cannot be told from a sample of the input, so that part is left out.
 MadeBy made_by(const Chain& chain) {
+  const auto moved = std::find_if(chain.operators.begin(), chain.operators.end(),
+                                  [](const auto& op) { return dynamic_cast<const Reneighbor*>(op.get()) != nullptr; });
   const bool all = chain.neighborhood.k == Neighborhood::kUnlimited;
-  return {
+  MadeBy made{
       .neighborhood = {.k = all ? NeighborRule::kUnlimited : chain.neighborhood.k, .radius = chain.neighborhood.radius},
-      .operators = chain.operators,
+      .operators = {chain.operators.begin(), moved},
       .keep = chain.keep};
+  for (auto op = moved; op != chain.operators.end(); ++op)
+    for (const Attribute& a : (*op)->contract().makes) made.unchecked.push_back(a);
+  if (made.unchecked.empty()) return made;
+  if (made.keep.empty())
+    for (const auto& op : made.operators)
+      for (const Attribute& a : op->contract().makes) made.keep.push_back(a.name);
+  for (const Attribute& again : made.unchecked) std::erase(made.keep, again.name);
+  if (made.keep.empty()) made.operators.clear();
+  return made;
+}
+
+void refuse_resorted(const VerifyCommand& command, const Chain& chain) {
+  const bool resorted = std::any_of(chain.operators.begin(), chain.operators.end(),
+                                    [](const auto& op) { return dynamic_cast<const Resort*>(op.get()) != nullptr; });
+  if (resorted && command.check.order != RowOrder::input)
+    fail_usage(
+        "verify: rows in the order of moved points cannot be told from the input; verify an output in the order of the "
+        "input, and say --order input.");
 }
 
 StageText knn_of(const VerifyCommand& command) {
@@ -98,7 +120,9 @@ MadeBy made_by_pipeline(const VerifyCommand& command, Cloud& cloud, const Reader
     fail_usage("{}: the pipeline says in knn which neighbours it takes; leave the option out.",
                command.neighborhood.front().place);
   if (!knn) stages.insert(stages.begin(), knn_of(command));
-  MadeBy made = made_by(build_chain(stages, cloud, command.keep));
+  const Chain chain = build_chain(stages, cloud, command.keep);
+  refuse_resorted(command, chain);
+  MadeBy made = made_by(chain);
   if (!command.pipeline.empty() || !command.keep.empty()) return made;
   for (const auto& op : made.operators)
     for (const Attribute& a : op->contract().makes)

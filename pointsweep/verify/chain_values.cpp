@@ -37,7 +37,8 @@ ChainValues::ChainValues(std::vector<std::shared_ptr<const Operator>> operators,
   int position = -1;
   for (const auto& op : operators) {
     const Contract contract = op->contract();
-    Stage stage{.op = op, .reads = {}, .reads_neighbors = {}, .makes = {}, .position = position};
+    Stage stage{
+        .op = op, .reads = {}, .reads_neighbors = {}, .makes = {}, .position = position, .alone = contract.alone};
     for (const Attribute& a : contract.reads) stage.reads.push_back(column_of(a, *op, input));
     for (const Attribute& a : contract.reads_neighbors) stage.reads_neighbors.push_back(column_of(a, *op, input));
     for (const Attribute& a : contract.makes) {
@@ -93,7 +94,7 @@ void ChainValues::find_rings() {
     if (stage.ring < 0) continue;
     for (const std::uint16_t column : stage.reads) need(column, stage.ring);
     for (const std::uint16_t column : stage.reads_neighbors) need(column, stage.ring + 1);
-    if (stage.position >= 0) need(static_cast<std::uint16_t>(stage.position), stage.ring + 1);
+    if (stage.position >= 0) need(static_cast<std::uint16_t>(stage.position), stage.ring + (stage.alone ? 0 : 1));
   }
 }
 

@@ -36,8 +36,9 @@ class ChainValues {
   struct Stage {
     std::shared_ptr<const Operator> op;
     std::vector<std::uint16_t> reads, reads_neighbors, makes;
-    int position = -1;  ///< column of the moved positions it sees
-    int ring = -1;      ///< outermost ring on which it is needed; negative: nowhere
+    int position = -1;   ///< column of the moved positions it sees
+    bool alone = false;  ///< it sees only its own
+    int ring = -1;       ///< outermost ring on which it is needed; negative: nowhere
   };
   struct FileColumn {
     std::uint16_t column;

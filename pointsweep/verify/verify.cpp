@@ -76,6 +76,11 @@ class Verification {
         differ("the output has no '{}', which is to be made", name);
       }
     }
+    for (const Attribute& a : made_by_.unchecked) {
+      verdict_.unknown.push_back(a.name);
+      for (const std::string& name : a.fields)
+        if (const auto old = in_.schema().find(name)) replaced_[*old] = true;
+    }
     for (const Field& field : out_.schema().fields)
       if (!is_of(in_.schema(), field.name) && !is_of(results, field.name)) verdict_.unknown.push_back(field.name);
   }

@@ -32,6 +32,8 @@ struct MadeBy {
   NeighborRule neighborhood = {};
   std::vector<std::shared_ptr<const Operator>> operators = {};
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
+  /// Made too, but from neighbours of moved points, which no sample of the input tells: they are not checked.
+  std::vector<Attribute> unchecked = {};
 };
 
 /// Whether `out` is what a run over `in` gives. Every point: the count, and each attribute by value, row by row or, in

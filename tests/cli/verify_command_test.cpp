@@ -36,6 +36,16 @@ TEST_F(VerifyVerb, AcceptsWhatEveryVerbWrites) {
   same("in.ply d.npy -k 5", "0 wrong: distances");
 }
 
+TEST_F(VerifyVerb, SaysWhatItCannotCheckOfPointsThatGotNewNeighbors) {
+  const std::string pipeline = " --pipeline 'knn(k=12) | normals | splats | fair | reneighbor | normals'";
+  made("run in.ply m.ply" + pipeline, "m.ply");
+  same("in.ply m.ply --sample 50" + pipeline, "0 wrong: splat_axis splat_length splat_ratio position");
+  EXPECT_NE(tool("verify in.ply m.ply --sample 50" + pipeline).out.find("not checked        normal\n"),
+            std::string::npos);
+  made("run in.ply o.ply --order sweep --pipeline 'knn(k=12) | normals | splats | fair | resort'", "o.ply");
+  refused(2, "verify in.ply o.ply --pipeline 'knn(k=12) | normals | splats | fair | resort'", "order of moved points");
+}
+
 TEST_F(VerifyVerb, SeveralInputsAreOneCloud) {
   EXPECT_EQ(tool("generate statue more.ply -n 1000 --seed 2").status, 0);
   made("normals in.ply more.ply both.ply", "both.ply");
