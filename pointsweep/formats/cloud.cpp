@@ -16,11 +16,27 @@ std::vector<std::unique_ptr<Reader>> open_all(const std::vector<std::filesystem:
   return readers;
 }
 
+std::vector<FileState> states_of(const std::vector<std::filesystem::path>& paths) {
+  return {paths.begin(), paths.end()};
+}
+
+std::vector<FileState> states_of(const std::vector<std::unique_ptr<Reader>>& readers) {
+  std::vector<FileState> states;
+  for (const auto& reader : readers) states.emplace_back(reader->info().path);
+  return states;
+}
+
 }  // namespace
 
-Cloud::Cloud(const std::vector<std::filesystem::path>& paths) : Cloud(open_all(paths)) {}
+Cloud::Cloud(const std::vector<std::filesystem::path>& paths) : states_(states_of(paths)), readers_(open_all(paths)) {
+  begin();
+}
 
-Cloud::Cloud(std::vector<std::unique_ptr<Reader>> readers) : readers_(std::move(readers)) {
+Cloud::Cloud(std::vector<std::unique_ptr<Reader>> readers) : states_(states_of(readers)), readers_(std::move(readers)) {
+  begin();
+}
+
+void Cloud::begin() {
   if (readers_.empty()) fail_usage("no input was given; name at least one point file.");
   CommonSchema common = common_schema(readers_);
   schema_ = std::move(common.schema);
@@ -28,7 +44,6 @@ Cloud::Cloud(std::vector<std::unique_ptr<Reader>> readers) : readers_(std::move(
   for (const auto& reader : readers_) {
     first_row_.push_back(count_);
     count_ += reader->info().count;
-    states_.emplace_back(reader->info().path);
   }
 }
 

@@ -36,14 +36,15 @@ class Cloud {
   /// As Reader::read, over all inputs. Not thread-safe.
   std::size_t read(std::uint64_t row, std::span<std::byte> records);
 
-  /// Throws Error if an input was written to since the cloud was made: what was read may be a mixture of old and new.
+  /// Throws Error if an input was written to since it was opened: what was read may be a mixture of old and new.
   void require_unchanged() const;
 
  private:
+  void begin();
   std::size_t read_input(std::size_t input, std::uint64_t row, std::span<std::byte> records);
 
+  std::vector<FileState> states_;  ///< of the inputs before they were opened
   std::vector<std::unique_ptr<Reader>> readers_;
-  std::vector<FileState> states_;  ///< of the inputs when the cloud was made
   std::vector<std::uint64_t> first_row_;
   std::vector<InputMapping> mappings_;
   std::vector<std::byte> scratch_;
