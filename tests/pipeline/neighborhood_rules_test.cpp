@@ -213,6 +213,23 @@ TEST(NeighborhoodRules, ReadAttributesOfAnyTypeEvenCoordinates) {
   }
 }
 
+TEST(NeighborhoodRules, OfALaterSweepReadWhatAnEarlierOneMade) {
+  const Attributed input(hostile_shapes()[0].second, 1500, 1, 1, 27);
+  const auto normals_of = [&](const std::string& pipeline) {
+    Cloud cloud = input.cloud();
+    Chain chain = build_chain(parse_pipeline(pipeline), cloud);
+    chain.keep = {"normal"};
+    return run_in_memory(cloud, chain, tiny(250, 64, 2)).records;
+  };
+  const auto adaptive = normals_of("knn(k=40, adaptive=eigenentropy) | normals");
+  EXPECT_EQ(normals_of("knn(k=40, adaptive=eigenentropy) | neighborhood_size | "
+                       "reneighbor(k=40, k_from=neighbor_count) | normals"),
+            adaptive);
+  EXPECT_EQ(normals_of("knn(k=5) | reneighbor(k=40, adaptive=eigenentropy) | normals"), adaptive);
+  EXPECT_EQ(normals_of("knn(k=40, adaptive=eigenentropy) | reneighbor | normals"), adaptive);
+  EXPECT_NE(normals_of("knn(k=40) | normals"), adaptive);
+}
+
 TEST(NeighborhoodRules, AnAttributeThatTheInputLacksIsRefusedWithWhatItHas) {
   const Attributed input(hostile_shapes()[0].second, 10, 1, 1, 25);
   Cloud cloud = input.cloud();
