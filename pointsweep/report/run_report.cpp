@@ -32,10 +32,15 @@ std::vector<std::pair<double, double>> thinned(const std::vector<std::pair<std::
 }
 
 std::string working_set(const Statistics& s) {
-  Series active{"active", {{0, 0}}};
   const double share = 100 / static_cast<double>(std::max<std::uint64_t>(s.points, 1));
-  for (const auto& [read, count] : thinned(s.series, 600)) active.points.emplace_back(read, count * share);
-  return line_plot({"Working set over the stream", "points read", "% of the cloud in the window"}, {active});
+  const auto in_percent = [share](const std::string& name, const auto& counts) {
+    Series series{name, {}};
+    for (const auto& [read, count] : thinned(counts, 600)) series.points.emplace_back(read, count * share);
+    return series;
+  };
+  std::vector<Series> all = {in_percent("window", s.series)};
+  for (const auto& [name, counts] : s.buffers) all.push_back(in_percent(name, counts));
+  return line_plot({"Working set over the stream", "points read", "% of the cloud"}, all);
 }
 
 std::string times(const Statistics& s) {
