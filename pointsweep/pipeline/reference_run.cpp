@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "pointsweep/error.h"
 #include "reference/reference.h"
 
 namespace pointsweep {
@@ -50,6 +51,15 @@ reference::Task task_of(const PlannedChain& planned) {
 }
 
 }  // namespace
+
+void require_reference_can(const PlannedChain& planned, const RunOptions& options) {
+  if (const auto& rule = planned.plan.neighborhood.rule)
+    fail_usage(
+        "The reference keeps every neighbour it finds, and here of these {} are wanted: leave out --engine reference.",
+        rule->meaning());
+  if (!options.half_way_states.empty())
+    fail_usage("Half-way states are those of the exact engine's cells: leave them out, or --engine reference.");
+}
 
 SweepStatistics run_reference(const ReferenceRun& run, ReferenceCounts& counts) {
   Rows rows(run);

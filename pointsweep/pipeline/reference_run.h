@@ -8,10 +8,14 @@
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/pipeline/chain.h"
 #include "pointsweep/pipeline/output_layout.h"
+#include "pointsweep/pipeline/pipeline.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
+
+/// Throws UsageError for a request that the paper's algorithm has no answer to.
+void require_reference_can(const PlannedChain& planned, const RunOptions& options);
 
 struct ReferenceRun {
   const Stream& stream;

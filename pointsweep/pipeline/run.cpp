@@ -51,6 +51,8 @@ class Run {
       fail_usage("Arrays have their rows in input order: leave out --order sweep.");
     }
     PlannedSweeps planned = plan_sweeps(chain, cloud_.schema(), in_stream_order);
+    if (options_.engine == Engine::reference)
+      for (const PlannedSweep& sweep : planned.sweeps) require_reference_can(sweep.chain, options_);
     note_neighborhoods(planned);
     survey_cloud(in_stream_order || needs_bounds(outputs.points));
     OutputSet files(cloud_, planned.made, outputs, options_.overwrite, bounds_if_exact());

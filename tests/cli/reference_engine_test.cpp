@@ -43,6 +43,8 @@ TEST_F(ReferenceEngine, WhatItCannotDoIsSaid) {
   refused(2, "normals in.ply out.ply --engine paper", "--engine: 'paper' is not exact or reference");
   refused(2, "curvature in.ply out.ply --engine reference --dry-run", "leave out --dry-run or --engine reference");
   refused(2, "sort in.ply out.ply --engine reference", "--engine");
+  refused(2, "normals in.ply out.ply -k 20 --adaptive eigenentropy --engine reference", "leave out --engine reference");
+  refused(2, "normals in.ply out.ply --half-way-states states.npy --engine reference", "Half-way states");
   EXPECT_FALSE(exists("out.ply"));
 }
 
