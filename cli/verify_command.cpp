@@ -10,6 +10,7 @@
 #include "cli/pipeline_run.h"
 #include "cli/progress.h"
 #include "cli/quantities.h"
+#include "cli/stage_options.h"
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/operators/neighbor_rows.h"
@@ -37,6 +38,7 @@ MadeBy made_by(const Chain& chain) {
   const bool all = chain.neighborhood.k == Neighborhood::kUnlimited;
   MadeBy made{
       .neighborhood = {.k = all ? NeighborRule::kUnlimited : chain.neighborhood.k, .radius = chain.neighborhood.radius},
+      .rule = chain.neighborhood.rule,
       .operators = {chain.operators.begin(), moved},
       .keep = chain.keep};
   for (auto op = moved; op != chain.operators.end(); ++op)
@@ -178,19 +180,6 @@ void run_check(const VerifyCommand& command) {
        verdict.differences.front());
 }
 
-void add_neighborhood_options(CLI::App& verb, VerifyCommand& command) {
-  for (const OptionDeclaration& option : neighborhood_declaration().options) {
-    const std::string flag = (option.name == "k" ? "-" : "--") + option.name;
-    verb.add_option_function<std::string>(
-            flag,
-            [&command, flag, name = option.name](const std::string& value) {
-              command.neighborhood.push_back({name, value, flag});
-            },
-            fmt::format("{}: {}", option.allowed(), option.meaning))
-        ->type_name("VALUE");
-  }
-}
-
 void add_check_options(CLI::App& verb, VerifyCommand& command) {
   verb.add_option_function<std::string>(
           "--sample", [&command](const std::string& text) { command.check.sample = parse_count("--sample", text); },
@@ -214,7 +203,7 @@ void add_verify_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("verify", "Check that an output is complete and right, by brute force");
   auto command = std::make_shared<VerifyCommand>();
   add_inputs_and_output(verb, command->paths, "the file that a run has written from them");
-  add_neighborhood_options(verb, *command);
+  add_neighborhood_options(verb, "8", command->neighborhood);
   verb.add_option("--pipeline", command->pipeline,
                   "The stages that made it (default: what adds the attributes found, in its usual form)")
       ->type_name("TEXT|FILE");

@@ -33,7 +33,14 @@ std::vector<PointColumns> slots_of(const Surroundings& around, const std::vector
 }  // namespace
 
 ChainValues::ChainValues(std::vector<std::shared_ptr<const Operator>> operators, const std::vector<std::string>& keep,
-                         const Schema& input) {
+                         const Schema& input, SharedRule rule)
+    : rule_(std::move(rule)) {
+  for (const Attribute& a : rule_ ? rule_->reads() : std::vector<Attribute>{}) {
+    columns_.push_back(a);
+    maker_.push_back(-1);
+    rule_reads_.push_back(static_cast<std::uint16_t>(columns_.size() - 1));
+    add_file_column(rule_reads_.back(), a, "The rule of neighbourhoods", input);
+  }
   int position = -1;
   for (const auto& op : operators) {
     const Contract contract = op->contract();
@@ -67,15 +74,20 @@ std::uint16_t ChainValues::new_column(const Attribute& attribute) {
 std::uint16_t ChainValues::column_of(const Attribute& wanted, const Operator& op, const Schema& input) {
   for (const auto& [name, column] : latest_)
     if (name == wanted.name) return column;
+  const std::uint16_t column = new_column(wanted);
+  add_file_column(column, wanted, op.name(), input);
+  return column;
+}
+
+void ChainValues::add_file_column(std::uint16_t column, const Attribute& wanted, const std::string& who,
+                                  const Schema& input) {
   std::vector<Field> fields;
   for (const std::string& name : wanted.fields) {
     const auto at = input.find(name);
-    if (!at) fail_usage("{}: needs '{}', which neither the input nor an earlier stage has.", op.name(), wanted.name);
+    if (!at) fail_usage("{}: needs '{}', which neither the input nor an earlier stage has.", who, wanted.name);
     fields.push_back(input.fields[*at]);
   }
-  const std::uint16_t column = new_column(wanted);
   file_columns_.push_back({column, wanted, std::move(fields)});
-  return column;
 }
 
 void ChainValues::make(const Attribute& attribute, Stage& stage) {
@@ -156,9 +168,35 @@ void ChainValues::apply(const Stage& stage, const Surroundings& around, ColumnBy
   }
 }
 
-std::vector<std::byte> ChainValues::evaluate(const Surroundings& around, RowSource& in) const {
+/// Leaves of each list what the rule keeps, before any stage.
+void ChainValues::shorten(Surroundings& around, const ColumnBytes& columns) const {
+  std::vector<const std::byte*> pointers;
+  const std::vector<PointColumns> slots = slots_of(around, columns, columns_, pointers);
+  const std::vector<std::size_t> from = around.list_begin;
+  std::size_t end = 0;
+  for (std::size_t i = 0; i + 1 < from.size(); ++i) {
+    PointColumns own = slots[i / kCellCapacity];
+    const std::size_t at = i % kCellCapacity;
+    own.x += at, own.y += at, own.z += at, own.row += at;
+    std::vector<const std::byte*> values(columns.size(), nullptr);
+    for (const std::uint16_t c : rule_reads_) values[c] = columns[c].data() + i * columns_[c].bytes();
+    own.columns = values.data();
+    const std::uint32_t list[2] = {0, static_cast<std::uint32_t>(from[i + 1] - from[i])};
+    std::uint32_t kept = 0;
+    rule_->choose(Neighborhoods(own, 1, slots.data(), list, around.neighbors.data() + from[i], rule_reads_, {}),
+                  {&kept, 1});
+    std::copy_n(around.neighbors.data() + from[i], kept, around.neighbors.data() + end);
+    around.list_begin[i] = end;
+    end += kept;
+  }
+  around.list_begin.back() = end;
+  around.neighbors.resize(end);
+}
+
+std::vector<std::byte> ChainValues::evaluate(Surroundings around, RowSource& in) const {
   ColumnBytes columns(columns_.size());
   fetch_file_columns(around, in, columns);
+  if (rule_) shorten(around, columns);
   for (const Stage& stage : stages_)
     if (stage.ring >= 0) apply(stage, around, columns);
   const std::size_t chosen = around.ring_end[0], stride = result_bytes();

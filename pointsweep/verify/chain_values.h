@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pointsweep/operators/operator.h"
+#include "pointsweep/points/neighborhood_rule.h"
 #include "pointsweep/verify/row_source.h"
 #include "pointsweep/verify/surroundings.h"
 
@@ -15,10 +16,11 @@ namespace pointsweep {
 
 class ChainValues {
  public:
-  /// `keep`: names of the made attributes that count; empty: all. Throws UsageError if an operator reads what neither
-  /// the input nor an earlier stage has.
+  /// `keep`: names of the made attributes that count; empty: all. `rule`: what is left of the neighbours found. Throws
+  /// UsageError if an operator reads what neither the input nor an earlier stage has, or the rule what the input has
+  /// not.
   ChainValues(std::vector<std::shared_ptr<const Operator>> operators, const std::vector<std::string>& keep,
-              const Schema& input);
+              const Schema& input, SharedRule rule = {});
 
   /// The last version of each kept attribute, in the order first made.
   const std::vector<Attribute>& made() const { return made_; }
@@ -30,7 +32,7 @@ class ChainValues {
 
   /// Results of the chosen points of `around`, which has rings() rings. Reads the input once more if an operator reads
   /// attributes of the file.
-  std::vector<std::byte> evaluate(const Surroundings& around, RowSource& in) const;
+  std::vector<std::byte> evaluate(Surroundings around, RowSource& in) const;
 
  private:
   struct Stage {
@@ -48,6 +50,8 @@ class ChainValues {
   using ColumnBytes = std::vector<std::vector<std::byte>>;  ///< by column number
 
   std::uint16_t column_of(const Attribute& wanted, const Operator& op, const Schema& input);
+  void add_file_column(std::uint16_t column, const Attribute& wanted, const std::string& who, const Schema& input);
+  void shorten(Surroundings& around, const ColumnBytes& columns) const;
   std::uint16_t new_column(const Attribute& attribute);
   void make(const Attribute& attribute, Stage& stage);
   void find_rings();
@@ -55,6 +59,8 @@ class ChainValues {
   void fetch_file_columns(const Surroundings& around, RowSource& in, ColumnBytes& columns) const;
   void apply(const Stage& stage, const Surroundings& around, ColumnBytes& columns) const;
 
+  SharedRule rule_;
+  std::vector<std::uint16_t> rule_reads_;
   std::vector<Stage> stages_;
   std::vector<FileColumn> file_columns_;
   std::vector<Attribute> columns_;

@@ -41,7 +41,7 @@ class Verification {
         out_(out),
         made_by_(made_by),
         options_(options),
-        chain_(made_by.operators, made_by.keep, in_.schema()),
+        chain_(made_by.operators, made_by.keep, in_.schema(), made_by.rule),
         rows_(sample_rows(in_.count(), options.sample, options.seed)) {
     verdict_.input = in_.name(), verdict_.output = out_.name();
     verdict_.attributes_compared = !is_array;
@@ -169,10 +169,10 @@ class Verification {
     const std::size_t turn = points_in_a_turn();
     for (std::size_t first = 0; first < finite_.size(); first += turn) {
       const auto chosen = std::span(finite_).subspan(first, std::min(turn, finite_.size() - first));
-      const Surroundings around =
+      Surroundings around =
           find_surroundings(in_, chosen, subset_, made_by_.neighborhood, chain_.rings(), options_.progress);
       verdict_.passes += chain_.rings();
-      hold_against_output(chosen, chain_.evaluate(around, in_), places);
+      hold_against_output(chosen, chain_.evaluate(std::move(around), in_), places);
     }
     hold_against_output(nonfinite_, values_of_none(), places);
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pointsweep/operators/operator.h"
+#include "pointsweep/points/neighborhood_rule.h"
 #include "pointsweep/verify/row_source.h"
 #include "pointsweep/verify/surroundings.h"
 #include "pointsweep/verify/verdict.h"
@@ -30,6 +31,7 @@ struct VerifyOptions {
 /// What the run was asked to make.
 struct MadeBy {
   NeighborRule neighborhood = {};
+  SharedRule rule = {};  ///< what is left of that
   std::vector<std::shared_ptr<const Operator>> operators = {};
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
   /// Made too, but from neighbours of moved points, which no sample of the input tells: they are not checked.
