@@ -13,17 +13,20 @@ def table(results):
     most = max(len(row['runs']) for result in results for row in result['rows'])
     runs = f'medians of {most} runs' if most > 1 else 'single runs'
     yield (f"Normals, k = {first['k']}, whole processes from file to file, points in random file order, {first['threads']} threads, {runs}; "
-           f"{first['machine']['cpu']}, {first['machine']['cpus']} cores, {first['compiler'].split(') ')[-1]}, {first['date']}. "
+           f"{first['machine']['cpu']}, {first['machine']['cpus']} cores, {first['compiler'].split(') ')[-1]}, commit {first['commit']}, {first['date']}. "
            "Answers compared before times count.\n\n")
-    yield "| cloud | program | wall s | CPU s | peak MB | CPU, pointsweep = 1 |\n|---|---|---|---|---|---|\n"
+    small = next(r["program"] for r in first["rows"] if r["program"].startswith("pointsweep --memory"))
+    yield (f"| cloud | wall s | CPU s | peak MB | `{small.removeprefix('pointsweep ')}`: CPU s | peak MB | nanoflann, points permuted: CPU | "
+           "nanoflann, file order: CPU |\n|---|---|---|---|---|---|---|---|\n")
     for result in results:
-        base = {}
+        clouds = {}
         for row in result["rows"]:
-            cloud = f"{row['shape']} {row['points'] / 1e6:g}M"
-            median = row["median"]
-            base.setdefault(cloud, median["cpu_seconds"])
-            yield (f"| {cloud} | {row['program']} | {median['wall_seconds']:.2f} | {median['cpu_seconds']:.2f} | "
-                   f"{median['peak_rss_bytes'] / 1e6:.0f} | {median['cpu_seconds'] / base[cloud]:.2f} |\n")
+            clouds.setdefault(f"{row['shape']} {row['points'] / 1e6:g}M", {})[row["program"]] = row["median"]
+        for cloud, programs in clouds.items():
+            ours, in_little = programs["pointsweep"], programs[small]
+            times = [f"{programs[name]['cpu_seconds'] / ours['cpu_seconds']:.1f} times" for name in ("nanoflann permuted", "nanoflann")]
+            yield (f"| {cloud} | {ours['wall_seconds']:.2f} | {ours['cpu_seconds']:.2f} | {ours['peak_rss_bytes'] / 1e6:.0f} | "
+                   f"{in_little['cpu_seconds']:.2f} | {in_little['peak_rss_bytes'] / 1e6:.0f} | {' | '.join(times)} |\n")
     yield f"\nMade by `script/bench`; runs in {', '.join(f'`{name}`' for name in sys.argv[1:])}.\n"
 
 
