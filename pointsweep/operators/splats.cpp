@@ -7,7 +7,9 @@
 #include <cstddef>
 #include <limits>
 #include <span>
+#include <vector>
 
+#include "pointsweep/math/batch.h"
 #include "pointsweep/math/saturated_float.h"
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/tangent_plane.h"
@@ -33,11 +35,24 @@ struct Ellipse {
   }
 };
 
-Ellipse ellipse_of_positions(Vec3 normal, const WeightedNeighborhood& near) {
-  const Eigen3 e = eigen_symmetric3(near.moments());
+/// `e` is that of M_i.
+Ellipse ellipse_of_positions(Vec3 normal, const Eigen3& e) {
   const double flatness = e.value[2] > 0 ? std::sqrt(std::max(e.value[1], 0.0) / e.value[2]) : 1;
   return {normal, tangent(normal, e.vector[2], e.vector[1]), flatness};
 }
+
+/// Eigenvectors of M_i of a few points at a time, side by side.
+struct Chunk {
+  static constexpr std::size_t kPoints = 64;
+  std::array<Symmetric3, kPoints> moments;
+  std::array<Eigen3, kPoints> eigen;
+
+  void gather(const Neighborhoods& in, std::size_t first, std::vector<double>& theta) {
+    const std::size_t size = std::min(kPoints, in.size() - first);
+    for (std::size_t c = 0; c < size; ++c) moments[c] = WeightedNeighborhood(in, first + c).moments(theta);
+    batch_eigen_symmetric3({moments.data(), size}, {eigen.data(), size});
+  }
+};
 
 /// The eight least of what it is shown.
 class Least {
@@ -92,17 +107,20 @@ Contract Splats::contract() const {
 }
 
 void Splats::apply(const Neighborhoods& in, Columns& out) const {
+  const bool along_ridges = options_.axes == SplatAxes::curvature;
+  std::vector<double> theta;
+  Chunk chunk;
   const auto shape = [&](std::size_t i, Vec3 normal, const WeightedNeighborhood& near) -> Ellipse {
-    if (options_.axes == SplatAxes::curvature) {
-      const Vec3 ridge = unit_or_zero(cross(normal, unit_or_zero(in.value<Float3>(1, i))));
-      const double k1 = in.value<float>(2, i), k2 = in.value<float>(3, i);
-      if (ridge != Vec3{} && k1 > 0 && k2 >= 0) return {normal, ridge, std::sqrt(k2 / k1)};
-    }
-    return ellipse_of_positions(normal, near);
+    if (!along_ridges) return ellipse_of_positions(normal, chunk.eigen[i % Chunk::kPoints]);
+    const Vec3 ridge = unit_or_zero(cross(normal, unit_or_zero(in.value<Float3>(1, i))));
+    const double k1 = in.value<float>(2, i), k2 = in.value<float>(3, i);
+    if (ridge != Vec3{} && k1 > 0 && k2 >= 0) return {normal, ridge, std::sqrt(k2 / k1)};
+    return ellipse_of_positions(normal, eigen_symmetric3(near.moments(theta)));
   };
   const std::span<Float3> axis = out.column<Float3>(0);
   const std::span<float> length = out.column<float>(1), ratio = out.column<float>(2);
   for (std::size_t i = 0; i < in.size(); ++i) {
+    if (!along_ridges && i % Chunk::kPoints == 0) chunk.gather(in, i, theta);
     axis[i] = {}, length[i] = 0, ratio[i] = 0;
     const WeightedNeighborhood near(in, i);
     const Vec3 normal = unit_or_zero(in.value<Float3>(0, i));
