@@ -18,7 +18,10 @@ namespace pointsweep {
 namespace {
 
 MadeBy made_by(const Chain& chain) {
-  return {{chain.neighborhood.k, chain.neighborhood.radius}, chain.operators, chain.keep};
+  return {.neighborhood = {chain.neighborhood.k, chain.neighborhood.radius},
+          .rule = chain.neighborhood.rule,
+          .operators = chain.operators,
+          .keep = chain.keep};
 }
 
 RunOptions in_order(Order order) {
@@ -92,7 +95,9 @@ const char* const kPipelines[] = {"knn(k=8) | normals",
                                   "knn(k=9) | normals | curvature",
                                   "knn(k=8) | normals | curvature | splats",
                                   "knn(k=10) | normals | splats | fair | normals | splats",
-                                  "knn(k=1) | normals"};
+                                  "knn(k=1) | normals",
+                                  "knn(k=16, k_from=intensity) | normals | curvature",
+                                  "knn(k=16, adaptive=eigenentropy, k_min=5) | normals | splats"};
 
 TEST_F(Verify, AcceptsEveryPipelineInBothOrders) {
   for (const char* pipeline : kPipelines)
@@ -233,6 +238,7 @@ TEST_F(Verify, AMissingAttributeIsFoundAndAnUnknownOneNamed) {
 
 TEST_F(Verify, AnotherNeighborhoodThanTheOneNamedIsFound) {
   different(check("knn(k=9) | normals", made("knn(k=8) | normals", "out.ply")), "by brute force");
+  different(check("knn(k=16) | normals", made("knn(k=16, k_from=intensity) | normals", "out.ply")), "by brute force");
   different(check("knn(k=8) | normals(orient=up)", made("knn(k=8) | normals", "out.ply")), "by brute force");
 }
 
