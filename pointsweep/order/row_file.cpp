@@ -14,6 +14,7 @@ RowFile::RowFile(std::uint64_t rows, std::size_t record_bytes, const TempFolder*
 }
 
 void RowFile::append(std::span<const std::byte> records) {
+  if (records.empty()) return;
   if (file_) {
     file_->write(file_->reserve(records.size()), records);
   } else {
@@ -24,6 +25,7 @@ void RowFile::append(std::span<const std::byte> records) {
 }
 
 void RowFile::read(std::uint64_t row, std::span<std::byte> records) const {
+  if (records.empty()) return;
   const std::uint64_t first = row * record_bytes_;
   assert(first + records.size() <= end_);
   if (file_)
