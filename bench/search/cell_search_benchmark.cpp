@@ -82,7 +82,7 @@ void search_surface(benchmark::State& state) {
       static_cast<double>(scratch.settled_in_double) / static_cast<double>(kPoints * state.iterations());
 }
 BENCHMARK(search_surface)
-    ->ArgsProduct({{8, 16, 32, 64}, {1024}})
+    ->ArgsProduct({{8, 16, 32, 64, 65, 128, 384}, {1024}})
     ->ArgsProduct({{8}, {256, 512, 2048}})
     ->Unit(benchmark::kMillisecond);
 

@@ -7,9 +7,10 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/math/exp.h"
+#include "pointsweep/math/batch.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/operators/tangent_plane.h"
 
@@ -44,11 +45,17 @@ Contract Fair::contract() const {
           {position_attribute()}};
 }
 
-/// p_i' - p_i, or nothing where no neighbour counts. Offsets keep what coordinates far from the origin would lose.
-std::optional<Vec3> Fair::shift(const Neighborhoods& in, std::size_t i) const {
-  double weights = area(in.value<float>(0, i), in.value<float>(1, i));  // of p_i itself, at f = g = 1
-  Vec3 sum;
-  bool found = false;
+/// A neighbour that counts: the point moves off_plane along its normal onto its plane.
+struct Fair::Pull {
+  Vec3 normal;
+  double area, off_plane;
+};
+
+/// The neighbours of point i that count and the exponents of their weights. Offsets keep what coordinates far from the
+/// origin would lose.
+void Fair::collect(const Neighborhoods& in, std::size_t i, std::vector<Pull>& pulls,
+                   std::vector<double>& exponents) const {
+  pulls.clear(), exponents.clear();
   for (std::size_t j = 0; j < in.count(i); ++j) {
     const Vec3 normal = unit_or_zero(in.neighbor_value<Float3>(0, i, j));
     const double a = area(in.neighbor_value<float>(1, i, j), in.neighbor_value<float>(2, i, j));
@@ -56,9 +63,20 @@ std::optional<Vec3> Fair::shift(const Neighborhoods& in, std::size_t i) const {
     const Vec3 offset = in.offset(i, j);
     const double off_plane = dot(offset, normal);  // Π_j(p_i) = p_i + off_plane · normal
     const Vec3 reach = inverse_f_ * offset;
-    const double weight = a * exp_negative((dot(reach, reach) + square(inverse_g_ * off_plane)) / 2);
+    pulls.push_back({normal, a, off_plane});
+    exponents.push_back((dot(reach, reach) + square(inverse_g_ * off_plane)) / 2);
+  }
+}
+
+/// p_i' - p_i, or nothing where no neighbour counts; `own` is the area of p_i itself, at f = g = 1.
+std::optional<Vec3> Fair::shift(double own, const std::vector<Pull>& pulls, const std::vector<double>& falloffs) {
+  double weights = own;
+  Vec3 sum;
+  bool found = false;
+  for (std::size_t j = 0; j < pulls.size(); ++j) {
+    const double weight = pulls[j].area * falloffs[j];
     if (!(weight > 0)) continue;
-    sum = sum + (weight * off_plane) * normal;
+    sum = sum + (weight * pulls[j].off_plane) * pulls[j].normal;
     weights += weight;
     found = true;
   }
@@ -68,9 +86,14 @@ std::optional<Vec3> Fair::shift(const Neighborhoods& in, std::size_t i) const {
 
 void Fair::apply(const Neighborhoods& in, Columns& out) const {
   const std::span<std::array<double, 3>> moved = out.column<std::array<double, 3>>(0);
+  std::vector<Pull> pulls;
+  std::vector<double> falloffs;
   for (std::size_t i = 0; i < in.size(); ++i) {
+    collect(in, i, pulls, falloffs);
+    batch_exp_negative(falloffs, falloffs);
+    const double own = area(in.value<float>(0, i), in.value<float>(1, i));
     Vec3 p = in.position(i);
-    if (const std::optional<Vec3> s = shift(in, i); s && is_finite(p + *s))
+    if (const std::optional<Vec3> s = shift(own, pulls, falloffs); s && is_finite(p + *s))
       p = p + *s;
     else
       ++out.degenerate;

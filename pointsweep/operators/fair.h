@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pointsweep/operators/operator.h"
 
@@ -35,7 +36,9 @@ class Fair : public Operator {
   void apply(const Neighborhoods& in, Columns& out) const override;
 
  private:
-  std::optional<Vec3> shift(const Neighborhoods& in, std::size_t i) const;
+  struct Pull;
+  void collect(const Neighborhoods& in, std::size_t i, std::vector<Pull>& pulls, std::vector<double>& exponents) const;
+  static std::optional<Vec3> shift(double own, const std::vector<Pull>& pulls, const std::vector<double>& falloffs);
   double inverse_f_, inverse_g_;
 };
 

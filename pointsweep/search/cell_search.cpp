@@ -13,7 +13,9 @@
 #include <bit>
 
 #include "pointsweep/search/exact_search.h"
+#include "pointsweep/search/gathered_search.h"
 #include "pointsweep/search/leaf_query-inl.h"
+#include "pointsweep/search/near_leaves-inl.h"
 #include "pointsweep/search/plain_search.h"
 
 #if HWY_TARGET != HWY_SCALAR
@@ -115,7 +117,7 @@ class CellSearch {
                                    : std::numeric_limits<double>::infinity();
   }
 
-  /// Collects the leaves that the group may need, nearest first: key = distance | place in `near` | leaf.
+  /// Collects the leaves that the group may need, nearest first, but those of its own cell tried already.
   void find_leaves(std::uint32_t begin, std::uint32_t end) {
     const double reach2 = group_reach2();
     if (reach2 > reach2_) find_cells(4 * reach2);
@@ -124,52 +126,20 @@ class CellSearch {
       const Cell& cell = directory_.cell(scratch_.near[n].slot);
       if (distance2(cell.box, query_box_) > reach2) continue;
       const bool own = scratch_.near[n].slot == slot_;
-      find_leaves_of(cell, n, static_cast<float>(reach2 * (1 + 1e-6)), own ? begin : 0, own ? end : 0);
+      find_near_leaves(cell, query_box_, reach2, [&](float d2, std::uint32_t l) HWY_ATTR {
+        if (!own || l < begin || l >= end) scratch_.leaves.push_back(NearLeaf::key(d2, n, l));
+      });
     }
     std::sort(scratch_.leaves.begin(), scratch_.leaves.end());
   }
-
-  void find_leaves_of(const Cell& cell, std::size_t place, float reach2, std::uint32_t skip_begin,
-                      std::uint32_t skip_end) {
-    const Vec3 lo = query_box_.lo - cell.origin, hi = query_box_.hi - cell.origin;
-    const Vec lo_x = hn::Set(d_, below(lo.x)), lo_y = hn::Set(d_, below(lo.y)), lo_z = hn::Set(d_, below(lo.z));
-    const Vec hi_x = hn::Set(d_, above(hi.x)), hi_y = hn::Set(d_, above(hi.y)), hi_z = hn::Set(d_, above(hi.z));
-    const Vec zero = hn::Zero(d_), limit = hn::Set(d_, reach2);
-    HWY_ALIGN float d2s[kLeafCapacity];
-    for (std::uint32_t l = 0; l < cell.leaf_count(); l += static_cast<std::uint32_t>(hn::Lanes(d_))) {
-      const auto side = [&](int s) { return hn::Load(d_, cell.leaf_box[s] + l); };
-      const Vec dx = hn::Max(hn::Max(hn::Sub(side(0), hi_x), hn::Sub(lo_x, side(3))), zero);
-      const Vec dy = hn::Max(hn::Max(hn::Sub(side(1), hi_y), hn::Sub(lo_y, side(4))), zero);
-      const Vec dz = hn::Max(hn::Max(hn::Sub(side(2), hi_z), hn::Sub(lo_z, side(5))), zero);
-      const Vec d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-      const auto near = hn::Le(d2, limit);
-      if (hn::AllFalse(d_, near)) continue;
-      hn::Store(d2, d_, d2s);
-      for (std::uint32_t bits = bits_of(near); bits != 0; bits &= bits - 1) {
-        const auto lane = static_cast<std::uint32_t>(__builtin_ctz(bits));
-        if (l + lane >= skip_begin && l + lane < skip_end) continue;
-        if (l + lane >= cell.leaf_count()) break;  // padding, which only an infinite reach takes for near
-        std::uint32_t distance;
-        std::memcpy(&distance, &d2s[lane], sizeof distance);
-        scratch_.leaves.push_back(std::uint64_t{distance} << 32 | place << 8 | (l + lane));
-      }
-    }
-  }
-
-  /// A little below / above v in single precision, also where the difference that made it was rounded.
-  static float below(double v) { return round_down(v - std::abs(v) * 1e-14); }
-  static float above(double v) { return round_up(v + std::abs(v) * 1e-14); }
 
   /// Tries the collected leaves until none can matter. False if there are too many.
   bool try_leaves() {
     double reach2 = group_reach2();
     Vec limit = group_.reach(d_, packed_.farthest);
     for (const std::uint64_t key : scratch_.leaves) {
-      const auto bits = static_cast<std::uint32_t>(key >> 32);
-      float near2;
-      std::memcpy(&near2, &bits, sizeof near2);
-      if (near2 > reach2 * (1 + 1e-6)) break;
-      const std::uint32_t slot = scratch_.near[(key >> 8) & 0xFFFFFF].slot, leaf = key & 0xFF;
+      if (NearLeaf::distance2(key) > not_near(reach2)) break;
+      const std::uint32_t slot = scratch_.near[NearLeaf::place(key)].slot, leaf = NearLeaf::leaf(key);
       const Cell& cell = directory_.cell(slot);
       const LocalBox box = frame_.local(cell, leaf);
       if (!group_.anyone_reaches(d_, box, limit)) continue;
@@ -391,11 +361,9 @@ void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neigh
   out.reach2.clear();
   out.begin.assign(1, 0);
   constexpr std::size_t kMostInLanes = 64;
-  if (what.k > 0 && what.k <= kMostInLanes) {
-    HWY_DYNAMIC_DISPATCH(search_lanes)(directory, slot, what, scratch, out);
-  } else {
-    search_cell_plainly(directory, slot, what, scratch, out);
-  }
+  if (what.k == 0) return search_cell_plainly(directory, slot, what, scratch, out);
+  if (what.k > kMostInLanes) return search_cell_gathered(directory, slot, what, scratch, out);
+  HWY_DYNAMIC_DISPATCH(search_lanes)(directory, slot, what, scratch, out);
 }
 
 }  // namespace pointsweep

@@ -24,10 +24,26 @@ struct CellNeighbors {
   std::vector<double> reach2;
 };
 
+/// Points copied together, each with its name, and what a search among them needs.
+struct GatheredPoints {
+  std::vector<double> x, y, z;
+  std::vector<NeighborRef> ref;
+  std::vector<std::uint32_t> end;  ///< of each leaf's points
+  std::vector<std::uint64_t> key;
+  std::vector<Candidate> run;
+
+  void reserve(std::size_t size) {
+    if (size <= ref.size()) return;
+    for (auto* c : {&x, &y, &z}) c->resize(size);
+    ref.resize(size), key.resize(size);
+  }
+};
+
 /// Memory reused from cell to cell by one thread.
 struct SearchScratch {
   std::vector<CellDirectory::Near> near;
   std::vector<std::uint64_t> leaves;
+  GatheredPoints gathered;
   BestList best;
   std::uint64_t settled_in_double = 0;  ///< points that single precision could not decide
 };

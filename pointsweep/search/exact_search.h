@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The plain exact search of one point, all in double precision: for large k, for radius neighbourhoods, for points
-/// whose candidates are too near a tie for single precision, and for recalls.
+/// The plain exact search of one point, all in double precision: for points around which too many others lie, for those
+/// that single precision cannot decide, and for recalls.
 #pragma once
 
 #include <cstdint>

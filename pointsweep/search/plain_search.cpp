@@ -8,19 +8,24 @@
 
 namespace pointsweep {
 
+void search_point_plainly(const CellDirectory& directory, const Cell& cell, std::uint32_t i, const Neighborhood& what,
+                          SearchScratch& scratch, double& reach2) {
+  for (;;) {
+    scratch.best.start(what);
+    search_exact(directory, scratch.near, cell.position(i), cell.row[i], scratch.best);
+    if (scratch.best.limit() <= reach2) return;
+    reach2 = std::max(2 * scratch.best.limit(), std::numeric_limits<double>::min());
+    directory.find(cell.box, reach2, scratch.near);
+  }
+}
+
 void search_cell_plainly(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
                          SearchScratch& scratch, CellNeighbors& out) {
   const Cell& cell = directory.cell(slot);
   double reach2 = 0;
   directory.find(cell.box, reach2, scratch.near);
   for (std::uint32_t i = 0; i < cell.size(); ++i) {
-    for (;;) {
-      scratch.best.start(what);
-      search_exact(directory, scratch.near, cell.position(i), cell.row[i], scratch.best);
-      if (scratch.best.limit() <= reach2) break;
-      reach2 = std::max(2 * scratch.best.limit(), std::numeric_limits<double>::min());
-      directory.find(cell.box, reach2, scratch.near);
-    }
+    search_point_plainly(directory, cell, i, what, scratch, reach2);
     const std::vector<Candidate>& found = scratch.best.finish();
     for (const Candidate& c : found) out.refs.push_back(c.ref);
     out.reach2.push_back(found.size() == what.k ? found.back().distance2 : what.radius2());

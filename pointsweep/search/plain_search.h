@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT
-/// The neighbourhood operator of a cell, point by point in double precision: for k too large for registers, radius
-/// neighbourhoods of any size, and machines without vectors.
+/// The neighbourhood operator point by point in double precision, whatever is asked for: for points that the vector
+/// code gives back, and machines without vectors.
 #pragma once
 
 #include "pointsweep/search/cell_search.h"
 
 namespace pointsweep {
+
+/// Leaves the neighbourhood of point `i` of `cell` in scratch.best, to be finished. `reach2`: the squared distance from
+/// the cell's box within which scratch.near holds every cell, nearest first; both grow as needed.
+void search_point_plainly(const CellDirectory& directory, const Cell& cell, std::uint32_t i, const Neighborhood& what,
+                          SearchScratch& scratch, double& reach2);
 
 /// As search_cell(), for any k; appends to `out`.
 void search_cell_plainly(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,

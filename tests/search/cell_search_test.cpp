@@ -9,6 +9,7 @@
 #include <random>
 
 #include "pointsweep/search/cut.h"
+#include "pointsweep/search/plain_search.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/fixed_seed.h"
 
@@ -106,6 +107,14 @@ std::vector<std::pair<std::string, Shape>> shapes() {
        [](auto& r) {
          return Vec3{1e-12 * uniform(r), 1e-12 * uniform(r), 1e-13 * uniform(r)};
        }},
+      {"squares that are denormal in single precision",
+       [](auto& r) {
+         return Vec3{1e-22 * uniform(r), 1e-22 * uniform(r), 1e-22 * uniform(r)};
+       }},
+      {"squares that are denormal in double precision",
+       [](auto& r) {
+         return Vec3{1e-160 * uniform(r), 1e-160 * uniform(r), 1e-160 * uniform(r)};
+       }},
       {"denormal",
        [](auto& r) {
          return Vec3{1e-310 * uniform(r), 1e-310 * uniform(r), 0};
@@ -135,10 +144,10 @@ void expect_equal_to_brute_force(const std::vector<Vec3>& points, const Neighbor
 
 TEST(CellSearch, EqualsBruteForceOnEveryShapeForSmallAndLargeK) {
   for (const auto& [name, shape] : shapes()) {
-    for (const std::size_t k : {1, 5, 8, 13, 16, 24, 32, 64}) {
+    for (const std::size_t k : {1, 5, 8, 13, 16, 24, 32, 64, 65, 200, 600}) {
       SCOPED_TRACE(name + ", k = " + std::to_string(k));
       std::mt19937_64 rng(42);
-      std::vector<Vec3> points(800);
+      std::vector<Vec3> points(500);
       for (Vec3& p : points) p = shape(rng);
       expect_equal_to_brute_force(points, {.k = k}, 256);
       if (HasFatalFailure()) return;
@@ -158,6 +167,24 @@ TEST(CellSearch, EqualsBruteForceForTinyCellsAndFewPoints) {
         if (HasFatalFailure()) return;
       }
     }
+  }
+}
+
+TEST(CellSearch, SearchesPlainlyWhereTooManyPointsLieAroundALeaf) {
+  std::vector<Vec3> points(50'000);
+  std::mt19937_64 rng(3);
+  for (std::size_t i = 0; i < points.size(); i += 100) points[i] = {uniform(rng), uniform(rng), uniform(rng)};
+  Cells cells(points, 1024);
+  const Neighborhood what{.k = 100};
+  SearchScratch scratch;
+  CellNeighbors found, expected;
+  for (std::uint32_t s = 0; s < cells.cells.size(); ++s) {
+    search_cell(cells.directory, s, what, scratch, found);
+    expected.begin.assign(1, 0), expected.refs.clear(), expected.reach2.clear();
+    search_cell_plainly(cells.directory, s, what, scratch, expected);
+    ASSERT_EQ(found.refs, expected.refs);
+    ASSERT_EQ(found.begin, expected.begin);
+    ASSERT_EQ(found.reach2, expected.reach2);
   }
 }
 
@@ -188,7 +215,7 @@ rc::Gen<Vec3> rough_point() {
 TEST(CellSearch, EqualsBruteForceForAnyPointsKRadiusAndCells) {
   EXPECT_TRUE(rc::check("neighbours of any cloud", [] {
     const auto points = *rc::gen::resize(200, rc::gen::nonEmpty(rc::gen::container<std::vector<Vec3>>(rough_point())));
-    const auto k = static_cast<std::size_t>(*rc::gen::inRange(1, 70));
+    const auto k = static_cast<std::size_t>(*rc::gen::inRange(1, 140));
     const double radius = *rc::gen::element(std::numeric_limits<double>::infinity(), 0.0, 0.5, 3.0, 1e3);
     const auto cell_points = static_cast<std::uint32_t>(16 * *rc::gen::inRange(1, 20));
     RC_ASSERT(Cells(points, cell_points).search({.k = k, .radius = radius}) ==

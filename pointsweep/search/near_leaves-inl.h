@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+/// The leaves of a cell that are near a box, by their boxes in single precision. Included once per instruction set.
+#if defined(POINTSWEEP_SEARCH_NEAR_LEAVES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef POINTSWEEP_SEARCH_NEAR_LEAVES_INL_H_
+#undef POINTSWEEP_SEARCH_NEAR_LEAVES_INL_H_
+#else
+#define POINTSWEEP_SEARCH_NEAR_LEAVES_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "pointsweep/search/cell.h"
+
+#if HWY_TARGET != HWY_SCALAR
+HWY_BEFORE_NAMESPACE();
+namespace pointsweep {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// A leaf and its squared distance in one number, so that sorting them sorts by distance:
+/// distance (bits of a float) | place of the cell in a list | leaf.
+struct NearLeaf {
+  static std::uint64_t key(float distance2, std::size_t place, std::uint32_t leaf) {
+    std::uint32_t bits;
+    std::memcpy(&bits, &distance2, sizeof bits);
+    return std::uint64_t{bits} << 32 | place << 8 | leaf;
+  }
+  static float distance2(std::uint64_t key) {
+    const auto bits = static_cast<std::uint32_t>(key >> 32);
+    float d2;
+    std::memcpy(&d2, &bits, sizeof d2);
+    return d2;
+  }
+  static std::size_t place(std::uint64_t key) { return (key >> 8) & 0xFFFFFF; }
+  static std::uint32_t leaf(std::uint64_t key) { return key & 0xFF; }
+};
+static_assert(kCellCapacity / kLeafCapacity <= 256);
+
+/// The smallest squared distance in single precision that is surely not near when `reach2` is the reach: covers the
+/// rounding of the distances, also where they are denormal.
+inline float not_near(double reach2) { return static_cast<float>(reach2 * (1 + 1e-6)) + 0x1p-140f; }
+
+/// Calls found(distance2, leaf) for the leaves of `cell` within sqrt(reach2) of `box`; distance2 is in single
+/// precision, to be compared with not_near() only.
+template <class Found>
+HWY_INLINE void find_near_leaves(const Cell& cell, const Box& box, double reach2, Found found) {
+  const hn::CappedTag<float, kLeafCapacity> d;
+  using Vec = hn::Vec<decltype(d)>;
+  // A little below / above v in single precision, also where the difference that made it was rounded.
+  const auto below = [](double v) { return round_down(v - std::abs(v) * 1e-14); };
+  const auto above = [](double v) { return round_up(v + std::abs(v) * 1e-14); };
+  const Vec3 lo = box.lo - cell.origin, hi = box.hi - cell.origin;
+  const Vec lo_x = hn::Set(d, below(lo.x)), lo_y = hn::Set(d, below(lo.y)), lo_z = hn::Set(d, below(lo.z));
+  const Vec hi_x = hn::Set(d, above(hi.x)), hi_y = hn::Set(d, above(hi.y)), hi_z = hn::Set(d, above(hi.z));
+  const Vec zero = hn::Zero(d), limit = hn::Set(d, not_near(reach2));
+  HWY_ALIGN float d2s[kLeafCapacity];
+  for (std::uint32_t l = 0; l < cell.leaf_count(); l += static_cast<std::uint32_t>(hn::Lanes(d))) {
+    const auto side = [&](int s) HWY_ATTR { return hn::Load(d, cell.leaf_box[s] + l); };
+    const Vec dx = hn::Max(hn::Max(hn::Sub(side(0), hi_x), hn::Sub(lo_x, side(3))), zero);
+    const Vec dy = hn::Max(hn::Max(hn::Sub(side(1), hi_y), hn::Sub(lo_y, side(4))), zero);
+    const Vec dz = hn::Max(hn::Max(hn::Sub(side(2), hi_z), hn::Sub(lo_z, side(5))), zero);
+    const Vec d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+    const auto near = hn::Le(d2, limit);
+    if (hn::AllFalse(d, near)) continue;
+    hn::Store(d2, d, d2s);
+    std::uint8_t mask[8] = {};
+    hn::StoreMaskBits(d, near, mask);
+    for (std::uint32_t bits = mask[0] | std::uint32_t{mask[1]} << 8; bits != 0; bits &= bits - 1) {
+      const auto lane = static_cast<std::uint32_t>(__builtin_ctz(bits));
+      if (l + lane >= cell.leaf_count()) break;  // padding, which only an infinite reach takes for near
+      found(d2s[lane], l + lane);
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace pointsweep
+HWY_AFTER_NAMESPACE();
+#endif  // HWY_TARGET
+#endif
