@@ -44,17 +44,12 @@ class WeightedNeighborhood {
   Vec3 offset(std::size_t j) const { return scale_ * in_.offset(i_, j); }
   double scale() const { return scale_; }
   double unscale() const { return unscale_; }
-  /// θ of every neighbour over nearest_theta(), into theta[0] to theta[size() - 1].
+  /// θ of every neighbour over that of the nearest one not on p_i, into theta[0] to theta[size() - 1].
   void thetas(std::vector<double>& theta) const {
     theta.resize(count_);
     for (std::size_t j = 0; j < count_; ++j) theta[j] = std::max(length2(offset(j)) - near2_, 0.0) * falloff_;
     batch_exp_negative(theta, theta);
   }
-  /// θ of the nearest neighbour that is not on p_i
-  double nearest_theta() const { return exp_negative(near2_ * falloff_); }
-  /// What the rounding of coordinates may do to a component of a scaled offset: half an ulp of p_i and half of p_j.
-  double rounding() const { return magnitude(in_.position(i_)) * scale_ * 0x1p-51; }
-
   /// |N_i| M_i of Equation 1, of scaled offsets; `theta` is room for the weights.
   Symmetric3 moments(std::vector<double>& theta) const {
     Symmetric3 m;

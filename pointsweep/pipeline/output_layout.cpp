@@ -13,24 +13,32 @@ OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& ma
       const auto known = input.find(name);
       const std::size_t index = known ? *known : schema_.append(name, attribute.type);
       const Field& to = schema_.fields[index];
-      appended_whole_ = appended_whole_ && !known && to.offset == input_stride_ + result_stride_;
-      values_.push_back({from, to, to.is_plain() && to.type == from.type});
+      add({from, to, to.is_plain() && to.type == from.type, static_cast<std::uint32_t>(size_of(attribute.type))});
       result_stride_ += static_cast<std::uint32_t>(size_of(attribute.type));
     }
   }
+}
+
+/// Values that lie side by side in both records are copied at once.
+void OutputLayout::add(const Value& value) {
+  if (!values_.empty()) {
+    Value& last = values_.back();
+    if (last.bitwise && value.bitwise && last.from.offset + last.bytes == value.from.offset &&
+        last.to.offset + last.bytes == value.to.offset) {
+      last.bytes += value.bytes;
+      return;
+    }
+  }
+  values_.push_back(value);
 }
 
 void OutputLayout::assemble(const std::byte* inputs, const std::byte* results, std::size_t n,
                             std::byte* outputs) const {
   for (std::size_t i = 0; i < n; ++i, inputs += input_stride_, results += result_stride_, outputs += schema_.stride) {
     std::memcpy(outputs, inputs, input_stride_);
-    if (appended_whole_) {
-      std::memcpy(outputs + input_stride_, results, result_stride_);
-      continue;
-    }
     for (const Value& v : values_) {
       if (v.bitwise) {
-        std::memcpy(outputs + v.to.offset, results + v.from.offset, size_of(v.from.type));
+        std::memcpy(outputs + v.to.offset, results + v.from.offset, v.bytes);
       } else {
         set_value(v.to, outputs, value_of(v.from, results));
       }

@@ -24,11 +24,13 @@ class OutputLayout {
   struct Value {
     Field from, to;
     bool bitwise;
+    std::uint32_t bytes;
   };
+  void add(const Value& value);
+
   Schema schema_;
   std::uint32_t input_stride_;
   std::uint32_t result_stride_ = 0;
-  bool appended_whole_ = true;  ///< results follow the input's record just as they are
   std::vector<Value> values_;
 };
 

@@ -92,7 +92,7 @@ constexpr Outcome kOutcomes[] = {
     {"point-cloud-utils/bunny_duplicates.ply", 2895},
 };
 
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr const char* kLimited = "exec timeout 60";  // its shadow memory is larger than any limit
 #else
 constexpr const char* kLimited = "ulimit -v 400000 && exec timeout 60";  // KB: no count of a header is believed

@@ -11,6 +11,7 @@
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/support/brute_force.h"
+#include "tests/support/sized.h"
 
 namespace pointsweep {
 namespace {
@@ -52,7 +53,7 @@ void expect_lists(const std::vector<Vec3>& points, const Lists& expected, std::s
 
 TEST(Run, NeighborsEqualBruteForceWhateverTheSlabsAndCells) {
   for (const auto& [name, shape] : hostile_shapes()) {
-    const std::vector<Vec3> points = make_cloud(shape, 2000, 5);
+    const std::vector<Vec3> points = make_cloud(shape, sized(2000), 5);
     for (const std::size_t k : {1, 8, 64}) {
       const Lists expected = brute_force_neighbors(points, k);
       for (const auto& [slab, cell] :
@@ -68,7 +69,7 @@ TEST(Run, NeighborsEqualBruteForceWhateverTheSlabsAndCells) {
 
 TEST(Run, RadiusAndHybridNeighborsEqualBruteForce) {
   for (const auto& [name, shape] : hostile_shapes()) {
-    const std::vector<Vec3> points = make_cloud(shape, 1500, 6);
+    const std::vector<Vec3> points = make_cloud(shape, sized(1500), 6);
     for (const double radius : {0.01, 0.2, 50.0}) {
       SCOPED_TRACE(name + ", radius " + std::to_string(radius));
       expect_lists(points, brute_force_neighbors(points, 12, radius), 12, radius, tiny(100, 32));
@@ -89,7 +90,7 @@ TEST(Run, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
   for (const Order order : {Order::input, Order::sweep}) {
     for (const auto& [name, shape] : hostile_shapes()) {
       SCOPED_TRACE(name + (order == Order::input ? ", input order" : ", sweep order"));
-      const std::vector<Vec3> points = make_cloud(shape, 3000, 8);
+      const std::vector<Vec3> points = make_cloud(shape, sized(3000), 8);
       const Chain chain{{.k = 8}, {std::make_shared<Normals>()}};
       std::vector<std::byte> first;
       for (const unsigned threads : {1u, 2u, 4u}) {
@@ -114,7 +115,7 @@ TEST(Run, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
 TEST(Run, ShufflingTheInputShufflesTheOutputAndNothingElse) {
   for (const auto& [name, shape] : hostile_shapes()) {
     SCOPED_TRACE(name);
-    const std::vector<Vec3> points = make_cloud(shape, 2000, 9);
+    const std::vector<Vec3> points = make_cloud(shape, sized(2000), 9);
     std::vector<std::uint32_t> from(points.size());
     std::iota(from.begin(), from.end(), 0u);
     std::shuffle(from.begin(), from.end(), std::mt19937_64(3));
@@ -176,7 +177,7 @@ class LargestAgreement final : public Operator {
 
 TEST(Run, ChainsThatLookAtNeighborsAttributesEqualTheEvaluationOfTheWholeCloud) {
   for (const auto& [name, shape] : hostile_shapes()) {
-    std::vector<Vec3> points = make_cloud(shape, 2000, 10);
+    std::vector<Vec3> points = make_cloud(shape, sized(2000), 10);
     const Chain chain{
         {.k = 8}, {std::make_shared<Normals>(), std::make_shared<MeanNormal>(), std::make_shared<LargestAgreement>()}};
     const auto neighbors = brute_force_neighbors(points, 8);
@@ -217,7 +218,7 @@ class SumOfMarks final : public Operator {
 TEST(Run, AttributesOfTheFileAreThereForNeighborsAsLongAsAnybodyLooks) {
   for (const auto& [name, shape] : hostile_shapes()) {
     SCOPED_TRACE(name);
-    const std::vector<Vec3> points = make_cloud(shape, 1500, 15);
+    const std::vector<Vec3> points = make_cloud(shape, sized(1500), 15);
     std::vector<double> xyz, marks;
     for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z}), marks.push_back(double(marks.size() % 97));
     auto reader = std::make_unique<ArrayReader>(std::span<const double>(xyz));
@@ -253,7 +254,7 @@ class MoveToMean final : public Operator {
 
 TEST(Run, StagesAfterAMoverSeeMovedNeighborsAndNeverAMixture) {
   for (const auto& [name, shape] : hostile_shapes()) {
-    const std::vector<Vec3> points = make_cloud(shape, 1500, 14);
+    const std::vector<Vec3> points = make_cloud(shape, sized(1500), 14);
     const auto neighbors = brute_force_neighbors(points, 6);
     std::vector<Vec3> moved = points;
     for (int times = 0; times < 3; ++times) {
@@ -284,13 +285,13 @@ TEST(Run, StagesAfterAMoverSeeMovedNeighborsAndNeverAMixture) {
 TEST(Run, SeveralInputsAreOneCloudWithoutSeams) {
   for (const auto& [name, shape] : hostile_shapes()) {
     SCOPED_TRACE(name);
-    const std::vector<Vec3> points = make_cloud(shape, 1500, 12);
+    const std::vector<Vec3> points = make_cloud(shape, sized(1500), 12);
     std::vector<double> xyz;
     for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
     const Chain chain{{.k = 8}, {std::make_shared<Normals>()}};
     const RunResult merged = run_in_memory(points, chain, tiny(200, 64));
     std::vector<std::unique_ptr<Reader>> tiles;
-    for (const auto& [first, last] : {std::pair<std::size_t, std::size_t>{0, 400}, {400, 401}, {401, 1500}}) {
+    for (const auto& [first, last] : {std::pair<std::size_t, std::size_t>{0, 300}, {300, 301}, {301, points.size()}}) {
       tiles.push_back(
           std::make_unique<ArrayReader>(std::span<const double>(xyz).subspan(3 * first, 3 * (last - first))));
     }
@@ -302,7 +303,7 @@ TEST(Run, SeveralInputsAreOneCloudWithoutSeams) {
 
 TEST(Sort, PutsEveryPointInCanonicalOrderAndThoseWithoutAPlaceLast) {
   for (const auto& [name, shape] : hostile_shapes()) {
-    const std::vector<Vec3> points = make_cloud(shape, 3000, 13);
+    const std::vector<Vec3> points = make_cloud(shape, sized(3000), 13);
     for (const int axis : {0, 1, 2}) {
       SCOPED_TRACE(name + ", axis " + std::to_string(axis));
       std::vector<std::uint32_t> expected(points.size());

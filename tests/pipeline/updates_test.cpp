@@ -10,6 +10,7 @@
 #include "pointsweep/pipeline/preview.h"
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/refusal.h"
+#include "tests/support/sized.h"
 
 namespace pointsweep {
 namespace {
@@ -19,7 +20,7 @@ TEST(Updates, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
   for (const Order order : {Order::input, Order::sweep}) {
     for (const auto& [name, shape] : hostile_shapes()) {
       SCOPED_TRACE(name + (order == Order::input ? ", input order" : ", sweep order"));
-      const std::vector<Vec3> points = make_cloud(shape, 600, 31);
+      const std::vector<Vec3> points = make_cloud(shape, sized(600), 31);
       std::vector<std::byte> first;
       for (const unsigned threads : {1u, 2u, 4u}) {
         for (const std::uint64_t slab : {100, 50'000}) {

@@ -12,6 +12,7 @@
 #include "pointsweep/search/plain_search.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/fixed_seed.h"
+#include "tests/support/sized.h"
 
 namespace pointsweep {
 namespace {
@@ -147,7 +148,7 @@ TEST(CellSearch, EqualsBruteForceOnEveryShapeForSmallAndLargeK) {
     for (const std::size_t k : {1, 5, 8, 13, 16, 24, 32, 64, 65, 200, 600}) {
       SCOPED_TRACE(name + ", k = " + std::to_string(k));
       std::mt19937_64 rng(42);
-      std::vector<Vec3> points(500);
+      std::vector<Vec3> points(sized(500));
       for (Vec3& p : points) p = shape(rng);
       expect_equal_to_brute_force(points, {.k = k}, 256);
       if (HasFatalFailure()) return;
@@ -194,7 +195,7 @@ TEST(CellSearch, HonoursTheRadiusInclusively) {
       for (const std::size_t k : {std::size_t{8}, std::size_t{40}, Neighborhood::kUnlimited}) {
         SCOPED_TRACE(name + ", radius " + std::to_string(radius) + ", k = " + std::to_string(k));
         std::mt19937_64 rng(7);
-        std::vector<Vec3> points(400);
+        std::vector<Vec3> points(sized(400));
         for (Vec3& p : points) p = shape(rng);
         expect_equal_to_brute_force(points, {.k = k, .radius = radius}, 64);
         if (HasFatalFailure()) return;

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/curvature_kernel.h"
+
+#include <algorithm>
+
+#include "pointsweep/math/instruction_sets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pointsweep/operators/curvature_kernel.cpp"
+#include <hwy/foreach_target.h>
+// The lanes follow the inclusion of the targets.
+#include "pointsweep/operators/neighborhood_lanes-inl.h"
+#include "pointsweep/operators/tangent_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pointsweep::HWY_NAMESPACE {
+
+using Vector = Vec3Lanes<V>;
+using Matrix = Symmetric3Lanes<V>;
+using Normal = std::array<float, 3>;
+
+/// Normals of a few successive neighbours, transposed: a point per lane, 0 behind a point's last neighbour.
+struct NormalChunk {
+  HWY_ALIGN double x[kChunk][kLanes], y[kChunk][kLanes], z[kChunk][kLanes];
+
+  void Fetch(const Neighborhoods& in, std::size_t first, const Extents& extents, std::size_t from) {
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const std::size_t k = std::size_t(extents.count.of[l]);
+      const std::size_t have = std::min(kChunk, k - std::min(from, k));
+      for (std::size_t c = 0; c < have; ++c) {
+        const auto n = in.neighbor_value<Normal>(0, first + l, from + c);
+        x[c][l] = n[0], y[c][l] = n[1], z[c][l] = n[2];
+      }
+      for (std::size_t c = have; c < kChunk; ++c) x[c][l] = y[c][l] = z[c][l] = 0;
+    }
+  }
+};
+
+/// Sums over the neighbours that have a normal; over all of them in `moments`.
+struct Sums {
+  Matrix moments = ZeroMatrix();           // |N_i| M_i of Equation 1
+  Matrix weighted_normals = ZeroMatrix();  // |N_i| C_i of Equation 2
+  Matrix normals = ZeroMatrix(), positions = ZeroMatrix();
+  Vector position{hn::Zero(Lanes()), hn::Zero(Lanes()), hn::Zero(Lanes())};
+  V count = hn::Zero(Lanes());
+  V scale, share, rounding;
+
+  Sums(const Neighborhoods& in, std::size_t first) {
+    const Extents extents(in, first);
+    const Weighting weighting(extents);
+    OffsetChunk offsets;
+    NormalChunk directions;
+    for (std::size_t from = 0; from < extents.most; from += kChunk) {
+      offsets.Fetch(in, first, extents, from);
+      directions.Fetch(in, first, extents, from);
+      for (std::size_t c = 0; c < std::min(kChunk, extents.most - from); ++c)
+        Include(weighting, offsets, directions, c, from + c);
+    }
+    scale = weighting.scale;
+    rounding = weighting.Rounding(extents);
+    share = hn::Div(weighting.NearestTheta(), hn::Max(weighting.count, hn::Set(Lanes(), 1.0)));
+  }
+
+  HWY_INLINE void Include(const Weighting& weighting, const OffsetChunk& offsets, const NormalChunk& directions,
+                          std::size_t c, std::size_t j) {
+    const Lanes d;
+    const V x = hn::Mul(hn::Load(d, offsets.x[c]), weighting.scale);
+    const V y = hn::Mul(hn::Load(d, offsets.y[c]), weighting.scale);
+    const V z = hn::Mul(hn::Load(d, offsets.z[c]), weighting.scale);
+    const V theta = weighting.Theta(x, y, z, j);
+    AddOuterProduct(moments, theta, x, y, z);
+    const Vector n =
+        UnitOrZero(Vector{hn::Load(d, directions.x[c]), hn::Load(d, directions.y[c]), hn::Load(d, directions.z[c])});
+    const V one = hn::IfThenElseZero(hn::Gt(Dot(n, n), hn::Zero(d)), hn::Set(d, 1.0));  // 0 without a normal
+    AddOuterProduct(weighted_normals, theta, n.x, n.y, n.z);
+    AddOuterProduct(normals, one, n.x, n.y, n.z);
+    AddOuterProduct(positions, one, x, y, z);
+    position = {hn::Add(position.x, hn::Mul(one, x)), hn::Add(position.y, hn::Mul(one, y)),
+                hn::Add(position.z, hn::Mul(one, z))};
+    count = hn::Add(count, one);
+  }
+
+  /// Of the positions along unit vectors, about their mean, times `count`.
+  HWY_INLINE V Covariance(const Vector& u, const Vector& v) const {
+    return hn::Sub(BilinearForm(positions, u, v), hn::Div(hn::Mul(Dot(position, u), Dot(position, v)), count));
+  }
+};
+
+/// Curvatures of a point per lane; `found` where there are any.
+struct Principal {
+  V k1, k2;
+  Vector direction;
+  hn::Mask<Lanes> found;
+};
+
+/// `e` is that of sums.normals.
+HWY_INLINE Principal PrincipalCurvatures(const Vector& n, const Sums& sums, const Eigen3Lanes<V>& e) {
+  const Lanes d;
+  const V zero = hn::Zero(d);
+  const Vector along = Tangent(n, e.vector1, e.vector0), across = Cross(n, along);
+  const V p1 = sums.Covariance(along, along), p2 = sums.Covariance(across, across);
+  const V p12 = sums.Covariance(along, across);
+  const V spread = hn::Add(p1, p2), noise = hn::Mul(sums.count, hn::Mul(sums.rounding, sums.rounding));
+  // The determinant over the trace is the smaller eigenvalue, to a factor of two: 0 for points on a line.
+  const V determinant = hn::Sub(hn::Mul(p1, p2), hn::Mul(p12, p12));
+  const V least = hn::Mul(hn::Add(hn::Mul(hn::Set(d, 1e-12), spread), noise), spread);
+  const auto found =
+      hn::And(hn::And(hn::Gt(Dot(n, n), zero), hn::Ge(sums.count, hn::Set(d, 3.0))), hn::Gt(determinant, least));
+  const V a = hn::Sqrt(hn::Div(hn::Max(e.value1, zero), p1)), b = hn::Sqrt(hn::Div(hn::Max(e.value0, zero), p2));
+  return {hn::Max(a, b), hn::Min(a, b), Choose(hn::Lt(a, b), across, along), found};
+}
+
+HWY_INLINE Vector OwnNormals(const Neighborhoods& in, std::size_t first) {
+  LaneArray x = {}, y = {}, z = {};
+  for (std::size_t l = 0; l < std::min(kLanes, in.size() - std::min(first, in.size())); ++l) {
+    const auto n = in.value<Normal>(0, first + l);
+    x.of[l] = n[0], y.of[l] = n[1], z.of[l] = n[2];
+  }
+  return UnitOrZero(Vector{x.Load(), y.Load(), z.Load()});
+}
+
+void StoreCurvatures(const Principal& p, const Sums& sums, const Eigen3Lanes<V>& moments,
+                     const Eigen3Lanes<V>& weighted_normals, std::span<PointCurvature> out) {
+  const Lanes d;
+  const V zero = hn::Zero(d), most = hn::Set(d, 1e150);  // so that a product is a number; a float holds far less
+  const V sum = hn::Add(hn::Add(moments.value0, moments.value1), moments.value2);
+  const V variation = hn::IfThenElseZero(hn::Gt(sum, zero), hn::Div(hn::Max(moments.value0, zero), sum));
+  const auto eigenvalue = [&](V v) HWY_ATTR { return hn::Mul(hn::Max(v, zero), sums.share); };
+  const V values[9] = {hn::Min(hn::Mul(p.k1, sums.scale), most),
+                       hn::Min(hn::Mul(p.k2, sums.scale), most),
+                       p.direction.x,
+                       p.direction.y,
+                       p.direction.z,
+                       variation,
+                       eigenvalue(weighted_normals.value0),
+                       eigenvalue(weighted_normals.value1),
+                       eigenvalue(weighted_normals.value2)};
+  LaneArray lanes[9];
+  for (std::size_t i = 0; i < 9; ++i) hn::Store(hn::IfThenElseZero(p.found, values[i]), d, lanes[i].of);
+  for (std::size_t l = 0; l < std::min(kLanes, out.size()); ++l)
+    out[l] = {lanes[0].of[l],
+              lanes[1].of[l],
+              {lanes[2].of[l], lanes[3].of[l], lanes[4].of[l]},
+              lanes[5].of[l],
+              {lanes[6].of[l], lanes[7].of[l], lanes[8].of[l]}};
+}
+
+void Curvatures(const Neighborhoods& in, std::size_t first, std::span<PointCurvature> out) {
+  const Lanes d;
+  for (std::size_t from = 0; from < out.size(); from += kLanes) {
+    const Sums sums(in, first + from);
+    const auto e = EigenSymmetric3(d, sums.normals, sums.weighted_normals, sums.moments);
+    const Principal p = PrincipalCurvatures(OwnNormals(in, first + from), sums, e[0]);
+    StoreCurvatures(p, sums, e[2], e[1], out.subspan(from));
+  }
+}
+
+}  // namespace pointsweep::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pointsweep {
+
+HWY_EXPORT(Curvatures);
+
+void curvatures(const Neighborhoods& in, std::size_t first, std::span<PointCurvature> out) {
+  HWY_DYNAMIC_DISPATCH(Curvatures)(in, first, out);
+}
+
+}  // namespace pointsweep
+#endif

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+/// Neighbourhoods in vector lanes, a point per lane: what Equations 1 and 2 need before and during their sums. Included
+/// once per instruction set.
+#if defined(POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_
+#undef POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_
+#else
+#define POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+
+#include "pointsweep/math/eigen3_lanes-inl.h"
+#include "pointsweep/math/exp_lanes-inl.h"
+#include "pointsweep/points/neighborhoods.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pointsweep::HWY_NAMESPACE {
+
+using Lanes = hn::ScalableTag<double>;
+using V = hn::Vec<Lanes>;
+constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
+constexpr std::size_t kChunk = 8;  // neighbours per lane that are fetched at a time
+
+/// One number per lane.
+struct LaneArray {
+  HWY_ALIGN double of[kLanes];
+  V Load() const { return hn::Load(Lanes(), of); }
+};
+
+/// What must be known of a neighbourhood before its sum begins. Neighbours come nearest first, so the last is the
+/// farthest.
+struct Extents {
+  LaneArray count;    // |N_i|, 0 where every neighbour lies on p_i or one is too far away
+  LaneArray largest;  // largest magnitude among the components of the last offset
+  LaneArray far[3];   // the last offset
+  LaneArray near[3];  // the first offset that is not 0
+  LaneArray place;    // largest magnitude among the coordinates of p_i
+  std::size_t most = 0;
+
+  Extents(const Neighborhoods& in, std::size_t first) {
+    for (std::size_t l = 0; l < kLanes; ++l) Measure(in, first + l, l);
+  }
+
+  void Measure(const Neighborhoods& in, std::size_t i, std::size_t l) {
+    std::size_t k = i < in.size() ? in.count(i) : 0;
+    Vec3 last{1, 0, 0}, nearest = last, p;
+    double extent = 1;
+    if (k > 0) {
+      p = in.position(i);
+      last = in.offset(i, k - 1);
+      extent = std::max({std::abs(last.x), std::abs(last.y), std::abs(last.z)});
+      std::size_t j = 0;
+      while (j + 1 < k && in.offset(i, j) == Vec3{}) ++j;
+      nearest = in.offset(i, j);
+    }
+    // Power-of-two scaling needs a normal number with a normal reciprocal.
+    if (k == 0 || !(extent >= std::numeric_limits<double>::min() && extent < 0x1p1022)) {
+      k = 0, extent = 1;
+      last = nearest = {1, 0, 0};
+    }
+    most = std::max(most, k);
+    count.of[l] = double(k);
+    largest.of[l] = extent;
+    for (int axis = 0; axis < 3; ++axis) far[axis].of[l] = last[axis], near[axis].of[l] = nearest[axis];
+    place.of[l] = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  }
+};
+
+/// Offsets p_j - p_i of a few successive neighbours, transposed: a point per lane, 0 behind a point's last neighbour.
+struct OffsetChunk {
+  HWY_ALIGN double x[kChunk][kLanes], y[kChunk][kLanes], z[kChunk][kLanes];
+
+  void Fetch(const Neighborhoods& in, std::size_t first, const Extents& extents, std::size_t from) {
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const std::size_t k = std::size_t(extents.count.of[l]);
+      const std::size_t have = std::min(kChunk, k - std::min(from, k));
+      for (std::size_t c = 0; c < have; ++c) {
+        const Vec3 o = in.offset(first + l, from + c);
+        x[c][l] = o.x, y[c][l] = o.y, z[c][l] = o.z;
+      }
+      for (std::size_t c = have; c < kChunk; ++c) x[c][l] = y[c][l] = z[c][l] = 0;
+    }
+  }
+};
+
+HWY_INLINE V Length2(V x, V y, V z) { return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)); }
+
+/// θ of Equation 1 as WeightedNeighborhood has it, of a point per lane: offsets are scaled by the power of two that
+/// brings the largest to about 1, so that no extent of a cloud under- or overflows, and θ is divided by θ of the
+/// nearest neighbour, so that it does not vanish for every one of many thousand neighbours.
+struct Weighting {
+  V count, scale, near2, falloff;
+
+  explicit Weighting(const Extents& extents) {
+    const Lanes d;
+    scale = ReciprocalOfPower(d, PowerOfTwoBelow(d, extents.largest.Load()));
+    count = extents.count.Load();
+    near2 = ScaledLength2(extents.near);
+    falloff = hn::Div(hn::Mul(count, hn::Set(d, 0.5 / std::numbers::pi)), ScaledLength2(extents.far));  // 1 / 2σ²
+  }
+  V Scaled(const LaneArray& a) const { return hn::Mul(a.Load(), scale); }
+  V ScaledLength2(const LaneArray (&a)[3]) const { return Length2(Scaled(a[0]), Scaled(a[1]), Scaled(a[2])); }
+  /// Of the j-th neighbours, at scaled offsets (x, y, z); 0 behind the last.
+  HWY_INLINE V Theta(V x, V y, V z, std::size_t j) const {
+    const Lanes d;
+    const V beyond = hn::Max(hn::Sub(Length2(x, y, z), near2), hn::Zero(d));
+    return hn::IfThenElseZero(hn::Lt(hn::Set(d, double(j)), count), ExpNegative(d, hn::Mul(beyond, falloff)));
+  }
+  /// θ of the nearest neighbour
+  HWY_INLINE V NearestTheta() const { return ExpNegative(Lanes(), hn::Mul(near2, falloff)); }
+  /// A component of a scaled offset is wrong by at most 2^-52 of the coordinate: half an ulp of p_i and half an ulp of
+  /// p_j.
+  V Rounding(const Extents& extents) const { return hn::Mul(Scaled(extents.place), hn::Set(Lanes(), 0x1p-51)); }
+};
+
+/// m + weight · v v^T
+HWY_INLINE void AddOuterProduct(Symmetric3Lanes<V>& m, V weight, V x, V y, V z) {
+  const V tx = hn::Mul(weight, x), ty = hn::Mul(weight, y), tz = hn::Mul(weight, z);
+  m.xx = hn::Add(m.xx, hn::Mul(tx, x));
+  m.xy = hn::Add(m.xy, hn::Mul(tx, y));
+  m.xz = hn::Add(m.xz, hn::Mul(tx, z));
+  m.yy = hn::Add(m.yy, hn::Mul(ty, y));
+  m.yz = hn::Add(m.yz, hn::Mul(ty, z));
+  m.zz = hn::Add(m.zz, hn::Mul(tz, z));
+}
+
+HWY_INLINE Symmetric3Lanes<V> ZeroMatrix() {
+  const V zero = hn::Zero(Lanes());
+  return {zero, zero, zero, zero, zero, zero};
+}
+
+}  // namespace pointsweep::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
