@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Covariances: symmetric matrices summed from vectors, and what they say along a direction.
+/// Covariances: symmetric matrices summed from vectors.
 #pragma once
 
 #include "pointsweep/math/symmetric3.h"
@@ -12,12 +12,6 @@ inline void add_outer_product(Symmetric3& m, double weight, Vec3 v) {
   const Vec3 t = weight * v;
   m.xx += t.x * v.x, m.xy += t.x * v.y, m.xz += t.x * v.z;
   m.yy += t.y * v.y, m.yz += t.y * v.z, m.zz += t.z * v.z;
-}
-
-/// u^T m v
-inline double bilinear_form(const Symmetric3& m, Vec3 u, Vec3 v) {
-  return dot(u, {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
-                 m.xz * v.x + m.yz * v.y + m.zz * v.z});
 }
 
 }  // namespace pointsweep

@@ -92,9 +92,12 @@ struct OffsetChunk {
 
 HWY_INLINE V Length2(V x, V y, V z) { return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)); }
 
-/// θ of Equation 1 as WeightedNeighborhood has it, of a point per lane: offsets are scaled by the power of two that
-/// brings the largest to about 1, so that no extent of a cloud under- or overflows, and θ is divided by θ of the
-/// nearest neighbour, so that it does not vanish for every one of many thousand neighbours.
+/// θ(r) = exp(-r²/2σ²), σ² = π max_j |p_j - p_i|² / |N_i| (Equation 1), of a point per lane. On a surface of even
+/// density σ is the point spacing, and whatever |N_i| is, the weights add up to about 2π neighbours' worth.
+///
+/// Two factors are taken out of every sum: offsets are scaled by the power of two that brings the farthest neighbour to
+/// about 1, so that no extent of a cloud under- or overflows; and θ is divided by θ of the nearest neighbour that is
+/// not on p_i, so that it does not vanish for every one of many thousand neighbours.
 struct Weighting {
   V count, scale, near2, falloff;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// tangent_plane.h in vector lanes: the same operations in the same order. Included once per instruction set.
+/// Directions in and across tangent planes, in vector lanes. Included once per instruction set.
 #if defined(POINTSWEEP_OPERATORS_TANGENT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_OPERATORS_TANGENT_LANES_INL_H_
 #undef POINTSWEEP_OPERATORS_TANGENT_LANES_INL_H_
@@ -43,7 +43,8 @@ HWY_INLINE Vec3Lanes<V> UnitOrZero(const Vec3Lanes<V>& v) {
           hn::IfThenElseZero(direction, hn::Mul(inverse, v.z))};
 }
 
-/// As tangent().
+/// The unit tangent of the plane with unit normal n that goes along `along` and across `across`. These two are unit and
+/// orthogonal; seldom is either exactly tangent. The one nearer to the plane decides, so it never fails.
 template <class V>
 HWY_INLINE Vec3Lanes<V> Tangent(const Vec3Lanes<V>& n, const Vec3Lanes<V>& along, const Vec3Lanes<V>& across) {
   const V lift = Dot(n, along);

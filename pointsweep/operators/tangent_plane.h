@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "pointsweep/math/vec3.h"
 
@@ -19,13 +18,6 @@ inline Vec3 unit_or_zero(Vec3 v) {
   return size > 0 && std::isfinite(size) ? (1 / size) * v : Vec3{};
 }
 inline Vec3 unit_or_zero(Float3 v) { return unit_or_zero(Vec3{v[0], v[1], v[2]}); }
-
-/// The unit tangent of the plane with unit normal n that goes along `along` and across `across`. These two are unit and
-/// orthogonal; seldom is either exactly tangent. The one nearer to the plane decides, so it never fails.
-inline Vec3 tangent(Vec3 n, Vec3 along, Vec3 across) {
-  const double lift = dot(n, along);
-  return unit_or_zero(std::abs(lift) <= std::abs(dot(n, across)) ? along - lift * n : cross(across, n));
-}
 
 /// A direction without a sign, as it is stored: the component of largest magnitude is positive, the first of equal
 /// ones.
