@@ -12,7 +12,7 @@ def table(results):
     first = results[0]
     most = max(len(row['runs']) for result in results for row in result['rows'])
     runs = f'medians of {most} runs' if most > 1 else 'single runs'
-    yield (f"Normals, k = {first['k']}, whole processes from file to file, points in random file order, {first['threads']} threads, {runs}; "
+    yield (f"Normals, k = 8, whole processes from file to file, points in random file order, {first['threads']} threads, {runs}; "
            f"{first['machine']['cpu']}, {first['machine']['cpus']} cores, {first['compiler'].split(') ')[-1]}, commit {first['commit']}, {first['date']}. "
            "Answers compared before times count.\n\n")
     small = next(r["program"] for r in first["rows"] if r["program"].startswith("pointsweep --memory"))
@@ -21,6 +21,8 @@ def table(results):
     for result in results:
         clouds = {}
         for row in result["rows"]:
+            if row.get("order", "random") != "random" or row.get("k", 8) != 8:
+                continue
             clouds.setdefault(f"{row['shape']} {row['points'] / 1e6:g}M", {})[row["program"]] = row["median"]
         for cloud, programs in clouds.items():
             ours, in_little = programs["pointsweep"], programs[small]

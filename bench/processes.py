@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: MIT
+"""Whole processes, timed; clouds to time them on; and on what machine that was."""
+import os
+import pathlib
+import platform
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+def points(text):
+    factor = {"k": 10**3, "M": 10**6, "G": 10**9}.get(text[-1])
+    return int(float(text[:-1]) * factor) if factor else int(text)
+
+
+def run(command):
+    """Wall and CPU seconds and peak resident bytes of one process."""
+    command = [str(word) for word in command]
+    begin = time.monotonic()
+    pid = os.posix_spawn(command[0], command, os.environ)
+    _, status, usage = os.wait4(pid, 0)
+    wall = time.monotonic() - begin
+    if status != 0:
+        sys.exit(f"script/bench: status {os.waitstatus_to_exitcode(status)} from: {' '.join(command)}")
+    return {"wall_seconds": wall, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_rss_bytes": usage.ru_maxrss * 1024}
+
+
+def cloud(options, shape, size, order="random"):
+    """The file of a generated cloud, made if it is not there: points in random order, or line after line as scanned."""
+    path = options.work / f"{shape}-{size}.ply"
+    if not path.exists():
+        run([options.build / "cli/pointsweep", "generate", shape, path, "-n", points(size), "--seed", 1, "--quiet", "--force"])
+    if order == "random":
+        return path
+    scanned = options.work / f"{shape}-{size}-scan.ply"
+    if not scanned.exists():
+        run([options.build / "bench/scan_order", path, scanned])
+    return scanned
+
+
+def machine():
+    cpu = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), "unknown")
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    return {"cpu": cpu, "cpus": len(os.sched_getaffinity(0)), "memory_bytes": memory, "system": platform.platform()}
+
+
+def said(*command):
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    return done.stdout.strip().split("\n")[0] if done.returncode == 0 else "unknown"
+
+
+def commit():
+    return said("git", "rev-parse", "--short", "HEAD") + ("+" if said("git", "status", "--porcelain") else "")
+
+
+def compiler(build):
+    for line in (build / "CMakeCache.txt").read_text().splitlines():
+        if line.startswith("CMAKE_CXX_COMPILER:"):
+            return said(line.split("=", 1)[1], "--version")
+    return "unknown"
