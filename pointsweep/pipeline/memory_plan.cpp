@@ -25,16 +25,21 @@ std::uint64_t window_slabs(const SweepPlan& plan, unsigned threads) {
   return 3 + plan.step_count() + std::max(1u, threads / 2);
 }
 
-std::uint64_t window_bytes(const SweepPlan& plan, std::uint64_t slab_points, std::uint64_t points,
-                           const MemoryDemand& demand) {
-  const std::uint64_t active = std::min(points, window_slabs(plan, demand.threads) * slab_points);
+/// What the cells of the window are expected to take, lists included.
+std::uint64_t cells_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand) {
+  return std::min(demand.points, window_slabs(plan, demand.threads) * slab_points) * window_point_bytes(plan);
+}
+
+/// The same and what threads have in hand.
+std::uint64_t window_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand) {
+  const std::uint64_t points = demand.points;
   const std::uint64_t loading = std::min(points, slab_points) * (demand.working_record_bytes + 3 * 8 + 8 + 4 + 16);
   // Each thread has a cell in hand: its lists, what is made of them, the candidates of a point.
   const std::uint64_t listed =
       plan.neighborhood.k == Neighborhood::kUnlimited ? 1024 : std::min<std::uint64_t>(plan.neighborhood.k, points);
   const std::uint64_t in_hand =
       std::min<std::uint64_t>(points, 1024) * (4 * listed + 2 * plan.result_bytes) + 128 * listed;
-  return active * window_point_bytes(plan) + std::max(1u, demand.threads) * (loading + in_hand);
+  return cells_bytes(plan, slab_points, demand) + std::max(1u, demand.threads) * (loading + in_hand);
 }
 
 std::uint64_t limit_of_control_group() {
@@ -50,20 +55,7 @@ std::uint64_t limit_of_control_group() {
 constexpr std::uint64_t kLeastSlabPoints = 4096;
 constexpr std::uint64_t kLeastBuffer = 4096;
 
-}  // namespace
-
-void fail_budget(std::uint64_t budget, std::uint64_t needed_bytes) {
-  fail("A memory budget of {} MB is too small for this cloud and chain: give --memory {}M or more.", budget >> 20,
-       std::max((needed_bytes >> 20) + 1, (budget >> 20) + 1));
-}
-
-MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
-  MemoryPlan out = try_plan_memory(budget, plan, demand);
-  if (out.needed_bytes != 0) fail_budget(budget, out.needed_bytes);
-  return out;
-}
-
-MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
+MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
   const std::uint64_t stream = demand.points * demand.working_record_bytes;
   const std::uint64_t results = demand.points * demand.result_record_bytes;
   MemoryPlan out;
@@ -71,7 +63,7 @@ MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const Me
   // For chunks on their way to their slabs, also where these are in memory.
   out.stream_buffer_bytes = std::clamp<std::uint64_t>(budget / 8, 8 << 20, 64 << 20);
   out.recall_bytes = std::max<std::uint64_t>(1 << 20, budget / 8);
-  out.window_bytes = window_bytes(plan, out.slab_points, demand.points, demand);
+  out.window_bytes = window_bytes(plan, out.slab_points, demand);
   const auto fits = [&](std::uint64_t bytes) { return kFixedBytes + out.window_bytes + bytes <= budget; };
   if (fits(stream + results + out.stream_buffer_bytes)) {
     out.expected_bytes = kFixedBytes + out.window_bytes + stream + results + out.stream_buffer_bytes;
@@ -91,7 +83,7 @@ MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const Me
   while (!fits(out.stream_buffer_bytes + (out.spill_results ? out.result_buffer_bytes : results)) &&
          out.slab_points > kLeastSlabPoints) {
     out.slab_points = std::max(kLeastSlabPoints, out.slab_points / 2);
-    out.window_bytes = window_bytes(plan, out.slab_points, demand.points, demand);
+    out.window_bytes = window_bytes(plan, out.slab_points, demand);
     out.stream_buffer_bytes = std::max(budget / 8, slabs() * kLeastBuffer);
   }
   const std::uint64_t spilling = out.stream_buffer_bytes + (out.spill_results ? out.result_buffer_bytes : results);
@@ -100,6 +92,27 @@ MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const Me
     // What the buffers take grows with the budget: an eighth each.
     out.needed_bytes = (kFixedBytes + out.window_bytes + (2u << 20)) * 4 / 3 + slabs() * kLeastBuffer;
   }
+  return out;
+}
+
+}  // namespace
+
+void fail_budget(std::uint64_t budget, std::uint64_t needed_bytes) {
+  fail("A memory budget of {} MB is too small for this cloud and chain: give --memory {}M or more.", budget >> 20,
+       std::max((needed_bytes >> 20) + 1, (budget >> 20) + 1));
+}
+
+MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
+  MemoryPlan out = try_plan_memory(budget, plan, demand);
+  if (out.needed_bytes != 0) fail_budget(budget, out.needed_bytes);
+  return out;
+}
+
+MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
+  MemoryPlan out = divide(budget, plan, demand);
+  const std::uint64_t others = out.expected_bytes - cells_bytes(plan, out.slab_points, demand);
+  // An eighth is lost between allocations.
+  out.cells_bytes = (budget - std::min(budget, others)) / 8 * 7;
   return out;
 }
 

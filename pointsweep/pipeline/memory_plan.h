@@ -24,6 +24,7 @@ struct MemoryPlan {
   std::uint64_t result_buffer_bytes = 0;
   std::uint64_t recall_bytes = 0;
   std::uint64_t window_bytes = 0;    ///< expected
+  std::uint64_t cells_bytes = 0;     ///< what the cells of the window may take of the budget
   std::uint64_t expected_bytes = 0;  ///< in all
   std::uint64_t needed_bytes = 0;    ///< a budget that does, if this one does not; otherwise 0
 };

@@ -56,6 +56,8 @@ struct RunOptions {
   /// read. Takes a byte of memory for each point besides the budget; empty: none.
   std::filesystem::path half_way_states;
   bool spill = false;  ///< use the temporary folder even where memory would do. No result depends on it.
+  /// Find neighbourhoods again for every step even where there is memory to keep them. No result depends on it.
+  bool search_again = false;
 };
 
 /// Where results go. Any of the three may be absent.

@@ -183,6 +183,7 @@ class Run {
     const SweepOptions sweep_options{.cell_points = options_.cell_points,
                                      .read_ahead = std::max(1u, statistics_.threads / 2),
                                      .recall_bytes = memory.recall_bytes,
+                                     .cells_bytes = options_.search_again ? 0 : memory.cells_bytes,
                                      .count_distances = first && options_.count_distances,
                                      .half_way = half_way.empty() ? nullptr : &half_way,
                                      .progress = sweep_progress()};

@@ -27,20 +27,25 @@ constexpr std::size_t kStragglers = 8;
 
 }  // namespace
 
-CellRunner::CellRunner(const SweepPlan& plan, Window& window, const Outside& outside, Sink& sink)
-    : plan_(plan), window_(window), outside_(outside), sink_(sink), read_of_neighbors_(plan.column_bytes.size()) {
+CellRunner::CellRunner(const SweepPlan& plan, Window& window, const Outside& outside, Sink& sink,
+                       std::uint64_t cells_bytes)
+    : plan_(plan),
+      window_(window),
+      outside_(outside),
+      sink_(sink),
+      read_of_neighbors_(plan.column_bytes.size()),
+      cells_bytes_(cells_bytes) {
+  for (const std::uint32_t bytes : plan.column_bytes) point_bytes_ += bytes;
   for (const Stage& stage : plan.stages)
     for (const std::uint16_t column : stage.reads_neighbors) read_of_neighbors_[column] = true;
 }
 
 void CellRunner::run(std::uint32_t slot, std::uint32_t step, Worker& worker) const {
   WindowCell& cell = window_.at(slot);
-  if (step == 0) {
-    if (!search(slot, worker)) return;
-  } else {
-    defer_points_of_deferred_neighbors(cell, worker);
-  }
-  apply(cell, step, step == 0 && plan_.step_count() == 1 ? worker.neighbors : cell.lists, worker);
+  if (step == 0 && !search(slot, worker)) return;
+  const CellNeighbors& lists = step == 0 ? worker.neighbors : lists_of(slot, worker);
+  if (step > 0) defer_points_of_deferred_neighbors(cell, lists, worker);
+  apply(cell, step, lists, worker);
   cell.steps_done = step + 1;
   if (cell.steps_done == plan_.step_count()) finish(cell, worker);
 }
@@ -52,24 +57,57 @@ bool CellRunner::search(std::uint32_t slot, Worker& worker) const {
   const bool complete = certify(cell, worker.neighbors, worker);
   if (complete) {
     cell.reach = std::min(reach_of_most(worker.neighbors.reach2, 0.9), cell.cell.box.diagonal() + cell.wait_reach);
+    const bool later = plan_.step_count() > 1;
+    if (later) refer(cell, worker.neighbors);
     shorten(plan_, cell.view(), cell.cell.size(), window_.slots(), worker.neighbors);
-    if (plan_.step_count() > 1) {
-      cell.lists = worker.neighbors;
-      cell.lists.reach2.clear();
-      std::vector<std::uint32_t>& slots = cell.refers_to;
-      for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
-        if (cell.is_deferred(i)) continue;
-        for (std::uint32_t j = cell.lists.begin[i]; j < cell.lists.begin[i + 1]; ++j) {
-          const std::uint32_t other = slot_of(cell.lists.refs[j]);
-          if (slots.empty() || slots.back() != other) slots.push_back(other);
-        }
-      }
-      std::sort(slots.begin(), slots.end());
-      slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
-    }
+    if (later && keep_lists(cell, worker.neighbors) && plan_.neighborhood.rule) refer(cell, cell.lists);
   }
   worker.search_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return complete;
+}
+
+/// Those kept, or the same ones found again: within their certified balls nothing has come, and what they name has
+/// stayed.
+const CellNeighbors& CellRunner::lists_of(std::uint32_t slot, Worker& worker) const {
+  const WindowCell& cell = window_.at(slot);
+  if (!cell.lists.begin.empty()) return cell.lists;
+  const auto start = std::chrono::steady_clock::now();
+  search_cell(window_.directory(), slot, plan_.neighborhood, worker.search, worker.neighbors);
+  shorten(plan_, cell.view(), cell.cell.size(), window_.slots(), worker.neighbors);
+  worker.search_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return worker.neighbors;
+}
+
+/// Notes which cells the lists name: these stay.
+void CellRunner::refer(WindowCell& cell, const CellNeighbors& lists) const {
+  std::vector<std::uint32_t>& slots = cell.refers_to;
+  slots.clear();
+  for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
+    if (cell.is_deferred(i)) continue;
+    for (std::uint32_t j = lists.begin[i]; j < lists.begin[i + 1]; ++j) {
+      const std::uint32_t other = slot_of(lists.refs[j]);
+      if (slots.empty() || slots.back() != other) slots.push_back(other);
+    }
+  }
+  std::sort(slots.begin(), slots.end());
+  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+}
+
+/// If there is room.
+bool CellRunner::keep_lists(WindowCell& cell, const CellNeighbors& found) const {
+  const std::uint64_t bytes = found.refs.size() * sizeof(NeighborRef) + found.begin.size() * sizeof(std::uint32_t);
+  if (list_bytes_.fetch_add(bytes) + bytes + window_.points() * point_bytes_ > cells_bytes_) {
+    list_bytes_ -= bytes;
+    return false;
+  }
+  cell.lists.begin = found.begin;
+  cell.lists.refs = found.refs;
+  return true;
+}
+
+void CellRunner::release_lists(WindowCell& cell) const {
+  list_bytes_ -= cell.lists.refs.size() * sizeof(NeighborRef) + cell.lists.begin.size() * sizeof(std::uint32_t);
+  cell.lists = {};
 }
 
 /// Every ball must be clear of unread slabs and of dropped cells. False if the cell is to wait and be searched again.
@@ -119,15 +157,16 @@ void CellRunner::defer(WindowCell& cell, std::uint32_t i, double reach2, Worker&
 }
 
 /// What a neighbour could not give in time, its dependants cannot use: they follow it into the recall.
-void CellRunner::defer_points_of_deferred_neighbors(WindowCell& cell, Worker& worker) const {
+void CellRunner::defer_points_of_deferred_neighbors(WindowCell& cell, const CellNeighbors& lists,
+                                                    Worker& worker) const {
   const auto any = std::any_of(cell.refers_to.begin(), cell.refers_to.end(),
                                [&](std::uint32_t slot) { return !window_.at(slot).deferred_before.empty(); });
   if (!any) return;
   std::vector<std::uint32_t> follow;
   for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
     if (cell.is_deferred(i)) continue;
-    for (std::uint32_t j = cell.lists.begin[i]; j < cell.lists.begin[i + 1]; ++j) {
-      const NeighborRef ref = cell.lists.refs[j];
+    for (std::uint32_t j = lists.begin[i]; j < lists.begin[i + 1]; ++j) {
+      const NeighborRef ref = lists.refs[j];
       if (window_.at(slot_of(ref)).was_deferred(index_of(ref))) {
         follow.push_back(i);
         break;
@@ -209,7 +248,7 @@ void CellRunner::finish(WindowCell& cell, Worker& worker) const {
     }
     i = end + 1;
   }
-  cell.lists = {};
+  release_lists(cell);
   cell.refers_to = {};
   if (plan_.step_count() == 1) drop_columns(cell);
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,6 +28,8 @@ struct SweepOptions {
   std::uint32_t cell_points = 1024;      ///< a multiple of 16, at most kCellCapacity
   std::size_t read_ahead = 1;            ///< slabs being read and cut while others are worked on
   std::size_t recall_bytes = 64u << 20;  ///< memory for a batch of recalled points
+  /// Memory for the cells of the window. They take what they must; lists for later steps only what is left of it.
+  std::uint64_t cells_bytes = std::numeric_limits<std::uint64_t>::max();
   bool count_distances = false;          ///< fill SweepStatistics::distances
   /// If given, the PointState of every point by input row, as it is once half of the points have been read. The caller
   /// gives it a place for each row of the input.

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/least_eigenentropy.h"
 #include "pointsweep/operators/normals.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
@@ -195,6 +196,25 @@ TEST(Run, ChainsThatLookAtNeighborsAttributesEqualTheEvaluationOfTheWholeCloud) 
         ASSERT_EQ(agreement[i], neighbors[i].empty() ? 0 : sum / static_cast<double>(neighbors[i].size())) << i;
         ASSERT_EQ(largest[i], most) << i;
       }
+    }
+  }
+}
+
+TEST(Run, NeighborhoodsFoundAgainAreThoseKept) {
+  const auto adaptive = std::make_shared<LeastEigenentropy>(4);
+  const std::vector<Neighborhood> neighborhoods = {
+      {.k = 8}, {.k = 70}, {.k = 12, .radius = 0.1}, {.k = 12, .rule = adaptive}};
+  for (const auto& [name, shape] : hostile_shapes()) {
+    const std::vector<Vec3> points = make_cloud(shape, sized(600), 16);
+    for (std::size_t n = 0; n < neighborhoods.size(); ++n) {
+      SCOPED_TRACE(name + ", neighbourhood " + std::to_string(n));
+      const Chain chain{
+          neighborhoods[n],
+          {std::make_shared<Normals>(), std::make_shared<MeanNormal>(), std::make_shared<LargestAgreement>()}};
+      RunOptions options = tiny(80, 16);
+      const RunResult kept = run_in_memory(points, chain, options);
+      options.search_again = true;
+      ASSERT_EQ(run_in_memory(points, chain, options).records, kept.records);
     }
   }
 }
