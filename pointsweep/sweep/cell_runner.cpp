@@ -58,9 +58,9 @@ bool CellRunner::search(std::uint32_t slot, Worker& worker) const {
   if (complete) {
     cell.reach = std::min(reach_of_most(worker.neighbors.reach2, 0.9), cell.cell.box.diagonal() + cell.wait_reach);
     const bool later = plan_.step_count() > 1;
-    if (later) refer(cell, worker.neighbors);
+    if (later) refer(cell, worker.neighbors, worker);
     shorten(plan_, cell.view(), cell.cell.size(), window_.slots(), worker.neighbors);
-    if (later && keep_lists(cell, worker.neighbors) && plan_.neighborhood.rule) refer(cell, cell.lists);
+    if (later && keep_lists(cell, worker.neighbors) && plan_.neighborhood.rule) refer(cell, cell.lists, worker);
   }
   worker.search_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return complete;
@@ -79,18 +79,21 @@ const CellNeighbors& CellRunner::lists_of(std::uint32_t slot, Worker& worker) co
 }
 
 /// Notes which cells the lists name: these stay.
-void CellRunner::refer(WindowCell& cell, const CellNeighbors& lists) const {
-  std::vector<std::uint32_t>& slots = cell.refers_to;
+void CellRunner::refer(WindowCell& cell, const CellNeighbors& lists, Worker& worker) const {
+  std::vector<std::uint32_t>& slots = worker.named;
   slots.clear();
   for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
     if (cell.is_deferred(i)) continue;
     for (std::uint32_t j = lists.begin[i]; j < lists.begin[i + 1]; ++j) {
       const std::uint32_t other = slot_of(lists.refs[j]);
-      if (slots.empty() || slots.back() != other) slots.push_back(other);
+      if (other >= worker.is_named.size()) worker.is_named.resize(other + 1, false);
+      if (!worker.is_named[other]) slots.push_back(other);
+      worker.is_named[other] = true;
     }
   }
+  for (const std::uint32_t slot : slots) worker.is_named[slot] = false;
   std::sort(slots.begin(), slots.end());
-  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  cell.refers_to.assign(slots.begin(), slots.end());
 }
 
 /// If there is room.

@@ -26,6 +26,8 @@ struct DeferredPoint {
 struct Worker {
   SearchScratch search;
   CellNeighbors neighbors;
+  std::vector<std::uint32_t> named;  ///< slots that the lists of a cell name
+  std::vector<bool> is_named;        ///< by slot
   std::vector<Box> dropped;
   std::vector<std::byte*> made;
   std::vector<std::byte> results;
@@ -47,7 +49,7 @@ class CellRunner {
  private:
   bool search(std::uint32_t slot, Worker& worker) const;
   const CellNeighbors& lists_of(std::uint32_t slot, Worker& worker) const;
-  void refer(WindowCell& cell, const CellNeighbors& lists) const;
+  void refer(WindowCell& cell, const CellNeighbors& lists, Worker& worker) const;
   bool keep_lists(WindowCell& cell, const CellNeighbors& found) const;
   void release_lists(WindowCell& cell) const;
   bool certify(WindowCell& cell, const CellNeighbors& found, Worker& worker) const;
