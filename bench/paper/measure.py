@@ -26,7 +26,7 @@ def arguments():
     parser.add_argument("--sizes", nargs="+", default=["2000646", "4129534"],
                         help="points of the generated clouds, e.g. 2M 14022961 (default: the paper's two smaller models)")
     parser.add_argument("--law", nargs="+", default=["1M", "4M"], help="points for the law of the working set (default 1M 4M)")
-    parser.add_argument("--full", action="store_true", help="the sizes of all five models, and 1M to 64M for the law; about an hour, 20 GB")
+    parser.add_argument("--full", action="store_true", help="the sizes of all five models, and 1M to 64M for the law; about ten minutes on two cores, 20 GB")
     parser.add_argument("--data", type=pathlib.Path, default=os.environ.get("POINTSWEEP_DATA"), help="folder of real models")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/paper")
     parser.add_argument("--tool", type=pathlib.Path, default=ROOT / "build/release/cli/pointsweep")
