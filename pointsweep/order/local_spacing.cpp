@@ -63,6 +63,21 @@ LocalSpacing::LocalSpacing(std::span<const Vec3> sample, std::uint64_t points, d
   find_sparse_places(levels, leaves);
 }
 
+LocalSpacing::LocalSpacing(Unpacker& packed)
+    : lo_(packed.get<Vec3>()),
+      side_(packed.get<double>()),
+      sparse_level_(packed.get<int>()),
+      begin_(packed.get_vector<std::uint64_t>()),
+      first_(packed.get_vector<std::uint32_t>()) {}
+
+void LocalSpacing::pack(Packer& out) const {
+  out.put(lo_);
+  out.put(side_);
+  out.put(sparse_level_);
+  out.put(begin_);
+  out.put(first_);
+}
+
 void LocalSpacing::grow(std::span<const std::uint64_t> codes, std::uint64_t begin, int level,
                         std::vector<Leaf>& leaves) {
   if (codes.size() < kFew || level == kLevels) return leaves.push_back({begin, level});

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pointsweep/math/box.h"
+#include "pointsweep/order/packed.h"
 
 namespace pointsweep {
 
@@ -23,6 +24,10 @@ class LocalSpacing {
   LocalSpacing() = default;
   /// `points` and `dimension` are those of the cloud the sample was taken from. About 20 ms for 65,536 points.
   LocalSpacing(std::span<const Vec3> sample, std::uint64_t points, double dimension);
+
+  /// As it was when it was packed, but for at_sample().
+  explicit LocalSpacing(Unpacker& packed);
+  void pack(Packer& out) const;
 
   /// Estimates of the distance between neighbouring points at each sample point, in length units, within a factor of
   /// about two; empty if nothing is known.

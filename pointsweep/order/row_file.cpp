@@ -6,11 +6,18 @@
 
 namespace pointsweep {
 
-RowFile::RowFile(std::uint64_t rows, std::size_t record_bytes, const TempFolder* spill) : record_bytes_(record_bytes) {
-  if (spill != nullptr)
-    file_ = std::make_unique<SpillFile>(*spill);
+RowFile::RowFile(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& spill) : RowFile(record_bytes) {
+  if (spill)
+    file_ = std::make_unique<SpillFile>(spill);
   else
     memory_ = PageMemory(rows * record_bytes);
+}
+
+RowFile RowFile::kept(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& kept) {
+  RowFile file(record_bytes);
+  file.end_ = rows * record_bytes;
+  file.file_ = std::make_unique<SpillFile>(kept, file.end_);
+  return file;
 }
 
 void RowFile::append(std::span<const std::byte> records) {

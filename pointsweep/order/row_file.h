@@ -12,12 +12,12 @@
 
 namespace pointsweep {
 
-class TempFolder;
-
 class RowFile {
  public:
-  /// Room for `rows` records of `record_bytes`: in memory, or in a temporary file of `spill` if that is not null.
-  RowFile(std::uint64_t rows, std::size_t record_bytes, const TempFolder* spill);
+  /// Room for `rows` records of `record_bytes`: in memory or spilled.
+  RowFile(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& spill);
+  /// A kept file to which `rows` records had been appended.
+  static RowFile kept(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& kept);
 
   /// Appends whole records, in all no more than there is room for. Throws Error where the disk is full.
   void append(std::span<const std::byte> records);
@@ -27,6 +27,8 @@ class RowFile {
   std::uint64_t spilled_bytes() const { return file_ ? file_->written_bytes() : 0; }
 
  private:
+  explicit RowFile(std::size_t record_bytes) : record_bytes_(record_bytes) {}
+
   std::size_t record_bytes_;
   std::uint64_t end_ = 0;  ///< bytes appended
   PageMemory memory_;

@@ -77,20 +77,22 @@ class RowArray {
 /// many. A bucket larger than the window is read more than once.
 class RowBuckets {
  public:
-  RowBuckets(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const TempFolder& spill,
+  RowBuckets(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const SpillPlace& spill,
              std::size_t buffer_bytes)
-      : rows_(rows),
-        record_bytes_(record_bytes),
-        fill_(fill),
-        window_rows_(std::bit_floor(std::max<std::size_t>(1, buffer_bytes / 2 / record_bytes))) {
+      : RowBuckets(rows, record_bytes, fill, buffer_bytes) {
     const auto too_many = [&](std::size_t block_bytes) { return buckets() > buffer_bytes / 2 / block_bytes + 1; };
     shift_ = std::countr_zero(std::min<std::uint64_t>(window_rows_, std::bit_ceil(kCachedBytes / record_bytes + 1)));
     while (shift_ < 32 && too_many(kGoodBlockBytes) && (std::uint64_t{1} << shift_) < window_rows_) ++shift_;
     while (shift_ < 32 && too_many(kLeastBlockBytes)) ++shift_;
     window_rows_ = std::min(window_rows_, std::uint64_t{1} << shift_);
-    const std::size_t block = std::clamp<std::size_t>(buffer_bytes / 2 / std::max<std::uint64_t>(1, buckets()),
-                                                      kLeastBlockBytes, std::size_t{1} << 20);
-    store_ = std::make_unique<SlabStore>(buckets(), kOffsetBytes + record_bytes, block, &spill);
+    store_ = std::make_unique<SlabStore>(buckets(), kOffsetBytes + record_bytes, block_bytes(buffer_bytes), spill);
+  }
+  RowBuckets(Unpacker& packed, std::uint64_t rows, std::size_t record_bytes, std::byte fill, const SpillPlace& kept,
+             std::size_t buffer_bytes)
+      : RowBuckets(rows, record_bytes, fill, buffer_bytes) {
+    shift_ = packed.get<int>();
+    window_rows_ = std::min(window_rows_, std::uint64_t{1} << shift_);
+    store_ = std::make_unique<SlabStore>(packed, kOffsetBytes + record_bytes, block_bytes(buffer_bytes), kept);
   }
 
   void put(std::span<const std::uint64_t> rows, const std::byte* records) {
@@ -112,8 +114,24 @@ class RowBuckets {
 
   std::uint64_t spilled_bytes() const { return store_->spilled_bytes(); }
 
+  void pack(Packer& out) {
+    store_->flush();
+    out.put(shift_);
+    store_->pack(out);
+  }
+
  private:
+  RowBuckets(std::uint64_t rows, std::size_t record_bytes, std::byte fill, std::size_t buffer_bytes)
+      : rows_(rows),
+        record_bytes_(record_bytes),
+        fill_(fill),
+        window_rows_(std::bit_floor(std::max<std::size_t>(1, buffer_bytes / 2 / record_bytes))) {}
+
   std::uint64_t buckets() const { return rows_ == 0 ? 0 : ((rows_ - 1) >> shift_) + 1; }
+  std::size_t block_bytes(std::size_t buffer_bytes) const {
+    return std::clamp<std::size_t>(buffer_bytes / 2 / std::max<std::uint64_t>(1, buckets()), kLeastBlockBytes,
+                                   std::size_t{1} << 20);
+  }
 
   /// Groups the batch by bucket (counting sort), so that each bucket is locked once.
   void put_batch(std::span<const std::uint64_t> rows, const std::byte* records) {
@@ -176,13 +194,19 @@ struct RowStore::State {
   std::unique_ptr<RowBuckets> buckets;
 };
 
-RowStore::RowStore(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const TempFolder* spill,
+RowStore::RowStore(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const SpillPlace& spill,
                    std::size_t buffer_bytes)
     : state_(std::make_unique<State>()) {
-  if (spill == nullptr)
-    state_->array = std::make_unique<RowArray>(rows, record_bytes, fill);
+  if (spill)
+    state_->buckets = std::make_unique<RowBuckets>(rows, record_bytes, fill, spill, buffer_bytes);
   else
-    state_->buckets = std::make_unique<RowBuckets>(rows, record_bytes, fill, *spill, buffer_bytes);
+    state_->array = std::make_unique<RowArray>(rows, record_bytes, fill);
+}
+
+RowStore::RowStore(Unpacker& packed, std::uint64_t rows, std::size_t record_bytes, std::byte fill,
+                   const SpillPlace& kept, std::size_t buffer_bytes)
+    : state_(std::make_unique<State>()) {
+  state_->buckets = std::make_unique<RowBuckets>(packed, rows, record_bytes, fill, kept, buffer_bytes);
 }
 
 RowStore::~RowStore() = default;
@@ -195,6 +219,8 @@ void RowStore::put(std::span<const std::uint64_t> rows, std::span<const std::byt
 void RowStore::drain(const Consume& consume) {
   state_->array ? state_->array->drain(consume) : state_->buckets->drain(consume);
 }
+
+void RowStore::pack(Packer& out) { state_->buckets->pack(out); }
 
 std::uint64_t RowStore::spilled_bytes() const { return state_->buckets ? state_->buckets->spilled_bytes() : 0; }
 

@@ -9,16 +9,20 @@
 #include <memory>
 #include <span>
 
-namespace pointsweep {
+#include "pointsweep/order/packed.h"
+#include "pointsweep/order/spill_file.h"
 
-class TempFolder;
+namespace pointsweep {
 
 /// One record of `record_bytes` per row, 0 <= row < rows. In memory an array; spilled, one list per range of rows.
 /// A row that nobody puts reads as bytes of value `fill`.
 class RowStore {
  public:
-  /// `spill` null: an array of rows * record_bytes. Otherwise memory stays under `buffer_bytes`.
-  RowStore(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const TempFolder* spill,
+  /// In memory an array of rows * record_bytes. Spilling, memory stays under `buffer_bytes`.
+  RowStore(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const SpillPlace& spill,
+           std::size_t buffer_bytes);
+  /// As it was when it was packed, in the file it kept then; another `buffer_bytes` may be given.
+  RowStore(Unpacker& packed, std::uint64_t rows, std::size_t record_bytes, std::byte fill, const SpillPlace& kept,
            std::size_t buffer_bytes);
   ~RowStore();
 
@@ -28,6 +32,8 @@ class RowStore {
   /// After the last put(): calls `consume(first_row, records)` for consecutive runs that cover all rows in order.
   void drain(const std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>& consume);
   std::uint64_t spilled_bytes() const;
+  /// Of a store in a kept file: all that was put is in the file, and how to find it is packed. Nobody may be putting.
+  void pack(Packer& out);
 
  private:
   struct State;

@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "pointsweep/order/block_pool.h"
-#include "pointsweep/order/spill_file.h"
 
 namespace pointsweep {
 namespace {
@@ -32,12 +31,10 @@ struct SlabList {
 }  // namespace
 
 struct SlabStore::State {
-  State(std::size_t record_size, std::size_t wanted_block_bytes, const TempFolder* spill)
+  State(std::size_t record_size, std::size_t wanted_block_bytes)
       : record_bytes(record_size),
         block_bytes(std::max<std::size_t>(1, wanted_block_bytes / record_size) * record_size),
-        pool(block_bytes) {
-    if (spill != nullptr) file.emplace(*spill);
-  }
+        pool(block_bytes) {}
 
   /// A full (or last) buffer of a spilling slab on its way to the file.
   struct Outgoing {
@@ -71,9 +68,20 @@ struct SlabStore::State {
   std::optional<SpillFile> file;
 };
 
-SlabStore::SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const TempFolder* spill)
-    : state_(std::make_unique<State>(record_bytes, block_bytes, spill)) {
+SlabStore::SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& spill)
+    : state_(std::make_unique<State>(record_bytes, block_bytes)) {
+  if (spill) state_->file.emplace(spill);
   add_slabs(slabs);
+}
+
+SlabStore::SlabStore(Unpacker& packed, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& kept)
+    : state_(std::make_unique<State>(record_bytes, block_bytes)) {
+  state_->file.emplace(kept, packed.get<std::uint64_t>());
+  add_slabs(packed.get<std::uint64_t>());
+  for (SlabList& list : state_->lists) {
+    list.count = packed.get<std::uint64_t>();
+    list.blocks = packed.get_vector<Block>();
+  }
 }
 
 SlabStore::~SlabStore() = default;
@@ -108,10 +116,25 @@ void SlabStore::append(std::size_t slab, std::span<const std::byte> records) {
   }
 }
 
+void SlabStore::flush() {
+  State& s = *state_;
+  for (SlabList& list : s.lists)
+    if (s.file && list.open != nullptr) s.write(s.close_block(list));
+}
+
+void SlabStore::pack(Packer& out) const {
+  out.put(state_->file->end());
+  out.put<std::uint64_t>(state_->lists.size());
+  for (const SlabList& list : state_->lists) {
+    out.put(list.count);
+    out.put(list.blocks);
+  }
+}
+
 void SlabStore::finish() {
   State& s = *state_;
+  flush();
   for (SlabList& list : s.lists) {
-    if (s.file && list.open != nullptr) s.write(s.close_block(list));
     list.open = nullptr;
     list.blocks.shrink_to_fit();
   }

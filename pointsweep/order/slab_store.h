@@ -8,17 +8,20 @@
 #include <span>
 #include <vector>
 
-namespace pointsweep {
+#include "pointsweep/order/packed.h"
+#include "pointsweep/order/spill_file.h"
 
-class TempFolder;
+namespace pointsweep {
 
 /// `slabs` growing lists of fixed-size records. append() fills blocks of `block_bytes`; full blocks stay in memory or
 /// go to the spill file in large sequential writes. Within a slab the stored order never changes after finish().
 class SlabStore {
  public:
-  /// `spill` null: everything stays in memory. Otherwise memory is slabs * block_bytes while filling, none after
-  /// finish(). `block_bytes` is rounded down to whole records, but never below one.
-  SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const TempFolder* spill);
+  /// Spilling, memory is slabs * block_bytes while filling, none after finish(). `block_bytes` is rounded down to whole
+  /// records, but never below one.
+  SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& spill);
+  /// As it was when it was packed, in the file it kept then.
+  SlabStore(Unpacker& packed, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& kept);
   ~SlabStore();
 
   /// Makes `slabs` more, empty ones, and returns the first. Nothing else may run meanwhile.
@@ -27,6 +30,9 @@ class SlabStore {
   void append(std::size_t slab, std::span<const std::byte> records);
   /// Flushes what is buffered. No append() to these slabs after it, only to those that add_slabs() makes later.
   void finish();
+  /// What was appended to a kept file is in it, and all that pack() says. Nobody may be appending.
+  void flush();
+  void pack(Packer& out) const;
   /// Forgets the records of a slab and gives their space back. Nobody may be reading it.
   void release(std::size_t slab);
 

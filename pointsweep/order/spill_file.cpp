@@ -2,6 +2,7 @@
 #include "pointsweep/order/spill_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -14,28 +15,60 @@
 namespace pointsweep {
 namespace {
 
-[[noreturn]] void fail_write(const std::string& folder, int error, std::uint64_t needed) {
+[[noreturn]] void fail_write(const std::string& folder, const std::string& option, int error, std::uint64_t needed) {
   if (error == ENOSPC || error == EDQUOT)
     fail(
         "no space left in the temporary folder '{}', where {} bytes or more are needed: free some there or name "
-        "another folder with --temp-dir.",
-        folder, needed);
+        "another folder with {}.",
+        folder, needed, option);
   if (error == EFBIG)
     fail(
         "a temporary file in '{}' may not grow to {} bytes: raise the limit on file sizes (ulimit -f) or name a "
-        "folder of another file system with --temp-dir.",
-        folder, needed);
-  fail("cannot write to the temporary folder '{}': {}; name another folder with --temp-dir.", folder,
-       std::strerror(error));
+        "folder of another file system with {}.",
+        folder, needed, option);
+  fail("cannot write to the temporary folder '{}': {}; name another folder with {}.", folder, std::strerror(error),
+       option);
 }
 
 }  // namespace
 
-SpillFile::SpillFile(const TempFolder& folder) : parent_(folder.path().parent_path().string()) {
-  std::string name = (folder.path() / "spill-XXXXXX").string();
+SpillPlace::SpillPlace(const TempFolder* folder) {
+  if (folder != nullptr) folder_ = folder->path();
+}
+
+SpillPlace SpillPlace::kept(const std::filesystem::path& file) {
+  SpillPlace place(nullptr);
+  place.folder_ = file.parent_path();
+  place.name_ = file.filename().string();
+  return place;
+}
+
+SpillFile::SpillFile(const SpillPlace& place)
+    : parent_((place.is_kept() ? place.folder() : place.folder().parent_path()).string()),
+      option_(place.is_kept() ? "--resume" : "--temp-dir") {
+  if (place.is_kept()) {
+    descriptor_ = ::open(place.file().c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    if (descriptor_ < 0) fail_write(parent_, option_, errno, 0);
+    return;
+  }
+  std::string name = (place.folder() / "spill-XXXXXX").string();
   descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
-  if (descriptor_ < 0) fail_write(parent_, errno, 0);
+  if (descriptor_ < 0) fail_write(parent_, option_, errno, 0);
   ::unlink(name.c_str());
+}
+
+SpillFile::SpillFile(const SpillPlace& place, std::uint64_t bytes)
+    : parent_(place.folder().string()), option_("--resume"), reserved_(bytes) {
+  descriptor_ = ::open(place.file().c_str(), O_RDWR | O_CLOEXEC);
+  struct stat status {};
+  const bool found = descriptor_ >= 0 && ::fstat(descriptor_, &status) == 0;
+  if (found && static_cast<std::uint64_t>(status.st_size) >= bytes) {
+    // What was written behind it is of no checkpoint.
+    if (::ftruncate(descriptor_, static_cast<off_t>(bytes)) == 0) return;
+  }
+  if (descriptor_ >= 0) ::close(descriptor_);
+  fail("'{}' is not as the last checkpoint left it: remove the folder '{}' and start anew.", place.file().string(),
+       parent_);
 }
 
 SpillFile::~SpillFile() { ::close(descriptor_); }
@@ -45,7 +78,7 @@ void SpillFile::write(std::uint64_t offset, std::span<const std::byte> bytes) {
     const ssize_t n =
         ::pwrite(descriptor_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) fail_write(parent_, n < 0 ? errno : ENOSPC, reserved_.load());
+    if (n <= 0) fail_write(parent_, option_, n < 0 ? errno : ENOSPC, reserved_.load());
     done += static_cast<std::size_t>(n);
   }
   written_.fetch_add(bytes.size(), std::memory_order_relaxed);
@@ -56,10 +89,8 @@ void SpillFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
     const ssize_t n = ::pread(descriptor_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0)
-      fail(
-          "cannot read back byte {} of a temporary file in '{}': {}; check that disk or name another folder with "
-          "--temp-dir.",
-          offset + done, parent_, n < 0 ? std::strerror(errno) : "the file is shorter than what was written");
+      fail("cannot read back byte {} of a temporary file in '{}': {}; check that disk or name another folder with {}.",
+           offset + done, parent_, n < 0 ? std::strerror(errno) : "the file is shorter than what was written", option_);
     done += static_cast<std::size_t>(n);
   }
 }

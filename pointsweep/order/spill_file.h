@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 
@@ -12,10 +13,30 @@ namespace pointsweep {
 
 class TempFolder;
 
-/// The file has no name any more as soon as it is open, so that nothing is left of it however the process ends.
+/// Where spilled data go: nowhere, since they stay in memory; to a file that loses its name as soon as it is open, so
+/// that nothing is left of it however the process ends; or to a file that is kept for a run that continues.
+class SpillPlace {
+ public:
+  /// Null: memory.
+  SpillPlace(const TempFolder* folder);  // NOLINT: a folder is a place
+  static SpillPlace kept(const std::filesystem::path& file);
+
+  explicit operator bool() const { return !folder_.empty(); }
+  bool is_kept() const { return !name_.empty(); }
+  const std::filesystem::path& folder() const { return folder_; }
+  std::filesystem::path file() const { return folder_ / name_; }
+
+ private:
+  std::filesystem::path folder_;
+  std::string name_;
+};
+
 class SpillFile {
  public:
-  explicit SpillFile(const TempFolder& folder);
+  /// A new file, replacing one of the same name.
+  explicit SpillFile(const SpillPlace& place);
+  /// Goes on with a kept file of which the first `bytes` are in use. Throws Error if it has fewer.
+  SpillFile(const SpillPlace& place, std::uint64_t bytes);
   ~SpillFile();
   SpillFile(const SpillFile&) = delete;
   SpillFile& operator=(const SpillFile&) = delete;
@@ -28,10 +49,14 @@ class SpillFile {
   /// Gives the space back to the file system where it can do that; the bytes must not be read again.
   void discard(std::uint64_t offset, std::uint64_t bytes);
 
+  /// The bytes reserved so far: as much of the file as is in use.
+  std::uint64_t end() const { return reserved_.load(std::memory_order_relaxed); }
+  /// By this process.
   std::uint64_t written_bytes() const { return written_.load(std::memory_order_relaxed); }
 
  private:
   std::string parent_;  ///< for messages: the folder the user chose
+  std::string option_;  ///< by which it was chosen
   int descriptor_ = -1;
   std::atomic<std::uint64_t> reserved_{0}, written_{0};
 };

@@ -31,7 +31,7 @@ std::size_t most_pieces(const StreamOptions& options) {
 /// In memory, blocks are small against a slab, so that little of the last one is wasted; spilling, as large as the
 /// buffers allow, so that the disk writes long pieces.
 std::size_t block_bytes(const StreamOptions& options, std::size_t pieces, std::size_t record_bytes) {
-  if (options.spill == nullptr)
+  if (!options.spill)
     return std::clamp<std::size_t>(options.slab_points * record_bytes / 16, kLeastBlock / 2, kLargestBlock / 4);
   return std::clamp<std::size_t>(options.buffer_bytes / 2 / (pieces + 1), kLeastBlock, kLargestBlock);
 }
@@ -139,7 +139,33 @@ Stream::Stream(const PointSource& source, const Survey& survey, const StreamOpti
   s.sort_nonfinite();
 }
 
+Stream::Stream(Unpacker& packed, const PointSource& source, const StreamOptions& options)
+    : axis_(packed.get<int>()), spacing_(packed), state_(std::make_unique<State>(source, options)) {
+  State& s = *state_;
+  record_schema_ = s.record.schema();
+  s.slabs.resize(packed.get<std::uint64_t>());
+  for (PiecedSlab& slab : s.slabs) {
+    slab = {packed.get<Slab>(), packed.get_vector<StreamPiece>()};
+    slabs_.push_back(slab.slab);
+  }
+  s.nonfinite_list = packed.get<std::uint64_t>();
+  s.store.emplace(packed, record_schema_.stride, kLeastBlock, options.spill);
+  nonfinite_count_ = s.store->count(s.nonfinite_list);
+}
+
 Stream::~Stream() = default;
+
+void Stream::pack(Packer& out) const {
+  out.put(axis_);
+  spacing_.pack(out);
+  out.put<std::uint64_t>(state_->slabs.size());
+  for (const PiecedSlab& slab : state_->slabs) {
+    out.put(slab.slab);
+    out.put(slab.pieces);
+  }
+  out.put<std::uint64_t>(state_->nonfinite_list);
+  state_->store->pack(out);
+}
 
 std::uint64_t Stream::spilled_bytes() const { return state_->store->spilled_bytes(); }
 std::uint64_t Stream::memory_bytes() const { return state_->store->memory_bytes(); }

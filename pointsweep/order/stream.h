@@ -12,13 +12,13 @@
 #include "pointsweep/math/box.h"
 #include "pointsweep/order/canonical_order.h"
 #include "pointsweep/order/local_spacing.h"
+#include "pointsweep/order/packed.h"
 #include "pointsweep/order/source.h"
+#include "pointsweep/order/spill_file.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
-
-class TempFolder;
 
 /// A contiguous piece of the stream between two planes; the unit of reading.
 struct Slab {
@@ -37,7 +37,7 @@ struct StreamOptions {
   bool canonical = true;
   bool whole_records = false;  ///< working records carry the whole input record, otherwise the position and `payload`
   std::vector<std::size_t> payload;     ///< indices of source fields to carry when not whole_records
-  const TempFolder* spill = nullptr;    ///< null: in memory
+  SpillPlace spill = nullptr;
   std::size_t buffer_bytes = 64 << 20;  ///< for distribution when spilling
   std::function<void(std::uint64_t rows_read)> progress;
 };
@@ -50,7 +50,12 @@ class Stream {
   /// The distribution pass: reads the source once, and once more what a slab that turned out too big needs.
   /// Works on all threads; throws Error from the source or the temporary folder.
   Stream(const PointSource& source, const Survey& survey, const StreamOptions& options);
+  /// As it was when it was packed, in the file it kept then. The source is not read; schema and number of points must
+  /// be the same, and of the options the kind of records.
+  Stream(Unpacker& packed, const PointSource& source, const StreamOptions& options);
   ~Stream();
+  /// Of a stream in a kept file.
+  void pack(Packer& out) const;
 
   int axis() const { return axis_; }
   const std::vector<Slab>& slabs() const { return slabs_; }

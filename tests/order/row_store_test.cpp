@@ -121,5 +121,41 @@ TEST(RowStore, HasRowsPastFourBillion) {
   EXPECT_EQ(found, expected);
 }
 
+TEST(RowStore, GoesOnFromWhereItWasPacked) {
+  const TempFolder folder(std::filesystem::temp_directory_path());
+  const SpillPlace kept = SpillPlace::kept(folder.path() / "rows");
+  constexpr std::size_t kRows = 5000;
+  const auto put = [](RowStore& store, std::uint64_t first, std::uint64_t end, std::uint64_t added) {
+    for (std::uint64_t row = first; row < end; ++row) {
+      const std::uint64_t value = row + added;
+      store.put({&row, 1}, std::as_bytes(std::span(&value, 1)));
+    }
+  };
+  Packer packed;
+  {
+    RowStore store(kRows, 8, std::byte{0}, kept, 1 << 16);
+    put(store, 0, 1000, 7);
+    store.pack(packed);  // what is put between two of them is in the second
+    put(store, 1000, 2500, 7);
+    packed = {};
+    store.pack(packed);
+    put(store, 2500, 4000, 99);  // lost
+  }
+  Unpacker saved(packed.bytes());
+  RowStore store(saved, kRows, 8, std::byte{0}, kept, 1 << 20);
+  EXPECT_TRUE(saved.at_end());
+  put(store, 2500, kRows, 7);
+  std::vector<std::byte> all;
+  store.drain([&](std::uint64_t, std::span<const std::byte> records) {
+    all.insert(all.end(), records.begin(), records.end());
+  });
+  ASSERT_EQ(all.size(), kRows * 8);
+  for (std::uint64_t row = 0; row < kRows; ++row) {
+    std::uint64_t value;
+    std::memcpy(&value, all.data() + 8 * row, 8);
+    ASSERT_EQ(value, row + 7);
+  }
+}
+
 }  // namespace
 }  // namespace pointsweep

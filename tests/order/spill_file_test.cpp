@@ -28,14 +28,14 @@ std::array<std::byte, 4> word(std::uint32_t value) {
 
 TEST(SpillFile, HasNoNameSoThatNothingIsLeftOfIt) {
   const TempFolder folder(fs::temp_directory_path());
-  SpillFile file(folder);
+  SpillFile file(&folder);
   file.write(file.reserve(4), word(7));
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST(SpillFile, ReachesPastFourGigabytes) {
   const TempFolder folder(fs::temp_directory_path());
-  SpillFile file(folder);
+  SpillFile file(&folder);
   file.write(file.reserve((std::uint64_t{5} << 30) + 1), word(1));  // a hole of 5 GiB follows
   const std::uint64_t far = file.reserve(4);
   EXPECT_EQ(far, (std::uint64_t{5} << 30) + 1);
@@ -50,7 +50,7 @@ TEST(SpillFile, ReachesPastFourGigabytes) {
 
 TEST(SpillFile, ThatIsTooShortIsReportedAndNotGuessed) {
   const TempFolder folder(fs::temp_directory_path());
-  SpillFile file(folder);
+  SpillFile file(&folder);
   file.write(file.reserve(4), word(1));
   std::array<std::byte, 8> back;
   EXPECT_THROW(file.read(0, back), Error);

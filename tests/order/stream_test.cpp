@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <optional>
+#include <random>
 #include <tuple>
 
 #include "pointsweep/error.h"
@@ -55,8 +57,7 @@ struct Streamed {
   std::vector<Entry> nonfinite;
 };
 
-Streamed run(const PointSource& source, const StreamOptions& options, const Survey& look) {
-  const Stream stream(source, look, options);
+Streamed streamed(const Stream& stream) {
   Streamed result{stream.slabs(), {}, {}};
   for (std::size_t s = 0; s < stream.slabs().size(); ++s) {
     std::vector<std::byte> records(stream.slabs()[s].count * stream.record_schema().stride);
@@ -68,6 +69,10 @@ Streamed run(const PointSource& source, const StreamOptions& options, const Surv
   stream.read_nonfinite(0, records);
   result.nonfinite = entries_of(stream, records);
   return result;
+}
+
+Streamed run(const PointSource& source, const StreamOptions& options, const Survey& look) {
+  return streamed(Stream(source, look, options));
 }
 
 /// Everything stream.h promises, checked against the source itself.
@@ -393,6 +398,38 @@ TEST(StreamNotCanonical, CopiesOfAPointAreSplitByRowsThatAscend) {
   EXPECT_GT(least.size(), 10u);
   EXPECT_TRUE(std::ranges::is_sorted(least));
   EXPECT_EQ(std::ranges::adjacent_find(least), least.end());
+}
+
+TEST(Stream, IsTheSameFromItsKeptFile) {
+  std::mt19937_64 rng(3);
+  std::vector<Vec3> points = made_by(20000, [&](std::size_t i) {
+    const double far = i % 500 == 0 ? 100 : 1;
+    return Vec3{far * std::uniform_real_distribution<double>(0, 1)(rng), far * 0.01 * static_cast<double>(i % 97),
+                i % 700 == 0 ? kNaN : 0};
+  });
+  const CloudSource<double> cloud(points);
+  const TempFolder folder(temp_parent());
+  StreamOptions options;
+  options.slab_points = 900;
+  options.canonical = false;
+  options.spill = SpillPlace::kept(folder.path() / "stream");
+  Packer packed;
+  std::optional<Stream> first(std::in_place, cloud.source, survey(cloud.source, std::nullopt, false), options);
+  const Streamed before = streamed(*first);
+  const LocalSpacing spacing = first->spacing();
+  first->pack(packed);
+  first.reset();
+  Unpacker saved(packed.bytes());
+  const Stream again(saved, cloud.source, options);
+  EXPECT_TRUE(saved.at_end());
+  EXPECT_TRUE(same(before, streamed(again)));
+  EXPECT_GT(before.nonfinite.size(), 0u);
+  EXPECT_TRUE(spacing.has_sparse_places());
+  for (const Vec3& p : points) {
+    if (is_finite(p)) {
+      EXPECT_EQ(again.spacing().is_sparse(p), spacing.is_sparse(p));
+    }
+  }
 }
 
 }  // namespace
