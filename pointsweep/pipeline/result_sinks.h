@@ -36,6 +36,7 @@ class SweepOrderSink final : public Sink {
   void slab_read(std::uint32_t slab, std::vector<std::byte> records) override;
   void finished(const Finished& points) override;
   void deferred(std::uint32_t slab, std::uint32_t index_in_slab) override;
+  void were_finished(std::uint32_t slab, std::uint64_t points) override { leave(slab, points); }
 
  private:
   struct Kept {

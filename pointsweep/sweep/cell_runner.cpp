@@ -44,8 +44,10 @@ void CellRunner::run(std::uint32_t slot, std::uint32_t step, Worker& worker) con
   WindowCell& cell = window_.at(slot);
   if (step == 0 && !search(slot, worker)) return;
   const CellNeighbors& lists = step == 0 ? worker.neighbors : lists_of(slot, worker);
-  if (step > 0) defer_points_of_deferred_neighbors(cell, lists, worker);
+  if (step > 0) defer_points_of_deferred_neighbors(cell, lists);
+  const std::uint64_t degenerate_before = worker.tally.degenerate;
   apply(cell, step, lists, worker);
+  cell.degenerate += worker.tally.degenerate - degenerate_before;
   cell.steps_done = step + 1;
   if (cell.steps_done == plan_.step_count()) finish(cell, worker);
 }
@@ -134,9 +136,9 @@ bool CellRunner::certify(WindowCell& cell, const CellNeighbors& found, Worker& w
     wait(cell, found);
     return false;
   }
-  for (const std::uint32_t i : early) defer(cell, i, found.reach2[i], worker);
-  for (const std::uint32_t i : behind) defer(cell, i, found.reach2[i], worker);
-  worker.certified += cell.cell.size() - early.size() - behind.size();
+  for (const std::uint32_t i : early) defer(cell, i, found.reach2[i]);
+  for (const std::uint32_t i : behind) defer(cell, i, found.reach2[i]);
+  cell.certified = cell.cell.size() - early.size() - behind.size();
   return true;
 }
 
@@ -151,17 +153,15 @@ void CellRunner::wait(WindowCell& cell, const CellNeighbors& found) const {
   }
 }
 
-void CellRunner::defer(WindowCell& cell, std::uint32_t i, double reach2, Worker& worker) const {
+void CellRunner::defer(WindowCell& cell, std::uint32_t i, double reach2) {
   if (cell.deferred.empty()) cell.deferred.resize(cell.cell.size(), 0);
   cell.deferred[i] = 1;
-  sink_.deferred(cell.slab, cell.index_in_slab[i]);
-  worker.deferred.push_back(
+  cell.left_to_recall.push_back(
       {cell.cell.position(i), cell.cell.row[i], cell.slab, cell.index_in_slab[i], reach2, cell.steps_done});
 }
 
 /// What a neighbour could not give in time, its dependants cannot use: they follow it into the recall.
-void CellRunner::defer_points_of_deferred_neighbors(WindowCell& cell, const CellNeighbors& lists,
-                                                    Worker& worker) const {
+void CellRunner::defer_points_of_deferred_neighbors(WindowCell& cell, const CellNeighbors& lists) const {
   const auto any = std::any_of(cell.refers_to.begin(), cell.refers_to.end(),
                                [&](std::uint32_t slot) { return !window_.at(slot).deferred_before.empty(); });
   if (!any) return;
@@ -176,8 +176,8 @@ void CellRunner::defer_points_of_deferred_neighbors(WindowCell& cell, const Cell
       }
     }
   }
-  worker.certified -= follow.size();
-  for (const std::uint32_t i : follow) defer(cell, i, Box::kInf, worker);
+  cell.certified -= follow.size();
+  for (const std::uint32_t i : follow) defer(cell, i, Box::kInf);
 }
 
 void CellRunner::apply(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const {
@@ -240,6 +240,18 @@ void CellRunner::apply_to_some(WindowCell& cell, std::uint32_t step, const CellN
 }
 
 void CellRunner::finish(WindowCell& cell, Worker& worker) const {
+  if (!cell.was_finished) hand_over(cell, worker);
+  cell.left_to_recall = {};
+  release_lists(cell);
+  cell.refers_to = {};
+  if (plan_.step_count() == 1) drop_columns(cell);
+}
+
+void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
+  worker.certified += cell.certified;
+  worker.degenerate += cell.degenerate;
+  worker.deferred.insert(worker.deferred.end(), cell.left_to_recall.begin(), cell.left_to_recall.end());
+  for (const DeferredPoint& point : cell.left_to_recall) sink_.deferred(point.slab, point.index_in_slab);
   collect_results(plan_, cell.column_pointers.data(), cell.cell.size(), worker.results);
   // Runs between deferred points, which are somebody else's to finish.
   for (std::uint32_t i = 0; i < cell.cell.size();) {
@@ -251,9 +263,6 @@ void CellRunner::finish(WindowCell& cell, Worker& worker) const {
     }
     i = end + 1;
   }
-  release_lists(cell);
-  cell.refers_to = {};
-  if (plan_.step_count() == 1) drop_columns(cell);
 }
 
 /// Of the only step, others may still read what the file gave, while all that was made is the cell's own.

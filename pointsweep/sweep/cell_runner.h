@@ -12,16 +12,6 @@
 
 namespace pointsweep {
 
-/// A point that the sweep could not finish: its neighbourhood touches something already dropped or not read in time.
-struct DeferredPoint {
-  Vec3 position;
-  std::uint64_t row;
-  std::uint32_t slab;
-  std::uint32_t index_in_slab;
-  double reach2;       ///< its neighbourhood ends within it; infinite if unknown
-  std::uint32_t step;  ///< the first step it has not taken
-};
-
 /// Memory and counters of one thread.
 struct Worker {
   SearchScratch search;
@@ -31,10 +21,11 @@ struct Worker {
   std::vector<Box> dropped;
   std::vector<std::byte*> made;
   std::vector<std::byte> results;
-  std::vector<DeferredPoint> deferred;
   StageTally tally;
   double search_seconds = 0;
-  std::uint64_t certified = 0;
+  /// Of finished cells.
+  std::vector<DeferredPoint> deferred;
+  std::uint64_t certified = 0, degenerate = 0;
 };
 
 class CellRunner {
@@ -54,11 +45,12 @@ class CellRunner {
   void release_lists(WindowCell& cell) const;
   bool certify(WindowCell& cell, const CellNeighbors& found, Worker& worker) const;
   void wait(WindowCell& cell, const CellNeighbors& found) const;
-  void defer_points_of_deferred_neighbors(WindowCell& cell, const CellNeighbors& lists, Worker& worker) const;
-  void defer(WindowCell& cell, std::uint32_t i, double reach2, Worker& worker) const;
+  void defer_points_of_deferred_neighbors(WindowCell& cell, const CellNeighbors& lists) const;
+  static void defer(WindowCell& cell, std::uint32_t i, double reach2);
   void apply(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const;
   void apply_to_some(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const;
   void finish(WindowCell& cell, Worker& worker) const;
+  void hand_over(const WindowCell& cell, Worker& worker) const;
   void drop_columns(WindowCell& cell) const;
 
   const SweepPlan& plan_;

@@ -26,6 +26,7 @@ class Outside {
 
   std::size_t slabs_read() const { return read_; }
   void slab_was_read() { ++read_; }
+  void slabs_were_read(std::size_t first) { read_ = first; }
   void cell_was_dropped(std::uint32_t slab, const Box& box);
   /// Points at `place` with a row above `row` are superfluous.
   void place_is_full(Vec3 place, std::uint64_t row);
@@ -38,6 +39,16 @@ class Outside {
   bool unread_within(Vec3 p, double reach2) const { return unread_within(Box{p, p}, reach2); }
   /// The same for any slab still to come.
   bool anything_unread_within(const Box& box, double reach2) const { return unread_within(box, reach2, false); }
+  /// Calls use(slab, box) for the dropped cells, and use(place, row) for the full places.
+  template <class Use>
+  void for_each_dropped(Use use) const {
+    for (const std::uint32_t slab : dropping_slabs_)
+      for (const Box& box : dropped_[slab]) use(slab, box);
+  }
+  template <class Use>
+  void for_each_full_place(Use use) const {
+    for (const auto& [at, row] : full_places_) use(Vec3{at[0], at[1], at[2]}, row);
+  }
   /// Boxes of dropped cells within sqrt(reach2) of a box.
   void dropped_near(const Box& box, double reach2, std::vector<Box>& out) const;
 

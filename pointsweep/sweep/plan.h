@@ -77,6 +77,11 @@ class Sink {
     (void)slab;
     (void)records;
   }
+  /// So many points of a slab that was read had been finished before the run was resumed. Only if wants_records().
+  virtual void were_finished(std::uint32_t slab, std::uint64_t points) {
+    (void)slab;
+    (void)points;
+  }
 };
 
 }  // namespace pointsweep

@@ -14,8 +14,9 @@ struct ReadAhead::Pending {
   std::optional<BackgroundTask> task;  // last, so that it ends before what it works on
 };
 
-ReadAhead::ReadAhead(const SlabLoader& loader, std::size_t slabs, std::size_t depth, bool keep_records)
-    : loader_(loader), slabs_(slabs), depth_(depth), keep_records_(keep_records) {
+ReadAhead::ReadAhead(const SlabLoader& loader, std::size_t first, std::size_t slabs, std::size_t depth,
+                     bool keep_records)
+    : loader_(loader), started_(first), slabs_(slabs), depth_(depth), keep_records_(keep_records) {
   while (started_ < slabs_ && pending_.size() < depth_) start();
 }
 

@@ -12,7 +12,8 @@ namespace pointsweep {
 
 class ReadAhead {
  public:
-  ReadAhead(const SlabLoader& loader, std::size_t slabs, std::size_t depth, bool keep_records);
+  /// Slabs [first, slabs).
+  ReadAhead(const SlabLoader& loader, std::size_t first, std::size_t slabs, std::size_t depth, bool keep_records);
   ~ReadAhead();
   /// The next slab in order; starts the one `depth` further on. Throws what its loading threw.
   LoadedSlab next();
@@ -23,9 +24,8 @@ class ReadAhead {
   void start();
 
   const SlabLoader& loader_;
-  std::size_t slabs_, depth_;
+  std::size_t started_, slabs_, depth_;
   bool keep_records_;
-  std::size_t started_ = 0;
   std::deque<std::unique_ptr<Pending>> pending_;
   double seconds_ = 0;
 };

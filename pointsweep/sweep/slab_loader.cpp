@@ -96,6 +96,7 @@ LoadedSlab SlabLoader::load(std::uint32_t slab, bool keep_records) const {
   for (std::size_t c = 0; c + 1 < s.begin.size(); ++c) {
     const std::span<const CutPoint> points(s.points.data() + s.begin[c], s.begin[c + 1] - s.begin[c]);
     loaded.cells.push_back(make_cell(slab, points, s.records, s.cell_records));
+    loaded.cells.back()->number = static_cast<std::uint32_t>(c);
   }
   if (keep_records) loaded.records.assign(s.records.begin(), s.records.end());
   return loaded;

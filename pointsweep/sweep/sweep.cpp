@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "pointsweep/sweep/cell_runner.h"
 #include "pointsweep/sweep/read_ahead.h"
 #include "pointsweep/sweep/recall.h"
+#include "pointsweep/sweep/sweep_restart.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -46,13 +48,15 @@ class Sweep {
   /// become ready; what is finished leaves. At the end, whatever had to be deferred is recalled.
   SweepStatistics run() {
     const std::size_t slabs = stream_.slabs().size();
-    ReadAhead read_ahead(loader_, slabs, options_.read_ahead, sink_.wants_records());
-    for (std::uint32_t slab = 0; slab < slabs; ++slab) {
+    const std::uint32_t first = restart();
+    ReadAhead read_ahead(loader_, first, slabs, options_.read_ahead, sink_.wants_records());
+    for (std::uint32_t slab = first; slab < slabs; ++slab) {
       read(read_ahead.next(), slab);
       for (std::uint32_t step = 0; step < plan_.step_count(); ++step) pull(step);
       take_note();
       window_.drop();
       if (options_.half_way != nullptr && !half_way_noted_) note_half_way();
+      keep_progress();
     }
     statistics_.read_seconds = read_ahead.seconds();
     recall();
@@ -60,10 +64,30 @@ class Sweep {
   }
 
  private:
+  /// Goes back to where the run is to be resumed, and returns the slab to read first.
+  std::uint32_t restart() {
+    if (options_.resume_from == nullptr) return 0;
+    const SweepProgress& from = *options_.resume_from;
+    restart_.emplace(from, stream_, plan_);
+    restart_->restore(loader_, window_, outside_, sink_);
+    workers_.front().deferred = from.deferred;
+    workers_.front().certified = from.certified;
+    workers_.front().degenerate = from.degenerate;
+    statistics_.recalled = from.recalled;
+    statistics_.recalled_slabs = from.recalled_slabs;
+    statistics_.peak_points = from.peak_points;
+    for (std::uint32_t slab = 0; slab < restart_->first_slab(); ++slab) points_read_ += stream_.slabs()[slab].count;
+    return restart_->first_slab();
+  }
+
   void read(LoadedSlab loaded, std::uint32_t slab) {
     outside_.slab_was_read();
     points_read_ += stream_.slabs()[slab].count;
-    if (sink_.wants_records()) sink_.slab_read(slab, std::move(loaded.records));
+    points_swept_ += stream_.slabs()[slab].count;
+    if (options_.resume_from != nullptr && slab < options_.resume_from->slabs_read)
+      restart_->prepare(slab, loaded, sink_);
+    else if (sink_.wants_records())
+      sink_.slab_read(slab, std::move(loaded.records));
     for (auto& cell : loaded.cells) {
       if (options_.half_way != nullptr && !half_way_noted_) note_state(cell->cell, PointState::gone);
       window_.admit(std::move(cell));
@@ -118,28 +142,68 @@ class Sweep {
     }
   }
 
-  void recall() {
-    const auto start = std::chrono::steady_clock::now();
+  /// Not while slabs are read again: what had been finished in those still to come would be forgotten.
+  void keep_progress() {
+    const bool reads_again = options_.resume_from != nullptr && outside_.slabs_read() < options_.resume_from->slabs_read;
+    if (options_.keeper == nullptr || reads_again || !options_.keeper->wants_progress()) return;
+    options_.keeper->keep(progress());
+  }
+
+  SweepProgress progress() const {
+    SweepProgress p;
+    p.slabs_read = static_cast<std::uint32_t>(outside_.slabs_read());
+    for (const Worker& worker : workers_) {
+      p.deferred.insert(p.deferred.end(), worker.deferred.begin(), worker.deferred.end());
+      p.certified += worker.certified;
+      p.degenerate += worker.degenerate;
+    }
+    p.recalled = statistics_.recalled;
+    p.recalled_slabs = statistics_.recalled_slabs;
+    p.peak_points = statistics_.peak_points;
+    if (p.slabs_read == stream_.slabs().size()) return p;  // nobody looks at the window any more
+    for (const std::uint32_t slot : window_.occupied()) {
+      const WindowCell& cell = window_.at(slot);
+      const bool finished = cell.was_finished || cell.steps_done == plan_.step_count();
+      p.window.push_back({cell.slab, cell.number, cell.cell.size(), finished, cell.reach});
+    }
+    outside_.for_each_dropped([&](std::uint32_t slab, const Box& box) { p.dropped.push_back({slab, box}); });
+    outside_.for_each_full_place([&](Vec3 place, std::uint64_t row) { p.full_places.push_back({place, row}); });
+    return p;
+  }
+
+  /// The deferred points of all threads, in the order of the stream.
+  std::vector<DeferredPoint> take_deferred() {
     std::vector<DeferredPoint> deferred;
     for (Worker& worker : workers_) {
       deferred.insert(deferred.end(), worker.deferred.begin(), worker.deferred.end());
-      worker.deferred.clear();
+      worker.deferred = {};
     }
     std::sort(deferred.begin(), deferred.end(), [](const DeferredPoint& a, const DeferredPoint& b) {
       return a.slab != b.slab ? a.slab < b.slab : a.index_in_slab < b.index_in_slab;
     });
+    return deferred;
+  }
+
+  void recall() {
+    const auto start = std::chrono::steady_clock::now();
     Recall recall(stream_, plan_, loader_);
     const std::size_t batch = recall.batch_points(options_.recall_bytes);
-    StageTally& tally = workers_.front().tally;
-    for (std::size_t first = 0; first < deferred.size(); first += batch) {
-      const auto begin = deferred.begin() + static_cast<std::ptrdiff_t>(first);
-      const auto end = begin + static_cast<std::ptrdiff_t>(std::min(batch, deferred.size() - first));
-      recall.run({begin, end}, sink_, tally);
-      if (options_.progress) options_.progress(points_read_, deferred.size() - first);
+    const std::uint64_t slabs_before = statistics_.recalled_slabs;
+    Worker& worker = workers_.front();
+    worker.deferred = take_deferred();
+    while (!worker.deferred.empty()) {
+      const std::size_t points = std::min(batch, worker.deferred.size());
+      const auto begin = worker.deferred.end() - static_cast<std::ptrdiff_t>(points);
+      const std::uint64_t degenerate_before = worker.tally.degenerate;
+      recall.run({begin, worker.deferred.end()}, sink_, worker.tally);
+      worker.deferred.erase(begin, worker.deferred.end());
+      worker.degenerate += worker.tally.degenerate - degenerate_before;
+      worker.certified += points;
+      statistics_.recalled += points;
+      statistics_.recalled_slabs = slabs_before + recall.slabs_read();
+      if (options_.progress) options_.progress(points_read_, worker.deferred.size());
+      keep_progress();
     }
-    statistics_.recalled = deferred.size();
-    statistics_.recalled_slabs = recall.slabs_read();
-    statistics_.certified += deferred.size();
     statistics_.recall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
@@ -147,16 +211,15 @@ class Sweep {
     statistics_.stage_seconds.assign(plan_.stages.size(), 0);
     for (const Worker& worker : workers_) {
       statistics_.certified += worker.certified;
-      statistics_.degenerate += worker.tally.degenerate;
+      statistics_.degenerate += worker.degenerate;
       if (worker.tally.distances) statistics_.distances.add(*worker.tally.distances);
       statistics_.search_seconds += worker.search_seconds;
       for (std::size_t s = 0; s < worker.tally.seconds.size(); ++s) {
         statistics_.stage_seconds[s] += worker.tally.seconds[s];
       }
     }
-    const double slabs = static_cast<double>(std::max<std::size_t>(stream_.slabs().size(), 1));
-    statistics_.mean_points = active_sum_ / slabs;
-    statistics_.lifespan_mean = window_.lifespan_sum() / static_cast<double>(std::max<std::uint64_t>(points_read_, 1));
+    statistics_.mean_points = active_sum_ / static_cast<double>(std::max<std::size_t>(statistics_.series.size(), 1));
+    statistics_.lifespan_mean = window_.lifespan_sum() / static_cast<double>(std::max<std::uint64_t>(points_swept_, 1));
     statistics_.lifespan_max = window_.lifespan_max();
     return std::move(statistics_);
   }
@@ -171,7 +234,8 @@ class Sweep {
   const CellRunner runner_;
   std::vector<Worker> workers_;
   SweepStatistics statistics_;
-  std::uint64_t points_read_ = 0;
+  std::optional<SweepRestart> restart_;
+  std::uint64_t points_read_ = 0, points_swept_ = 0;  ///< in all; by this process
   bool half_way_noted_ = false;
   double active_sum_ = 0;
 };

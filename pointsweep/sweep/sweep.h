@@ -12,6 +12,7 @@
 #include "pointsweep/order/stream.h"
 #include "pointsweep/sweep/distance_histogram.h"
 #include "pointsweep/sweep/plan.h"
+#include "pointsweep/sweep/sweep_progress.h"
 
 namespace pointsweep {
 
@@ -34,6 +35,10 @@ struct SweepOptions {
   /// If given, the PointState of every point by input row, as it is once half of the points have been read. The caller
   /// gives it a place for each row of the input.
   std::vector<PointState>* half_way = nullptr;
+  ProgressKeeper* keeper = nullptr;
+  /// What a keeper was given, by another process perhaps, of the same stream and plan and cells of the same size, with
+  /// a sink that holds what had been handed over then. Not together with half_way.
+  const SweepProgress* resume_from = nullptr;
   /// Called by the sweep's thread after each slab with the points read and finished so far; may throw to end the run.
   std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
 };

@@ -8,12 +8,14 @@
 
 #include "pointsweep/search/cell.h"
 #include "pointsweep/search/cell_search.h"
+#include "pointsweep/sweep/deferred_point.h"
 
 namespace pointsweep {
 
 struct WindowCell {
   Cell cell;
   std::uint32_t slab = 0;
+  std::uint32_t number = 0;  ///< in its slab
   std::vector<std::uint32_t> index_in_slab;
   std::vector<std::vector<std::byte>> columns;    ///< by column number; empty where not made
   std::vector<const std::byte*> column_pointers;  ///< the same, as Neighborhoods wants them
@@ -29,6 +31,11 @@ struct WindowCell {
   /// are worked on in parallel a cell marks its own in `deferred`; others look at `deferred_before`, as it was before
   /// the step.
   std::vector<std::uint8_t> deferred, deferred_before;
+  /// What the cell adds to the counts and the deferred points of the run when it is finished.
+  std::uint64_t certified = 0, degenerate = 0;
+  std::vector<DeferredPoint> left_to_recall;
+  /// It was finished before the run was resumed: only others still look at it.
+  bool was_finished = false;
   std::chrono::steady_clock::time_point read_at;
 
   PointColumns view() const { return {cell.x, cell.y, cell.z, cell.row, column_pointers.data()}; }

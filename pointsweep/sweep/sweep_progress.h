@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+/// How far a sweep has come, between two slabs: all that another process needs to go on with it (docs/adr/0008).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/order/packed.h"
+#include "pointsweep/sweep/deferred_point.h"
+
+namespace pointsweep {
+
+/// A cell that is in the window, by its place: the slab is cut into the same cells again.
+struct WindowedCell {
+  std::uint32_t slab;
+  std::uint32_t number;  ///< in its slab
+  std::uint32_t points;
+  std::uint32_t finished;  ///< 1: its points have been handed over or deferred
+  double reach;            ///< WindowCell::reach
+};
+
+struct DroppedCell {
+  std::uint32_t slab;
+  Box box;
+};
+
+struct FullPlace {
+  Vec3 place;
+  std::uint64_t row;
+};
+
+struct SweepProgress {
+  std::uint32_t slabs_read = 0;
+  std::vector<WindowedCell> window;  ///< by slab and number. What was read and is not here has been finished.
+  std::vector<DroppedCell> dropped;
+  std::vector<FullPlace> full_places;
+  std::vector<DeferredPoint> deferred;  ///< of finished cells, not yet recalled
+  /// Of finished cells and recalled points, as in SweepStatistics.
+  std::uint64_t certified = 0, recalled = 0, recalled_slabs = 0, degenerate = 0;
+  std::uint64_t peak_points = 0;
+
+  void pack(Packer& out) const;
+  static SweepProgress unpacked(Unpacker& packed);
+};
+
+/// Where a sweep's progress is kept. Called by the sweep's own thread, while nothing is handed to the sink.
+class ProgressKeeper {
+ public:
+  virtual ~ProgressKeeper() = default;
+  /// Asked after every slab and every batch of recalled points.
+  virtual bool wants_progress() = 0;
+  /// Everything that the progress calls finished has been handed to the sink, and nothing else.
+  virtual void keep(const SweepProgress& progress) = 0;
+};
+
+}  // namespace pointsweep

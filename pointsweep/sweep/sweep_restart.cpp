@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/sweep/sweep_restart.h"
+
+#include <algorithm>
+#include <functional>
+
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+namespace {
+
+/// Of the unfinished points, one in so many may lie before the slabs that are read again: sparse ones that have waited
+/// for long.
+constexpr std::uint64_t kLeftBehind = 64;
+
+}  // namespace
+
+SweepRestart::SweepRestart(const SweepProgress& from, const Stream& stream, const SweepPlan& plan)
+    : from_(from), stream_(stream), plan_(plan), first_slab_(slab_to_begin_with()) {
+  for (const WindowedCell& cell : from.window) window_[{cell.slab, cell.number}] = cell;
+  for (const DeferredPoint& point : from.deferred) deferred_[point.slab].push_back(point.index_in_slab);
+}
+
+/// Of a single step, neighbours need nothing but what the file gave, and they are in the window. Otherwise a value of
+/// step s rests on those of step s-1 around it and so on: one slab further back for each step should do.
+std::uint32_t SweepRestart::slab_to_begin_with() const {
+  std::uint32_t slab = from_.slabs_read;
+  if (plan_.step_count() == 1 || slab == stream_.slabs().size()) return slab;
+  std::vector<std::pair<std::uint32_t, std::uint64_t>> unfinished;  // slab, points
+  std::uint64_t left = 0;
+  for (const WindowedCell& cell : from_.window) {
+    if (cell.finished != 0) continue;
+    unfinished.emplace_back(cell.slab, cell.points);
+    left += cell.points;
+  }
+  std::ranges::sort(unfinished, std::greater());
+  const std::uint64_t left_behind = left / kLeftBehind;
+  for (const auto& [at, points] : unfinished) {
+    if (left <= left_behind) break;
+    slab = std::min(slab, at);
+    left -= points;
+  }
+  return slab - std::min(slab, static_cast<std::uint32_t>(plan_.step_count()));
+}
+
+void SweepRestart::restore(const SlabLoader& loader, Window& window, Outside& outside, Sink& sink) const {
+  outside.slabs_were_read(first_slab_);
+  for (const DroppedCell& cell : from_.dropped)
+    if (cell.slab < first_slab_) outside.cell_was_dropped(cell.slab, cell.box);
+  for (const FullPlace& full : from_.full_places) outside.place_is_full(full.place, full.row);
+  for (std::uint32_t slab = 0; slab < first_slab_; ++slab) {
+    if (!was_in_window(slab) && !(sink.wants_records() && deferred_.contains(slab))) continue;
+    LoadedSlab loaded = loader.load(slab, sink.wants_records());
+    prepare(slab, loaded, sink);
+    for (auto& cell : loaded.cells)
+      if (window_.contains({slab, cell->number})) window.admit(std::move(cell));
+  }
+}
+
+bool SweepRestart::was_in_window(std::uint32_t slab) const {
+  const auto at = window_.lower_bound({slab, 0});
+  return at != window_.end() && at->first.first == slab;
+}
+
+void SweepRestart::prepare(std::uint32_t slab, LoadedSlab& loaded, Sink& sink) const {
+  if (slab >= from_.slabs_read) return;
+  std::uint64_t unfinished = 0;
+  for (const auto& cell : loaded.cells) {
+    mark(*cell);
+    if (!cell->was_finished) unfinished += cell->cell.size();
+  }
+  if (sink.wants_records()) tell(slab, std::move(loaded.records), unfinished, sink);
+}
+
+void SweepRestart::mark(WindowCell& cell) const {
+  const auto at = window_.find({cell.slab, cell.number});
+  cell.was_finished = at == window_.end() || at->second.finished != 0;
+  if (at == window_.end()) return;
+  if (at->second.points != cell.cell.size())
+    fail("a checkpoint is of a build that cuts its points otherwise: remove its folder and start anew.");
+  if (!cell.was_finished || plan_.step_count() > 1) return;
+  cell.steps_done = 1;
+  cell.reach = at->second.reach;
+}
+
+void SweepRestart::tell(std::uint32_t slab, std::vector<std::byte> records, std::uint64_t unfinished,
+                        Sink& sink) const {
+  sink.slab_read(slab, std::move(records));
+  std::uint64_t left = unfinished;
+  if (const auto deferred = deferred_.find(slab); deferred != deferred_.end()) {
+    for (const std::uint32_t index : deferred->second) sink.deferred(slab, index);
+    left += deferred->second.size();
+  }
+  if (const std::uint64_t finished = stream_.slabs()[slab].count - left; finished > 0)
+    sink.were_finished(slab, finished);
+}
+
+}  // namespace pointsweep
