@@ -29,6 +29,8 @@ RunOptions run_options(const CommonOptions& options) {
   run.overwrite = options.force;
   run.count_distances = !options.report.empty();
   run.half_way_states = options.half_way;
+  run.resume_folder = options.resume;
+  run.checkpoint_seconds = options.checkpoint_seconds;
   return run;
 }
 

@@ -82,12 +82,16 @@ void add_stream_options(CLI::App& verb, CommonOptions& options) {
   verb.add_option("--temp-dir", options.temp_dir,
                   "Where to spill what does not fit (default: the system's temporary folder)")
       ->type_name("DIR");
+  verb.add_option("--resume", options.resume,
+                  "Spill to this folder and note there what is done; after a kill, the same command goes on")
+      ->type_name("DIR");
   add_axis_option(verb, options);
   verb.add_option("--stats", options.stats, "Write statistics of the run to this JSON file")->type_name("FILE");
   verb.add_option("--report", options.report, "Write a page about the run, with plots and a picture (.html)")
       ->type_name("FILE");
-  // For figures of the sweep, not for users.
+  // For figures of the sweep and for tests, not for users.
   verb.add_option("--half-way-states", options.half_way)->group("");
+  verb.add_option("--checkpoint-seconds", options.checkpoint_seconds)->group("")->check(CLI::NonNegativeNumber);
 }
 
 void add_order_option(CLI::App& verb, CommonOptions& options) {

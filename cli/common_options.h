@@ -16,8 +16,10 @@ struct CommonOptions {
   std::uint64_t memory = 0;        ///< budget in bytes; 0: half of what is available
   int threads = 0;                 ///< set by add_thread_option() to the number of processors
   std::filesystem::path temp_dir;  ///< where to spill; empty: the system's folder
-  std::optional<int> axis;         ///< 0, 1, 2; none: the axis of largest extent
-  Order order = Order::input;      ///< of the rows of the output
+  std::filesystem::path resume;    ///< folder of checkpoints; empty: none
+  double checkpoint_seconds = RunOptions().checkpoint_seconds;
+  std::optional<int> axis;     ///< 0, 1, 2; none: the axis of largest extent
+  Order order = Order::input;  ///< of the rows of the output
   Engine engine = Engine::exact;
   std::filesystem::path stats;     ///< JSON file; empty: none
   std::filesystem::path report;    ///< HTML page; empty: none
@@ -33,7 +35,8 @@ void add_progress_options(CLI::App& verb, CommonOptions& options);
 void add_thread_option(CLI::App& verb, CommonOptions& options);
 /// --force
 void add_force_option(CLI::App& verb, CommonOptions& options);
-/// --memory SIZE, --temp-dir DIR, --axis, --stats FILE, --report FILE and, hidden, --half-way-states FILE
+/// --memory SIZE, --temp-dir DIR, --resume DIR, --axis, --stats FILE, --report FILE and, hidden, --half-way-states FILE
+/// and --checkpoint-seconds S
 void add_stream_options(CLI::App& verb, CommonOptions& options);
 /// --order
 void add_order_option(CLI::App& verb, CommonOptions& options);

@@ -17,6 +17,7 @@ struct NormalsCommand {
   InputsAndOutput paths;
   std::vector<OptionText> neighborhood;
   NormalsOptions normals;
+  std::string orientation = "none";  ///< as it was given
 };
 
 /// "none", "up", "input" or "viewpoint X,Y,Z"
@@ -36,15 +37,12 @@ void parse_orientation(const std::string& text, NormalsOptions& normals) {
   }
 }
 
-Neighborhood neighborhood_of(const NormalsCommand& command) {
-  return make_neighborhood(OptionValues(neighborhood_declaration().options,
-                                        neighborhood_stage(command.neighborhood, kDefaultNeighbors, "normals")));
-}
-
 void normals(const NormalsCommand& command) {
-  const Neighborhood neighborhood = neighborhood_of(command);
-  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+  const StageText stage = neighborhood_stage(command.neighborhood, kDefaultNeighbors, "normals");
+  const Neighborhood neighborhood = make_neighborhood(OptionValues(neighborhood_declaration().options, stage));
+  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, RunOptions options) {
     const Chain chain{neighborhood, {std::make_shared<Normals>(command.normals)}};
+    options.resume_key = to_text(std::vector<StageText>{stage}) + " | normals oriented " + command.orientation;
     return run(cloud, chain, {.points = command.paths.output(), .arrays = {}, .writer = {}}, options);
   });
 }
@@ -57,7 +55,8 @@ void add_normals_command(CLI::App& app) {
   add_inputs_and_output(verb, command->paths, "the file to write: all attributes of the input, and nx ny nz");
   add_neighborhood_options(verb, kDefaultNeighbors, command->neighborhood);
   verb.add_option_function<std::string>(
-          "--orient", [command](const std::string& text) { parse_orientation(text, command->normals); },
+          "--orient",
+          [command](const std::string& text) { parse_orientation(command->orientation = text, command->normals); },
           "Side to point to: none (default), up, viewpoint X,Y,Z (towards it), input (as normals already there)")
       ->type_name("HOW");
   add_order_option(verb, command->common);

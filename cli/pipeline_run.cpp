@@ -39,8 +39,9 @@ void run_stages(const std::vector<StageText>& stages, const PipelineRun& command
     });
     return;
   }
-  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, RunOptions options) {
     const Chain chain = build_chain(stages, cloud, command.keep);
+    options.resume_key = to_text(stages);
     return run(cloud, chain, {.points = command.paths.output(), .arrays = {}, .writer = {}}, options);
   });
 }

@@ -36,6 +36,8 @@ class Cloud {
   /// As Reader::read, over all inputs. Not thread-safe.
   std::size_t read(std::uint64_t row, std::span<std::byte> records);
 
+  /// Of each input, before it was opened.
+  const std::vector<FileState>& states() const { return states_; }
   /// Throws Error if an input was written to since it was opened: what was read may be a mixture of old and new.
   void require_unchanged() const;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/file_state.h"
 
+#include <fmt/format.h>
 #include <sys/stat.h>
 
 namespace pointsweep {
@@ -14,6 +15,10 @@ FileState::FileState(const std::filesystem::path& path) : path_(path) {
   size_ = static_cast<std::uint64_t>(status.st_size);
   seconds_ = status.st_mtim.tv_sec;
   nanoseconds_ = status.st_mtim.tv_nsec;
+}
+
+std::string FileState::text() const {
+  return fmt::format("{} bytes, written at {}.{:09}", size_, seconds_, nanoseconds_);
 }
 
 bool FileState::has_changed() const {

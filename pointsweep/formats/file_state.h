@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 namespace pointsweep {
 
@@ -15,6 +16,9 @@ class FileState {
   explicit FileState(const std::filesystem::path& path);
   /// As the clock of the file system tells: writes within its tick (some milliseconds) of the first look may be missed.
   bool has_changed() const;
+  bool is_known() const { return known_; }
+  /// "2400312 bytes, written at 1763705104.123456789"
+  std::string text() const;
 
  private:
   std::filesystem::path path_;

@@ -58,6 +58,15 @@ struct RunOptions {
   bool spill = false;  ///< use the temporary folder even where memory would do. No result depends on it.
   /// Find neighbourhoods again for every step even where there is memory to keep them. No result depends on it.
   bool search_again = false;
+  /// A folder for checkpoints, in the place of temp_folder: if this process ends before the run is complete, the same
+  /// run, given the same folder, goes on from the last one. Refused if another run is in it, removed when the run is
+  /// complete. Everything is spilled. Neither with Engine::reference nor with half_way_states. Empty: none.
+  std::filesystem::path resume_folder;
+  /// Tells runs apart that differ in what the chain does not show, such as options of operators.
+  std::string resume_key;
+  /// Between two checkpoints, not counting those at the end of a phase; more where a checkpoint takes longer than a
+  /// hundredth of it. 0: after every slab.
+  double checkpoint_seconds = 30;
 };
 
 /// Where results go. Any of the three may be absent.

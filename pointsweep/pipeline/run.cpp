@@ -10,6 +10,7 @@
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/temp_folder.h"
+#include "pointsweep/pipeline/checkpoints.h"
 #include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/observation.h"
 #include "pointsweep/pipeline/ordered_output.h"
@@ -18,6 +19,7 @@
 #include "pointsweep/pipeline/planned_sweeps.h"
 #include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/result_sinks.h"
+#include "pointsweep/pipeline/run_identity.h"
 #include "pointsweep/pipeline/run_memory.h"
 #include "pointsweep/pipeline/updated_cloud.h"
 #include "pointsweep/sweep/sweep.h"
@@ -54,24 +56,28 @@ class Run {
     if (options_.engine == Engine::reference)
       for (const PlannedSweep& sweep : planned.sweeps) require_reference_can(sweep.chain, options_);
     note_neighborhoods(planned);
+    open_checkpoints(planned, outputs);
     survey_cloud(in_stream_order || needs_bounds(outputs.points));
     OutputSet files(cloud_, planned.made, outputs, options_.overwrite, bounds_if_exact());
     const RunMemory memory = plan_run_memory(statistics_.memory_budget_bytes, planned, cloud_.count(), survey_,
                                              options_, files.layout().schema().stride);
     make_folder(memory.spills());
-    for (std::size_t s = 0; s < planned.sweeps.size(); ++s) sweep_once(s, planned, memory, files);
+    for (std::size_t s = first_sweep(planned); s < planned.sweeps.size(); ++s) sweep_once(s, planned, memory, files);
     if (planned.reorders) write_reordered(planned, memory.reordering, files);
     return finish(files);
   }
 
   Statistics sorted(const std::filesystem::path& output) {
+    const Outputs outputs{.points = output, .arrays = {}, .writer = {}};
+    open_checkpoints({}, outputs);
     survey_cloud(true);
-    OutputSet files(cloud_, {}, {.points = output, .arrays = {}, .writer = {}}, options_.overwrite, bounds_if_exact());
+    OutputSet files(cloud_, {}, outputs, options_.overwrite, bounds_if_exact());
     const MemoryPlan memory = plan_ordering_memory(statistics_.memory_budget_bytes, cloud_.schema().stride,
                                                    cloud_.count(), survey_, options_);
     if (memory.needed_bytes != 0) fail_budget(statistics_.memory_budget_bytes, memory.needed_bytes);
     make_folder(memory.spill_stream);
-    order(memory, true, {});
+    order(0, memory, true, {});
+    if (checkpoints_) checkpoints_->in_order(*stream_, memory.slab_points, nullptr);
     write_stream(cloud_.schema().stride, files);
     return finish(files);
   }
@@ -102,11 +108,25 @@ class Run {
     }
   }
 
+  void open_checkpoints(const PlannedSweeps& planned, const Outputs& outputs) {
+    if (options_.resume_folder.empty()) return;
+    if (options_.engine == Engine::reference || !options_.half_way_states.empty())
+      fail_usage("A run of the reference engine, or one that notes half-way states, cannot be resumed.");
+    checkpoints_.emplace(options_, run_identity(cloud_, planned, outputs, options_));
+    if (!checkpoints_->found()) return;
+    take_counts(statistics_, checkpoints_->last().counts);
+    statistics_.warnings.push_back(
+        "Went on where an earlier process had ended: times and series are of this one alone.");
+  }
+
   void make_folder(bool spills) {
-    if (!spills) return;
+    if (!spills || checkpoints_) return;
     folder_.emplace(options_.temp_folder.empty() ? std::filesystem::temp_directory_path() : options_.temp_folder);
   }
-  const TempFolder* folder_if(bool spills) const { return spills ? &*folder_ : nullptr; }
+  SpillPlace place(const char* kind, std::size_t sweep, bool spills) const {
+    if (checkpoints_) return checkpoints_->place(kind, sweep);
+    return spills ? &*folder_ : nullptr;
+  }
 
   void survey_cloud(bool exact) {
     source_ = {cloud_.schema(), cloud_.count(), [this](std::uint64_t row, std::span<std::byte> records) {
@@ -114,7 +134,9 @@ class Run {
                  statistics_.bytes_read += n * cloud_.schema().stride;
                  return n;
                }};
+    if (checkpoints_ && checkpoints_->found()) return void(survey_ = checkpoints_->last().survey);
     look(exact);
+    if (checkpoints_) checkpoints_->surveyed(survey_);
   }
   void look(bool exact) {
     const auto start = Clock::now();
@@ -122,18 +144,25 @@ class Run {
     statistics_.order_seconds += seconds_since(start);
   }
 
-  void order(const MemoryPlan& memory, bool whole, const std::vector<std::size_t>& payload) {
+  void order(std::size_t s, const MemoryPlan& memory, bool whole, const std::vector<std::size_t>& payload) {
     const auto start = Clock::now();
-    stream_.emplace(source_, survey_,
-                    StreamOptions{.axis = survey_.axis,
-                                  .slab_points = memory.slab_points,
-                                  .max_slab_points = 0,
-                                  .canonical = whole,
-                                  .whole_records = whole,
-                                  .payload = payload,
-                                  .spill = folder_if(memory.spill_stream),
-                                  .buffer_bytes = memory.stream_buffer_bytes,
-                                  .progress = [this](std::uint64_t rows) { report("ordering", rows, 0); }});
+    const StreamOptions options{.axis = survey_.axis,
+                                .slab_points = memory.slab_points,
+                                .max_slab_points = 0,
+                                .canonical = whole,
+                                .whole_records = whole,
+                                .payload = payload,
+                                .spill = place("stream", s, memory.spill_stream),
+                                .buffer_bytes = memory.stream_buffer_bytes,
+                                .progress = [this](std::uint64_t rows) { report("ordering", rows, 0); }};
+    if (checkpoints_ && checkpoints_->last().is_in_order()) {
+      checkpoints_->require_slabs_of(memory.slab_points);
+      Unpacker packed(checkpoints_->last().stream);
+      stream_.emplace(packed, source_, options);
+    } else {
+      if (s > 0) look(false);
+      stream_.emplace(source_, survey_, options);
+    }
     survey_.sample = {};
     statistics_.nonfinite = std::max(statistics_.nonfinite, stream_->nonfinite_count());
     statistics_.order_seconds += seconds_since(start);
@@ -142,25 +171,36 @@ class Run {
   /// One sweep, from the rows as they are (sweep 0: the input) to the rows as it leaves them, or to the files.
   void sweep_once(std::size_t s, PlannedSweeps& planned, const RunMemory& memory, OutputSet& files) {
     PlannedSweep& sweep = planned.sweeps[s];
-    if (s > 0) {
+    if (s > 0)
       source_ = updated_source(cloud_, *rows_, sweep, [this](std::uint64_t n) { statistics_.bytes_read += n; });
-      look(false);
-    }
     const bool whole = leaves_in_order(planned, options_);
-    order(memory.sweeps[s], whole, sweep.chain.payload(sweep.input));
-    sweep.chain.bind(stream_->record_schema());
-    RowStore results(cloud_.count(), whole ? files.layout().schema().stride : sweep.chain.plan.result_bytes,
-                     std::byte{0}, folder_if(memory.sweeps[s].spill_results), memory.sweeps[s].result_buffer_bytes);
-    sweep_into(results, sweep.chain, memory.sweeps[s], whole ? &files.layout() : nullptr);
-    statistics_.bytes_spilled += stream_->spilled_bytes();
-    if (!whole) stream_.reset();  // nothing is read from it any more
+    const auto results = results_of(s, whole ? files.layout().schema().stride : sweep.chain.plan.result_bytes, memory);
+    if (!checkpoints_ || !checkpoints_->last().is_swept()) {
+      order(s, memory.sweeps[s], whole, sweep.chain.payload(sweep.input));
+      if (checkpoints_) checkpoints_->in_order(*stream_, memory.sweeps[s].slab_points, results.get());
+      sweep.chain.bind(stream_->record_schema());
+      sweep_into(*results, sweep.chain, memory.sweeps[s], whole ? &files.layout() : nullptr);
+      statistics_.bytes_spilled += stream_->spilled_bytes();
+      stream_.reset();  // nothing is read from it any more
+      if (checkpoints_) checkpoints_->swept(*results, statistics_);
+    }
     const auto start = Clock::now();
     if (s + 1 < planned.sweeps.size() || planned.reorders)
-      update(results, s, planned, folder_if(memory.spill_rows));
+      update(*results, s, planned, memory.spill_rows);
     else
-      write(results, s, planned, whole, files);
-    statistics_.bytes_spilled += results.spilled_bytes();
+      write(*results, s, planned, whole, files);
+    statistics_.bytes_spilled += results->spilled_bytes();
     statistics_.write_seconds += seconds_since(start);
+  }
+
+  std::unique_ptr<RowStore> results_of(std::size_t s, std::size_t bytes, const RunMemory& memory) const {
+    const MemoryPlan& plan = memory.sweeps[s];
+    const SpillPlace spill = place("results", s, plan.spill_results);
+    const std::uint64_t rows = cloud_.count(), buffer = plan.result_buffer_bytes;
+    if (!checkpoints_ || checkpoints_->last().results.empty())
+      return std::make_unique<RowStore>(rows, bytes, std::byte{0}, spill, buffer);
+    Unpacker packed(checkpoints_->last().results);
+    return std::make_unique<RowStore>(packed, rows, bytes, std::byte{0}, spill, buffer);
   }
 
   /// Into `results` go result records by row, or, with a layout, output records by place in the stream.
@@ -174,18 +214,23 @@ class Run {
   }
 
   SweepStatistics sweep_by_cells(RowStore& results, const PlannedChain& planned, const MemoryPlan& memory,
-                                 const OutputLayout* whole) const {
+                                 const OutputLayout* whole) {
     InputOrderSink by_row(results, planned.plan.result_bytes);
     std::optional<SweepOrderSink> by_place;
     if (whole != nullptr) by_place.emplace(results, *stream_, *whole, cloud_.schema().stride);
     const bool first = statistics_.sweeps == 0;
     std::vector<PointState> half_way(first && !options_.half_way_states.empty() ? cloud_.count() : 0);
+    std::optional<CheckpointKeeper> keeper;
+    std::optional<SweepProgress> from;
+    if (checkpoints_) keeper.emplace(*checkpoints_, results), from = checkpoints_->progress();
     const SweepOptions sweep_options{.cell_points = options_.cell_points,
                                      .read_ahead = std::max(1u, statistics_.threads / 2),
                                      .recall_bytes = memory.recall_bytes,
                                      .cells_bytes = options_.search_again ? 0 : memory.cells_bytes,
                                      .count_distances = first && options_.count_distances,
                                      .half_way = half_way.empty() ? nullptr : &half_way,
+                                     .keeper = keeper ? &*keeper : nullptr,
+                                     .resume_from = from ? &*from : nullptr,
                                      .progress = sweep_progress()};
     SweepStatistics done =
         sweep(*stream_, planned.plan, by_place ? static_cast<Sink&>(*by_place) : by_row, sweep_options);
@@ -228,9 +273,9 @@ class Run {
     return {s == 0 ? none : planned.sweeps[s - 1].carried, sweep.chain.made, sweep.carried};
   }
 
-  void update(RowStore& results, std::size_t s, const PlannedSweeps& planned, const TempFolder* folder) {
+  void update(RowStore& results, std::size_t s, const PlannedSweeps& planned, bool spills) {
     const RowUpdate after = update_after(s, planned);
-    auto updated = std::make_unique<RowFile>(cloud_.count(), after.record_bytes(), folder);
+    auto updated = std::make_unique<RowFile>(cloud_.count(), after.record_bytes(), place("rows", s + 1, spills));
     update_rows(results, rows_.get(), after, planned.sweeps[s].chain.plan.result_bytes,
                 [&](std::uint64_t first, std::span<const std::byte> records) {
                   updated->append(records);
@@ -238,6 +283,17 @@ class Run {
                 });
     statistics_.bytes_spilled += updated->spilled_bytes();
     rows_ = std::move(updated);
+    if (checkpoints_) checkpoints_->updated();
+  }
+
+  /// The sweep to begin with. The rows carried into it are there.
+  std::size_t first_sweep(const PlannedSweeps& planned) {
+    const std::size_t s = checkpoints_ ? checkpoints_->last().sweep : 0;
+    if (s > 0) {
+      const std::size_t bytes = update_after(s - 1, planned).record_bytes();
+      rows_ = std::make_unique<RowFile>(RowFile::kept(cloud_.count(), bytes, checkpoints_->place("rows", s)));
+    }
+    return s;
   }
 
   void write(RowStore& results, std::size_t s, const PlannedSweeps& planned, bool whole, OutputSet& files) {
@@ -264,7 +320,7 @@ class Run {
     source_ = reordering.positions();
     look(true);
     source_ = reordering.records();
-    order(memory, true, {});
+    order(0, memory, true, {});
     write_stream(files.layout().schema().stride, files);
   }
 
@@ -281,6 +337,7 @@ class Run {
 
   Statistics finish(OutputSet& files) {
     files.finish(cloud_);
+    if (checkpoints_) checkpoints_->finish();
     statistics_.bytes_written = files.bytes_written();
     statistics_.total_seconds = seconds_since(started_);
     statistics_.peak_rss_bytes = peak_resident_bytes();
@@ -294,6 +351,7 @@ class Run {
   PointSource source_;
   Survey survey_;
   std::optional<TempFolder> folder_;
+  std::optional<Checkpoints> checkpoints_;
   std::unique_ptr<RowFile> rows_;  ///< what the sweep before has left
   std::optional<Stream> stream_;
 };

@@ -37,7 +37,7 @@ MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std:
 
 MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand, const RunOptions& options) {
   MemoryPlan memory = try_plan_memory(budget, sweep, demand);
-  if (options.spill) {
+  if (options.spill || !options.resume_folder.empty()) {
     memory.spill_stream = memory.spill_results = true;
     memory.result_buffer_bytes = std::max<std::uint64_t>(memory.result_buffer_bytes, 1 << 20);
   }

@@ -29,7 +29,8 @@ struct DistanceBin {
   std::uint64_t nearest, farthest;
 };
 
-/// Of a run of several sweeps, sums over them unless it is said otherwise.
+/// Of a run of several sweeps, sums over them unless it is said otherwise. Of a run that was resumed, counts of points
+/// are those of the whole; times, bytes, series and distances those of the last process alone.
 struct Statistics {
   std::uint64_t points = 0;
   std::uint64_t sweeps = 0;      ///< one, and one more for each `reneighbor` whose neighbourhoods are used

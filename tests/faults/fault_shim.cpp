@@ -210,6 +210,10 @@ int fallocate(int descriptor, int mode, off_t offset, off_t length) {
   if (fault_at("fallocate", PathOf(descriptor).text, kSpace) == Fault::error) return -1;
   return real<int (*)(int, int, off_t, off_t)>("fallocate")(descriptor, mode, offset, length);
 }
+int fdatasync(int descriptor) {
+  if (fault_at("sync", PathOf(descriptor).text, kSpace) == Fault::error) return -1;
+  return real<int (*)(int)>("fdatasync")(descriptor);
+}
 /// What is closed is closed, whatever the answer; network file systems tell of earlier writes only here.
 int close(int descriptor) {
   const Fault fault = fault_at("close", PathOf(descriptor).text, kSpace);

@@ -23,9 +23,9 @@ class Faults : public Tool {
       "normals in.ply out.ply --order sweep --memory 30M --temp-dir temp --threads 1 --quiet";
 
   /// The run with these settings of the shim.
-  Result faulty(const std::string& settings) {
+  Result faulty(const std::string& settings, const std::string& run = kRun) {
     return tool_under("FAULTS_FOLDERS='" + folder_.string() + "' " + settings + " LD_PRELOAD='" POINTSWEEP_FAULTS "'",
-                      kRun);
+                      run);
   }
   /// Names of the operations of a run that goes well, in order; `right_` is then what it wrote.
   std::vector<std::string> operations() {
@@ -107,6 +107,57 @@ TEST_F(Faults, KillNeverLeavesAPartialOutputAndTheNextRunCleansUp) {
     const Result next = tool(kRun);
     EXPECT_EQ(next.status, 0) << next.err;
     expect_all_or_nothing(next);
+  }
+}
+
+/// A run of two steps over four slabs, with a checkpoint after each.
+class FaultsAndCheckpoints : public Faults {
+ protected:
+  FaultsAndCheckpoints() {
+    right_ = made("generate statue in.ply -n 60000 --noise 0.002 --force", "in.ply");
+    right_ = made("curvature in.ply out.ply --quiet", "out.ply");
+    remove_output();
+    EXPECT_EQ(faulty("FAULTS_LOG=.log", kRun).status, 0);
+    EXPECT_EQ(contents(folder_ / "out.ply"), right_);
+    remove_output();
+    const std::string log = contents(folder_ / ".log");
+    operations_ = static_cast<std::size_t>(std::count(log.begin(), log.end(), '\n'));
+    std::filesystem::remove(folder_ / ".log");
+  }
+  static constexpr const char* kRun =
+      "curvature in.ply out.ply --resume done --checkpoint-seconds 0 --memory 64M --threads 1 --quiet";
+
+  void remove_output() { std::filesystem::remove(folder_ / "out.ply"); }
+  /// With an output, only the folder of checkpoints may be left.
+  void expect_to_go_on() {
+    EXPECT_TRUE(!exists("out.ply") || contents(folder_ / "out.ply") == right_);
+    remove_output();
+    const Result next = tool(kRun);
+    EXPECT_EQ(next.status, 0) << next.err;
+    expect_all_or_nothing(next);
+  }
+
+  std::size_t operations_ = 0;
+};
+
+TEST_F(FaultsAndCheckpoints, KilledAtAnyOperationARunGoesOnToTheSameOutput) {
+  std::size_t with_checkpoint = 0;
+  for (std::size_t at = 1; at <= operations_; at += std::max<std::size_t>(1, operations_ / 24)) {
+    SCOPED_TRACE(at);
+    EXPECT_EQ(faulty("FAULTS_KIND=kill FAULTS_AT=" + std::to_string(at), kRun).status, 128 + 9);
+    with_checkpoint += exists("done/checkpoint");
+    expect_to_go_on();
+  }
+  EXPECT_GT(with_checkpoint, 8u);
+}
+
+TEST_F(FaultsAndCheckpoints, AFullDiskLeavesTheCheckpointBefore) {
+  for (std::size_t at = 1; at <= operations_; at += std::max<std::size_t>(1, operations_ / 12)) {
+    SCOPED_TRACE(at);
+    const Result full = faulty("FAULTS_KIND=enospc FAULTS_AT=" + std::to_string(at), kRun);
+    EXPECT_TRUE(full.status == 0 || full.status == 1) << full.status;
+    EXPECT_EQ(exists("out.ply"), full.status == 0);
+    expect_to_go_on();
   }
 }
 

@@ -30,7 +30,7 @@ RUNS = {
     "neighbors and distances": ("in.ply", "neighbors in.ply out.npy --distances d.npy", ["out.npy", "d.npy"]),
 }
 # Operations that each kind of fault can meet.
-SPACE = {"create", "mkostemp", "mkdtemp", "write", "rename", "link", "truncate", "close"}
+SPACE = {"create", "mkostemp", "mkdtemp", "write", "rename", "link", "truncate", "sync", "close"}
 KINDS = {"enospc": SPACE, "eio": None, "short": {"read", "write"}, "eintr": {"read", "write"}, "kill": None, "int": None,
          "term": None}
 HARMLESS = {"short", "eintr"}

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/checkpoint.h"
+
+#include <array>
+
+#include "pointsweep/order/packed.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::array kCounts = {&Statistics::sweeps,     &Statistics::certified, &Statistics::recalled,
+                                &Statistics::degenerate, &Statistics::nonfinite, &Statistics::peak_points};
+
+}  // namespace
+
+void take_counts(Statistics& to, const Statistics& from) {
+  for (const auto count : kCounts) to.*count = from.*count;
+}
+
+std::vector<std::byte> Checkpoint::packed() const {
+  Packer out;
+  out.put_text(identity);
+  out.put(survey.bounds);
+  out.put(survey.exact);
+  out.put(survey.axis);
+  out.put(survey.dimension);
+  out.put(sweep);
+  out.put(slab_points);
+  for (const auto& part : {&stream, &results, &progress}) out.put(*part);
+  for (const auto count : kCounts) out.put(counts.*count);
+  return out.bytes();
+}
+
+Checkpoint Checkpoint::unpacked(std::span<const std::byte> bytes) {
+  Unpacker in(bytes);
+  Checkpoint c;
+  c.identity = in.get_text();
+  c.survey.bounds = in.get<Box>();
+  c.survey.exact = in.get<bool>();
+  c.survey.axis = in.get<int>();
+  c.survey.dimension = in.get<double>();
+  c.sweep = in.get<std::uint64_t>();
+  c.slab_points = in.get<std::uint64_t>();
+  for (auto* part : {&c.stream, &c.results, &c.progress}) *part = in.get_vector<std::byte>();
+  for (const auto count : kCounts) c.counts.*count = in.get<std::uint64_t>();
+  return c;
+}
+
+}  // namespace pointsweep

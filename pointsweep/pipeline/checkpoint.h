@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+/// What a run had done when its last checkpoint was made.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/order/survey.h"
+#include "pointsweep/pipeline/statistics.h"
+
+namespace pointsweep {
+
+/// Of a sweep, first the stream is in order; then it and the results grow side by side; when it has been swept, only
+/// the results are left; at last they have become the rows that the next sweep begins with, or the output.
+struct Checkpoint {
+  std::string identity;             ///< run_identity()
+  Survey survey;                    ///< of the input, without its sample
+  std::uint64_t sweep = 0;          ///< to begin, or to go on with; rows carried into it are complete
+  std::uint64_t slab_points = 0;    ///< the aim of the slabs of `stream`
+  std::vector<std::byte> stream;    ///< packed Stream; empty before it is in order, and when it has been swept
+  std::vector<std::byte> results;   ///< packed RowStore; empty before the stream is in order
+  std::vector<std::byte> progress;  ///< packed SweepProgress; empty before the first slab
+  Statistics counts;                ///< of the sweeps that are over: as take_counts()
+
+  bool is_in_order() const { return !stream.empty(); }
+  bool is_swept() const { return stream.empty() && !results.empty(); }
+
+  std::vector<std::byte> packed() const;
+  static Checkpoint unpacked(std::span<const std::byte> bytes);
+};
+
+/// Sweeps and points of all kinds; neither times nor bytes nor series.
+void take_counts(Statistics& to, const Statistics& from);
+
+}  // namespace pointsweep

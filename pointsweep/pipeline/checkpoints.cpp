@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/checkpoints.h"
+
+#include <algorithm>
+
+#include "pointsweep/error.h"
+#include "pointsweep/pipeline/run_identity.h"
+
+namespace pointsweep {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A checkpoint takes at most this share of the time until the next.
+constexpr double kShare = 0.01;
+
+template <class T>
+std::vector<std::byte> packed(T& value) {
+  Packer out;
+  value.pack(out);
+  return out.bytes();
+}
+
+}  // namespace
+
+Checkpoints::Checkpoints(const RunOptions& options, const std::string& identity)
+    : folder_(options.resume_folder), least_interval_(options.checkpoint_seconds), interval_(least_interval_) {
+  found_ = !folder_.saved().empty();
+  if (found_) last_ = Checkpoint::unpacked(folder_.saved());
+  if (found_) require_same_run(last_.identity, identity, folder_.path());
+  last_.identity = identity;
+  remove_others();
+}
+
+SpillPlace Checkpoints::place(const char* kind, std::uint64_t sweep) const {
+  return folder_.place(fmt::format("{}-{}", kind, sweep));
+}
+
+std::optional<SweepProgress> Checkpoints::progress() const {
+  if (last_.progress.empty()) return std::nullopt;
+  Unpacker packed(last_.progress);
+  return SweepProgress::unpacked(packed);
+}
+
+void Checkpoints::require_slabs_of(std::uint64_t slab_points) const {
+  if (last_.slab_points > slab_points)
+    fail("'{}' was begun with more memory: give --memory as then, or more, or remove the folder to start anew.",
+         folder_.path().string());
+}
+
+void Checkpoints::surveyed(const Survey& survey) {
+  last_.survey = survey;
+  last_.survey.sample = {};
+}
+
+void Checkpoints::in_order(const Stream& stream, std::uint64_t slab_points, RowStore* results) {
+  if (last_.is_in_order()) return;
+  const auto begun = Clock::now();
+  last_.slab_points = slab_points;
+  last_.stream = packed(stream);
+  if (results != nullptr) last_.results = packed(*results);
+  save(begun);
+}
+
+bool Checkpoints::is_due() const { return Clock::now() - saved_at_ >= interval_; }
+
+void Checkpoints::in_sweep(const SweepProgress& progress, RowStore& results) {
+  const auto begun = Clock::now();
+  last_.progress = packed(progress);
+  last_.results = packed(results);
+  save(begun);
+}
+
+void Checkpoints::swept(RowStore& results, const Statistics& counts) {
+  const auto begun = Clock::now();
+  last_.results = packed(results);
+  last_.stream = last_.progress = {};
+  take_counts(last_.counts, counts);
+  save(begun);
+}
+
+void Checkpoints::updated() {
+  const auto begun = Clock::now();
+  last_.results = {};
+  ++last_.sweep;
+  save(begun);
+}
+
+void Checkpoints::save(Clock::time_point begun) {
+  folder_.save(last_.packed());
+  remove_others();
+  saved_at_ = Clock::now();
+  const std::chrono::duration<double> took = saved_at_ - begun;
+  if (least_interval_.count() > 0) interval_ = std::max(least_interval_, took / kShare);
+}
+
+/// What the checkpoint does not speak of.
+void Checkpoints::remove_others() const {
+  std::set<std::string> needed = {place("rows", last_.sweep).file().filename()};
+  if (last_.is_in_order()) needed.insert(place("stream", last_.sweep).file().filename());
+  if (!last_.results.empty()) needed.insert(place("results", last_.sweep).file().filename());
+  folder_.keep_only(needed);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+/// Makes the checkpoints of a run and finds the one that an earlier process has left.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "pointsweep/order/row_store.h"
+#include "pointsweep/order/stream.h"
+#include "pointsweep/pipeline/checkpoint.h"
+#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/resume_folder.h"
+#include "pointsweep/sweep/sweep_progress.h"
+
+namespace pointsweep {
+
+class Checkpoints {
+ public:
+  /// Throws Error if the folder cannot be used or holds another run.
+  Checkpoints(const RunOptions& options, const std::string& identity);
+
+  /// What is done already: to begin with, what an earlier process has left.
+  const Checkpoint& last() const { return last_; }
+  bool found() const { return found_; }  ///< that there was such a process
+  /// What a stream, the "results" of a sweep, or the "rows" carried into it are spilled to.
+  SpillPlace place(const char* kind, std::uint64_t sweep) const;
+  std::optional<SweepProgress> progress() const;
+  /// Throws Error if the stream was cut into larger slabs than these, for more memory than there is now.
+  void require_slabs_of(std::uint64_t slab_points) const;
+
+  void surveyed(const Survey& survey);
+  /// `results` may be null where there will be none.
+  void in_order(const Stream& stream, std::uint64_t slab_points, RowStore* results);
+  void swept(RowStore& results, const Statistics& counts);
+  /// The rows for the next sweep are complete.
+  void updated();
+  /// The run is complete: nothing is left of the folder.
+  void finish() { folder_.remove(); }
+
+  bool is_due() const;
+  void in_sweep(const SweepProgress& progress, RowStore& results);
+
+ private:
+  void save(std::chrono::steady_clock::time_point begun);
+  void remove_others() const;
+
+  ResumeFolder folder_;
+  Checkpoint last_;
+  bool found_ = false;
+  std::chrono::duration<double> least_interval_, interval_;
+  std::chrono::steady_clock::time_point saved_at_ = std::chrono::steady_clock::now();
+};
+
+/// Takes a sweep's progress into the checkpoints, with the results so far.
+class CheckpointKeeper final : public ProgressKeeper {
+ public:
+  CheckpointKeeper(Checkpoints& checkpoints, RowStore& results) : checkpoints_(checkpoints), results_(results) {}
+  bool wants_progress() override { return checkpoints_.is_due(); }
+  void keep(const SweepProgress& progress) override { checkpoints_.in_sweep(progress, results_); }
+
+ private:
+  Checkpoints& checkpoints_;
+  RowStore& results_;
+};
+
+}  // namespace pointsweep

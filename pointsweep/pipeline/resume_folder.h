@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// The folder in which a run keeps what it has done, so that another process can go on with it (docs/adr/0008).
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/order/spill_file.h"
+
+namespace pointsweep {
+
+/// Holds a file `checkpoint`, replaced as a whole, and the spilled data it speaks of. Locked while a process works in
+/// it. Removed by remove(), and by the destructor if nothing was ever saved in it.
+class ResumeFolder {
+ public:
+  /// Makes the folder if it is missing. Throws Error if it holds anything else, another process works in it, or what
+  /// was saved is damaged.
+  explicit ResumeFolder(const std::filesystem::path& path);
+  ~ResumeFolder();
+  ResumeFolder(const ResumeFolder&) = delete;
+  ResumeFolder& operator=(const ResumeFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// What was saved last, by whatever process; empty if nothing was.
+  const std::vector<std::byte>& saved() const { return saved_; }
+  /// A file for spilled data; `name` begins with "stream-", "results-" or "rows-".
+  SpillPlace place(const std::string& name) const { return SpillPlace::kept(path_ / name); }
+  /// Everything in the folder is on the disk when this returns, `bytes` last: not even a loss of power leaves them
+  /// without the data they speak of.
+  void save(std::span<const std::byte> bytes);
+  /// Removes all spilled data but files of these names.
+  void keep_only(const std::set<std::string>& names) const;
+  void remove();
+
+ private:
+  void load();
+  void sync_data() const;
+
+  std::filesystem::path path_;
+  int lock_ = -1;  ///< descriptor of the folder
+  bool holds_work_ = false;
+  std::vector<std::byte> saved_;
+};
+
+}  // namespace pointsweep

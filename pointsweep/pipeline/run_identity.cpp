@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/run_identity.h"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+namespace {
+
+/// To be raised with every change to what checkpoints hold or to how points are cut into slabs and cells.
+constexpr int kCheckpointFormat = 1;
+
+std::string whole_path(const std::filesystem::path& path) {
+  return path.empty() ? "" : std::filesystem::absolute(path).lexically_normal().string();
+}
+
+std::string inputs_text(const Cloud& cloud) {
+  std::string text;
+  for (std::size_t i = 0; i < cloud.readers().size(); ++i) {
+    const FileInfo& info = cloud.readers()[i]->info();
+    const FileState& state = cloud.states()[i];
+    if (!state.is_known())
+      fail("Only files can be gone on with, and '{}' is none: leave out --resume.", info.path.string());
+    text += fmt::format("input '{}' with {} points, {}\n", whole_path(info.path), info.count, state.text());
+  }
+  return text;
+}
+
+std::string outputs_text(const Outputs& outputs) {
+  std::string text;
+  if (!outputs.points.empty()) text += fmt::format("output '{}'\n", whole_path(outputs.points));
+  for (const auto& [name, path] : outputs.arrays) text += fmt::format("output '{}' of {}\n", whole_path(path), name);
+  return text;
+}
+
+std::string sweep_text(const PlannedSweep& sweep) {
+  const SweepPlan& plan = sweep.chain.plan;
+  std::string text =
+      fmt::format("neighbourhoods of k = {}, radius = {}", plan.neighborhood.k, plan.neighborhood.radius);
+  if (plan.neighborhood.rule) text += ", " + plan.neighborhood.rule->meaning();
+  for (const Stage& stage : plan.stages) text += " | " + stage.op->name();
+  text += ", making";
+  for (const Attribute& a : sweep.chain.made) text += " " + a.name;
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string run_identity(const Cloud& cloud, const PlannedSweeps& planned, const Outputs& outputs,
+                         const RunOptions& options) {
+  std::string text = fmt::format("version {}, checkpoints {}\n", POINTSWEEP_VERSION, kCheckpointFormat);
+  text += inputs_text(cloud) + outputs_text(outputs);
+  text += fmt::format("order {}, axis {}, cells of {} points\n", options.order == Order::sweep ? "sweep" : "input",
+                      options.axis ? "xyz"[*options.axis] : '-', options.cell_points);
+  if (!options.resume_key.empty()) text += fmt::format("pipeline {}\n", options.resume_key);
+  for (const PlannedSweep& sweep : planned.sweeps) text += sweep_text(sweep);
+  return text;
+}
+
+void require_same_run(const std::string& checkpoint, const std::string& now, const std::filesystem::path& folder) {
+  if (checkpoint == now) return;
+  std::istringstream there(checkpoint), here(now);
+  std::string was, is;
+  bool more = true;
+  while (was == is && more) {
+    more = static_cast<bool>(std::getline(there, was));
+    if (!more) was = "complete";
+    if (!std::getline(here, is)) is = "complete";
+  }
+  fail("'{}' holds another run: there it is {}, here {}; give the command that was interrupted, or remove the folder.",
+       folder.string(), was, is);
+}
+
+}  // namespace pointsweep

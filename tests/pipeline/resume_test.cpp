@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: MIT
+/// Runs that are stopped and go on in another process's place: the same bytes, whenever they were stopped.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "pointsweep/error.h"
+#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/pipeline.h"
+#include "tests/formats/temporary_folder.h"
+#include "tests/pipeline/hostile_clouds.h"
+
+namespace pointsweep {
+namespace {
+
+struct Work {
+  std::string name;
+  std::string pipeline;
+  std::string output = "out.ply";
+  Order order = Order::input;
+  std::vector<std::string> inputs = {"a.xyz", "b.xyz"};
+};
+
+class Resume : public testing::Test {
+ protected:
+  Resume() {
+    std::vector<Vec3> points;
+    for (const auto& [name, shape] : hostile_shapes()) {
+      const bool surface = name == "closed surface", sparse = name == "outliers in a box a thousand times larger";
+      const bool copies = name == "most at one place of a surface", nowhere = name == "some not finite";
+      const std::size_t n = surface ? 1600 : sparse || nowhere ? 150 : copies ? 300 : 0;
+      for (const Vec3& p : make_cloud(shape, n, 11)) points.push_back(p);
+    }
+    write("a.xyz", points, 0, points.size() / 3);
+    write("b.xyz", points, points.size() / 3, points.size());
+    std::erase_if(points, [](const Vec3& p) { return !is_finite(p); });
+    write("finite.xyz", points, 0, points.size());
+  }
+
+  void write(const std::string& name, const std::vector<Vec3>& points, std::size_t begin, std::size_t end) const {
+    std::string text;
+    for (std::size_t i = begin; i < end; ++i) text += fmt::format("{} {} {}\n", points[i].x, points[i].y, points[i].z);
+    folder_.write(name, text);
+  }
+
+  RunOptions options(const Work& work) const {
+    RunOptions options;
+    options.slab_points = 90;
+    options.cell_points = 32;
+    options.threads = 2;
+    options.memory_bytes = 256 << 20;
+    options.order = work.order;
+    options.overwrite = true;
+    options.temp_folder = folder_.path();
+    return options;
+  }
+  RunOptions resuming(const Work& work) const {
+    RunOptions resuming = options(work);
+    resuming.resume_folder = folder_ / "done";
+    resuming.resume_key = work.pipeline;
+    resuming.checkpoint_seconds = 0;
+    return resuming;
+  }
+
+  Statistics run_all(const Work& work, const RunOptions& options) const {
+    std::vector<std::filesystem::path> inputs;
+    for (const std::string& name : work.inputs) inputs.push_back(folder_ / name);
+    Cloud cloud(inputs);
+    if (work.pipeline.empty()) return sort(cloud, folder_ / work.output, options);
+    if (work.pipeline != "neighbors")
+      return run(cloud, build_chain(parse_pipeline(work.pipeline), cloud), {folder_ / work.output, {}, {}}, options);
+    const Chain graph{{.k = 9, .radius = 0.3}, {std::make_shared<NeighborRows>(9, cloud.count(), true)}};
+    const Outputs arrays{{}, {{"neighbors", folder_ / work.output}, {"distances", folder_ / "distances.npy"}}, {}};
+    return run(cloud, graph, arrays, options);
+  }
+
+  /// Stopped at the `stop`-th report of progress, if it is not complete before. Counts the reports in `reports`.
+  std::optional<Statistics> run_until(std::uint64_t stop, const Work& work, RunOptions options) {
+    reports_ = 0;
+    options.progress = [&](const Progress&) {
+      if (++reports_ == stop) throw Cancelled();
+    };
+    try {
+      return run_all(work, options);
+    } catch (const Cancelled&) {
+      EXPECT_TRUE(std::filesystem::exists(options.resume_folder / "checkpoint") || stop < 8);
+      return std::nullopt;
+    }
+  }
+
+  void expect_as_uninterrupted(const Work& work, const Statistics& got) {
+    EXPECT_TRUE(content_of(folder_ / work.output) == bytes_);
+    std::filesystem::remove(folder_ / work.output);
+    EXPECT_EQ(got.certified, whole_.certified);
+    EXPECT_EQ(got.degenerate, whole_.degenerate);
+    EXPECT_EQ(got.nonfinite, whole_.nonfinite);
+    EXPECT_EQ(got.sweeps, whole_.sweeps);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "done"));
+  }
+
+  void run_uninterrupted(const Work& work) {
+    whole_ = run_all(work, options(work));
+    bytes_ = content_of(folder_ / work.output);
+    EXPECT_FALSE(bytes_.empty());
+    std::filesystem::remove(folder_ / work.output);
+  }
+
+  TemporaryFolder folder_;
+  Statistics whole_;
+  std::string bytes_;
+  std::uint64_t reports_ = 0;
+};
+
+const std::vector<Work>& works() {
+  static const std::vector<Work> works = {
+      {"normals", "knn(k=8) | normals"},
+      {"normals in sweep order", "knn(k=8) | normals", "out.las", Order::sweep, {"finite.xyz"}},
+      {"normals within a radius", "knn(radius=0.2) | normals", "out.csv"},
+      {"neighbours and distances", "neighbors", "out.npy"},
+      {"curvature and splats", "knn(k=6) | normals | curvature | splats"},
+      {"fairing and new neighbourhoods", "normals | splats | fair(f=9, g=9) | reneighbor | normals"},
+      {"fairing in sweep order", "normals | splats | fair(f=9, g=9) | resort | reneighbor | normals", "out.ply",
+       Order::sweep},
+      {"sort", "", "out.ply"},
+  };
+  return works;
+}
+
+TEST_F(Resume, CheckpointsChangeNothing) {
+  for (const Work& work : works()) {
+    SCOPED_TRACE(work.name);
+    run_uninterrupted(work);
+    expect_as_uninterrupted(work, run_all(work, resuming(work)));
+  }
+}
+
+TEST_F(Resume, StoppedAnywhereARunGoesOnToTheSameBytes) {
+  for (const Work& work : works()) {
+    run_uninterrupted(work);
+    run_until(0, work, resuming(work));
+    const std::uint64_t all = reports_;
+    for (std::uint64_t stop = 2; stop <= all; stop += 1 + all / 7) {
+      SCOPED_TRACE(fmt::format("{}, stopped at report {} of {}", work.name, stop, all));
+      EXPECT_FALSE(run_until(stop, work, resuming(work)));
+      RunOptions other = resuming(work);
+      other.threads = 3;
+      other.memory_bytes = 200 << 20;
+      other.checkpoint_seconds = 30;
+      expect_as_uninterrupted(work, run_all(work, other));
+      if (HasFailure()) return;
+    }
+  }
+}
+
+TEST_F(Resume, StoppedAgainAndAgainARunComesToItsEnd) {
+  for (const Work& work : works()) {
+    SCOPED_TRACE(work.name);
+    run_uninterrupted(work);
+    std::optional<Statistics> done;
+    std::uint64_t processes = 0;
+    while (!done && processes < 50) {
+      ++processes;
+      done = run_until(13 * processes, work, resuming(work));
+    }
+    EXPECT_GT(processes, 2u);
+    ASSERT_TRUE(done);
+    expect_as_uninterrupted(work, *done);
+  }
+}
+
+TEST_F(Resume, DoesNotBeginAnewWhatWasDone) {
+  const Work work = works().front();
+  run_uninterrupted(work);
+  run_until(0, work, resuming(work));
+  const std::uint64_t all = reports_;
+  EXPECT_FALSE(run_until(all * 2 / 3, work, resuming(work)));
+  run_until(0, work, resuming(work));
+  EXPECT_LT(reports_, all / 2);
+}
+
+/// After a run that was stopped comes one that must not go on with it.
+class Refused : public Resume {
+ protected:
+  Refused() { run_until(15, work_, resuming(work_)); }
+  /// With which it is refused.
+  std::string sentence(const Work& work, const RunOptions& options) {
+    return sentence_of<Error>([&] { run_all(work, options); });
+  }
+  std::string sentence(const Work& work) { return sentence(work, resuming(work)); }
+  /// What was done is still there, and the right run goes on with it.
+  ~Refused() override {
+    run_uninterrupted(work_);
+    expect_as_uninterrupted(work_, run_all(work_, resuming(work_)));
+  }
+  Work work_ = works().front();
+};
+
+TEST_F(Refused, IfAnInputIsAnother) {
+  Work other = work_;
+  std::swap(other.inputs[0], other.inputs[1]);
+  EXPECT_NE(sentence(other).find("holds another run: there it is input '"), std::string::npos) << sentence(other);
+}
+
+TEST_F(Refused, IfTheOutputIsAnother) {
+  Work other = work_;
+  other.output = "other.ply";
+  EXPECT_NE(sentence(other).find("other.ply"), std::string::npos) << sentence(other);
+}
+
+TEST_F(Refused, IfThePipelineIsAnother) {
+  Work other = work_;
+  other.pipeline = "knn(k=9) | normals";
+  EXPECT_NE(sentence(other).find("remove the folder"), std::string::npos) << sentence(other);
+  RunOptions options = resuming(work_);
+  options.resume_key = "knn(k=8) | normals(orient=up)";
+  EXPECT_NE(sentence(work_, options).find("orient=up"), std::string::npos) << sentence(work_, options);
+}
+
+TEST_F(Refused, IfOrderOrAxisAreOthers) {
+  Work other = work_;
+  other.order = Order::sweep;
+  EXPECT_NE(sentence(other).find("order sweep"), std::string::npos) << sentence(other);
+  RunOptions options = resuming(work_);
+  options.axis = 1;
+  EXPECT_NE(sentence(work_, options).find("axis y"), std::string::npos) << sentence(work_, options);
+}
+
+TEST_F(Resume, RefusesAnInputThatWasWrittenTo) {
+  const Work work = works().front();
+  EXPECT_FALSE(run_until(15, work, resuming(work)));
+  folder_.write("a.xyz", content_of(folder_ / "a.xyz") + "1 2 3\n");
+  const std::string sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
+  EXPECT_NE(sentence.find("a.xyz"), std::string::npos) << sentence;
+}
+
+TEST_F(Resume, RefusesAFolderOfOtherThings) {
+  std::filesystem::create_directory(folder_ / "done");
+  folder_.write("done/thesis.tex", "years of work");
+  const Work work = works().front();
+  const std::string sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
+  EXPECT_NE(sentence.find("thesis.tex"), std::string::npos) << sentence;
+  EXPECT_EQ(content_of(folder_ / "done/thesis.tex"), "years of work");
+}
+
+TEST_F(Resume, RefusesADamagedCheckpoint) {
+  const Work work = works().front();
+  EXPECT_FALSE(run_until(15, work, resuming(work)));
+  const std::string right = content_of(folder_ / "done/checkpoint");
+  for (const std::size_t at : {std::size_t{3}, std::size_t{20}, right.size() / 2, right.size() - 1}) {
+    std::string wrong = right;
+    wrong[at] = static_cast<char>(wrong[at] ^ 1);
+    folder_.write("done/checkpoint", wrong);
+    const std::string sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
+    EXPECT_NE(sentence.find("damaged"), std::string::npos) << sentence;
+  }
+  folder_.write("done/checkpoint", right.substr(0, 10));
+  EXPECT_NE(sentence_of<Error>([&] { run_all(work, resuming(work)); }).find("damaged"), std::string::npos);
+}
+
+TEST_F(Resume, RefusesSpilledDataThatAreShorterThanTheCheckpointSays) {
+  const Work work = works().front();
+  EXPECT_FALSE(run_until(15, work, resuming(work)));
+  std::filesystem::resize_file(folder_ / "done/stream-0", 100);
+  const std::string sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
+  EXPECT_NE(sentence.find("stream-0"), std::string::npos) << sentence;
+}
+
+TEST_F(Resume, RefusesAFolderInWhichAnotherRunIsWorking) {
+  const Work work = works().front();
+  RunOptions first = resuming(work);
+  std::string sentence;
+  first.progress = [&](const Progress& p) {
+    if (sentence.empty() && std::string(p.phase) == "sweeping")
+      sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
+  };
+  run_uninterrupted(work);
+  expect_as_uninterrupted(work, run_all(work, first));
+  EXPECT_NE(sentence.find("another run is working"), std::string::npos) << sentence;
+}
+
+TEST_F(Resume, AFailureBeforeTheFirstCheckpointLeavesNoFolder) {
+  Work work = works().front();
+  work.output = "no/such/folder.ply";
+  sentence_of<Error>([&] { run_all(work, resuming(work)); });
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "done"));
+}
+
+}  // namespace
+}  // namespace pointsweep
