@@ -83,7 +83,7 @@ void add_stream_options(CLI::App& verb, CommonOptions& options) {
                   "Where to spill what does not fit (default: the system's temporary folder)")
       ->type_name("DIR");
   verb.add_option("--resume", options.resume,
-                  "Spill to this folder and note there what is done; after a kill, the same command goes on")
+                  "Spill here instead and note what is done; after a kill, the same command goes on")
       ->type_name("DIR");
   add_axis_option(verb, options);
   verb.add_option("--stats", options.stats, "Write statistics of the run to this JSON file")->type_name("FILE");

@@ -29,7 +29,7 @@ Checkpoints::Checkpoints(const RunOptions& options, const std::string& identity)
   if (found_) last_ = Checkpoint::unpacked(folder_.saved());
   if (found_) require_same_run(last_.identity, identity, folder_.path());
   last_.identity = identity;
-  remove_others();
+  folder_.keep_only(files());
 }
 
 SpillPlace Checkpoints::place(const char* kind, std::uint64_t sweep) const {
@@ -62,7 +62,9 @@ void Checkpoints::in_order(const Stream& stream, std::uint64_t slab_points, RowS
   save(begun);
 }
 
-bool Checkpoints::is_due() const { return Clock::now() - saved_at_ >= interval_; }
+bool Checkpoints::is_due() const {
+  return Clock::now() - saved_at_ >= interval_ && (interval_.count() == 0 || !folder_.is_saving());
+}
 
 void Checkpoints::in_sweep(const SweepProgress& progress, RowStore& results) {
   const auto begun = Clock::now();
@@ -87,19 +89,19 @@ void Checkpoints::updated() {
 }
 
 void Checkpoints::save(Clock::time_point begun) {
-  folder_.save(last_.packed());
-  remove_others();
+  folder_.save(last_.packed(), files());
   saved_at_ = Clock::now();
   const std::chrono::duration<double> took = saved_at_ - begun;
   if (least_interval_.count() > 0) interval_ = std::max(least_interval_, took / kShare);
 }
 
-/// What the checkpoint does not speak of.
-void Checkpoints::remove_others() const {
-  std::set<std::string> needed = {place("rows", last_.sweep).file().filename()};
-  if (last_.is_in_order()) needed.insert(place("stream", last_.sweep).file().filename());
-  if (!last_.results.empty()) needed.insert(place("results", last_.sweep).file().filename());
-  folder_.keep_only(needed);
+/// Those that the checkpoint speaks of.
+std::set<std::string> Checkpoints::files() const {
+  std::set<std::string> names;
+  if (last_.sweep > 0) names.insert(place("rows", last_.sweep).file().filename());
+  if (last_.is_in_order()) names.insert(place("stream", last_.sweep).file().filename());
+  if (!last_.results.empty()) names.insert(place("results", last_.sweep).file().filename());
+  return names;
 }
 
 }  // namespace pointsweep

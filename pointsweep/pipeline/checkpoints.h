@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "pointsweep/order/row_store.h"
@@ -43,7 +44,7 @@ class Checkpoints {
 
  private:
   void save(std::chrono::steady_clock::time_point begun);
-  void remove_others() const;
+  std::set<std::string> files() const;
 
   ResumeFolder folder_;
   Checkpoint last_;

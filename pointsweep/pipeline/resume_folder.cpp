@@ -9,9 +9,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/input_file.h"
@@ -105,6 +107,7 @@ ResumeFolder::ResumeFolder(const fs::path& path) : path_(path) {
 }
 
 ResumeFolder::~ResumeFolder() {
+  if (saving_.valid()) saving_.wait();
   if (!holds_work_) remove();
   ::close(lock_);
 }
@@ -128,8 +131,29 @@ void ResumeFolder::load() {
   fail("'{}' is damaged: remove the folder and start anew.", (path_ / kCheckpoint).string());
 }
 
-void ResumeFolder::save(std::span<const std::byte> bytes) {
-  sync_data();
+void ResumeFolder::save(std::vector<std::byte> bytes, const std::set<std::string>& names) {
+  if (saving_.valid()) saving_.get();
+  saving_ = std::async(std::launch::async, [this, bytes = std::move(bytes), names, others = others_than(names)] {
+    sync(names);
+    write(bytes);
+    holds_work_ = true;
+    std::error_code ignored;
+    for (const std::string& name : others) fs::remove(path_ / name, ignored);
+  });
+}
+
+bool ResumeFolder::is_saving() const {
+  return saving_.valid() && saving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+}
+
+void ResumeFolder::sync(const std::set<std::string>& names) const {
+  for (const std::string& name : names) {
+    const Descriptor file(::open((path_ / name).c_str(), O_RDWR | O_CLOEXEC));
+    if (!file || !file.sync()) fail_to_write(path_, errno);
+  }
+}
+
+void ResumeFolder::write(std::span<const std::byte> bytes) const {
   const fs::path next = path_ / kNext;
   const Head head{kMagic, bytes.size(), checksum(bytes)};
   {
@@ -139,25 +163,23 @@ void ResumeFolder::save(std::span<const std::byte> bytes) {
   }
   if (::rename(next.c_str(), (path_ / kCheckpoint).c_str()) != 0) fail_to_write(path_, errno);
   ::fsync(lock_);  // best effort: some file systems know no such thing of folders
-  holds_work_ = true;
 }
 
-void ResumeFolder::sync_data() const {
-  for (const std::string& name : names_in(path_)) {
-    if (!is_data(name)) continue;
-    const Descriptor file(::open((path_ / name).c_str(), O_RDWR | O_CLOEXEC));
-    if (!file || !file.sync()) fail_to_write(path_, errno);
-  }
+std::vector<std::string> ResumeFolder::others_than(const std::set<std::string>& names) const {
+  std::vector<std::string> others = names_in(path_);
+  std::erase_if(others, [&](const std::string& name) { return !is_data(name) || names.contains(name); });
+  return others;
 }
 
 void ResumeFolder::keep_only(const std::set<std::string>& names) const {
   std::error_code ignored;
-  for (const std::string& name : names_in(path_))
-    if (name == kNext || (is_data(name) && !names.contains(name))) fs::remove(path_ / name, ignored);
+  fs::remove(path_ / kNext, ignored);
+  for (const std::string& name : others_than(names)) fs::remove(path_ / name, ignored);
 }
 
 /// The checkpoint goes first: without it nothing in the folder is of use to anybody.
 void ResumeFolder::remove() {
+  if (saving_.valid()) saving_.wait();
   std::error_code ignored;
   fs::remove(path_ / kCheckpoint, ignored);
   keep_only({});

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <future>
 #include <set>
 #include <span>
 #include <string>
@@ -29,21 +30,26 @@ class ResumeFolder {
   const std::vector<std::byte>& saved() const { return saved_; }
   /// A file for spilled data; `name` begins with "stream-", "results-" or "rows-".
   SpillPlace place(const std::string& name) const { return SpillPlace::kept(path_ / name); }
-  /// Everything in the folder is on the disk when this returns, `bytes` last: not even a loss of power leaves them
-  /// without the data they speak of.
-  void save(std::span<const std::byte> bytes);
+  /// Begins to save `bytes`, which speak of the data in the files `names` as they are now, and returns while a thread
+  /// of its own brings both to the disk: first the data, then the bytes under their name, so that not even a loss of
+  /// power leaves one without the other. Then other data files are removed. Throws what went wrong the last time.
+  void save(std::vector<std::byte> bytes, const std::set<std::string>& names);
+  bool is_saving() const;
   /// Removes all spilled data but files of these names.
   void keep_only(const std::set<std::string>& names) const;
   void remove();
 
  private:
   void load();
-  void sync_data() const;
+  std::vector<std::string> others_than(const std::set<std::string>& names) const;
+  void sync(const std::set<std::string>& names) const;
+  void write(std::span<const std::byte> bytes) const;
 
   std::filesystem::path path_;
   int lock_ = -1;  ///< descriptor of the folder
   bool holds_work_ = false;
   std::vector<std::byte> saved_;
+  std::future<void> saving_;
 };
 
 }  // namespace pointsweep

@@ -144,7 +144,8 @@ class Sweep {
 
   /// Not while slabs are read again: what had been finished in those still to come would be forgotten.
   void keep_progress() {
-    const bool reads_again = options_.resume_from != nullptr && outside_.slabs_read() < options_.resume_from->slabs_read;
+    const bool reads_again =
+        options_.resume_from != nullptr && outside_.slabs_read() < options_.resume_from->slabs_read;
     if (options_.keeper == nullptr || reads_again || !options_.keeper->wants_progress()) return;
     options_.keeper->keep(progress());
   }

@@ -11,6 +11,7 @@ import json
 import os
 import pathlib
 import random
+import shlex
 import shutil
 import signal
 import subprocess
@@ -28,6 +29,17 @@ RUNS = {
     "curvature of text, statistics": ("in.xyz", "curvature in.xyz out.csv --stats s.json", ["out.csv", "s.json"]),
     "sort, spilled": ("in.ply", f"sort in.ply out.ply {SPILLED}", ["out.ply"]),
     "neighbors and distances": ("in.ply", "neighbors in.ply out.npy --distances d.npy", ["out.npy", "d.npy"]),
+}
+RESUMED = "--resume done --checkpoint-seconds 0 --memory 64M"
+# Of more points, so that there are several slabs; killed, given again, killed again.
+RESUMED_RUNS = {
+    "normals": ("in.ply", f"normals in.ply out.ply {RESUMED}", ["out.ply"]),
+    "normals in sweep order to LAS": ("in.las", f"normals in.las out.las --order sweep {RESUMED}", ["out.las"]),
+    "neighbors and distances": ("in.ply", f"neighbors in.ply out.npy --distances d.npy {RESUMED}", ["out.npy", "d.npy"]),
+    "curvature of text": ("in.xyz", f"curvature in.xyz out.csv {RESUMED}", ["out.csv"]),
+    "fairing, new neighbours": ("in.ply", "run in.ply out.ply --pipeline 'normals|splats|fair|reneighbor|normals' "
+                                f"{RESUMED}", ["out.ply"]),
+    "sort": ("in.ply", f"sort in.ply out.ply {RESUMED}", ["out.ply"]),
 }
 # Operations that each kind of fault can meet.
 SPACE = {"create", "mkostemp", "mkdtemp", "write", "rename", "link", "truncate", "sync", "close"}
@@ -49,12 +61,12 @@ def require(condition, message):
 class Place:
     """A folder with an input, and what a run in it must give."""
 
-    def __init__(self, options, name):
+    def __init__(self, options, name, runs=RUNS, points=None):
         self.options, self.name = options, name
-        self.input, self.command, self.outputs = RUNS[name]
+        self.input, self.command, self.outputs = runs[name]
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pointsweep-faults-", dir=options.work))
         (self.folder / "temp").mkdir()
-        self.tool(f"generate statue {self.input} -n {options.points} --noise 0.002")
+        self.tool(f"generate statue {self.input} -n {points or options.points} --noise 0.002")
         self.before = self.files()
         log = self.folder.with_suffix(".log")
         status, error, _ = self.run(FAULTS_LOG=log)
@@ -74,7 +86,7 @@ class Place:
         environment = dict(os.environ, LD_PRELOAD=str(self.options.shim), FAULTS_FOLDERS=str(self.folder))
         environment.update({key: str(value) for key, value in settings.items()})
         begin = time.monotonic()
-        done = subprocess.run([self.options.tool, *self.command.split(), "--quiet", "--threads", "1"], cwd=self.folder,
+        done = subprocess.run([self.options.tool, *shlex.split(self.command), "--quiet", "--threads", "1"], cwd=self.folder,
                               env=environment, capture_output=True, text=True, timeout=timeout)
         return done.returncode, done.stderr, time.monotonic() - begin
 
@@ -184,7 +196,7 @@ def random_kills(place, count, seed):
     place.clear()
     outcomes = collections.Counter()
     for _ in range(count):
-        process = subprocess.Popen([place.options.tool, *place.command.split(), "--quiet"], cwd=place.folder,
+        process = subprocess.Popen([place.options.tool, *shlex.split(place.command), "--quiet"], cwd=place.folder,
                                    stderr=subprocess.DEVNULL)
         time.sleep(generator.uniform(0, 1.1 * whole))
         process.send_signal(signal.SIGKILL)
@@ -193,6 +205,36 @@ def random_kills(place, count, seed):
                  else "left nothing"] += 1
         check_killed(place, status)
         place.clear()
+    return dict(outcomes)
+
+
+def kills_of_resumed(place, count, seed):
+    """kill -9 after a random time, the same command again and again until it ends: the right output, and nothing else."""
+    generator = random.Random(seed)
+    begin = time.monotonic()
+    place.run()
+    whole = time.monotonic() - begin
+    place.clear()
+    outcomes = collections.Counter()
+    while outcomes["kills"] < count:
+        for output in place.outputs:  # complete, and only the folder was left to be removed
+            (place.folder / output).unlink(missing_ok=True)
+        process = subprocess.Popen([place.options.tool, *shlex.split(place.command), "--quiet"], cwd=place.folder,
+                                   stderr=subprocess.PIPE, text=True)
+        try:
+            _, error = process.communicate(timeout=generator.uniform(0, 1.5 * whole))
+        except subprocess.TimeoutExpired:
+            outcomes["kills"] += 1
+            process.send_signal(signal.SIGKILL)
+            process.communicate()
+            place.require_outputs_whole(False)
+            outcomes["left a checkpoint"] += (place.folder / "done/checkpoint").exists()
+            continue
+        require(process.returncode == 0, f"{place.name}: the next run fails: {error}")
+        place.require_outputs_whole(True)
+        place.require_clean()
+        place.clear()
+        outcomes["complete"] += 1
     return dict(outcomes)
 
 
@@ -234,7 +276,8 @@ def arguments():
     parser.add_argument("--kills", type=int, default=200, help="random kill -9 in all (default 200)")
     parser.add_argument("--seed", type=int, default=1, help="of the random times")
     parser.add_argument("--work", type=pathlib.Path, help="folder to work in (default: the system's temporary folder)")
-    parser.add_argument("--only", nargs="+", choices=list(RUNS), metavar="RUN", help="names of the runs to try")
+    parser.add_argument("--only", nargs="+", choices=[*RUNS, "resumed"], metavar="RUN",
+                        help="names of the runs to try; resumed: those that go on after a kill")
     parser.add_argument("--output", type=pathlib.Path, help="JSON file for what was tried")
     return parser.parse_args()
 
@@ -242,7 +285,8 @@ def arguments():
 def main():
     options = arguments()
     options.tool, options.shim = options.tool.resolve(), options.shim.resolve()
-    names = options.only or list(RUNS)
+    names = [name for name in RUNS if not options.only or name in options.only]
+    resumed = RESUMED_RUNS if not options.only or "resumed" in options.only else []
     result = {"date": datetime.date.today().isoformat(), "points": options.points, "runs": {}}
     result["commit"] = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True,
                                       text=True).stdout.strip()
@@ -254,6 +298,13 @@ def main():
                  "disks of every size": full_disk(place)}
         result["runs"][name] = tried
         print(f"{name}: {json.dumps(tried)}", flush=True)
+        shutil.rmtree(place.folder)
+    for index, name in enumerate(resumed):
+        place = Place(options, name, RESUMED_RUNS, 5 * options.points)
+        kills = options.kills // len(RESUMED_RUNS) + (index < options.kills % len(RESUMED_RUNS))
+        tried = kills_of_resumed(place, kills, options.seed + index)
+        result["runs"][f"{name}, resumed"] = {"random kill -9": tried}
+        print(f"{name}, resumed: {json.dumps(tried)}", flush=True)
         shutil.rmtree(place.folder)
     if options.output:
         options.output.write_text(json.dumps(result, indent=1) + "\n")

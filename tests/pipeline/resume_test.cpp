@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/arrays.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/pipeline.h"
@@ -164,7 +165,7 @@ TEST_F(Resume, StoppedAgainAndAgainARunComesToItsEnd) {
     std::uint64_t processes = 0;
     while (!done && processes < 50) {
       ++processes;
-      done = run_until(13 * processes, work, resuming(work));
+      done = run_until(7 * processes, work, resuming(work));
     }
     EXPECT_GT(processes, 2u);
     ASSERT_TRUE(done);
@@ -280,6 +281,23 @@ TEST_F(Resume, RefusesAFolderInWhichAnotherRunIsWorking) {
   run_uninterrupted(work);
   expect_as_uninterrupted(work, run_all(work, first));
   EXPECT_NE(sentence.find("another run is working"), std::string::npos) << sentence;
+}
+
+TEST_F(Resume, IsRefusedWhereNobodyCouldGoOn) {
+  const Work work = works().front();
+  RunOptions by_reference = resuming(work);
+  by_reference.engine = Engine::reference;
+  EXPECT_THROW(run_all(work, by_reference), UsageError);
+  RunOptions half_way = resuming(work);
+  half_way.half_way_states = folder_ / "states.npy";
+  EXPECT_THROW(run_all(work, half_way), UsageError);
+  const std::vector<double> xyz(300);
+  std::vector<std::unique_ptr<Reader>> readers;
+  readers.push_back(std::make_unique<ArrayReader>(std::span(xyz)));
+  Cloud in_memory(std::move(readers));
+  const Chain chain = build_chain(parse_pipeline("normals"), in_memory);
+  EXPECT_THROW(run(in_memory, chain, {folder_ / "out.ply", {}, {}}, resuming(work)), Error);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "done"));
 }
 
 TEST_F(Resume, AFailureBeforeTheFirstCheckpointLeavesNoFolder) {
