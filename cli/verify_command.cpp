@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep verify IN... OUT`: the user's own check of what a run has written.
 #include <algorithm>
+#include <fstream>
 #include <set>
 #include <string>
 
@@ -132,6 +133,14 @@ MadeBy made_by_pipeline(const VerifyCommand& command, Cloud& cloud, const Reader
   return made;
 }
 
+std::vector<std::uint64_t> rows_named_in(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) fail_usage("--rows: cannot open {}.", path);
+  std::vector<std::uint64_t> rows;
+  for (std::string word; file >> word;) rows.push_back(parse_count("--rows", word));
+  return rows;
+}
+
 VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& display) {
   VerifyOptions options = command.check;
   options.axis = command.common.axis;
@@ -187,6 +196,10 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
       ->type_name("N");
   verb.add_option("--seed", command.check.seed, "Which points: another seed, another sample (default: 0)")
       ->type_name("S");
+  verb.add_option_function<std::string>(
+          "--rows", [&command](const std::string& path) { command.check.rows = rows_named_in(path); },
+          "Points to evaluate again besides: numbers of rows, from 0, with blanks or line ends between")
+      ->type_name("FILE");
   verb.add_option_function<std::string>(
           "--order",
           [&command](const std::string& name) {

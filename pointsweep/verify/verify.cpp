@@ -34,6 +34,17 @@ bool is_of(const Schema& schema, const std::string& name) {
          std::any_of(schema.fields.begin(), schema.fields.end(), copy);
 }
 
+/// Of the sample and those asked for by number, ascending.
+std::vector<std::uint64_t> rows_to_check(std::uint64_t count, const VerifyOptions& options) {
+  std::vector<std::uint64_t> rows = sample_rows(count, options.sample, options.seed);
+  for (const std::uint64_t row : options.rows)
+    if (row >= count) fail_usage("Row {} is to be checked, and the last row of the input is {}.", row, count - 1);
+  rows.insert(rows.end(), options.rows.begin(), options.rows.end());
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  return rows;
+}
+
 class Verification {
  public:
   Verification(Cloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options)
@@ -42,7 +53,7 @@ class Verification {
         made_by_(made_by),
         options_(options),
         chain_(made_by.operators, made_by.keep, in_.schema(), made_by.rule),
-        rows_(sample_rows(in_.count(), options.sample, options.seed)) {
+        rows_(rows_to_check(in_.count(), options)) {
     verdict_.input = in_.name(), verdict_.output = out_.name();
     verdict_.attributes_compared = !is_array;
     for (const Attribute& a : chain_.made()) verdict_.made.push_back(a.name);

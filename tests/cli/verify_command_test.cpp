@@ -65,6 +65,21 @@ TEST_F(VerifyVerb, WhatDiffersIsStatus1AndOneSentence) {
   EXPECT_EQ(tool("verify in.ply out.ply --quiet").out, "");
 }
 
+TEST_F(VerifyVerb, RowsNamedInAFileAreCheckedBesidesTheSample) {
+  std::string bytes = made("normals in.ply out.ply", "out.ply");
+  bytes[bytes.size() - 1] ^= 1;  // nz of the last point
+  write("out.ply", bytes);
+  write("others.txt", "0 17\n3998\n");
+  same("in.ply out.ply --sample 0 --rows others.txt", "3 of 4000 points, 0 wrong");
+  write("last.txt", "17 3999 17\n");
+  refused(1, "verify in.ply out.ply --sample 0 --rows last.txt", "row 3999");
+  write("beyond.txt", "4000");
+  refused(2, "verify in.ply out.ply --rows beyond.txt", "the last row of the input is 3999");
+  write("words.txt", "first");
+  refused(2, "verify in.ply out.ply --rows words.txt", "--rows");
+  refused(2, "verify in.ply out.ply --rows absent.txt", "cannot open absent.txt");
+}
+
 TEST_F(VerifyVerb, EveryOptionMatters) {
   made("normals in.ply out.ply", "out.ply");
   EXPECT_NE(tool("verify in.ply out.ply -k 9").status, 0);
