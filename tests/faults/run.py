@@ -20,6 +20,7 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+LARGE = 120000  # points: enough to have results spilled as well
 SPILLED = "--memory 30M --temp-dir temp"
 # Name -> what is generated, the run, its outputs. One thread: then operations come in one order.
 RUNS = {
@@ -28,10 +29,13 @@ RUNS = {
     "normals in sweep order to LAS, spilled": ("in.las", f"normals in.las out.las --order sweep {SPILLED}", ["out.las"]),
     "curvature of text, statistics": ("in.xyz", "curvature in.xyz out.csv --stats s.json", ["out.csv", "s.json"]),
     "sort, spilled": ("in.ply", f"sort in.ply out.ply {SPILLED}", ["out.ply"]),
+    "curvature, stream and results spilled": (
+        "large.ply", "curvature large.ply out.ply --memory 40M --temp-dir temp", ["out.ply"]),
     "neighbors and distances": ("in.ply", "neighbors in.ply out.npy --distances d.npy", ["out.npy", "d.npy"]),
 }
 RESUMED = "--resume done --checkpoint-seconds 0 --memory 64M"
 # Of more points, so that there are several slabs; killed, given again, killed again.
+RESUMED_POINTS = 100000
 RESUMED_RUNS = {
     "normals": ("in.ply", f"normals in.ply out.ply {RESUMED}", ["out.ply"]),
     "normals in sweep order to LAS": ("in.las", f"normals in.las out.las --order sweep {RESUMED}", ["out.las"]),
@@ -66,10 +70,11 @@ class Place:
         self.input, self.command, self.outputs = runs[name]
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pointsweep-faults-", dir=options.work))
         (self.folder / "temp").mkdir()
-        self.tool(f"generate statue {self.input} -n {points or options.points} --noise 0.002")
+        points = points or (LARGE if self.input.startswith("large") else options.points)
+        self.tool(f"generate statue {self.input} -n {points} --noise 0.002")
         self.before = self.files()
         log = self.folder.with_suffix(".log")
-        status, error, _ = self.run(FAULTS_LOG=log)
+        status, error = self.run(FAULTS_LOG=log)
         require(status == 0, f"{name}: does not even run: {error}")
         lines = [line.split() for line in log.read_text().splitlines()]
         self.operations = [words[1] for words in lines]
@@ -81,14 +86,13 @@ class Place:
     def tool(self, arguments):
         subprocess.run([self.options.tool, *arguments.split(), "--quiet"], cwd=self.folder, check=True)
 
-    def run(self, timeout=60, **settings):
-        """Status, standard error and seconds of one run under the shim."""
+    def run(self, timeout=600, **settings):
+        """Status and standard error of one run under the shim."""
         environment = dict(os.environ, LD_PRELOAD=str(self.options.shim), FAULTS_FOLDERS=str(self.folder))
         environment.update({key: str(value) for key, value in settings.items()})
-        begin = time.monotonic()
         done = subprocess.run([self.options.tool, *shlex.split(self.command), "--quiet", "--threads", "1"], cwd=self.folder,
                               env=environment, capture_output=True, text=True, timeout=timeout)
-        return done.returncode, done.stderr, time.monotonic() - begin
+        return done.returncode, done.stderr
 
     def files(self):
         return {str(path.relative_to(self.folder)) for path in self.folder.rglob("*")}
@@ -130,31 +134,38 @@ def check_killed(place, status):
     place.require_outputs_whole(status == 0)
     for output in place.outputs:  # as a user would before trying again; leftovers are the tool's to remove
         (place.folder / output).unlink(missing_ok=True)
-    status, error, _ = place.run()
+    status, error = place.run()
     require(status == 0, f"the next run fails: {error}")
     place.require_outputs_whole(True)
     place.require_clean()
 
 
 def fault(place, kind, at):
-    status, error, seconds = place.run(FAULTS_KIND=kind, FAULTS_AT=at)
+    status, error = place.run(FAULTS_KIND=kind, FAULTS_AT=at)
     if kind == "kill":
         check_killed(place, status)
     else:
         check_ended(place, kind, status, error)
-    if kind in ("int", "term"):
-        require(seconds < 1, f"took {seconds:.2f} s to end")
     place.clear()
     return "succeeded" if status == 0 else "ended by the signal" if kind in STATUS_OF_SIGNAL else "refused in a sentence"
+
+
+def some_of(operations, most):
+    """All operations, numbered, or `most` of them: the first, the last, and evenly some between."""
+    numbered = list(enumerate(operations, 1))
+    if len(numbered) <= most:
+        return numbered
+    ends = most // 3
+    middle = numbered[ends:-ends]
+    return numbered[:ends] + middle[:: len(middle) // ends + 1] + numbered[-ends:]
 
 
 def every_operation(place):
     tally = {}
     for kind, meets in KINDS.items():
         outcomes = collections.Counter()
-        for at, operation in enumerate(place.operations, 1):
-            if meets is not None and operation not in meets:
-                continue
+        met = [(at, operation) for at, operation in enumerate(place.operations, 1) if meets is None or operation in meets]
+        for at, operation in [met[i - 1] for i, _ in some_of(met, place.options.most)]:
             try:
                 outcomes[fault(place, kind, at)] += 1
             except (Broken, subprocess.TimeoutExpired) as broken:
@@ -172,8 +183,8 @@ def changed_input(place):
             continue
         outcomes = collections.Counter()
         original = (place.folder / place.input).read_bytes()
-        for at in range(1, len(place.operations) + 1):
-            status, error, _ = place.run(FAULTS_KIND=kind, FAULTS_AT=at, FAULTS_TARGET=place.folder / name)
+        for at, _ in some_of(place.operations, place.options.most):
+            status, error = place.run(FAULTS_KIND=kind, FAULTS_AT=at, FAULTS_TARGET=place.folder / name)
             require(status in (0, 1), f"{place.name}: {kind} at {at}: status {status}: {error}")
             require(status == 0 or len(error.strip().splitlines()) == 1, f"{place.name}: {kind} at {at}: {error}")
             if kind == "remove" or at > place.opened_at:  # what changes before it is opened is another input
@@ -185,6 +196,12 @@ def changed_input(place):
             outcomes["succeeded" if status == 0 else "refused in a sentence"] += 1
         tally[kind] = dict(outcomes)
     return tally
+
+
+def kills_of(name, kills):
+    """Its share of all kills: most go to the run that is long enough to be met everywhere."""
+    shares = {run: 6 if what[0].startswith("large") else 1 for run, what in RUNS.items()}
+    return -(-kills * shares[name] // sum(shares.values()))
 
 
 def random_kills(place, count, seed):
@@ -238,12 +255,40 @@ def kills_of_resumed(place, count, seed):
     return dict(outcomes)
 
 
+def interrupted(options, count, seed):
+    """SIGINT and SIGTERM in the middle of longer runs: seconds from the signal to the end, and what is left."""
+    generator = random.Random(seed)
+    with tempfile.TemporaryDirectory(prefix="pointsweep-faults-", dir=options.work) as folder:
+        folder = pathlib.Path(folder)
+        subprocess.run([options.tool, *f"generate statue in.ply -n {options.long_points} -q".split()], cwd=folder, check=True)
+        run = "run in.ply out.ply -q -f --pipeline".split() + ["knn(k=16)|normals|curvature"]
+        begin = time.monotonic()
+        subprocess.run([options.tool, *run], cwd=folder, check=True)
+        whole = time.monotonic() - begin
+        (folder / "out.ply").unlink()
+        slowest = 0
+        for i in range(count):
+            process = subprocess.Popen([options.tool, *run], cwd=folder, stderr=subprocess.DEVNULL)
+            time.sleep(generator.uniform(0.02, 0.9) * whole)
+            process.send_signal(signal.SIGINT if i % 2 else signal.SIGTERM)
+            begin = time.monotonic()
+            status = process.wait()
+            slowest = max(slowest, time.monotonic() - begin)
+            require(status in (0, 130, 143), f"interrupted: status {status}")
+            left = {path.name for path in folder.iterdir()} - {"in.ply"}
+            require(left == ({"out.ply"} if status == 0 else set()), f"an interrupt leaves {left}")
+            (folder / "out.ply").unlink(missing_ok=True)
+    require(slowest < 1, f"an interrupted run took {slowest:.2f} s to end")
+    return {"signals": count, "slowest end after the signal, s": round(slowest, 3)}
+
+
 def full_disk(place):
     """A real file system of every size from nothing up, where it may be mounted."""
     outcomes = collections.Counter()
     disk = place.folder / "disk"
     disk.mkdir()
-    sizes = range(16, 4 * sum(len(data) for data in place.right.values()) // 1024, 64)
+    most = 4 * sum(len(data) for data in place.right.values()) // 1024
+    sizes = range(16, most, max(64, most // 40))
     try:
         for size in sizes:
             mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}k", "tmpfs", disk], capture_output=True)
@@ -268,17 +313,45 @@ def full_disk(place):
     return dict(outcomes)
 
 
+def read_only_folders(place):
+    """Output, statistics or temporary files on a file system that is mounted for reading only."""
+    outcomes = collections.Counter()
+    closed = place.folder / "closed"
+    closed.mkdir()
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "ro,size=16k", "tmpfs", closed], capture_output=True)
+    if mounted.returncode != 0:
+        closed.rmdir()
+        return "not mounted here"
+    try:
+        for closed_word in [*place.outputs, *(["temp"] if "temp" in place.command else [])]:
+            words = [f"closed/{w}" if w == closed_word else w for w in place.command.split()]
+            done = subprocess.run([place.options.tool, *words, "--quiet"], cwd=place.folder, capture_output=True, text=True)
+            require(done.returncode == 1 and len(done.stderr.strip().splitlines()) == 1, f"{closed_word}: {done.stderr}")
+            left = place.files() - place.before - {"closed"}
+            require(left <= set(place.outputs) - {closed_word}, f"left behind: {left}")
+            place.require_outputs_whole(False)
+            outcomes["refused in a sentence"] += 1
+            for name in left:
+                (place.folder / name).unlink()
+    finally:
+        subprocess.run(["umount", closed], check=True)
+        closed.rmdir()
+    return dict(outcomes)
+
+
 def arguments():
     parser = argparse.ArgumentParser(prog="script/faults", description=__doc__.split("\n")[0])
     parser.add_argument("--tool", type=pathlib.Path, default=ROOT / "build/release/cli/pointsweep")
     parser.add_argument("--shim", type=pathlib.Path, default=ROOT / "build/release/tests/libpointsweep_faults.so")
-    parser.add_argument("--points", type=int, default=20000, help="in each cloud (default 20000)")
-    parser.add_argument("--kills", type=int, default=200, help="random kill -9 in all (default 200)")
+    parser.add_argument("--most", type=int, default=150, help="operations tried of a run with more (default 150)")
+    parser.add_argument("--points", type=int, default=4000, help="in each small cloud (default 4000)")
+    parser.add_argument("--kills", type=int, default=200, help="random kill -9 in all, at least (default 200)")
+    parser.add_argument("--long-points", type=int, default=1000000, help="in the run that is interrupted (default 1000000)")
     parser.add_argument("--seed", type=int, default=1, help="of the random times")
     parser.add_argument("--work", type=pathlib.Path, help="folder to work in (default: the system's temporary folder)")
     parser.add_argument("--only", nargs="+", choices=[*RUNS, "resumed"], metavar="RUN",
                         help="names of the runs to try; resumed: those that go on after a kill")
-    parser.add_argument("--output", type=pathlib.Path, help="JSON file for what was tried")
+    parser.add_argument("--output", type=pathlib.Path, help="JSON file for what was tried; what it has of other runs is kept")
     return parser.parse_args()
 
 
@@ -287,26 +360,33 @@ def main():
     options.tool, options.shim = options.tool.resolve(), options.shim.resolve()
     names = [name for name in RUNS if not options.only or name in options.only]
     resumed = RESUMED_RUNS if not options.only or "resumed" in options.only else []
-    result = {"date": datetime.date.today().isoformat(), "points": options.points, "runs": {}}
+    result = json.loads(options.output.read_text()) if options.output and options.output.exists() else {"runs": {}}
+    result.update(date=datetime.date.today().isoformat(), points=options.points, large_points=LARGE)
     result["commit"] = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True,
                                       text=True).stdout.strip()
-    for index, name in enumerate(names):
+    for name in names:
         place = Place(options, name)
-        kills = options.kills // len(names) + (index < options.kills % len(names))
+        kills = kills_of(name, options.kills)
         tried = {"operations": dict(collections.Counter(place.operations)), "faults": every_operation(place),
-                 "changed": changed_input(place), "random kill -9": random_kills(place, kills, options.seed + index),
-                 "disks of every size": full_disk(place)}
+                 "changed": changed_input(place), "random kill -9": random_kills(place, kills, options.seed),
+                 "disks of every size": full_disk(place), "read-only folders": read_only_folders(place)}
         result["runs"][name] = tried
         print(f"{name}: {json.dumps(tried)}", flush=True)
         shutil.rmtree(place.folder)
     for index, name in enumerate(resumed):
-        place = Place(options, name, RESUMED_RUNS, 5 * options.points)
+        place = Place(options, name, RESUMED_RUNS, RESUMED_POINTS)
         kills = options.kills // len(RESUMED_RUNS) + (index < options.kills % len(RESUMED_RUNS))
         tried = kills_of_resumed(place, kills, options.seed + index)
         result["runs"][f"{name}, resumed"] = {"random kill -9": tried}
         print(f"{name}, resumed: {json.dumps(tried)}", flush=True)
         shutil.rmtree(place.folder)
+    if not options.only:
+        result["interrupts"] = interrupted(options, 20, options.seed)
+        print(f"interrupts: {json.dumps(result['interrupts'])}", flush=True)
+    order = [*RUNS, *(f"{name}, resumed" for name in RESUMED_RUNS)]
+    result["runs"] = {name: result["runs"][name] for name in order if name in result["runs"]}
     if options.output:
+        options.output.parent.mkdir(parents=True, exist_ok=True)
         options.output.write_text(json.dumps(result, indent=1) + "\n")
     print("Nothing wrong, partial or left behind.")
 
