@@ -48,7 +48,8 @@ class Distribution {
       : deal_(deal),
         store_(store),
         position_(position_fields(deal.schema, "the input")),
-        lists_(deal.splitters.pieces() + 1) {
+        first_sparse_piece_(deal.splitters.front().pieces()),
+        lists_(first_sparse_piece_ + (deal.splitters.size() > 1 ? deal.splitters[1].pieces() : 0) + 1) {
     const unsigned threads = thread_count();
     const std::size_t per_record = deal.schema.stride + deal.record.schema().stride + 4 * sizeof(double) + 6;
     capacity_ = std::clamp(deal.memory_bytes / threads / per_record, kLeastChunk, kLargestChunk);
@@ -102,10 +103,17 @@ class Distribution {
     for (std::size_t i = 0; i < chunk.count; ++i) {
       // 0 * v is a zero unless v is NaN or infinite.
       const bool finite = !check || (0 * x[i] + 0 * y[i]) + 0 * z[i] == 0;
-      const auto list = finite ? static_cast<std::uint16_t>(deal_.splitters.piece_of(key[i])) : nonfinite;
+      const auto list = finite ? static_cast<std::uint16_t>(piece_of({x[i], y[i], z[i]}, key[i])) : nonfinite;
       chunk.list[i] = list;
       chunk.boxes[list].include(Vec3{x[i], y[i], z[i]});
     }
+  }
+
+  std::size_t piece_of(Vec3 p, double key) const {
+    if (deal_.splitters.size() > 1 && deal_.spacing->is_sparse(p)) {
+      return first_sparse_piece_ + deal_.splitters[1].piece_of(key);
+    }
+    return deal_.splitters[0].piece_of(key);
   }
 
   void decode_rows(const Chunk& chunk, double* rows) const {
@@ -141,7 +149,8 @@ class Distribution {
   const Deal& deal_;
   SlabStore& store_;
   PositionFields position_;
-  std::size_t lists_;  ///< pieces, and one more for points without a place in space
+  std::size_t first_sparse_piece_;
+  std::size_t lists_;         ///< pieces, and one more for points without a place in space
   std::size_t capacity_ = 0;  ///< records of a chunk
   std::uint64_t next_ = 0;    ///< first record not yet read
   std::mutex reading_;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pointsweep/math/box.h"
+#include "pointsweep/order/local_spacing.h"
 #include "pointsweep/order/slab_store.h"
 #include "pointsweep/order/splitters.h"
 #include "pointsweep/order/working_record.h"
@@ -28,11 +29,13 @@ struct Deal {
       read;                     ///< called by one thread at a time, in order
   const WorkingRecord& record;  ///< what the store gets of each
   SortKey key;
-  const Splitters& splitters;
+  std::span<const Splitters>
+      splitters;           ///< one, or a second one for sparse places; pieces of both are numbered through
   std::size_t first_list;  ///< piece p goes to list first_list + p of the store
   std::optional<std::size_t>
-      nonfinite_list;        ///< without it all points are taken to be finite, or the key to be the row
-  std::size_t memory_bytes;  ///< aim for all buffers of the pass
+      nonfinite_list;                     ///< without it all points are taken to be finite, or the key to be the row
+  std::size_t memory_bytes;               ///< aim for all buffers of the pass
+  const LocalSpacing* spacing = nullptr;  ///< knows the sparse places, where there are two splitters
 };
 
 /// Returns the tight boxes of the pieces. Which points a piece gets and its box never depend on threads.

@@ -88,7 +88,7 @@ class Splitting {
                     .read = [&](std::uint64_t i, std::span<std::byte> records) { store_.read(piece.list, i, records); },
                     .record = record_,
                     .key = keys_[level],
-                    .splitters = splitters,
+                    .splitters = {&splitters, 1},
                     .first_list = first,
                     .nonfinite_list = {},
                     .memory_bytes = options_.buffer_bytes},

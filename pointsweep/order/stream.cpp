@@ -2,6 +2,7 @@
 #include "pointsweep/order/stream.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <optional>
 
@@ -36,17 +37,42 @@ std::size_t block_bytes(const StreamOptions& options, std::size_t pieces, std::s
   return std::clamp<std::size_t>(options.buffer_bytes / 2 / (pieces + 1), kLeastBlock, kLargestBlock);
 }
 
-Splitters first_splitters(std::uint64_t points, const Survey& survey, const LocalSpacing& spacing,
-                          const StreamOptions& options) {
-  std::vector<double> sample;
-  for (const Vec3& p : survey.sample) sample.push_back(p[options.axis]);
-  const std::vector<double> coordinates = sample;
-  const std::uint64_t wanted = points / std::max<std::uint64_t>(1, options.slab_points) + 1;
-  const std::size_t pieces =
-      std::min<std::uint64_t>({wanted, most_pieces(options), sample.size() / kSamplesPerPiece + 1});
-  std::vector<double> limits = quantile_limits(sample, pieces);
-  if (!options.canonical) limits = limits_not_too_near(limits, coordinates, spacing.at_sample());
+/// At most `most` pieces of about `aim` points each, of what the sample stands for.
+Splitters splitters_of(const std::vector<Vec3>& sample, const std::vector<double>& spacing, std::uint64_t aim,
+                       std::size_t most, double points_per_sample, const StreamOptions& options) {
+  std::vector<double> coordinates;
+  for (const Vec3& p : sample) coordinates.push_back(p[options.axis]);
+  const double points = points_per_sample * static_cast<double>(sample.size());
+  const auto wanted = static_cast<std::uint64_t>(points) / std::max<std::uint64_t>(1, aim) + 1;
+  const std::size_t pieces = std::min<std::uint64_t>({wanted, most, sample.size() / kSamplesPerPiece + 1});
+  std::vector<double> sorted = coordinates;
+  std::vector<double> limits = quantile_limits(sorted, pieces);
+  if (!options.canonical) limits = limits_not_too_near(limits, coordinates, spacing);
   return Splitters(limits);
+}
+
+/// Points in sparse places are few: slabs of theirs are no burden on memory, but thin ones would hold leaves that reach
+/// across the cloud.
+std::uint64_t sparse_aim(const StreamOptions& options) { return std::min<std::uint64_t>(options.slab_points, 4096); }
+
+/// One for the whole cloud, or one for most of it and one for its sparse places.
+std::vector<Splitters> first_splitters(std::uint64_t points, const Survey& survey, const LocalSpacing& spacing,
+                                       const StreamOptions& options) {
+  const double each = static_cast<double>(points) / static_cast<double>(std::max<std::size_t>(survey.sample.size(), 1));
+  if (options.canonical || !spacing.has_sparse_places()) {
+    return {splitters_of(survey.sample, spacing.at_sample(), options.slab_points, most_pieces(options), each, options)};
+  }
+  std::array<std::vector<Vec3>, 2> sample;
+  std::array<std::vector<double>, 2> spacings;
+  for (std::size_t i = 0; i < survey.sample.size(); ++i) {
+    const std::size_t sparse = spacing.is_sparse(survey.sample[i]);
+    sample[sparse].push_back(survey.sample[i]);
+    spacings[sparse].push_back(spacing.at_sample()[i]);
+  }
+  const std::size_t most = most_pieces(options);
+  const Splitters thin = splitters_of(sample[1], spacings[1], sparse_aim(options), (most + 3) / 4, each, options);
+  const std::size_t rest = std::max<std::size_t>(most - std::min(most, thin.pieces()), 1);
+  return {splitters_of(sample[0], spacings[0], options.slab_points, rest, each, options), thin};
 }
 
 struct PiecedSlab {
@@ -67,10 +93,12 @@ struct Stream::State {
     split.canonical = options.canonical;
   }
 
-  /// Reads the source once and returns the pieces it is cut into.
-  std::vector<StreamPiece> deal_out(const PointSource& source, const Splitters& splitters,
-                                    const StreamOptions& options) {
-    const std::size_t count = splitters.pieces(), record_bytes = record.schema().stride;
+  /// Reads the source once and returns the pieces it is cut into, by splitter.
+  std::vector<std::vector<StreamPiece>> deal_out(const PointSource& source, const std::vector<Splitters>& splitters,
+                                                 const LocalSpacing& spacing, const StreamOptions& options) {
+    std::size_t count = 0;
+    for (const Splitters& s : splitters) count += s.pieces();
+    const std::size_t record_bytes = record.schema().stride;
     store.emplace(count + 1, record_bytes, block_bytes(options, count, record_bytes), options.spill);
     nonfinite_list = count;
     const auto read = [&](std::uint64_t row, std::span<std::byte> records) {
@@ -85,31 +113,65 @@ struct Stream::State {
                                                .splitters = splitters,
                                                .first_list = 0,
                                                .nonfinite_list = nonfinite_list,
-                                               .memory_bytes = options.buffer_bytes / 4},
+                                               .memory_bytes = options.buffer_bytes / 4,
+                                               .spacing = &spacing},
                                               *store);
     store->finish();
-    std::vector<StreamPiece> dealt;
-    for (std::size_t p = 0; p < count; ++p) dealt.push_back({p, store->count(p), boxes[p]});
+    std::vector<std::vector<StreamPiece>> dealt;
+    std::size_t piece = 0;
+    for (const Splitters& s : splitters) {
+      dealt.emplace_back();
+      for (const std::size_t end = piece + s.pieces(); piece < end; ++piece) {
+        dealt.back().push_back({piece, store->count(piece), boxes[piece]});
+      }
+    }
     return dealt;
   }
 
   /// Joins neighbouring pieces that are small together: a thin slab gives slivers. Copies of one point stay by
   /// themselves, so that they need not wait for slabs around them.
-  void join(const std::vector<StreamPiece>& pieces) {
-    std::uint64_t first = 0;
+  static std::vector<PiecedSlab> join(const std::vector<StreamPiece>& pieces, std::uint64_t aim) {
+    std::vector<PiecedSlab> slabs;
     bool after_copies = false;
     for (const StreamPiece& piece : pieces) {
       const bool copies = piece.count > 1 && piece.box.lo == piece.box.hi;
-      if (slabs.empty() || copies || after_copies || slabs.back().slab.count + piece.count > split.aim) {
-        slabs.push_back({{first, 0, {}, piece.least_row}, {}});
+      if (slabs.empty() || copies || after_copies || slabs.back().slab.count + piece.count > aim) {
+        slabs.push_back({{0, 0, {}, piece.least_row}, {}});
       }
       after_copies = copies;
       slabs.back().slab.count += piece.count;
       slabs.back().slab.least_row = std::min(slabs.back().slab.least_row, piece.least_row);
       slabs.back().slab.box.include(piece.box);
       slabs.back().pieces.push_back(piece);
-      first += piece.count;
     }
+    return slabs;
+  }
+
+  void make_slabs(const std::vector<StreamPiece>& dealt, std::uint64_t aim) {
+    SplitOptions options = split;
+    options.aim = std::clamp<std::uint64_t>(aim, 1, split.most);
+    merge(join(split_large_pieces(dealt, record.schema(), options, *store), options.aim));
+  }
+
+  /// Each slab before those of the other kind that begin, and go on beginning, behind it; either kind keeps its order.
+  void merge(std::vector<PiecedSlab> others) {
+    const std::vector<double> begin = least_begins(slabs), begin_of_others = least_begins(others);
+    std::vector<PiecedSlab> merged;
+    std::size_t i = 0;
+    for (std::size_t o = 0; o < others.size(); ++o) {
+      while (i < slabs.size() && begin[i] < begin_of_others[o]) merged.push_back(std::move(slabs[i++]));
+      merged.push_back(std::move(others[o]));
+    }
+    while (i < slabs.size()) merged.push_back(std::move(slabs[i++]));
+    slabs = std::move(merged);
+  }
+
+  /// By slab: where it or any later one begins along the axis.
+  std::vector<double> least_begins(const std::vector<PiecedSlab>& of) const {
+    std::vector<double> begins(of.size());
+    double least = Box::kInf;
+    for (std::size_t s = of.size(); s-- > 0;) begins[s] = least = std::min(least, of[s].slab.box.lo[split.axis]);
+    return begins;
   }
 
   void sort_nonfinite() {
@@ -130,11 +192,15 @@ Stream::Stream(const PointSource& source, const Survey& survey, const StreamOpti
     : axis_(options.axis), state_(std::make_unique<State>(source, options)) {
   State& s = *state_;
   record_schema_ = s.record.schema();
-  spacing_ = LocalSpacing(survey.sample, source.count, survey.dimension);
-  const std::vector<StreamPiece> dealt =
-      s.deal_out(source, first_splitters(source.count, survey, spacing_, options), options);
-  s.join(split_large_pieces(dealt, record_schema_, s.split, *s.store));
-  for (const PiecedSlab& slab : s.slabs) slabs_.push_back(slab.slab);
+  LocalSpacing spacing(survey.sample, source.count, survey.dimension);
+  const auto dealt = s.deal_out(source, first_splitters(source.count, survey, spacing, options), spacing, options);
+  s.make_slabs(dealt[0], options.slab_points);
+  if (dealt.size() > 1) s.make_slabs(dealt[1], sparse_aim(options));
+  for (PiecedSlab& slab : s.slabs) {
+    slab.slab.first = slabs_.empty() ? 0 : slabs_.back().first + slabs_.back().count;
+    slabs_.push_back(slab.slab);
+  }
+  if (options.canonical) spacing_ = std::move(spacing);
   nonfinite_count_ = s.store->count(s.nonfinite_list);
   s.sort_nonfinite();
 }

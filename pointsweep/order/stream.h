@@ -22,7 +22,7 @@ namespace pointsweep {
 
 /// A contiguous piece of the stream between two planes; the unit of reading.
 struct Slab {
-  std::uint64_t first = 0;  ///< stream position of its first point
+  std::uint64_t first = 0;  ///< points in slabs before it
   std::uint64_t count = 0;
   Box box;                      ///< tight, of its points in double
   std::uint64_t least_row = 0;  ///< no input row in it is below
@@ -43,8 +43,9 @@ struct StreamOptions {
 };
 
 /// The ordered stream: slabs ascending in canonical order (coordinate along the axis; ties by x, then y, then z, then
-/// input row). Every point of slab s precedes every point of slab s+1 in that order, unless the options give that up;
-/// inside a slab points lie in no order. Points with a NaN or infinite coordinate are in no slab but in `nonfinite`.
+/// input row). Every point of slab s precedes every point of slab s+1 in that order; inside a slab points lie in no
+/// order. Unless the options give that up: then points in sparse places have slabs of their own, merged with the others
+/// by where they begin along the axis. Points with a NaN or infinite coordinate are in no slab but in `nonfinite`.
 class Stream {
  public:
   /// The distribution pass: reads the source once, and once more what a slab that turned out too big needs.
@@ -59,8 +60,8 @@ class Stream {
 
   int axis() const { return axis_; }
   const std::vector<Slab>& slabs() const { return slabs_; }
-  /// What the survey's sample tells of how densely the points lie.
-  const LocalSpacing& spacing() const { return spacing_; }
+  /// The sparse places of a cloud whose slabs hold points inside and outside of them.
+  const LocalSpacing& spacing_in_slabs() const { return spacing_; }
   std::uint64_t nonfinite_count() const { return nonfinite_count_; }
   std::uint64_t spilled_bytes() const;
   std::uint64_t memory_bytes() const;

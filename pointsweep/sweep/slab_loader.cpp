@@ -87,7 +87,7 @@ LoadedSlab SlabLoader::load(std::uint32_t slab, bool keep_records) const {
   const std::size_t stride = stream_.record_schema().stride;
   s.records.resize(about.count * stride);
   stream_.read(slab, s.records);
-  const std::size_t dense = make_cut_points(position_, stride, about, stream_.spacing(), s);
+  const std::size_t dense = make_cut_points(position_, stride, about, stream_.spacing_in_slabs(), s);
   cut_apart(
       dense, cell_points_, [&](std::uint32_t i) { return row_at(row_, s.records.data() + i * stride); }, s);
 

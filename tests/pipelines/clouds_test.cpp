@@ -131,13 +131,43 @@ TEST(GeneratedClouds, HaveTheNormalsOfTheirSurface) {
   }
 }
 
+TEST(GeneratedClouds, FillLittleOfTheWindowHoweverUnevenTheirDensity) {
+  constexpr std::uint64_t kPoints = 1'000'000;
+  const auto run_on = [](const char* shape, const Sampling& sampling) {
+    Cloud cloud = generated(shape, kPoints, sampling);
+    return run_in_memory(cloud, {{.k = 8}, {std::make_shared<Normals>()}}, small(0, 1024, 2, 1ull << 30)).statistics;
+  };
+  const Statistics clean = run_on("statue", {});
+  EXPECT_LT(clean.peak_points, kPoints * 55 / 1000);
+  EXPECT_EQ(clean.recalled, 0u);
+  for (const double share : {0.00001, 0.001, 0.01}) {
+    for (const double box : {10.0, 1000.0}) {
+      SCOPED_TRACE(testing::Message() << share << " of the points in a box " << box << " times larger");
+      Sampling sampling;
+      sampling.outliers = share, sampling.outlier_box = box;
+      const Statistics s = run_on("statue", sampling);
+      EXPECT_LT(static_cast<double>(s.peak_points), 1.2 * static_cast<double>(clean.peak_points) + share * kPoints);
+      EXPECT_LT(s.recalled, kPoints / 1000);
+    }
+  }
+  Sampling noise;
+  noise.noise = 0.005;
+  for (const Sampling& sampling : {Sampling{}, noise}) {
+    SCOPED_TRACE(sampling.noise);
+    const Statistics s = run_on("tls", sampling);
+    EXPECT_LT(s.peak_points, kPoints * 8 / 100);
+    EXPECT_LT(s.recalled, kPoints / 1000);
+  }
+}
+
 TEST(RealScans, HaveExactNeighbors) {
   const std::filesystem::path data = data_folder();
   if (data.empty()) GTEST_SKIP() << "POINTSWEEP_DATA names no folder of real scans";
-  for (const char* file : {"models/stanford_bunny/data/bun000.ply", "models/cgal/b9_training.ply",
-                           "models/cgal/kitten.xyz", "models/common3d/igea.ply", "models/stanford_dragon/dragon_vrip.ply",
-                           "lidar/jakteristics_mobile/test_0.02_seconde.las", "lidar/lasR/Megaplot.las",
-                           "lidar/pdal/las/autzen_trim.las", "lidar/ky_lock4/ky_lock4_west.las"}) {
+  for (const char* file :
+       {"models/stanford_bunny/data/bun000.ply", "models/cgal/b9_training.ply", "models/cgal/kitten.xyz",
+        "models/common3d/igea.ply", "models/stanford_dragon/dragon_vrip.ply",
+        "lidar/jakteristics_mobile/test_0.02_seconde.las", "lidar/lasR/Megaplot.las", "lidar/pdal/las/autzen_trim.las",
+        "lidar/ky_lock4/ky_lock4_west.las"}) {
     SCOPED_TRACE(file);
     ASSERT_TRUE(std::filesystem::exists(data / file));
     Cloud cloud({data / file});
