@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: MIT
+"""The clouds that script/hostile tries: how each is made, what it is compared with, what is odd in it."""
+import dataclasses
+
+
+@dataclasses.dataclass(frozen=True)
+class Cloud:
+    name: str
+    made: tuple  # commands that write the input files; see inputs() in run.py
+    clean: str = "surface"  # the cloud of the same size that its time and window are held against
+    special: int | str = 0  # rows that verify looks at besides its sample: the first so many, or those of "normal 0"
+    share: float = 0  # of the points that are outliers: they may stay in the window
+    times: int = 1  # so many times the points of the others
+    options: tuple = ()
+    small_window: bool = False  # its window is to stay below 3 % of the cloud at 20M points
+
+
+def own(name, **settings):
+    return Cloud(settings.pop("called", name), (("hostile_cloud", name),), **settings)
+
+
+def outliers(percent, box, **settings):
+    generate = ("generate", "statue", "--outliers", str(percent / 100), "--outlier-box", str(box))
+    return Cloud(f"statue, {percent} % outliers in a box {box}x", (generate,), clean="statue", special="normal 0",
+                 share=percent / 100, **settings)
+
+
+CLEAN = [own("surface"), Cloud("statue", (("generate", "statue"),)), Cloud("volume", (("generate", "volume"),))]
+
+HOSTILE = [
+    *[outliers(percent, box) for percent in (0.001, 0.1, 1) for box in (10, 1000)],
+    outliers(0.1, 20, small_window=True),
+    own("two-far-clusters", special=9),
+    own("one-point-far-away", special=1),
+    Cloud("tls", (("generate", "tls"),), clean="statue", small_window=True),
+    Cloud("tls, two stations", (("generate", "tls"), ("generate", "tls", "--seed", "2", "--origin", "60,20,0")), clean="statue"),
+    own("three-stations"),
+    own("wall-across"),
+    own("twice"), own("ten-times"), own("thousand-times"), own("most-at-one-place"),
+    own("all-identical"), own("all-identical", called="copies beyond the budget", times=5),
+    own("plane-across", special=1), own("plane-along", options=("--axis", "z"), called="all equal along the axis"), own("plane-along"),
+    own("line"), own("skew-line"), own("grid", clean="volume"),
+    own("millimetres"), own("millimetres-at-5e6"), own("near-1e12"), own("extent-1e-12"), own("denormals"), own("not-finite"),
+    own("backwards"), own("organ-pipe"), own("one-slab"),
+]

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: MIT
+"""Hostile clouds at size: exact, inside a hard limit of memory, how slow, how full the window; see docs/reliability.md.
+
+Each cloud is run by `normals` and by `neighbors` under RLIMIT_DATA = --memory + --constant, so that an allocation beyond
+it fails at once; `verify` then holds a sample, and every odd point, against brute force. CPU seconds are user + system of
+the whole process `normals`, the least of --repeat, in turn with those of the clean cloud."""
+import argparse
+import array
+import datetime
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+import run as bench  # noqa: E402
+from clouds import CLEAN, HOSTILE  # noqa: E402
+
+MOST_SPECIAL = 10000
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="script/hostile", description=__doc__.split("\n")[0])
+    parser.add_argument("--size", default="1M", help="points of each cloud (default 1M)")
+    parser.add_argument("--memory", type=int, help="MiB of --memory (default: 40, and 10 bytes a point: less than points and results take)")
+    parser.add_argument("--constant", type=int, default=8, help="MiB that the hard limit is above --memory (default 8)")
+    parser.add_argument("--sample", default="10000", help="points held against brute force, besides odd ones (default 10000)")
+    parser.add_argument("--repeat", type=int, default=2, help="timed runs of each cloud (default 2)")
+    parser.add_argument("--only", nargs="+", metavar="TEXT", help="clouds whose names contain this")
+    parser.add_argument("--work", type=pathlib.Path, default=bench.ROOT / "build/hostile", help="folder for clouds and outputs")
+    parser.add_argument("--build", type=pathlib.Path, default=bench.ROOT / "build/release")
+    parser.add_argument("--output", type=pathlib.Path, help="JSON file for the result; what it has of other clouds is kept")
+    return parser.parse_args()
+
+
+class Bench:
+    def __init__(self, options):
+        self.options, self.points = options, bench.points(options.size)
+        self.tool = options.build / "cli/pointsweep"
+        self.memory = options.memory or 40 + 10 * self.points // 2**20
+        self.limit = (self.memory + options.constant) * 2**20
+        options.work.mkdir(parents=True, exist_ok=True)
+
+    def inputs(self, cloud):
+        """Its files, made if they are not there."""
+        points, files = cloud.times * self.points // len(cloud.made), []
+        for number, command in enumerate(cloud.made):
+            file = self.options.work / f"{'-'.join(c.strip('-') for c in command)}-{points}.ply"
+            files.append(file)
+            if file.exists():
+                continue
+            part = file.with_suffix(".part.ply")
+            program, *words = command
+            if program == "generate":
+                subprocess.run([self.tool, program, words[0], part, "-n", str(points), "--quiet", "--force", *words[1:]], check=True)
+            else:
+                subprocess.run([self.options.build / "bench" / program, *words, str(points), part], check=True)
+            part.rename(file)
+        return files
+
+    def run(self, verb, cloud, output):
+        """Status, CPU seconds, peak RSS and statistics of one run under the limit."""
+        statistics = self.options.work / "statistics.json"
+        command = ["prlimit", f"--data={self.limit}", self.tool, verb, *self.inputs(cloud), output, "--memory", f"{self.memory}M",
+                   "--temp-dir", self.options.work, "--stats", statistics, "--quiet", "--force", *cloud.options]
+        process = subprocess.Popen([str(word) for word in command], stderr=subprocess.PIPE, text=True)
+        error = process.stderr.read().strip()
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        told = json.loads(statistics.read_text()) if process.returncode == 0 else {}
+        return {"status": process.returncode, "error": error, "cpu_seconds": usage.ru_utime + usage.ru_stime,
+                "peak_rss_bytes": usage.ru_maxrss * 1024, "statistics": told}
+
+    def special_rows(self, cloud, file):
+        if cloud.special != "normal 0":
+            return range(cloud.special)
+        data = file.read_bytes()
+        normals = array.array("f", data[data.index(b"end_header\n") + 11:])
+        odd = [row for row, (x, y, z) in enumerate(zip(normals[3::6], normals[4::6], normals[5::6])) if x == y == z == 0]
+        return odd[:: len(odd) // MOST_SPECIAL + 1]
+
+    def verdict(self, cloud, output, rows):
+        command = [self.tool, "verify", *self.inputs(cloud), output, "--sample", self.options.sample, "--rows", rows, *cloud.options]
+        if output.suffix == ".ply":
+            command += ["--pipeline", "normals"]
+        done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+        return "same" if done.returncode == 0 else done.stderr.strip()
+
+    def try_cloud(self, cloud, clean):
+        normals, rows = self.options.work / "normals.ply", self.options.work / "rows.txt"
+        neighbors = self.options.work / "neighbors.npy"
+        runs = [(self.run("normals", clean, normals), self.run("normals", cloud, normals)) for _ in range(self.options.repeat)]
+        failed = next((r["error"] or f"status {r['status']}" for pair in runs for r in pair if r["status"] != 0), None)
+        if failed:
+            return {"cloud": cloud.name, "points": cloud.times * self.points, "verdict": failed}
+        special = self.special_rows(cloud, self.inputs(cloud)[0])
+        rows.write_text("\n".join(map(str, special)))
+        graph = self.run("neighbors", cloud, neighbors)
+        verdicts = {"normals": self.verdict(cloud, normals, rows),
+                    "neighbors": self.verdict(cloud, neighbors, rows) if graph["status"] == 0 else graph["error"]}
+        return self.figures(cloud, runs, graph, len(special), verdicts)
+
+    def figures(self, cloud, runs, graph, special, verdicts):
+        clean_seconds, seconds = (min(pair[i]["cpu_seconds"] for pair in runs) for i in (0, 1))
+        clean, told = (runs[0][i]["statistics"] for i in (0, 1))
+        peak = told["working_set"]["peak_points"]
+        return {"cloud": cloud.name, "points": told["points"], "cpu_seconds": round(seconds, 3),
+                "clean_cpu_seconds": round(clean_seconds, 3), "ratio": round(seconds / cloud.times / clean_seconds, 2),
+                "peak_rss_mib": max(r["peak_rss_bytes"] for r in [graph, *(pair[1] for pair in runs)]) >> 20,
+                "window_percent": round(100 * peak / told["points"], 2),
+                "clean_window_percent": round(100 * clean["working_set"]["peak_points"] / clean["points"], 2),
+                "recalled": told["recalled"], "degenerate": told["degenerate"], "nonfinite": told["nonfinite"],
+                "certified": told["certified"], "spilled_bytes": told["bytes"]["spilled"], "rows_named": special,
+                "verdict": "same" if set(verdicts.values()) == {"same"} else json.dumps(verdicts)}
+
+    def missed(self, cloud, row):
+        """Goals that a row does not reach."""
+        if row["verdict"] != "same":
+            return ["exactness"]
+        goals = {"time": row["ratio"] <= 3, "memory": row["peak_rss_mib"] <= self.memory + self.options.constant,
+                 "certified": row["certified"] + row["nonfinite"] == row["points"]}
+        if cloud.share:
+            goals["window"] = row["window_percent"] <= 2 * row["clean_window_percent"] + 100 * cloud.share
+        if cloud.small_window and row["points"] >= 20e6:
+            goals["window below 3 %"] = row["window_percent"] < 3
+        return [name for name, reached in goals.items() if not reached]
+
+    def same_where_shifted(self):
+        """Neighbours and normals of a cloud in millimetres at 5e6 are those of the same cloud at the origin."""
+        clouds = {c.name: c for c in HOSTILE}
+        made = []
+        for name in ("millimetres", "millimetres-at-5e6"):
+            outputs = [self.options.work / f"{name}{end}" for end in (".normals.ply", ".npy")]
+            for verb, output in zip(("normals", "neighbors"), outputs):
+                self.run(verb, clouds[name], output)
+            records = outputs[0].read_bytes()
+            records = records[records.index(b"end_header\n") + 11:]
+            normals = b"".join(records[at + 24:at + 36] for at in range(0, len(records), 36))
+            made.append((normals, outputs[1].read_bytes()))
+        return made[0] == made[1]
+
+
+def print_row(row, missed):
+    if "ratio" not in row:
+        print(f"{row['cloud']:<40} {row['verdict']}", flush=True)
+        return
+    print(f"{row['cloud']:<40}{row['cpu_seconds']:>8.2f}{row['ratio']:>7.2f}{row['peak_rss_mib']:>7}{row['window_percent']:>8.2f}"
+          f"{row['clean_window_percent']:>8.2f}{row['recalled']:>9}  {', '.join(missed) or 'all goals'}", flush=True)
+
+
+def main():
+    options = arguments()
+    options.build, options.work = options.build.resolve(), options.work.resolve()
+    tried = Bench(options)
+    clean = {c.name: c for c in CLEAN}
+    chosen = [c for c in HOSTILE if not options.only or any(text in c.name for text in options.only)]
+    kept = json.loads(options.output.read_text()) if options.output and options.output.exists() else {}
+    rows = {row["cloud"]: row for row in kept.get("rows", [])}
+    print(f"{tried.points} points, --memory {tried.memory}M, hard limit {tried.limit >> 20} MiB")
+    print(f"{'cloud':<40}{'CPU s':>8}{'ratio':>7}{'MiB':>7}{'win %':>8}{'clean':>8}{'recalled':>9}  missed")
+    for cloud in chosen:
+        row = tried.try_cloud(cloud, clean[cloud.clean])
+        row["missed"] = tried.missed(cloud, row)
+        rows[cloud.name] = row
+        print_row(row, row["missed"])
+    result = {"date": datetime.date.today().isoformat(), "commit": bench.said("git", "rev-parse", "--short", "HEAD"),
+              "machine": bench.machine(), "points": tried.points, "memory_mib": tried.memory, "hard_limit_mib": tried.limit >> 20,
+              "same_where_shifted": kept.get("same_where_shifted")}
+    if any(c.name == "millimetres-at-5e6" for c in chosen):
+        result["same_where_shifted"] = tried.same_where_shifted()
+        print("the same neighbours and normals at 5e6 as at the origin:", result["same_where_shifted"])
+    result["rows"] = [rows[c.name] for c in HOSTILE if c.name in rows]
+    if options.output:
+        options.output.parent.mkdir(parents=True, exist_ok=True)
+        options.output.write_text(json.dumps(result, indent=1) + "\n")
+    if any("exactness" in row["missed"] for row in result["rows"]) or result["same_where_shifted"] is False:
+        sys.exit("script/hostile: not everything is exact")
+
+
+if __name__ == "__main__":
+    main()
