@@ -113,6 +113,19 @@ TEST(Run, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
   }
 }
 
+TEST(Run, TheBytesAreTheSameForOneToSixteenThreads) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes().front().second, 20000, 9);
+  const Chain chain{{.k = 12}, {std::make_shared<Normals>(), std::make_shared<NeighborRows>(12, 20000, true)}};
+  std::vector<std::byte> first;
+  for (unsigned threads = 1; threads <= 16; ++threads) {
+    for (const std::uint64_t slab : {300, 4000}) {
+      const RunResult result = run_in_memory(points, chain, tiny(slab, 128, threads));
+      if (first.empty()) first = result.records;
+      ASSERT_TRUE(result.records == first) << threads << " threads, slabs of " << slab;
+    }
+  }
+}
+
 TEST(Run, ShufflingTheInputShufflesTheOutputAndNothingElse) {
   for (const auto& [name, shape] : hostile_shapes()) {
     SCOPED_TRACE(name);
@@ -377,16 +390,38 @@ TEST(Run, AChainThatDoesNotFitIsRefusedBeforeAnyWork) {
   EXPECT_THROW(run_in_memory({}, graph(8, 10), {}), Error);
 }
 
-TEST(Run, AnExceptionInAnOperatorEndsTheRun) {
-  class Failing final : public Operator {
-   public:
-    std::string name() const override { return "failing"; }
-    Contract contract() const override { return {{}, {}, {scalar("x2", Type::f32, "", "")}}; }
-    void apply(const Neighborhoods&, Columns&) const override { throw Error("this operator fails"); }
+/// Throws at one point of the cloud.
+class Failing final : public Operator {
+ public:
+  explicit Failing(std::uint64_t row) : row_(row) {}
+  std::string name() const override { return "failing"; }
+  Contract contract() const override { return {{}, {}, {scalar("x2", Type::f32, "", "")}}; }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    std::ranges::fill(out.column<float>(0), 0.f);
+    for (std::size_t i = 0; i < in.size(); ++i)
+      if (in.row(i) == row_) throw Error("this operator fails at row 4321");
+  }
+
+ private:
+  std::uint64_t row_;
+};
+
+TEST(Run, AnExceptionInAnyWorkerEndsTheRunWithItsCause) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 5000, 1);
+  const auto run_to_row = [&](std::uint64_t row, unsigned threads, std::uint64_t slab) {
+    run_in_memory(points, {{.k = 8}, {std::make_shared<Failing>(row)}}, tiny(slab, 64, threads));
   };
-  EXPECT_THROW(run_in_memory(make_cloud(hostile_shapes()[0].second, 5000, 1), {{.k = 8}, {std::make_shared<Failing>()}},
-                             tiny(300, 64)),
-               Error);
+  EXPECT_NO_THROW(run_to_row(5000, 2, 300));
+  for (const unsigned threads : {1u, 2u, 16u}) {
+    for (const std::uint64_t slab : {300, 5000}) {
+      try {
+        run_to_row(4321, threads, slab);
+        FAIL() << "it went well with " << threads << " threads";
+      } catch (const Error& error) {
+        EXPECT_STREQ(error.what(), "this operator fails at row 4321");
+      }
+    }
+  }
 }
 
 }  // namespace
