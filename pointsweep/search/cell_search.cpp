@@ -12,7 +12,6 @@
 #include <array>
 #include <bit>
 
-#include "pointsweep/search/exact_search.h"
 #include "pointsweep/search/gathered_search.h"
 #include "pointsweep/search/leaf_query-inl.h"
 #include "pointsweep/search/near_leaves-inl.h"
@@ -34,6 +33,11 @@ class CellSearch {
   void run() {
     find_cells(0);
     for (std::uint32_t leaf = 0; leaf < cell_.leaf_count(); ++leaf) {
+      if (const std::uint32_t end = end_of_copies(leaf); end > leaf) {
+        search_copies(leaf * kLeafCapacity, std::min(end * kLeafCapacity, cell_.size()));
+        leaf = end - 1;
+        continue;
+      }
       for (std::uint32_t q = 0; q < cell_.leaf_size(leaf); q += static_cast<std::uint32_t>(hn::Lanes(d_))) {
         search_group(leaf, q);
       }
@@ -44,6 +48,25 @@ class CellSearch {
   void find_cells(double reach2) {
     reach2_ = reach2;
     directory_.find(cell_.box, reach2, scratch_.near);
+  }
+
+  /// Behind the leaves from this one on that all lie at one place; the leaf itself if it does not.
+  std::uint32_t end_of_copies(std::uint32_t leaf) const {
+    std::uint32_t end = leaf;
+    const auto at_one_place = [&](std::uint32_t l) { return cell_.leaf_lowest_row[l] != Cell::kSeveralPlaces; };
+    const Vec3 place = cell_.position(leaf * kLeafCapacity);
+    if (cell_.leaf_size(leaf) == 1) return leaf;
+    while (end < cell_.leaf_count() && at_one_place(end) && cell_.position(end * kLeafCapacity) == place) ++end;
+    return end;
+  }
+
+  /// Copies of one point have the same k + 1 nearest, and leave out each itself.
+  void search_copies(std::uint32_t first, std::uint32_t end) {
+    constexpr std::uint64_t kNobodysRow = ~std::uint64_t{0};
+    Neighborhood with_self = what_;
+    ++with_self.k;
+    search_place_plainly(directory_, cell_, cell_.position(first), kNobodysRow, with_self, scratch_, reach2_);
+    for (std::uint32_t i = first; i < end; ++i) write_best(cell_.row[i]);
   }
 
   void search_group(std::uint32_t leaf, std::uint32_t first_query) {
@@ -260,7 +283,7 @@ class CellSearch {
         offer(i + static_cast<std::uint32_t>(__builtin_ctz(bits)), p, row);
       }
     }
-    write_best();
+    write_best(row);
   }
 
   void offer(std::uint32_t number, Vec3 p, std::uint64_t self_row) {
@@ -275,22 +298,21 @@ class CellSearch {
   void search_in_double(std::uint32_t first, std::uint32_t queries) {
     for (std::uint32_t q = first; q < first + queries; ++q) {
       ++scratch_.settled_in_double;
-      const Vec3 p = cell_.position(q);
-      for (;;) {
-        scratch_.best.start(what_);
-        search_exact(directory_, scratch_.near, p, cell_.row[q], scratch_.best);
-        if (scratch_.best.limit() <= reach2_) break;
-        find_cells(std::max(4 * scratch_.best.limit(), std::numeric_limits<double>::min()));
-      }
-      write_best();
+      search_point_plainly(directory_, cell_, q, what_, scratch_, reach2_);
+      write_best(cell_.row[q]);
     }
   }
 
-  void write_best() {
-    const std::vector<Candidate>& found = scratch_.best.finish();
-    for (const Candidate& c : found) out_.refs.push_back(c.ref);
-    const bool full = found.size() == what_.k;
-    finish_point(full && !found.empty() ? found.back().distance2 : what_.radius2());
+  /// Writes the first k found that are not the point itself.
+  void write_best(std::uint64_t self_row) {
+    std::size_t size = 0;
+    double reach2 = what_.radius2();
+    for (const Candidate& c : scratch_.best.finish()) {
+      if (c.row == self_row || size == what_.k) continue;
+      out_.refs.push_back(c.ref);
+      if (++size == what_.k) reach2 = c.distance2;
+    }
+    finish_point(reach2);
   }
 
   void finish_point(double reach2) {

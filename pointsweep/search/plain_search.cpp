@@ -8,15 +8,20 @@
 
 namespace pointsweep {
 
-void search_point_plainly(const CellDirectory& directory, const Cell& cell, std::uint32_t i, const Neighborhood& what,
-                          SearchScratch& scratch, double& reach2) {
+void search_place_plainly(const CellDirectory& directory, const Cell& cell, Vec3 place, std::uint64_t self_row,
+                          const Neighborhood& what, SearchScratch& scratch, double& reach2) {
   for (;;) {
     scratch.best.start(what);
-    search_exact(directory, scratch.near, cell.position(i), cell.row[i], scratch.best);
+    search_exact(directory, scratch.near, place, self_row, scratch.best);
     if (scratch.best.limit() <= reach2) return;
     reach2 = std::max(2 * scratch.best.limit(), std::numeric_limits<double>::min());
     directory.find(cell.box, reach2, scratch.near);
   }
+}
+
+void search_point_plainly(const CellDirectory& directory, const Cell& cell, std::uint32_t i, const Neighborhood& what,
+                          SearchScratch& scratch, double& reach2) {
+  search_place_plainly(directory, cell, cell.position(i), cell.row[i], what, scratch, reach2);
 }
 
 void search_cell_plainly(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,

@@ -12,6 +12,10 @@ namespace pointsweep {
 void search_point_plainly(const CellDirectory& directory, const Cell& cell, std::uint32_t i, const Neighborhood& what,
                           SearchScratch& scratch, double& reach2);
 
+/// The same of a place in the cell, where the point of row `self_row` does not count.
+void search_place_plainly(const CellDirectory& directory, const Cell& cell, Vec3 place, std::uint64_t self_row,
+                          const Neighborhood& what, SearchScratch& scratch, double& reach2);
+
 /// As search_cell(), for any k; appends to `out`.
 void search_cell_plainly(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
                          SearchScratch& scratch, CellNeighbors& out);

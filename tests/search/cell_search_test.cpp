@@ -91,6 +91,10 @@ std::vector<std::pair<std::string, Shape>> shapes() {
        [](auto&) {
          return Vec3{1, 2, 3};
        }},
+      {"few places and points between",
+       [](auto& r) {
+         return uniform(r) < 0.1 ? Vec3{3 * uniform(r), 0.1 * uniform(r), 0} : Vec3{std::floor(3 * uniform(r)), 0, 0};
+       }},
       {"outliers",
        [](auto& r) {
          const double s = uniform(r) < 0.02 ? 1e6 : 1;
