@@ -45,6 +45,8 @@ class CellSearch {
   }
 
  private:
+  static constexpr float kWide = 64;  ///< a leaf so many times as wide as that of the queries
+
   void find_cells(double reach2) {
     reach2_ = reach2;
     directory_.find(cell_.box, reach2, scratch_.near);
@@ -167,7 +169,10 @@ class CellSearch {
       const LocalBox box = frame_.local(cell, leaf);
       if (!group_.anyone_reaches(d_, box, limit)) continue;
       if (packed_.full()) return false;
+      const float others = packed_.farthest, reach = std::sqrt(hn::GetLane(hn::MaxOfLanes(d_, limit)));
       pack(frame_, cell, slot, leaf, box.farthest(), packed_);
+      if (box.farthest() > kWide)
+        leave_out_beyond(1.001f * (reach + static_cast<float>(leaf_extent_)), others, packed_);
       group_.try_last_leaf(d_, packed_);
       limit = group_.reach(d_, packed_.farthest);
       reach2 = group_reach2();

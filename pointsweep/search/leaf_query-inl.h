@@ -72,7 +72,8 @@ inline constexpr Comparators kComparators;
 HWY_INLINE void sort_sixteen(Vec (&keys)[kLeafCapacity]) {
   [&]<std::size_t... C>(std::index_sequence<C...>) HWY_ATTR {
     (exchange(keys[kComparators.lower[C]], keys[kComparators.upper[C]]), ...);
-  }(std::make_index_sequence<Comparators::kCount>());
+  }
+  (std::make_index_sequence<Comparators::kCount>());
 }
 
 /// The last steps of a bitonic merge of N keys per lane that lie `stride` apart, in registers.
@@ -182,6 +183,20 @@ HWY_INLINE void pack(const Frame& frame, const Cell& cell, std::uint32_t slot, s
   for (std::size_t i = cell.leaf_size(leaf); i < kLeafCapacity; ++i) packed.x[to + i] = kPadding;
   packed.first[packed.leaves++] = make_ref(slot, static_cast<std::uint32_t>(from));
   packed.farthest = std::max(packed.farthest, farthest);
+}
+
+/// Makes padding of those points of the leaf packed last that lie farther than `reach` from the centre, so that one
+/// leaf of outliers, whose box holds everything, does not take the precision from all others.
+HWY_INLINE void leave_out_beyond(float reach, float farthest_of_others, Packed& packed) {
+  const std::size_t first = (packed.leaves - 1) * kLeafCapacity;
+  packed.farthest = farthest_of_others;
+  for (std::size_t i = first; i < first + kLeafCapacity; ++i) {
+    const float m = std::max({std::abs(packed.x[i]), std::abs(packed.y[i]), std::abs(packed.z[i])});
+    if (m > reach)
+      packed.x[i] = kPadding;
+    else
+      packed.farthest = std::max(packed.farthest, m);
+  }
 }
 
 /// A group of queries and what they have found.
