@@ -23,9 +23,13 @@ struct Block {
 struct SlabList {
   std::mutex mutex;
   std::vector<Block> blocks;
+  std::size_t released = 0;   ///< of `blocks`, from the first on
   std::byte* open = nullptr;  ///< the block being filled; the last of `blocks` unless spilling
   std::size_t open_bytes = 0;
   std::uint64_t count = 0;
+
+  /// Behind the last record of a block.
+  std::uint64_t end_of(std::size_t block) const { return block + 1 < blocks.size() ? blocks[block + 1].first : count; }
 };
 
 }  // namespace
@@ -141,18 +145,23 @@ void SlabStore::finish() {
   if (s.file) s.pool.clear();
 }
 
-void SlabStore::release(std::size_t slab) {
+void SlabStore::release_before(std::size_t slab, std::uint64_t record) {
   State& s = *state_;
   SlabList& list = s.lists[slab];
-  for (std::size_t b = 0; b < list.blocks.size(); ++b) {
-    const Block& block = list.blocks[b];
-    const std::uint64_t end = b + 1 < list.blocks.size() ? list.blocks[b + 1].first : list.count;
+  for (; list.released < list.blocks.size() && list.end_of(list.released) <= record; ++list.released) {
+    const Block& block = list.blocks[list.released];
     if (s.file)
-      s.file->discard(block.offset, (end - block.first) * s.record_bytes);
+      s.file->discard(block.offset, (list.end_of(list.released) - block.first) * s.record_bytes);
     else
       s.pool.give_back(block.memory);
   }
+}
+
+void SlabStore::release(std::size_t slab) {
+  SlabList& list = state_->lists[slab];
+  release_before(slab, list.count);
   list.blocks = std::vector<Block>();
+  list.released = 0;
   list.open = nullptr;
   list.count = 0;
 }

@@ -33,6 +33,9 @@ class SlabStore {
   /// What was appended to a kept file is in it, and all that pack() says. Nobody may be appending.
   void flush();
   void pack(Packer& out) const;
+  /// Gives back the space of blocks of a finished slab that end before `record`; nobody may be reading it, or ever read
+  /// records before that one again. Others may append to other slabs.
+  void release_before(std::size_t slab, std::uint64_t record);
   /// Forgets the records of a slab and gives their space back. Nobody may be reading it.
   void release(std::size_t slab);
 

@@ -82,17 +82,20 @@ class Splitting {
     const std::vector<double> part_limits = limits(piece, level, std::move(sample));
     const Splitters splitters(part_limits);
     const std::size_t first = store_.add_slabs(splitters.pieces());
-    const std::vector<Box> boxes =
-        distribute({.schema = working_,
-                    .count = piece.count,
-                    .read = [&](std::uint64_t i, std::span<std::byte> records) { store_.read(piece.list, i, records); },
-                    .record = record_,
-                    .key = keys_[level],
-                    .splitters = {&splitters, 1},
-                    .first_list = first,
-                    .nonfinite_list = {},
-                    .memory_bytes = options_.buffer_bytes},
-                   store_);
+    const auto read = [&](std::uint64_t i, std::span<std::byte> records) {
+      store_.release_before(piece.list, i);  // so that nothing is there twice
+      store_.read(piece.list, i, records);
+    };
+    const std::vector<Box> boxes = distribute({.schema = working_,
+                                               .count = piece.count,
+                                               .read = read,
+                                               .record = record_,
+                                               .key = keys_[level],
+                                               .splitters = {&splitters, 1},
+                                               .first_list = first,
+                                               .nonfinite_list = {},
+                                               .memory_bytes = options_.buffer_bytes},
+                                              store_);
     store_.finish();
     store_.release(piece.list);
     std::vector<StreamPiece> parts;

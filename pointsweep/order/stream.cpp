@@ -16,6 +16,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kMostPieces = 4096;                           ///< dealt out at once
+constexpr std::size_t kFewPieces = 64;                              ///< so many may one that is too big become at once
 constexpr std::size_t kSamplesPerPiece = 16;                        ///< fewer make uneven slabs
 constexpr std::size_t kLeastBlock = 8192, kLargestBlock = 1 << 20;  ///< bytes
 
@@ -34,7 +35,8 @@ std::size_t most_pieces(const StreamOptions& options) {
 std::size_t block_bytes(const StreamOptions& options, std::size_t pieces, std::size_t record_bytes) {
   if (!options.spill)
     return std::clamp<std::size_t>(options.slab_points * record_bytes / 16, kLeastBlock / 2, kLargestBlock / 4);
-  return std::clamp<std::size_t>(options.buffer_bytes / 2 / (pieces + 1), kLeastBlock, kLargestBlock);
+  const std::size_t open = std::max(pieces + 1, kFewPieces);
+  return std::clamp<std::size_t>(options.buffer_bytes / 2 / open, kLeastBlock, kLargestBlock);
 }
 
 /// At most `most` pieces of about `aim` points each, of what the sample stands for.
@@ -99,7 +101,11 @@ struct Stream::State {
     std::size_t count = 0;
     for (const Splitters& s : splitters) count += s.pieces();
     const std::size_t record_bytes = record.schema().stride;
-    store.emplace(count + 1, record_bytes, block_bytes(options, count, record_bytes), options.spill);
+    const std::size_t block = block_bytes(options, count, record_bytes);
+    store.emplace(count + 1, record_bytes, block, options.spill);
+    if (options.spill != nullptr) {  // each piece being filled holds a block
+      split.most_pieces = std::clamp<std::size_t>(options.buffer_bytes / 2 / block, 2, split.most_pieces);
+    }
     nonfinite_list = count;
     const auto read = [&](std::uint64_t row, std::span<std::byte> records) {
       read_fully(source, row, records);

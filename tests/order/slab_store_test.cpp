@@ -126,5 +126,23 @@ TEST(SlabStore, UsesTheSpaceOfReleasedSlabsAgain) {
   EXPECT_EQ(read(store, slab, 0, 100000, 16), records);
 }
 
+TEST(SlabStore, GivesBackWhatHasBeenReadWhileTheRestStays) {
+  const TempFolder folder(temp());
+  for (const TempFolder* spill : {static_cast<const TempFolder*>(nullptr), &folder}) {
+    SlabStore store(1, 16, 4096, spill);
+    const auto records = numbered(0, 100000, 16);
+    store.append(0, records);
+    store.finish();
+    const std::uint64_t full = store.memory_bytes();
+    for (const std::uint64_t at : {0u, 1u, 255u, 256u, 50000u, 50100u}) {
+      store.release_before(0, at);
+      EXPECT_EQ(read(store, 0, at, 100000 - at, 16), std::vector(records.begin() + 16 * at, records.end())) << at;
+    }
+    EXPECT_LT(store.memory_bytes(), spill == nullptr ? full * 6 / 10 : full + 1);
+    store.release(0);
+    EXPECT_LT(store.memory_bytes(), 4096u);
+  }
+}
+
 }  // namespace
 }  // namespace pointsweep
