@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
-import run as bench  # noqa: E402
+import processes as bench  # noqa: E402
 from clouds import CLEAN, HOSTILE  # noqa: E402
 
 MOST_SPECIAL = 10000
@@ -175,7 +175,7 @@ def main():
         row["missed"] = tried.missed(cloud, row)
         rows[cloud.name] = row
         print_row(row, row["missed"])
-    result = {"date": datetime.date.today().isoformat(), "commit": bench.said("git", "rev-parse", "--short", "HEAD"),
+    result = {"date": datetime.date.today().isoformat(), "commit": bench.commit(),
               "machine": bench.machine(), "points": tried.points, "memory_mib": tried.memory, "hard_limit_mib": tried.limit >> 20,
               "same_where_shifted": kept.get("same_where_shifted")}
     if any(c.name == "millimetres-at-5e6" for c in chosen):
