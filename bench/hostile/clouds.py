@@ -12,6 +12,7 @@ class Cloud:
     share: float = 0  # of the points that are outliers: they may stay in the window
     times: int = 1  # so many times the points of the others
     options: tuple = ()
+    refused: str = ""  # words of the sentence with which it is refused
     small_window: bool = False  # its window is to stay below 3 % of the cloud at 20M points
 
 
@@ -40,6 +41,6 @@ HOSTILE = [
     own("all-identical"), own("all-identical", called="copies beyond the budget", times=5),
     own("plane-across", special=1), own("plane-along", options=("--axis", "z"), called="all equal along the axis"), own("plane-along"),
     own("line"), own("skew-line"), own("grid", clean="volume"),
-    own("millimetres"), own("millimetres-at-5e6"), own("near-1e12"), own("extent-1e-12"), own("denormals"), own("not-finite"),
+    own("millimetres"), own("millimetres-at-5e6"), own("near-1e12"), own("extent-1e-12"), own("denormals", refused="scale its coordinates"), own("not-finite"),
     own("backwards"), own("organ-pipe"), own("one-slab"),
 ]
