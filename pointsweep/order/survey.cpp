@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "pointsweep/error.h"
 #include "pointsweep/order/mix.h"
 
 namespace pointsweep {
@@ -121,6 +122,14 @@ std::uint64_t recommended_slab_points(std::uint64_t points, double dimension) {
   const double d = std::clamp(dimension, 2.0, 3.0);
   const double slab = (16 - 10 * (d - 2)) * std::pow(static_cast<double>(points), (d - 1) / d);
   return std::max<std::uint64_t>(16384, static_cast<std::uint64_t>(slab));
+}
+
+void require_distances(const Box& bounds) {
+  if (bounds.empty()) return;
+  const double extent = bounds.extent()[bounds.longest_axis()];
+  if (extent == 0 || (extent >= 0x1p-480 && extent <= 0x1p+510)) return;
+  fail("The cloud is {:.2g} long, and double precision cannot hold squares of such distances: scale its coordinates.",
+       extent);
 }
 
 }  // namespace pointsweep

@@ -32,4 +32,8 @@ double box_counting_dimension(std::span<const Vec3> sample);
 /// (linear between), never under 16,384.
 std::uint64_t recommended_slab_points(std::uint64_t points, double dimension);
 
+/// Throws Error where the extent of the cloud is such that squares of distances in double precision are all zero or all
+/// infinite, so that every point would be every other's neighbour.
+void require_distances(const Box& bounds);
+
 }  // namespace pointsweep

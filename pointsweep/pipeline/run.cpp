@@ -58,6 +58,7 @@ class Run {
     note_neighborhoods(planned);
     open_checkpoints(planned, outputs);
     survey_cloud(in_stream_order || needs_bounds(outputs.points));
+    require_distances(survey_.bounds);
     OutputSet files(cloud_, planned.made, outputs, options_.overwrite, bounds_if_exact());
     const RunMemory memory = plan_run_memory(statistics_.memory_budget_bytes, planned, cloud_.count(), survey_,
                                              options_, files.layout().schema().stride);

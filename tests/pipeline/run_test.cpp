@@ -390,6 +390,24 @@ TEST(Run, AChainThatDoesNotFitIsRefusedBeforeAnyWork) {
   EXPECT_THROW(run_in_memory({}, graph(8, 10), {}), Error);
 }
 
+TEST(Run, ACloudWhoseDistancesHaveNoSquaresIsRefused) {
+  for (const double scale : {1e-310, 1e-200, 1e200}) {
+    std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 500, 1);
+    for (Vec3& p : points) p = scale * p;
+    try {
+      run_in_memory(points, graph(8, points.size()), {});
+      FAIL() << "accepted a cloud of " << scale;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find("scale its coordinates"), std::string::npos) << e.what();
+    }
+  }
+  for (const double scale : {1e-130, 1e140}) {
+    std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 500, 1);
+    for (Vec3& p : points) p = scale * p;
+    expect_lists(points, brute_force_neighbors(points, 8), 8, std::numeric_limits<double>::infinity(), tiny(64, 16));
+  }
+}
+
 /// Throws at one point of the cloud.
 class Failing final : public Operator {
  public:
