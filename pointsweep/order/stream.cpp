@@ -103,7 +103,7 @@ struct Stream::State {
     const std::size_t record_bytes = record.schema().stride;
     const std::size_t block = block_bytes(options, count, record_bytes);
     store.emplace(count + 1, record_bytes, block, options.spill);
-    if (options.spill != nullptr) {  // each piece being filled holds a block
+    if (options.spill) {  // each piece being filled holds a block
       split.most_pieces = std::clamp<std::size_t>(options.buffer_bytes / 2 / block, 2, split.most_pieces);
     }
     nonfinite_list = count;
