@@ -45,8 +45,7 @@ SpillPlace SpillPlace::kept(const std::filesystem::path& file) {
 
 SpillFile::SpillFile(const SpillPlace& place)
     : parent_((place.is_kept() ? place.folder() : place.folder().parent_path()).string()),
-      option_(place.is_kept() ? "--resume" : "--temp-dir"),
-      is_kept_(place.is_kept()) {
+      option_(place.is_kept() ? "--resume" : "--temp-dir") {
   if (place.is_kept()) {
     descriptor_ = ::open(place.file().c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     if (descriptor_ < 0) fail_write(parent_, option_, errno, 0);
@@ -59,7 +58,7 @@ SpillFile::SpillFile(const SpillPlace& place)
 }
 
 SpillFile::SpillFile(const SpillPlace& place, std::uint64_t bytes)
-    : parent_(place.folder().string()), option_("--resume"), is_kept_(true), reserved_(bytes) {
+    : parent_(place.folder().string()), option_("--resume"), reserved_(bytes) {
   descriptor_ = ::open(place.file().c_str(), O_RDWR | O_CLOEXEC);
   struct stat status {};
   const bool found = descriptor_ >= 0 && ::fstat(descriptor_, &status) == 0;
@@ -82,11 +81,6 @@ void SpillFile::write(std::uint64_t offset, std::span<const std::byte> bytes) {
     if (n <= 0) fail_write(parent_, option_, n < 0 ? errno : ENOSPC, reserved_.load());
     done += static_cast<std::size_t>(n);
   }
-#ifdef SYNC_FILE_RANGE_WRITE
-  // On its way at once, so that a checkpoint finds little left to wait for.
-  if (is_kept_)
-    ::sync_file_range(descriptor_, static_cast<off_t>(offset), static_cast<off_t>(bytes.size()), SYNC_FILE_RANGE_WRITE);
-#endif
   written_.fetch_add(bytes.size(), std::memory_order_relaxed);
 }
 

@@ -57,7 +57,6 @@ class SpillFile {
  private:
   std::string parent_;  ///< for messages: the folder the user chose
   std::string option_;  ///< by which it was chosen
-  bool is_kept_;
   int descriptor_ = -1;
   std::atomic<std::uint64_t> reserved_{0}, written_{0};
 };
