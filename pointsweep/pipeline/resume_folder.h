@@ -2,6 +2,7 @@
 /// The folder in which a run keeps what it has done, so that another process can go on with it (docs/adr/0008).
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <filesystem>
 #include <future>
@@ -48,6 +49,7 @@ class ResumeFolder {
   std::filesystem::path path_;
   int lock_ = -1;  ///< descriptor of the folder
   bool holds_work_ = false;
+  std::atomic<bool> removing_ = false;
   std::vector<std::byte> saved_;
   std::future<void> saving_;
 };
