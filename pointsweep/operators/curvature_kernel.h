@@ -21,7 +21,7 @@ struct PointCurvature {
 
 /// Of the points first to first + out.size() - 1, whose first attribute read is their normal, as it is of neighbours.
 /// The bits depend on a point's neighbourhood alone: not on the instruction set, nor on what shares the batch. About
-/// 0.2 µs per point with 8 neighbours on one core with AVX-512.
+/// 0.25 µs per point with 8 neighbours on one core with AVX-512.
 void curvatures(const Neighborhoods& in, std::size_t first, std::span<PointCurvature> out);
 
 }  // namespace pointsweep

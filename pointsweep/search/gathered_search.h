@@ -11,7 +11,7 @@ namespace pointsweep {
 
 /// As search_cell(), for any k > 0 and any radius; appends to `out`. Where so many points lie around a leaf that
 /// gathering them would not pay (copies of one point), its points are searched plainly.
-/// About 5 ns per neighbour on one core with AVX-512, most of it for putting them in order.
+/// 15 to 30 ns per neighbour on one core with AVX-512, about half of it for putting them in order.
 void search_cell_gathered(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
                           SearchScratch& scratch, CellNeighbors& out);
 

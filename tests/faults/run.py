@@ -94,6 +94,14 @@ class Place:
                               env=environment, capture_output=True, text=True, timeout=timeout)
         return done.returncode, done.stderr
 
+    def seconds(self):
+        """Of one run without a fault."""
+        begin = time.monotonic()
+        self.run()
+        seconds = time.monotonic() - begin
+        self.clear()
+        return seconds
+
     def files(self):
         return {str(path.relative_to(self.folder)) for path in self.folder.rglob("*")}
 
@@ -207,10 +215,7 @@ def kills_of(name, kills):
 def random_kills(place, count, seed):
     """kill -9 after a random time, with the next run cleaning up; threads as a user has them."""
     generator = random.Random(seed)
-    begin = time.monotonic()
-    place.run()
-    whole = time.monotonic() - begin
-    place.clear()
+    whole = place.seconds()
     outcomes = collections.Counter()
     for _ in range(count):
         process = subprocess.Popen([place.options.tool, *shlex.split(place.command), "--quiet"], cwd=place.folder,
@@ -228,10 +233,7 @@ def random_kills(place, count, seed):
 def kills_of_resumed(place, count, seed):
     """kill -9 after a random time, the same command again and again until it ends: the right output, and nothing else."""
     generator = random.Random(seed)
-    begin = time.monotonic()
-    place.run()
-    whole = time.monotonic() - begin
-    place.clear()
+    whole = place.seconds()
     outcomes = collections.Counter()
     while outcomes["kills"] < count:
         for output in place.outputs:  # complete, and only the folder was left to be removed
