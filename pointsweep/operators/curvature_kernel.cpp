@@ -19,23 +19,6 @@ using Vector = Vec3Lanes<V>;
 using Matrix = Symmetric3Lanes<V>;
 using Normal = std::array<float, 3>;
 
-/// Normals of a few successive neighbours, transposed: a point per lane, 0 behind a point's last neighbour.
-struct NormalChunk {
-  HWY_ALIGN double x[kChunk][kLanes], y[kChunk][kLanes], z[kChunk][kLanes];
-
-  void Fetch(const Neighborhoods& in, std::size_t first, const Extents& extents, std::size_t from) {
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      const std::size_t k = std::size_t(extents.count.of[l]);
-      const std::size_t have = std::min(kChunk, k - std::min(from, k));
-      for (std::size_t c = 0; c < have; ++c) {
-        const auto n = in.neighbor_value<Normal>(0, first + l, from + c);
-        x[c][l] = n[0], y[c][l] = n[1], z[c][l] = n[2];
-      }
-      for (std::size_t c = have; c < kChunk; ++c) x[c][l] = y[c][l] = z[c][l] = 0;
-    }
-  }
-};
-
 /// Sums over the neighbours that have a normal; over all of them in `moments`.
 struct Sums {
   Matrix moments = ZeroMatrix();           // |N_i| M_i of Equation 1
@@ -48,35 +31,32 @@ struct Sums {
   Sums(const Neighborhoods& in, std::size_t first) {
     const Extents extents(in, first);
     const Weighting weighting(extents);
-    OffsetChunk offsets;
-    NormalChunk directions;
+    NeighborChunk offsets, directions;
     for (std::size_t from = 0; from < extents.most; from += kChunk) {
-      offsets.Fetch(in, first, extents, from);
-      directions.Fetch(in, first, extents, from);
-      for (std::size_t c = 0; c < std::min(kChunk, extents.most - from); ++c)
-        Include(weighting, offsets, directions, c, from + c);
+      offsets.FetchOffsets(in, first, extents, from);
+      directions.Fetch(extents, from, [&](std::size_t l, std::size_t j) HWY_ATTR {
+        const auto n = in.neighbor_value<Normal>(0, first + l, j);
+        return Vec3{n[0], n[1], n[2]};
+      });
+      for (std::size_t c = 0; c < std::min(kChunk, extents.most - from); ++c) {
+        const Vector offset = offsets.Load(c, weighting.scale);
+        Include(offset, UnitOrZero(directions.Load(c)), weighting.Theta(offset, from + c));
+      }
     }
     scale = weighting.scale;
     rounding = weighting.Rounding(extents);
     share = hn::Div(weighting.NearestTheta(), hn::Max(weighting.count, hn::Set(Lanes(), 1.0)));
   }
 
-  HWY_INLINE void Include(const Weighting& weighting, const OffsetChunk& offsets, const NormalChunk& directions,
-                          std::size_t c, std::size_t j) {
+  HWY_INLINE void Include(const Vector& offset, const Vector& n, V theta) {
     const Lanes d;
-    const V x = hn::Mul(hn::Load(d, offsets.x[c]), weighting.scale);
-    const V y = hn::Mul(hn::Load(d, offsets.y[c]), weighting.scale);
-    const V z = hn::Mul(hn::Load(d, offsets.z[c]), weighting.scale);
-    const V theta = weighting.Theta(x, y, z, j);
-    AddOuterProduct(moments, theta, x, y, z);
-    const Vector n =
-        UnitOrZero(Vector{hn::Load(d, directions.x[c]), hn::Load(d, directions.y[c]), hn::Load(d, directions.z[c])});
+    AddOuterProduct(moments, theta, offset);
     const V one = hn::IfThenElseZero(hn::Gt(Dot(n, n), hn::Zero(d)), hn::Set(d, 1.0));  // 0 without a normal
-    AddOuterProduct(weighted_normals, theta, n.x, n.y, n.z);
-    AddOuterProduct(normals, one, n.x, n.y, n.z);
-    AddOuterProduct(positions, one, x, y, z);
-    position = {hn::Add(position.x, hn::Mul(one, x)), hn::Add(position.y, hn::Mul(one, y)),
-                hn::Add(position.z, hn::Mul(one, z))};
+    AddOuterProduct(weighted_normals, theta, n);
+    AddOuterProduct(normals, one, n);
+    AddOuterProduct(positions, one, offset);
+    position = {hn::Add(position.x, hn::Mul(one, offset.x)), hn::Add(position.y, hn::Mul(one, offset.y)),
+                hn::Add(position.z, hn::Mul(one, offset.z))};
     count = hn::Add(count, one);
   }
 
@@ -110,15 +90,6 @@ HWY_INLINE Principal PrincipalCurvatures(const Vector& n, const Sums& sums, cons
   return {hn::Max(a, b), hn::Min(a, b), Choose(hn::Lt(a, b), across, along), found};
 }
 
-HWY_INLINE Vector OwnNormals(const Neighborhoods& in, std::size_t first) {
-  LaneArray x = {}, y = {}, z = {};
-  for (std::size_t l = 0; l < std::min(kLanes, in.size() - std::min(first, in.size())); ++l) {
-    const auto n = in.value<Normal>(0, first + l);
-    x.of[l] = n[0], y.of[l] = n[1], z.of[l] = n[2];
-  }
-  return UnitOrZero(Vector{x.Load(), y.Load(), z.Load()});
-}
-
 void StoreCurvatures(const Principal& p, const Sums& sums, const Eigen3Lanes<V>& moments,
                      const Eigen3Lanes<V>& weighted_normals, std::span<PointCurvature> out) {
   const Lanes d;
@@ -150,7 +121,7 @@ void Curvatures(const Neighborhoods& in, std::size_t first, std::span<PointCurva
   for (std::size_t from = 0; from < out.size(); from += kLanes) {
     const Sums sums(in, first + from);
     const auto e = EigenSymmetric3(d, sums.normals, sums.weighted_normals, sums.moments);
-    const Principal p = PrincipalCurvatures(OwnNormals(in, first + from), sums, e[0]);
+    const Principal p = PrincipalCurvatures(UnitOrZero(OwnVectors(in, first + from, 0)), sums, e[0]);
     StoreCurvatures(p, sums, e[2], e[1], out.subspan(from));
   }
 }

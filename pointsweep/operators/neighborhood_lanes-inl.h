@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -73,22 +74,64 @@ struct Extents {
   }
 };
 
-/// Offsets p_j - p_i of a few successive neighbours, transposed: a point per lane, 0 behind a point's last neighbour.
-struct OffsetChunk {
+/// Vectors of a few successive neighbours, transposed: a point per lane, 0 behind a point's last neighbour.
+struct NeighborChunk {
   HWY_ALIGN double x[kChunk][kLanes], y[kChunk][kLanes], z[kChunk][kLanes];
 
-  void Fetch(const Neighborhoods& in, std::size_t first, const Extents& extents, std::size_t from) {
+  /// vector(l, j): of the j-th neighbour of the point in lane l.
+  template <class Vector>
+  HWY_INLINE void Fetch(const Extents& extents, std::size_t from, Vector vector) {
     for (std::size_t l = 0; l < kLanes; ++l) {
       const std::size_t k = std::size_t(extents.count.of[l]);
       const std::size_t have = std::min(kChunk, k - std::min(from, k));
       for (std::size_t c = 0; c < have; ++c) {
-        const Vec3 o = in.offset(first + l, from + c);
-        x[c][l] = o.x, y[c][l] = o.y, z[c][l] = o.z;
+        const Vec3 v = vector(l, from + c);
+        x[c][l] = v.x, y[c][l] = v.y, z[c][l] = v.z;
       }
       for (std::size_t c = have; c < kChunk; ++c) x[c][l] = y[c][l] = z[c][l] = 0;
     }
   }
+  HWY_INLINE void FetchOffsets(const Neighborhoods& in, std::size_t first, const Extents& extents, std::size_t from) {
+    Fetch(extents, from, [&](std::size_t l, std::size_t j) HWY_ATTR { return in.offset(first + l, j); });
+  }
+  HWY_INLINE Vec3Lanes<V> Load(std::size_t c) const {
+    const Lanes d;
+    return {hn::Load(d, x[c]), hn::Load(d, y[c]), hn::Load(d, z[c])};
+  }
+  HWY_INLINE Vec3Lanes<V> Load(std::size_t c, V scale) const {
+    const Vec3Lanes<V> v = Load(c);
+    return {hn::Mul(v.x, scale), hn::Mul(v.y, scale), hn::Mul(v.z, scale)};
+  }
 };
+
+/// Calls include(offset, j) with the scaled offsets of the j-th neighbours, for all j in turn.
+template <class Include>
+HWY_INLINE void ForNeighbors(const Neighborhoods& in, std::size_t first, const Extents& extents, V scale,
+                             Include include) {
+  NeighborChunk offsets;
+  for (std::size_t from = 0; from < extents.most; from += kChunk) {
+    offsets.FetchOffsets(in, first, extents, from);
+    for (std::size_t c = 0; c < std::min(kChunk, extents.most - from); ++c) include(offsets.Load(c, scale), from + c);
+  }
+}
+
+/// number(i) of the points themselves, a point per lane; 0 behind the last.
+template <class Number>
+HWY_INLINE V OwnNumbers(const Neighborhoods& in, std::size_t first, Number number) {
+  LaneArray v = {};
+  for (std::size_t l = 0; l < std::min(kLanes, in.size() - std::min(first, in.size())); ++l)
+    v.of[l] = number(first + l);
+  return v.Load();
+}
+
+/// Attribute `a` of the points themselves, three numbers each.
+HWY_INLINE Vec3Lanes<V> OwnVectors(const Neighborhoods& in, std::size_t first, std::size_t a) {
+  const auto component = [&](std::size_t c) HWY_ATTR {
+    return OwnNumbers(in, first,
+                      [&](std::size_t i) HWY_ATTR { return double(in.value<std::array<float, 3>>(a, i)[c]); });
+  };
+  return {component(0), component(1), component(2)};
+}
 
 HWY_INLINE V Length2(V x, V y, V z) { return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)); }
 
@@ -110,10 +153,10 @@ struct Weighting {
   }
   V Scaled(const LaneArray& a) const { return hn::Mul(a.Load(), scale); }
   V ScaledLength2(const LaneArray (&a)[3]) const { return Length2(Scaled(a[0]), Scaled(a[1]), Scaled(a[2])); }
-  /// Of the j-th neighbours, at scaled offsets (x, y, z); 0 behind the last.
-  HWY_INLINE V Theta(V x, V y, V z, std::size_t j) const {
+  /// Of the j-th neighbours, at scaled offsets; 0 behind the last.
+  HWY_INLINE V Theta(const Vec3Lanes<V>& offset, std::size_t j) const {
     const Lanes d;
-    const V beyond = hn::Max(hn::Sub(Length2(x, y, z), near2), hn::Zero(d));
+    const V beyond = hn::Max(hn::Sub(Length2(offset.x, offset.y, offset.z), near2), hn::Zero(d));
     return hn::IfThenElseZero(hn::Lt(hn::Set(d, double(j)), count), ExpNegative(d, hn::Mul(beyond, falloff)));
   }
   /// θ of the nearest neighbour
@@ -124,7 +167,8 @@ struct Weighting {
 };
 
 /// m + weight · v v^T
-HWY_INLINE void AddOuterProduct(Symmetric3Lanes<V>& m, V weight, V x, V y, V z) {
+HWY_INLINE void AddOuterProduct(Symmetric3Lanes<V>& m, V weight, const Vec3Lanes<V>& v) {
+  const V x = v.x, y = v.y, z = v.z;
   const V tx = hn::Mul(weight, x), ty = hn::Mul(weight, y), tz = hn::Mul(weight, z);
   m.xx = hn::Add(m.xx, hn::Mul(tx, x));
   m.xy = hn::Add(m.xy, hn::Mul(tx, y));

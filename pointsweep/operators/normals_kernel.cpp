@@ -28,18 +28,11 @@ HWY_INLINE Moments SumMoments(const Neighborhoods& in, std::size_t first) {
   const Weighting weighting(extents);
   Symmetric3Lanes<V> m = ZeroMatrix();
   V weights = hn::Zero(d);
-  OffsetChunk chunk;
-  for (std::size_t from = 0; from < extents.most; from += kChunk) {
-    chunk.Fetch(in, first, extents, from);
-    for (std::size_t c = 0; c < std::min(kChunk, extents.most - from); ++c) {
-      const V x = hn::Mul(hn::Load(d, chunk.x[c]), weighting.scale);
-      const V y = hn::Mul(hn::Load(d, chunk.y[c]), weighting.scale);
-      const V z = hn::Mul(hn::Load(d, chunk.z[c]), weighting.scale);
-      const V theta = weighting.Theta(x, y, z, from + c);
-      AddOuterProduct(m, theta, x, y, z);
-      weights = hn::Add(weights, theta);
-    }
-  }
+  ForNeighbors(in, first, extents, weighting.scale, [&](const Vec3Lanes<V>& offset, std::size_t j) HWY_ATTR {
+    const V theta = weighting.Theta(offset, j);
+    AddOuterProduct(m, theta, offset);
+    weights = hn::Add(weights, theta);
+  });
   const V rounding = weighting.Rounding(extents);
   return {m, hn::Mul(weights, hn::Mul(rounding, rounding))};
 }

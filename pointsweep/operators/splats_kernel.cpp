@@ -2,7 +2,6 @@
 #include "pointsweep/operators/splats_kernel.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 #include "pointsweep/math/instruction_sets.h"
@@ -66,29 +65,6 @@ struct Least {
   }
 };
 
-/// Attribute `a` of the points themselves, a number or one of three, a point per lane.
-template <class T>
-HWY_INLINE V OwnValue(const Neighborhoods& in, std::size_t first, std::size_t a, T component) {
-  LaneArray v = {};
-  for (std::size_t l = 0; l < std::min(kLanes, in.size() - std::min(first, in.size())); ++l)
-    v.of[l] = component(a, first + l);
-  return v.Load();
-}
-
-HWY_INLINE Vector OwnDirection(const Neighborhoods& in, std::size_t first, std::size_t a) {
-  const auto component = [&](std::size_t c) HWY_ATTR {
-    return OwnValue(in, first, a, [&](std::size_t attribute, std::size_t i) HWY_ATTR {
-      return double(in.value<std::array<float, 3>>(attribute, i)[c]);
-    });
-  };
-  return UnitOrZero(Vector{component(0), component(1), component(2)});
-}
-
-HWY_INLINE V OwnNumber(const Neighborhoods& in, std::size_t first, std::size_t a) {
-  return OwnValue(in, first, a,
-                  [&](std::size_t attribute, std::size_t i) HWY_ATTR { return double(in.value<float>(attribute, i)); });
-}
-
 /// Of the eigenvectors of M_i.
 HWY_INLINE Ellipse EllipseOfPositions(const Vector& normal, const Eigen3Lanes<V>& e) {
   const Lanes d;
@@ -101,25 +77,14 @@ HWY_INLINE Ellipse EllipseOfPositions(const Vector& normal, const Eigen3Lanes<V>
 HWY_INLINE Ellipse EllipseOfCurvature(const Neighborhoods& in, std::size_t first, const Vector& normal,
                                       const Ellipse& otherwise) {
   const Lanes d;
-  const V zero = hn::Zero(d), k1 = OwnNumber(in, first, 2), k2 = OwnNumber(in, first, 3);
-  const Vector ridge = UnitOrZero(Cross(normal, OwnDirection(in, first, 1)));
+  const auto own = [&](std::size_t a) HWY_ATTR {
+    return OwnNumbers(in, first, [&](std::size_t i) HWY_ATTR { return double(in.value<float>(a, i)); });
+  };
+  const V zero = hn::Zero(d), k1 = own(2), k2 = own(3);
+  const Vector ridge = UnitOrZero(Cross(normal, UnitOrZero(OwnVectors(in, first, 1))));
   const auto curved = hn::And(hn::Gt(Dot(ridge, ridge), zero), hn::And(hn::Gt(k1, zero), hn::Ge(k2, zero)));
   const V flatness = hn::IfThenElse(curved, hn::Sqrt(hn::Div(k2, k1)), otherwise.ratio);
   return {normal, Choose(curved, ridge, otherwise.major), flatness};
-}
-
-/// Calls include(x, y, z, j) for the scaled offsets of the j-th neighbours, for all j.
-template <class Include>
-HWY_INLINE void ForNeighbors(const Neighborhoods& in, std::size_t first, const Extents& extents, V scale,
-                             Include include) {
-  const Lanes d;
-  OffsetChunk chunk;
-  for (std::size_t from = 0; from < extents.most; from += kChunk) {
-    chunk.Fetch(in, first, extents, from);
-    for (std::size_t c = 0; c < std::min(kChunk, extents.most - from); ++c)
-      include(hn::Mul(hn::Load(d, chunk.x[c]), scale), hn::Mul(hn::Load(d, chunk.y[c]), scale),
-              hn::Mul(hn::Load(d, chunk.z[c]), scale), from + c);
-  }
 }
 
 void StoreSplats(const Ellipse& ellipse, V length, std::span<PointSplat> out) {
@@ -140,16 +105,15 @@ void FitSplats(const Neighborhoods& in, std::size_t first, bool along_ridges, st
     const Extents extents(in, at);
     const Weighting weighting(extents);
     Symmetric3Lanes<V> moments = ZeroMatrix();
-    ForNeighbors(in, at, extents, weighting.scale, [&](V x, V y, V z, std::size_t j) HWY_ATTR {
-      AddOuterProduct(moments, weighting.Theta(x, y, z, j), x, y, z);
+    ForNeighbors(in, at, extents, weighting.scale, [&](const Vector& offset, std::size_t j) HWY_ATTR {
+      AddOuterProduct(moments, weighting.Theta(offset, j), offset);
     });
-    const Vector normal = OwnDirection(in, at, 0);
+    const Vector normal = UnitOrZero(OwnVectors(in, at, 0));
     Ellipse ellipse = EllipseOfPositions(normal, EigenSymmetric3(d, moments)[0]);
     if (along_ridges) ellipse = EllipseOfCurvature(in, at, normal, ellipse);
     Least least;
-    ForNeighbors(in, at, extents, weighting.scale, [&](V x, V y, V z, std::size_t) HWY_ATTR {
-      least.Show(ellipse.Reach2({x, y, z}));
-    });
+    ForNeighbors(in, at, extents, weighting.scale,
+                 [&](const Vector& offset, std::size_t) HWY_ATTR { least.Show(ellipse.Reach2(offset)); });
     const V held = least.Held();
     const V fitted = hn::Sqrt(hn::Mul(least.Last(), hn::Div(hn::Set(d, double(kHeld)), held)));
     const auto found = hn::And(hn::Gt(held, hn::Zero(d)), hn::Gt(Dot(normal, normal), hn::Zero(d)));
