@@ -11,6 +11,7 @@
 
 #include <array>
 #include <bit>
+#include <limits>
 
 #include "pointsweep/search/gathered_search.h"
 #include "pointsweep/search/leaf_query-inl.h"
@@ -146,16 +147,9 @@ class CellSearch {
   void find_leaves(std::uint32_t begin, std::uint32_t end) {
     const double reach2 = group_reach2();
     if (reach2 > reach2_) find_cells(4 * reach2);
-    scratch_.leaves.clear();
-    for (std::size_t n = 0; n < scratch_.near.size() && scratch_.near[n].distance2 <= reach2; ++n) {
-      const Cell& cell = directory_.cell(scratch_.near[n].slot);
-      if (distance2(cell.box, query_box_) > reach2) continue;
-      const bool own = scratch_.near[n].slot == slot_;
-      find_near_leaves(cell, query_box_, reach2, [&](float d2, std::uint32_t l) HWY_ATTR {
-        if (!own || l < begin || l >= end) scratch_.leaves.push_back(NearLeaf::key(d2, n, l));
-      });
-    }
-    std::sort(scratch_.leaves.begin(), scratch_.leaves.end());
+    const auto untried = [&](std::uint32_t slot, std::uint32_t l) { return slot != slot_ || l < begin || l >= end; };
+    constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+    collect_near_leaves(directory_, scratch_.near, query_box_, reach2, kAll, untried, scratch_.leaves);
   }
 
   /// Tries the collected leaves until none can matter. False if there are too many.

@@ -79,15 +79,10 @@ class GatheredSearch {
       known2_ = 4 * reach2;
       directory_.find(cell_.box, known2_, scratch_.near);
     }
-    scratch_.leaves.clear();
-    for (std::size_t n = 0; n < scratch_.near.size() && scratch_.near[n].distance2 <= reach2; ++n) {
-      const Cell& cell = directory_.cell(scratch_.near[n].slot);
-      if (distance2(cell.box, around) > reach2) continue;
-      find_near_leaves(cell, around, reach2,
-                       [&](float d2, std::uint32_t l) HWY_ATTR { scratch_.leaves.push_back(NearLeaf::key(d2, n, l)); });
-      if (scratch_.leaves.size() > kMostGathered / kLeafCapacity) return false;
-    }
-    std::sort(scratch_.leaves.begin(), scratch_.leaves.end());
+    constexpr std::size_t kMost = kMostGathered / kLeafCapacity;
+    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
+    collect_near_leaves(directory_, scratch_.near, around, reach2, kMost, all, scratch_.leaves);
+    if (scratch_.leaves.size() > kMost) return false;
     copy_leaves();
     return true;
   }

@@ -9,12 +9,15 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <vector>
 
 #include "pointsweep/search/cell.h"
+#include "pointsweep/search/directory.h"
 
 #if HWY_TARGET != HWY_SCALAR
 HWY_BEFORE_NAMESPACE();
@@ -76,6 +79,24 @@ HWY_INLINE void find_near_leaves(const Cell& cell, const Box& box, double reach2
       found(d2s[lane], l + lane);
     }
   }
+}
+
+/// The same for the cells in `near` (as CellDirectory::find leaves them): keys of the leaves for which wanted(slot,
+/// leaf), nearest first, into `leaves`. Ends early, in no order, once there are more than `most`.
+template <class Wanted>
+HWY_INLINE void collect_near_leaves(const CellDirectory& directory, const std::vector<CellDirectory::Near>& near,
+                                    const Box& box, double reach2, std::size_t most, Wanted wanted,
+                                    std::vector<std::uint64_t>& leaves) {
+  leaves.clear();
+  for (std::size_t n = 0; n < near.size() && near[n].distance2 <= reach2; ++n) {
+    const Cell& cell = directory.cell(near[n].slot);
+    if (distance2(cell.box, box) > reach2) continue;
+    find_near_leaves(cell, box, reach2, [&](float d2, std::uint32_t leaf) HWY_ATTR {
+      if (wanted(near[n].slot, leaf)) leaves.push_back(NearLeaf::key(d2, n, leaf));
+    });
+    if (leaves.size() > most) return;
+  }
+  std::sort(leaves.begin(), leaves.end());
 }
 
 }  // namespace HWY_NAMESPACE
