@@ -90,8 +90,9 @@ HWY_INLINE Principal PrincipalCurvatures(const Vector& n, const Sums& sums, cons
   return {hn::Max(a, b), hn::Min(a, b), Choose(hn::Lt(a, b), across, along), found};
 }
 
-void StoreCurvatures(const Principal& p, const Sums& sums, const Eigen3Lanes<V>& moments,
-                     const Eigen3Lanes<V>& weighted_normals, std::span<PointCurvature> out) {
+/// Inline, so that eigenvectors nobody looks at are not computed.
+HWY_INLINE void StoreCurvatures(const Principal& p, const Sums& sums, const Eigen3Lanes<V>& moments,
+                                const Eigen3Lanes<V>& weighted_normals, std::span<PointCurvature> out) {
   const Lanes d;
   const V zero = hn::Zero(d), most = hn::Set(d, 1e150);  // so that a product is a number; a float holds far less
   const V sum = hn::Add(hn::Add(moments.value0, moments.value1), moments.value2);

@@ -66,25 +66,44 @@ struct Least {
 };
 
 /// Of the eigenvectors of M_i.
-HWY_INLINE Ellipse EllipseOfPositions(const Vector& normal, const Eigen3Lanes<V>& e) {
+HWY_INLINE Ellipse EllipseOfPositions(const Neighborhoods& in, std::size_t first, const Extents& extents,
+                                      const Weighting& weighting, const Vector& normal) {
   const Lanes d;
+  Symmetric3Lanes<V> moments = ZeroMatrix();
+  ForNeighbors(in, first, extents, weighting.scale, [&](const Vector& offset, std::size_t j) HWY_ATTR {
+    AddOuterProduct(moments, weighting.Theta(offset, j), offset);
+  });
+  const Eigen3Lanes<V> e = EigenSymmetric3(d, moments)[0];
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
   const V flatness = hn::Sqrt(hn::Div(hn::Max(e.value1, zero), e.value2));
   return {normal, Tangent(normal, e.vector2, e.vector1), hn::IfThenElse(hn::Gt(e.value2, zero), flatness, one)};
 }
 
-/// Along the direction of least curvature where there is one.
-HWY_INLINE Ellipse EllipseOfCurvature(const Neighborhoods& in, std::size_t first, const Vector& normal,
-                                      const Ellipse& otherwise) {
-  const Lanes d;
-  const auto own = [&](std::size_t a) HWY_ATTR {
-    return OwnNumbers(in, first, [&](std::size_t i) HWY_ATTR { return double(in.value<float>(a, i)); });
-  };
-  const V zero = hn::Zero(d), k1 = own(2), k2 = own(3);
-  const Vector ridge = UnitOrZero(Cross(normal, UnitOrZero(OwnVectors(in, first, 1))));
-  const auto curved = hn::And(hn::Gt(Dot(ridge, ridge), zero), hn::And(hn::Gt(k1, zero), hn::Ge(k2, zero)));
-  const V flatness = hn::IfThenElse(curved, hn::Sqrt(hn::Div(k2, k1)), otherwise.ratio);
-  return {normal, Choose(curved, ridge, otherwise.major), flatness};
+/// The direction of least curvature, where `found`.
+struct Ridge {
+  Vector axis;
+  V flatness;
+  hn::Mask<Lanes> found;
+
+  Ridge(const Neighborhoods& in, std::size_t first, const Vector& normal) {
+    const auto own = [&](std::size_t a) HWY_ATTR {
+      return OwnNumbers(in, first, [&](std::size_t i) HWY_ATTR { return double(in.value<float>(a, i)); });
+    };
+    const V zero = hn::Zero(Lanes()), k1 = own(2), k2 = own(3);
+    axis = UnitOrZero(Cross(normal, UnitOrZero(OwnVectors(in, first, 1))));
+    flatness = hn::Sqrt(hn::Div(k2, k1));
+    found = hn::And(hn::Gt(Dot(axis, axis), zero), hn::And(hn::Gt(k1, zero), hn::Ge(k2, zero)));
+  }
+};
+
+/// Along the ridge where there is one.
+HWY_INLINE Ellipse EllipseOfCurvature(const Neighborhoods& in, std::size_t first, const Extents& extents,
+                                      const Weighting& weighting, const Vector& normal) {
+  const Ridge ridge(in, first, normal);
+  if (hn::AllTrue(Lanes(), ridge.found)) return {normal, ridge.axis, ridge.flatness};
+  const Ellipse otherwise = EllipseOfPositions(in, first, extents, weighting, normal);
+  return {normal, Choose(ridge.found, ridge.axis, otherwise.major),
+          hn::IfThenElse(ridge.found, ridge.flatness, otherwise.ratio)};
 }
 
 void StoreSplats(const Ellipse& ellipse, V length, std::span<PointSplat> out) {
@@ -104,13 +123,9 @@ void FitSplats(const Neighborhoods& in, std::size_t first, bool along_ridges, st
     const std::size_t at = first + from;
     const Extents extents(in, at);
     const Weighting weighting(extents);
-    Symmetric3Lanes<V> moments = ZeroMatrix();
-    ForNeighbors(in, at, extents, weighting.scale, [&](const Vector& offset, std::size_t j) HWY_ATTR {
-      AddOuterProduct(moments, weighting.Theta(offset, j), offset);
-    });
     const Vector normal = UnitOrZero(OwnVectors(in, at, 0));
-    Ellipse ellipse = EllipseOfPositions(normal, EigenSymmetric3(d, moments)[0]);
-    if (along_ridges) ellipse = EllipseOfCurvature(in, at, normal, ellipse);
+    const Ellipse ellipse = along_ridges ? EllipseOfCurvature(in, at, extents, weighting, normal)
+                                         : EllipseOfPositions(in, at, extents, weighting, normal);
     Least least;
     ForNeighbors(in, at, extents, weighting.scale,
                  [&](const Vector& offset, std::size_t) HWY_ATTR { least.Show(ellipse.Reach2(offset)); });

@@ -41,6 +41,14 @@ void with_fixed_size(std::size_t bytes, Loop&& loop) {
       return loop(std::integral_constant<std::size_t, 28>());
     case 32:
       return loop(std::integral_constant<std::size_t, 32>());
+    case 36:
+      return loop(std::integral_constant<std::size_t, 36>());
+    case 64:
+      return loop(std::integral_constant<std::size_t, 64>());
+    case 72:
+      return loop(std::integral_constant<std::size_t, 72>());
+    case 96:
+      return loop(std::integral_constant<std::size_t, 96>());
     default:
       return loop(std::integral_constant<std::size_t, 0>());
   }

@@ -23,6 +23,7 @@ constexpr std::size_t kGoodBlockBytes = 65536;               ///< of a bucket, f
 constexpr std::size_t kLeastBlockBytes = 4096;               ///< smaller writes would cost more than they save
 constexpr std::size_t kCachedBytes = std::size_t{1} << 20;   ///< stored to at random without waiting for memory
 constexpr std::size_t kOffsetBytes = sizeof(std::uint32_t);  ///< a spilled record follows its row in the bucket
+constexpr std::size_t kLineBytes = 64;                       ///< of the processor's caches
 constexpr std::size_t kAhead = 16;                           ///< stores under way at once
 
 std::uint64_t bytes_of(std::uint64_t rows, std::size_t record_bytes) {
@@ -50,7 +51,9 @@ class RowArray {
     with_fixed_size(record_bytes_, [&](auto size) {
       const std::size_t n = rows.size(), ahead = n < kAhead ? 0 : n - kAhead;
       for (std::size_t i = 0; i < ahead; ++i) {
-        __builtin_prefetch(memory_.data() + rows[i + kAhead] * record_bytes_, 1);
+        const std::byte* to = memory_.data() + rows[i + kAhead] * record_bytes_;
+        for (std::size_t at = 0; at < record_bytes_; at += kLineBytes) __builtin_prefetch(to + at, 1);
+        __builtin_prefetch(to + record_bytes_ - 1, 1);
         store<size()>(rows[i], records + i * record_bytes_);
       }
       for (std::size_t i = ahead; i < n; ++i) store<size()>(rows[i], records + i * record_bytes_);

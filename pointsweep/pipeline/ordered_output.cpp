@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "pointsweep/error.h"
+#include "pointsweep/made_ahead.h"
 #include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/slab_order.h"
 
@@ -21,22 +22,29 @@ Schema position_behind(std::uint32_t before) {
   return schema;
 }
 
+/// The first `bytes` of each record of a slab, in order.
+std::vector<std::byte> sorted_slab(const Stream& stream, std::size_t slab, std::size_t bytes) {
+  const std::size_t stride = stream.record_schema().stride;
+  std::vector<std::byte> records(stream.slabs()[slab].count * stride);
+  stream.read(slab, records);
+  const std::vector<std::uint32_t> order = order_of(stream, records);
+  std::vector<std::byte> sorted(order.size() * bytes);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    std::memcpy(sorted.data() + i * bytes, records.data() + order[i] * stride, bytes);
+  return sorted;
+}
+
 }  // namespace
 
 void write_in_order(const Stream& stream, std::size_t bytes, OutputSet& files,
                     const std::function<void(std::uint64_t)>& report) {
-  const std::size_t stride = stream.record_schema().stride;
-  std::vector<std::byte> records, sorted;
+  const std::size_t slabs = stream.slabs().size();
+  MadeAhead<std::vector<std::byte>> sorted([&](std::size_t s) { return sorted_slab(stream, s, bytes); }, 0, slabs,
+                                           thread_count());
   std::uint64_t done = 0;
-  for (std::size_t s = 0; s < stream.slabs().size(); ++s) {
-    records.resize(stream.slabs()[s].count * stride);
-    stream.read(s, records);
-    const std::vector<std::uint32_t> order = order_of(stream, records);
-    sorted.resize(order.size() * bytes);
-    for (std::size_t i = 0; i < order.size(); ++i)
-      std::memcpy(sorted.data() + i * bytes, records.data() + order[i] * stride, bytes);
-    files.write_records(sorted);
-    report(done += order.size());
+  for (std::size_t s = 0; s < slabs; ++s) {
+    files.write_records(sorted.next());
+    report(done += stream.slabs()[s].count);
   }
   for_each_nonfinite(stream, [&](std::uint64_t, const std::byte* record, std::uint64_t) {
     files.write_records({record, bytes});

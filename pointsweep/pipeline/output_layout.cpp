@@ -1,9 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/output_layout.h"
 
-#include <cstring>
+#include <algorithm>
+
+#include "pointsweep/order/fixed_copy.h"
 
 namespace pointsweep {
+namespace {
+
+constexpr std::size_t kBlock = 256;  ///< records put together while they are in the nearest cache
+
+void copy_pieces(const std::byte* from, std::size_t from_stride, std::byte* to, std::size_t to_stride,
+                 std::size_t bytes, std::size_t n) {
+  with_fixed_size(bytes, [&](auto size) {
+    for (std::size_t i = 0; i < n; ++i) copy_bytes<size()>(to + i * to_stride, from + i * from_stride, bytes);
+  });
+}
+
+}  // namespace
 
 OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& made)
     : schema_(input), input_stride_(input.stride) {
@@ -12,38 +26,41 @@ OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& ma
       const Field from{.name = name, .type = attribute.type, .offset = result_stride_};
       const auto known = input.find(name);
       const std::size_t index = known ? *known : schema_.append(name, attribute.type);
-      const Field& to = schema_.fields[index];
-      add({from, to, to.is_plain() && to.type == from.type, static_cast<std::uint32_t>(size_of(attribute.type))});
+      add(from, schema_.fields[index]);
       result_stride_ += static_cast<std::uint32_t>(size_of(attribute.type));
     }
   }
 }
 
-/// Values that lie side by side in both records are copied at once.
-void OutputLayout::add(const Value& value) {
-  if (!values_.empty()) {
-    Value& last = values_.back();
-    if (last.bitwise && value.bitwise && last.from.offset + last.bytes == value.from.offset &&
-        last.to.offset + last.bytes == value.to.offset) {
-      last.bytes += value.bytes;
+void OutputLayout::add(const Field& from, const Field& to) {
+  if (!to.is_plain() || to.type != from.type) return conversions_.push_back({from, to});
+  const auto bytes = static_cast<std::uint32_t>(size_of(from.type));
+  if (!copies_.empty()) {
+    Copy& last = copies_.back();
+    if (last.from + last.bytes == from.offset && last.to + last.bytes == to.offset) {
+      last.bytes += bytes;
       return;
     }
   }
-  values_.push_back(value);
+  copies_.push_back({from.offset, to.offset, bytes});
 }
 
 void OutputLayout::assemble(const std::byte* inputs, const std::byte* results, std::size_t n,
                             std::byte* outputs) const {
-  for (std::size_t i = 0; i < n; ++i, inputs += input_stride_, results += result_stride_, outputs += schema_.stride) {
-    std::memcpy(outputs, inputs, input_stride_);
-    for (const Value& v : values_) {
-      if (v.bitwise) {
-        std::memcpy(outputs + v.to.offset, results + v.from.offset, v.bytes);
-      } else {
-        set_value(v.to, outputs, value_of(v.from, results));
-      }
-    }
+  for (std::size_t i = 0; i < n; i += kBlock) {
+    assemble_block(inputs, results, std::min(kBlock, n - i), outputs);
+    inputs += kBlock * input_stride_, results += kBlock * result_stride_, outputs += kBlock * schema_.stride;
   }
+}
+
+void OutputLayout::assemble_block(const std::byte* inputs, const std::byte* results, std::size_t n,
+                                  std::byte* outputs) const {
+  copy_pieces(inputs, input_stride_, outputs, schema_.stride, input_stride_, n);
+  for (const Copy& c : copies_)
+    copy_pieces(results + c.from, result_stride_, outputs + c.to, schema_.stride, c.bytes, n);
+  for (const auto& [from, to] : conversions_)
+    for (std::size_t i = 0; i < n; ++i)
+      set_value(to, outputs + i * schema_.stride, value_of(from, results + i * result_stride_));
 }
 
 }  // namespace pointsweep

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/points/attribute.h"
@@ -21,17 +22,18 @@ class OutputLayout {
   void assemble(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs) const;
 
  private:
-  struct Value {
-    Field from, to;
-    bool bitwise;
-    std::uint32_t bytes;
+  /// Values that lie side by side in both records are one copy.
+  struct Copy {
+    std::uint32_t from, to, bytes;
   };
-  void add(const Value& value);
+  void add(const Field& from, const Field& to);
+  void assemble_block(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs) const;
 
   Schema schema_;
   std::uint32_t input_stride_;
   std::uint32_t result_stride_ = 0;
-  std::vector<Value> values_;
+  std::vector<Copy> copies_;
+  std::vector<std::pair<Field, Field>> conversions_;  ///< from, to
 };
 
 }  // namespace pointsweep

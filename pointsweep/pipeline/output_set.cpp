@@ -11,7 +11,8 @@ namespace pointsweep {
 
 namespace {
 constexpr std::size_t kChunkBytes = 4 << 20;
-}
+constexpr std::size_t kTaskRows = 8192;
+}  // namespace
 
 OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const Outputs& outputs, bool overwrite,
                      std::optional<Box> bounds)
@@ -22,8 +23,8 @@ OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, con
                         .extras = cloud.extras(),
                         .overwrite = overwrite,
                         .bounds = bounds};
-  if (!outputs.points.empty()) writers_.push_back(create_writer(plan));
-  if (outputs.writer) writers_.push_back(outputs.writer(plan));
+  if (!outputs.points.empty()) points_.add(create_writer(plan));
+  if (outputs.writer) points_.add(outputs.writer(plan));
   for (const Attribute& attribute : made) {
     for (const auto& [name, path] : outputs.arrays) {
       if (name != attribute.name) continue;
@@ -31,53 +32,75 @@ OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, con
       schema.append(name, attribute.type, static_cast<std::uint32_t>(attribute.fields.size()));
       const OutputPlan array{
           .path = path, .schema = schema, .count = cloud.count(), .extras = nullptr, .overwrite = overwrite};
-      arrays_.push_back({std::make_unique<NpyWriter>(array), result_bytes_, attribute.bytes()});
+      arrays_.emplace_back().file.add(std::make_unique<NpyWriter>(array));
+      arrays_.back().offset = result_bytes_;
+      arrays_.back().bytes = attribute.bytes();
     }
     result_bytes_ += attribute.bytes();
   }
   if (arrays_.size() != outputs.arrays.size()) fail_usage("An array is asked for that no operator of the chain makes.");
 }
 
+std::size_t OutputSet::chunk_rows() const { return std::max<std::size_t>(1, kChunkBytes / layout_.schema().stride); }
+
 void OutputSet::write_results(Cloud& cloud, std::uint64_t first_row, std::span<const std::byte> results) {
   const std::size_t rows = result_bytes_ == 0 ? 0 : results.size() / result_bytes_;
-  const std::size_t chunk = std::max<std::size_t>(1, kChunkBytes / layout_.schema().stride);
+  const std::size_t chunk = chunk_rows();
   for (std::size_t done = 0; done < rows; done += chunk) {
     const std::size_t n = std::min(chunk, rows - done);
     const std::byte* from = results.data() + done * result_bytes_;
-    if (!writers_.empty()) {
+    if (!points_.empty()) {
       inputs_.resize(n * input_stride_);
       assembled_.resize(n * layout_.schema().stride);
       if (cloud.read(first_row + done, inputs_) != n) {
         fail("The input ended at row {} although it had {} points: it changed while it was read.", first_row + done,
              cloud.count());
       }
-      layout_.assemble(inputs_.data(), from, n, assembled_.data());
-      for (const auto& writer : writers_) writer->write(assembled_);
+      parallel_for((n + kTaskRows - 1) / kTaskRows, [&](std::size_t task, unsigned) {
+        const std::size_t row = task * kTaskRows;
+        layout_.assemble(inputs_.data() + row * input_stride_, from + row * result_bytes_, std::min(kTaskRows, n - row),
+                         assembled_.data() + row * layout_.schema().stride);
+      });
+      points_.write(assembled_);
     }
-    for (const Array& array : arrays_) {
-      column_.resize(n * array.bytes);
+    for (Array& array : arrays_) {
+      array.column.resize(n * array.bytes);
       for (std::size_t i = 0; i < n; ++i) {
-        std::memcpy(column_.data() + i * array.bytes, from + i * result_bytes_ + array.offset, array.bytes);
+        std::memcpy(array.column.data() + i * array.bytes, from + i * result_bytes_ + array.offset, array.bytes);
       }
-      array.writer->write(column_);
+      array.file.write(array.column);
     }
   }
 }
 
 void OutputSet::write_records(std::span<const std::byte> records) {
-  for (const auto& writer : writers_) writer->write(records);
+  const std::size_t chunk = chunk_rows() * layout_.schema().stride;
+  while (!records.empty()) {
+    assembled_.resize(chunk);
+    const std::size_t fitting = std::min(records.size(), chunk - filled_);
+    std::memcpy(assembled_.data() + filled_, records.data(), fitting);
+    records = records.subspan(fitting);
+    filled_ += fitting;
+    if (filled_ == chunk) write_filled();
+  }
+}
+
+void OutputSet::write_filled() {
+  assembled_.resize(filled_);
+  points_.write(assembled_);
+  filled_ = 0;
 }
 
 void OutputSet::finish(const Cloud& cloud) {
   cloud.require_unchanged();
-  for (const auto& writer : writers_) writer->finish();
-  for (const Array& array : arrays_) array.writer->finish();
+  if (filled_ != 0) write_filled();
+  points_.finish();
+  for (Array& array : arrays_) array.file.finish();
 }
 
 std::uint64_t OutputSet::bytes_written() const {
-  std::uint64_t bytes = 0;
-  for (const auto& writer : writers_) bytes += writer->bytes_written();
-  for (const Array& array : arrays_) bytes += array.writer->bytes_written();
+  std::uint64_t bytes = points_.bytes_written();
+  for (const Array& array : arrays_) bytes += array.file.bytes_written();
   return bytes;
 }
 

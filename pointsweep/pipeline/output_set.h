@@ -2,9 +2,11 @@
 /// The files of a run, opened before the work and completed after it.
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <vector>
 
+#include "pointsweep/formats/write_behind.h"
 #include "pointsweep/pipeline/output_layout.h"
 #include "pointsweep/pipeline/pipeline.h"
 
@@ -27,15 +29,21 @@ class OutputSet {
 
  private:
   struct Array {
-    std::unique_ptr<Writer> writer;
+    WriteBehind file;
     std::size_t offset, bytes;  ///< in a result record
+    std::vector<std::byte> column;
   };
+  std::size_t chunk_rows() const;
+  void write_filled();
+
   OutputLayout layout_;
   std::uint32_t input_stride_;
   std::size_t result_bytes_ = 0;
-  std::vector<std::unique_ptr<Writer>> writers_;
-  std::vector<Array> arrays_;
-  std::vector<std::byte> inputs_, assembled_, column_;
+  WriteBehind points_;
+  std::deque<Array> arrays_;
+  std::vector<std::byte> inputs_;
+  std::vector<std::byte> assembled_;  ///< output records of the next chunk
+  std::size_t filled_ = 0;            ///< bytes of it that came by write_records()
 };
 
 }  // namespace pointsweep

@@ -2,11 +2,12 @@
 #include "pointsweep/sweep/sweep.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <optional>
 
+#include "pointsweep/made_ahead.h"
 #include "pointsweep/sweep/cell_runner.h"
-#include "pointsweep/sweep/read_ahead.h"
 #include "pointsweep/sweep/recall.h"
 #include "pointsweep/sweep/sweep_restart.h"
 #include "pointsweep/threads.h"
@@ -49,16 +50,16 @@ class Sweep {
   SweepStatistics run() {
     const std::size_t slabs = stream_.slabs().size();
     const std::uint32_t first = restart();
-    ReadAhead read_ahead(loader_, first, slabs, options_.read_ahead, sink_.wants_records());
+    MadeAhead<LoadedSlab> loaded([this](std::size_t slab) { return load(slab); }, first, slabs, options_.read_ahead);
     for (std::uint32_t slab = first; slab < slabs; ++slab) {
-      read(read_ahead.next(), slab);
+      read(loaded.next(), slab);
       for (std::uint32_t step = 0; step < plan_.step_count(); ++step) pull(step);
       take_note();
       window_.drop();
       if (options_.half_way != nullptr && !half_way_noted_) note_half_way();
       keep_progress();
     }
-    statistics_.read_seconds = read_ahead.seconds();
+    statistics_.read_seconds = read_seconds_;
     recall();
     return gather_statistics();
   }
@@ -78,6 +79,13 @@ class Sweep {
     statistics_.peak_points = from.peak_points;
     for (std::uint32_t slab = 0; slab < restart_->first_slab(); ++slab) points_read_ += stream_.slabs()[slab].count;
     return restart_->first_slab();
+  }
+
+  LoadedSlab load(std::size_t slab) {
+    const auto start = std::chrono::steady_clock::now();
+    LoadedSlab loaded = loader_.load(static_cast<std::uint32_t>(slab), sink_.wants_records());
+    read_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return loaded;
   }
 
   void read(LoadedSlab loaded, std::uint32_t slab) {
@@ -239,6 +247,7 @@ class Sweep {
   std::uint64_t points_read_ = 0, points_swept_ = 0;  ///< in all; by this process
   bool half_way_noted_ = false;
   double active_sum_ = 0;
+  std::atomic<double> read_seconds_ = 0;  ///< loading slabs, all threads
 };
 
 }  // namespace

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+/// Files written in the background while the next records are made.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pointsweep/formats/writer.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+
+/// Writers that all get the same records. What goes wrong is thrown by the next call.
+class WriteBehind {
+ public:
+  void add(std::unique_ptr<Writer> writer) { writers_.push_back(std::move(writer)); }
+  bool empty() const { return writers_.empty(); }
+
+  /// Appends whole records: waits for those before, takes these and leaves memory for the next in their place.
+  void write(std::vector<std::byte>& records);
+  /// Completes the files and gives them their names.
+  void finish();
+  std::uint64_t bytes_written() const;  ///< after finish()
+
+ private:
+  void wait();
+
+  std::vector<std::unique_ptr<Writer>> writers_;
+  std::vector<std::byte> under_way_;
+  std::optional<BackgroundTask> task_;  // last, so that it ends before what it works on
+};
+
+}  // namespace pointsweep

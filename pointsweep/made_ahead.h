@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+/// Things made in the background, a few ahead of their use.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+
+/// make(i) for i in [first, end), up to `depth` of them at once, handed out in order.
+template <class Thing>
+class MadeAhead {
+ public:
+  MadeAhead(std::function<Thing(std::size_t)> make, std::size_t first, std::size_t end, std::size_t depth)
+      : make_(std::move(make)), next_(first), end_(end), depth_(depth) {
+    fill();
+  }
+
+  /// The next one; starts the one `depth` further on. Throws what its making threw.
+  Thing next() {
+    pending_.front()->task->wait();
+    Thing thing = std::move(*pending_.front()->thing);
+    pending_.pop_front();
+    fill();
+    return thing;
+  }
+
+ private:
+  struct Pending {
+    std::optional<Thing> thing;
+    std::optional<BackgroundTask> task;  // last, so that it ends before what it works on
+  };
+
+  void fill() {
+    while (next_ < end_ && pending_.size() < depth_) {
+      pending_.push_back(std::make_unique<Pending>());
+      pending_.back()->task.emplace([this, &p = *pending_.back(), i = next_++] { p.thing.emplace(make_(i)); });
+    }
+  }
+
+  std::function<Thing(std::size_t)> make_;
+  std::size_t next_, end_, depth_;
+  std::deque<std::unique_ptr<Pending>> pending_;
+};
+
+}  // namespace pointsweep
