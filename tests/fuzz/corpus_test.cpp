@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+/// The kept corpus of the fuzzers, read once more in every run of the tests, also under sanitizers.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "pointsweep/formats/las_reader.h"
+#include "pointsweep/formats/ply_reader.h"
+#include "pointsweep/formats/qsplat_reader.h"
+#include "pointsweep/formats/text_reader.h"
+#include "pointsweep/pipeline/parse.h"
+#include "pointsweep/verify/npy_reader.h"
+#include "tests/fuzz/read_everything.h"
+
+namespace pointsweep {
+namespace {
+
+/// Calls use(bytes) with every file kept for a fuzzer.
+template <class Use>
+void for_each_kept(const std::string& fuzzer, Use use) {
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(POINTSWEEP_SOURCE_DIR "/tests/fuzz/corpus/" + fuzzer)) {
+    SCOPED_TRACE(entry.path().filename().string());
+    std::ifstream in(entry.path(), std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    EXPECT_NO_THROW(use(bytes));
+    ++files;
+  }
+  EXPECT_GT(files, 0u);
+}
+
+TEST(FuzzCorpus, EveryFileIsReadWholeOrRefused) {
+  using Open = std::unique_ptr<Reader> (*)(const std::filesystem::path&);
+  const std::pair<const char*, Open> readers[] = {
+      {"ply", open_ply}, {"las", open_las}, {"text", open_text}, {"qsplat", open_qsplat}, {"npy", open_npy}};
+  for (const auto& [name, open] : readers) {
+    for_each_kept(name, [open = open](const std::string& bytes) {
+      read_everything(open, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    });
+  }
+}
+
+TEST(FuzzCorpus, EveryPipelineIsRefusedOrSaysTheSameAgain) {
+  for_each_kept("pipeline", [](const std::string& text) {
+    try {
+      const auto stages = parse_pipeline(text);
+      EXPECT_EQ(parse_pipeline(to_text(stages)), stages);
+    } catch (const UsageError&) {
+    }
+  });
+}
+
+}  // namespace
+}  // namespace pointsweep
