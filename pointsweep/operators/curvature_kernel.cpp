@@ -34,9 +34,11 @@ struct Sums {
     NeighborChunk offsets, directions;
     for (std::size_t from = 0; from < extents.most; from += kChunk) {
       offsets.FetchOffsets(in, first, extents, from);
-      directions.Fetch(extents, from, [&](std::size_t l, std::size_t j) HWY_ATTR {
-        const auto n = in.neighbor_value<Normal>(0, first + l, j);
-        return Vec3{n[0], n[1], n[2]};
+      directions.Fetch(extents, from, [&](std::size_t l) HWY_ATTR {
+        return [&in, refs = in.neighbors(std::min(first + l, in.size() - 1))](std::size_t j) HWY_ATTR {
+          const auto n = in.value_of<Normal>(0, refs[j]);
+          return Vec3{n[0], n[1], n[2]};
+        };
       });
       for (std::size_t c = 0; c < std::min(kChunk, extents.most - from); ++c) {
         const Vector offset = offsets.Load(c, weighting.scale);

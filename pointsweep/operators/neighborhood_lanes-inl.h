@@ -78,21 +78,26 @@ struct Extents {
 struct NeighborChunk {
   HWY_ALIGN double x[kChunk][kLanes], y[kChunk][kLanes], z[kChunk][kLanes];
 
-  /// vector(l, j): of the j-th neighbour of the point in lane l.
-  template <class Vector>
-  HWY_INLINE void Fetch(const Extents& extents, std::size_t from, Vector vector) {
+  /// of(l)(j): of the j-th neighbour of the point in lane l.
+  template <class Of>
+  HWY_INLINE void Fetch(const Extents& extents, std::size_t from, Of of) {
     for (std::size_t l = 0; l < kLanes; ++l) {
       const std::size_t k = std::size_t(extents.count.of[l]);
       const std::size_t have = std::min(kChunk, k - std::min(from, k));
+      const auto vector = of(l);
       for (std::size_t c = 0; c < have; ++c) {
-        const Vec3 v = vector(l, from + c);
+        const Vec3 v = vector(from + c);
         x[c][l] = v.x, y[c][l] = v.y, z[c][l] = v.z;
       }
       for (std::size_t c = have; c < kChunk; ++c) x[c][l] = y[c][l] = z[c][l] = 0;
     }
   }
   HWY_INLINE void FetchOffsets(const Neighborhoods& in, std::size_t first, const Extents& extents, std::size_t from) {
-    Fetch(extents, from, [&](std::size_t l, std::size_t j) HWY_ATTR { return in.offset(first + l, j); });
+    Fetch(extents, from, [&](std::size_t l) HWY_ATTR {
+      const std::size_t i = std::min(first + l, in.size() - 1);
+      return [&in, p = in.position(i), refs = in.neighbors(i)](std::size_t j)
+                 HWY_ATTR { return in.position_of(refs[j]) - p; };
+    });
   }
   HWY_INLINE Vec3Lanes<V> Load(std::size_t c) const {
     const Lanes d;

@@ -53,10 +53,10 @@ class Neighborhoods {
   /// |N_i|
   std::size_t count(std::size_t i) const { return begin_[i + 1] - begin_[i]; }
 
-  Vec3 neighbor_position(std::size_t i, std::size_t j) const {
-    const NeighborRef ref = refs_[begin_[i] + j];
-    return position_in(slots_[slot_of(ref)], index_of(ref));
-  }
+  /// N_i, nearest first, for loops that look at many neighbours.
+  const NeighborRef* neighbors(std::size_t i) const { return refs_ + begin_[i]; }
+  Vec3 position_of(NeighborRef ref) const { return position_in(slots_[slot_of(ref)], index_of(ref)); }
+  Vec3 neighbor_position(std::size_t i, std::size_t j) const { return position_of(neighbors(i)[j]); }
   /// p_j - p_i, exact to the last bit of a double subtraction.
   Vec3 offset(std::size_t i, std::size_t j) const { return neighbor_position(i, j) - position(i); }
   double distance2(std::size_t i, std::size_t j) const {
@@ -75,7 +75,11 @@ class Neighborhoods {
   /// Attribute `a` of the operator's contract().reads_neighbors at the j-th neighbour of point i.
   template <class T>
   T neighbor_value(std::size_t a, std::size_t i, std::size_t j) const {
-    const NeighborRef ref = refs_[begin_[i] + j];
+    return value_of<T>(a, neighbors(i)[j]);
+  }
+  /// The same of any neighbour of the batch.
+  template <class T>
+  T value_of(std::size_t a, NeighborRef ref) const {
     return load<T>(slots_[slot_of(ref)].columns[reads_neighbors_[a]], index_of(ref));
   }
 
