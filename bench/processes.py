@@ -27,17 +27,22 @@ def run(command):
     return {"wall_seconds": wall, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_rss_bytes": usage.ru_maxrss * 1024}
 
 
-def cloud(options, shape, size, order="random"):
+def cloud(options, shape, size, order="random", file_format="ply"):
     """The file of a generated cloud, made if it is not there: points in random order, or line after line as scanned."""
     path = options.work / f"{shape}-{size}.ply"
     if not path.exists():
         run([options.build / "cli/pointsweep", "generate", shape, path, "-n", points(size), "--seed", 1, "--quiet", "--force"])
-    if order == "random":
-        return path
-    scanned = options.work / f"{shape}-{size}-scan.ply"
-    if not scanned.exists():
-        run([options.build / "bench/scan_order", path, scanned])
-    return scanned
+    if file_format == "las":
+        path = derived(path, path.with_suffix(".las"), options.build / "bench/las_from_ply")
+    if order == "scan":
+        path = derived(path, path.with_stem(path.stem + "-scan"), options.build / "bench/scan_order")
+    return path
+
+
+def derived(path, other, program):
+    if not other.exists():
+        run([program, path, other])
+    return other
 
 
 def machine():
