@@ -83,12 +83,12 @@ def copies(options, cloud):
 
 
 def reference(options, cloud):
-    """The paper's algorithm has one thread and misses some neighbours; the time it takes to count them is left out."""
+    """The paper's algorithm has one thread and misses some neighbours; the time it takes to count these cases is left out."""
     one = "normals, 1 thread"
     return [Case(one, tool(options, "normals", cloud, "-k", 8, threads=1)),
             Case(f"normals, {options.threads} threads", tool(options, "normals", cloud, "-k", 8), over=one),
             Case("--engine reference", tool(options, "normals", cloud, "-k", 8, "--engine", "reference", threads=1), over=one,
-                 check=turns.compare_normals(options, share=0.01))]
+                 check=turns.compare_normals(options))]
 
 
 PARTS = {"threads": threads, "memory": memory, "chains": chains, "sets": instruction_sets, "copies": copies, "reference": reference}
