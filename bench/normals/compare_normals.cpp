@@ -4,7 +4,7 @@
 ///   compare_normals A B [SHARE=0.001]
 /// In LAS the normals are the last twelve bytes of a record, where each program appends them to records without extra
 /// bytes; what is before must be the same. Rows whose kth and next neighbour are equally far differ there too: integers
-/// make such ties, one row in some 100,000 at a few hundred steps between points, and only pointsweep has a rule for
+/// make such ties, in fewer than one row of 10,000 at the scales of las_from_ply, and only pointsweep has a rule for
 /// them.
 #include <algorithm>
 #include <array>

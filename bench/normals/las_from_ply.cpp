@@ -2,7 +2,7 @@
 /// The points of a PLY file as plain LAS: 1.4, point format 6, no extra bytes, one scale for all axes as scanners
 /// write it.
 ///   las_from_ply IN.ply OUT.las
-/// The scale is the largest power of ten that is at most a hundredth of what would be between the points if they were
+/// The scale is the largest power of ten that is at most a 300th of what would be between the points if they were
 /// spread over a square as wide as their box is long: a millimetre for an airborne scan, a micrometre for a statue.
 #include <algorithm>
 #include <cmath>
@@ -39,7 +39,7 @@ Box box_of(const std::vector<Point>& points) {
 
 double scale_of(const Box& box, std::size_t count) {
   const double spacing = box.longest() / std::sqrt(double(count));
-  const double scale = std::stod("1e" + std::to_string(int(std::floor(std::log10(std::max(spacing, 1e-9) / 100)))));
+  const double scale = std::stod("1e" + std::to_string(int(std::floor(std::log10(std::max(spacing, 1e-9) / 300)))));
   if (box.longest() / scale > 0x1p31) give_up("the box is too long for 32 bits a coordinate");
   return scale;
 }
