@@ -41,10 +41,6 @@ def build_of(revision):
     return commit, build / "cli/pointsweep"
 
 
-def same_bytes(a, b):
-    return subprocess.run(["cmp", "-s", a, b]).returncode == 0
-
-
 def compare(options, tools, verb, shape, size, order, k):
     cloud = processes.cloud(options, shape, size, order)
     outputs = [options.work / f"output-{i}.ply" for i in range(2)]
@@ -53,7 +49,7 @@ def compare(options, tools, verb, shape, size, order, k):
         for i, tool in enumerate(tools):
             command = [tool, verb, cloud, outputs[i], "-k", k, "--threads", options.threads, "--temp-dir", options.work, "--force", "--quiet"]
             runs[i].append(processes.run(command + (["--memory", options.memory] if options.memory else [])))
-    same = same_bytes(*outputs)
+    same = processes.same_bytes(*outputs)
     for output in outputs:
         output.unlink()
     ratios = {figure: [new[figure] / old[figure] for old, new in zip(*runs)] for figure in runs[0][0]}

@@ -15,11 +15,12 @@ def points(text):
     return int(float(text[:-1]) * factor) if factor else int(text)
 
 
-def run(command):
-    """Wall and CPU seconds and peak resident bytes of one process."""
+def run(command, said=None):
+    """Wall and CPU seconds and peak resident bytes of one process. What it says goes to the file `said`, if there is one."""
     command = [str(word) for word in command]
+    to = [(os.POSIX_SPAWN_OPEN, 1, said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)] if said else []
     begin = time.monotonic()
-    pid = os.posix_spawn(command[0], command, os.environ)
+    pid = os.posix_spawnp(command[0], command, os.environ, file_actions=to)
     _, status, usage = os.wait4(pid, 0)
     wall = time.monotonic() - begin
     if status != 0:
@@ -27,17 +28,26 @@ def run(command):
     return {"wall_seconds": wall, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_rss_bytes": usage.ru_maxrss * 1024}
 
 
-def cloud(options, shape, size, order="random"):
+def cloud(options, shape, size, order="random", file_format="ply"):
     """The file of a generated cloud, made if it is not there: points in random order, or line after line as scanned."""
     path = options.work / f"{shape}-{size}.ply"
     if not path.exists():
         run([options.build / "cli/pointsweep", "generate", shape, path, "-n", points(size), "--seed", 1, "--quiet", "--force"])
-    if order == "random":
-        return path
-    scanned = options.work / f"{shape}-{size}-scan.ply"
-    if not scanned.exists():
-        run([options.build / "bench/scan_order", path, scanned])
-    return scanned
+    if file_format == "las":
+        path = derived(path, path.with_suffix(".las"), options.build / "bench/las_from_ply")
+    if order == "scan":
+        path = derived(path, path.with_stem(path.stem + "-scan"), options.build / "bench/scan_order")
+    return path
+
+
+def derived(path, other, program):
+    if not other.exists():
+        run([program, path, other])
+    return other
+
+
+def same_bytes(a, b):
+    return subprocess.run(["cmp", "-s", a, b]).returncode == 0
 
 
 def machine():

@@ -21,7 +21,7 @@ def table(results):
     for result in results:
         clouds = {}
         for row in result["rows"]:
-            if row.get("order", "random") != "random" or row.get("k", 8) != 8:
+            if (row.get("order", "random"), row.get("format", "ply"), row.get("k", 8)) != ("random", "ply", 8):
                 continue
             clouds.setdefault(f"{row['shape']} {row['points'] / 1e6:g}M", {})[row["program"]] = row["median"]
         for cloud, programs in clouds.items():

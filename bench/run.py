@@ -5,6 +5,7 @@ Every answer is compared with that of pointsweep in memory before its time count
 process and its threads; files stay in the page cache between runs, for all programs alike."""
 import argparse
 import datetime
+import itertools
 import json
 import os
 import pathlib
@@ -24,6 +25,8 @@ def arguments():
     parser.add_argument("-k", nargs="+", type=int, default=[8])
     parser.add_argument("--orders", nargs="+", choices=["random", "scan"], default=["random"],
                         help="order of the points in the files: random, or line after line as a scanner writes them")
+    parser.add_argument("--formats", nargs="+", choices=["ply", "las"], default=["ply"],
+                        help="of input and output: PLY with float32 coordinates (default), LAS 1.4 with point format 6")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--memory", default="256M", help="budget of the out-of-core run (default 256M)")
     parser.add_argument("--only", nargs="+", help="names of contenders to run besides pointsweep in memory")
@@ -56,36 +59,37 @@ def compare(options, reference, output):
     return json.loads(done.stdout)["share"]
 
 
-def measure(options, shape, size, order, k):
-    cloud = processes.cloud(options, shape, size, order)
+def measure(options, shape, size, order, file_format, k):
+    cloud = processes.cloud(options, shape, size, order, file_format)
     programs = contenders(options, k)
     runs = {name: [] for name in programs}
     differ = {}
-    reference = options.work / "reference.ply"
+    reference, other = options.work / f"reference.{file_format}", options.work / f"output.{file_format}"
     for _ in range(options.repeat):
         for name, command in programs.items():
-            output = reference if name == "pointsweep" else options.work / "output.ply"
+            output = reference if name == "pointsweep" else other
             output.unlink(missing_ok=True)
             figures = processes.run(command(cloud, output))
             differ[name] = compare(options, reference, output)
             runs[name].append(figures)
-    for output in (reference, options.work / "output.ply"):
+    for output in (reference, other):
         output.unlink(missing_ok=True)
-    return [{"shape": shape, "points": points(size), "order": order, "k": k, "program": name, "rows_that_differ": differ[name], "runs": runs[name],
+    return [{"shape": shape, "points": points(size), "order": order, "format": file_format, "k": k, "program": name,
+             "rows_that_differ": differ[name], "runs": runs[name],
              "median": {figure: statistics.median(r[figure] for r in runs[name]) for figure in runs[name][0]}}
             for name in programs]
 
 
 def print_table(rows):
     """Ratios are of medians, to the pointsweep run in memory."""
-    print(f"{'cloud':<30}{'program':<28}{'wall s':>9}{'CPU s':>9}{'Mpoints/s':>11}{'peak MB':>9}{'CPU ratio':>11}{'differ':>9}")
+    print(f"{'cloud':<34}{'program':<28}{'wall s':>9}{'CPU s':>9}{'Mpoints/s':>11}{'peak MB':>9}{'CPU ratio':>11}{'differ':>9}")
     base = {}
     for row in rows:
         m = row["median"]
-        case = row["shape"], row["points"], row["order"], row["k"]
+        case = row["shape"], row["points"], row["order"], row["format"], row["k"]
         base.setdefault(case, m["cpu_seconds"])
-        label = f"{row['shape']} {row['points'] / 1e6:g}M {row['order']} k={row['k']}"
-        print(f"{label:<30}{row['program']:<28}"
+        label = f"{row['shape']} {row['points'] / 1e6:g}M {row['order']} {row['format']} k={row['k']}"
+        print(f"{label:<34}{row['program']:<28}"
               f"{m['wall_seconds']:>9.2f}{m['cpu_seconds']:>9.2f}{row['points'] / 1e6 / m['wall_seconds']:>11.2f}"
               f"{m['peak_rss_bytes'] / 1e6:>9.0f}{m['cpu_seconds'] / base[case]:>11.2f}"
               f"{row['rows_that_differ']:>9.1g}")
@@ -96,12 +100,9 @@ def main():
     options.work.mkdir(parents=True, exist_ok=True)
     options.work = options.work.resolve()
     rows = []
-    for size in options.sizes:
-        for shape in options.shapes:
-            for order in options.orders:
-                for k in options.k:
-                    print(f"script/bench: {shape} {size}, {order} order, k = {k}", file=sys.stderr)
-                    rows += measure(options, shape, size, order, k)
+    for size, shape, order, file_format, k in itertools.product(options.sizes, options.shapes, options.orders, options.formats, options.k):
+        print(f"script/bench: {shape} {size}, {order} order, {file_format}, k = {k}", file=sys.stderr)
+        rows += measure(options, shape, size, order, file_format, k)
     today, commit = datetime.date.today().isoformat(), processes.commit()
     result = {"date": today, "commit": commit, "compiler": processes.compiler(options.build), "machine": processes.machine(),
               "threads": options.threads, "rows": rows}

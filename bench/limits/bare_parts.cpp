@@ -3,6 +3,7 @@
 /// a radix sort of the points' keys, the search kernel on candidates that are in cache, and the kernel of Equation 1 on
 /// neighbourhoods that are in cache. Prints CPU seconds as JSON.
 ///   bare_parts IN.ply OUTPUT_BYTES SCRATCH_FILE
+#include <cstdio>
 #include <ctime>
 
 #include "bench/normals/ply.h"

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// The contender: the same files, the same formula (Equation 1), all threads, with nanoflann's kd-tree and everything
 /// in memory.
-///   nanoflann_normals IN.ply OUT.ply [-k 8] [--threads N] [--order file|permuted]
+///   nanoflann_normals IN OUT [-k 8] [--threads N] [--order file|permuted]
 /// permuted: points are put into Morton order before the tree is built, and asked in that order, which spares it most
-/// of its cache misses; results return to the order of the file. Coordinates are float where the file's are.
+/// of its cache misses; results return to the order of the file. PLY or LAS, out as in. Coordinates are float where the
+/// file's are, and where LAS has its integers within 2^24 steps of the middle, so that a float holds each exactly; else
+/// double. What describes the three floats behind each LAS record is left out, which spares it a little.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -17,6 +19,7 @@
 #include <numeric>
 #include <thread>
 
+#include "bench/normals/las.h"
 #include "bench/normals/ply.h"
 
 namespace bench {
@@ -116,56 +119,88 @@ std::array<float, 3> normal_of(const Cloud<T>& cloud, std::size_t i, const std::
   return {float(n.x()), float(n.y()), float(n.z())};
 }
 
+using Normals = std::vector<std::array<float, 3>>;
+
 template <class T>
-std::vector<std::array<float, 3>> normals_of(const Ply& ply, std::size_t offset, const Options& options) {
+Normals normals_of(Cloud<T> cloud, const Options& options) {
   using Tree =
       nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<T, Cloud<T>>, Cloud<T>, 3, std::uint32_t>;
-  Cloud<T> cloud;
-  cloud.points.resize(ply.count);
-  for (std::size_t i = 0; i < ply.count; ++i) cloud.points[i] = ply.get<std::array<T, 3>>(i, offset);
+  const std::size_t count = cloud.points.size();
+  if (count == 0) return {};
   std::vector<std::size_t> rows;
   if (options.permuted) {
     rows = morton_order(cloud, options.threads);
-    std::vector<std::array<T, 3>> ordered(ply.count);
-    for (std::size_t i = 0; i < ply.count; ++i) ordered[i] = cloud.points[rows[i]];
+    std::vector<std::array<T, 3>> ordered(count);
+    for (std::size_t i = 0; i < count; ++i) ordered[i] = cloud.points[rows[i]];
     cloud.points.swap(ordered);
   }
   const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  std::vector<std::array<float, 3>> normals(ply.count);
-  in_parallel(ply.count, options.threads, [&](std::size_t begin, std::size_t end) {
+  Normals normals(count);
+  in_parallel(count, options.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> found(options.k + 1);
     std::vector<T> distance2(options.k + 1);
     for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t count = tree.knnSearch(cloud.points[i].data(), options.k + 1, found.data(), distance2.data());
-      const auto self = std::find(found.begin(), found.begin() + std::ptrdiff_t(count), i);
-      if (self != found.begin() + std::ptrdiff_t(count))
-        std::copy(self + 1, found.begin() + std::ptrdiff_t(count), self);
-      if (count < 3) continue;
-      normals[rows.empty() ? i : rows[i]] = normal_of(cloud, i, found.data(), count - 1);
+      const std::size_t near = tree.knnSearch(cloud.points[i].data(), options.k + 1, found.data(), distance2.data());
+      const auto self = std::find(found.begin(), found.begin() + std::ptrdiff_t(near), i);
+      if (self != found.begin() + std::ptrdiff_t(near)) std::copy(self + 1, found.begin() + std::ptrdiff_t(near), self);
+      if (near < 3) continue;
+      normals[rows.empty() ? i : rows[i]] = normal_of(cloud, i, found.data(), near - 1);
     }
   });
   return normals;
 }
 
-void write(const Ply& ply, const std::vector<std::array<float, 3>>& normals, const std::string& path) {
+template <class T>
+Cloud<T> cloud_of(const Ply& ply, std::size_t offset) {
+  Cloud<T> cloud;
+  cloud.points.resize(ply.count);
+  for (std::size_t i = 0; i < ply.count; ++i) cloud.points[i] = ply.get<std::array<T, 3>>(i, offset);
+  return cloud;
+}
+
+/// In steps of the scale of x, from the middle of the box: a normal knows neither length nor place.
+template <class T>
+Cloud<T> cloud_of(const Las& las) {
+  std::array<double, 3> middle, factor;
+  for (std::size_t a = 0; a < 3; ++a) {
+    middle[a] = std::floor((las.range(a)[0] + las.range(a)[1]) / 2);
+    factor[a] = las.scale()[a] / las.scale()[0];
+  }
+  Cloud<T> cloud;
+  cloud.points.resize(las.count);
+  for (std::size_t i = 0; i < las.count; ++i)
+    for (std::size_t a = 0; a < 3; ++a) cloud.points[i][a] = T((las.step(i, a) - middle[a]) * factor[a]);
+  return cloud;
+}
+
+bool float_holds(const Las& las) {
+  bool holds = true;
+  for (std::size_t a = 0; a < 3; ++a) holds = holds && las.range(a)[1] - las.range(a)[0] < 0x1p25;
+  return holds;
+}
+
+void write(const Ply& ply, const Normals& normals, const std::string& path) {
   std::ofstream out(path, std::ios::binary);
   for (const std::string& line : ply.header) out << line << '\n';
   const auto present = ply.triple("nx", "ny", "nz");
-  const bool replace = present && present->second.substr(0, 5) == "float" && Ply::bytes(present->second) == 4;
+  const bool replace = present && Ply::bytes(present->second) == 4 && present->second.starts_with("float");
   if (!replace) out << "property float nx\nproperty float ny\nproperty float nz\n";
   out << "end_header\n";
-  const std::size_t stride = replace ? ply.stride : ply.stride + 12;
-  std::vector<char> block;
-  for (std::size_t i = 0; i < ply.count;) {
-    block.clear();
-    for (; i < ply.count && block.size() < (std::size_t{4} << 20); ++i) {
-      block.insert(block.end(), ply.record(i), ply.record(i) + ply.stride);
-      block.resize(block.size() + stride - ply.stride);
-      std::memcpy(block.data() + block.size() - stride + (replace ? present->first : ply.stride), &normals[i], 12);
-    }
-    out.write(block.data(), std::streamsize(block.size()));
-  }
-  if (!out.flush()) give_up(path + ": cannot write");
+  const std::size_t at = replace ? present->first : ply.stride;
+  write_records(out, path, ply.count, replace ? ply.stride : ply.stride + kNormalBytes, [&](std::size_t i, char* to) {
+    std::memcpy(to, ply.record(i), ply.stride);
+    std::memcpy(to + at, &normals[i], kNormalBytes);
+  });
+}
+
+void write(Las& las, const Normals& normals, const std::string& path) {
+  std::ofstream out(path, std::ios::binary);
+  las.set_entry(105, std::uint16_t(las.stride + kNormalBytes));
+  out.write(las.head.data(), std::streamsize(las.head.size()));
+  write_records(out, path, las.count, las.stride + kNormalBytes, [&](std::size_t i, char* to) {
+    std::memcpy(to, las.record(i), las.stride);
+    std::memcpy(to + las.stride, &normals[i], kNormalBytes);
+  });
 }
 
 Options parse(int argc, char** argv) {
@@ -184,9 +219,25 @@ Options parse(int argc, char** argv) {
     else
       options.out = word;
   }
-  if (options.out.empty())
-    give_up("usage: nanoflann_normals IN.ply OUT.ply [-k 8] [--threads N] [--order file|permuted]");
+  if (options.out.empty()) give_up("usage: nanoflann_normals IN OUT [-k 8] [--threads N] [--order file|permuted]");
   return options;
+}
+
+void ply_normals(const Options& options) {
+  const Ply ply(options.in);
+  const auto position = ply.triple("x", "y", "z");
+  if (!position) give_up(options.in + ": no x, y, z side by side");
+  write(ply,
+        Ply::bytes(position->second) == 4 ? normals_of(cloud_of<float>(ply, position->first), options)
+                                          : normals_of(cloud_of<double>(ply, position->first), options),
+        options.out);
+}
+
+void las_normals(const Options& options) {
+  Las las(options.in);
+  const Normals normals =
+      float_holds(las) ? normals_of(cloud_of<float>(las), options) : normals_of(cloud_of<double>(las), options);
+  write(las, normals, options.out);
 }
 
 }  // namespace
@@ -195,11 +246,5 @@ Options parse(int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace bench;
   const Options options = parse(argc, argv);
-  const Ply ply(options.in);
-  const auto position = ply.triple("x", "y", "z");
-  if (!position) give_up(options.in + ": no x, y, z side by side");
-  write(ply,
-        Ply::bytes(position->second) == 4 ? normals_of<float>(ply, position->first, options)
-                                          : normals_of<double>(ply, position->first, options),
-        options.out);
+  is_las(options.in) ? las_normals(options) : ply_normals(options);
 }

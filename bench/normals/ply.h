@@ -3,13 +3,6 @@
 /// purpose.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <fstream>
-#include <iostream>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -17,36 +10,22 @@
 #include <utility>
 #include <vector>
 
+#include "bench/normals/records.h"
+
 namespace bench {
 
-[[noreturn]] inline void give_up(const std::string& message) {
-  std::cerr << message << '\n';
-  std::exit(2);
-}
-
 /// A whole file in memory: the lines of its header and its records as they are.
-struct Ply {
+struct Ply : Records {
   std::vector<std::string> header;                                        ///< up to the last vertex property
   std::map<std::string, std::pair<std::size_t, std::string>> properties;  ///< name -> offset, type
-  std::size_t count = 0, stride = 0;
-  std::vector<char> records;
 
   explicit Ply(const std::string& path) {
     std::ifstream in(path, std::ios::binary);
     if (!in) give_up(path + ": cannot open");
     read_header(in, path);
-    records.resize(count * stride);
-    in.read(records.data(), std::streamsize(records.size()));
-    if (!in) give_up(path + ": truncated");
+    read(in, path);
   }
 
-  const char* record(std::size_t i) const { return records.data() + i * stride; }
-  template <class T>
-  T get(std::size_t i, std::size_t offset) const {
-    T v;
-    std::memcpy(&v, record(i) + offset, sizeof v);
-    return v;
-  }
   /// Offset of the first of three successive properties of the same type.
   std::optional<std::pair<std::size_t, std::string>> triple(const std::string& a, const std::string& b,
                                                             const std::string& c) const {

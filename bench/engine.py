@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: MIT
+"""The engine against itself, file to file: threads, memory, orders, chains, instruction sets, files, the paper's algorithm.
+
+Whole processes taken in turn. Rows of one answer must have the same bytes before their times count. Ratios are medians
+of those of each turn, to the row named. Search and operators: their sum over threads, divided by the threads."""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+import processes
+import turns
+from processes import ROOT
+from turns import Case, Turns
+
+CURVATURE = "knn(k=8) | normals | curvature | splats"
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="script/bench engine", description=__doc__.split("\n")[0])
+    parser.add_argument("--parts", nargs="+", choices=list(PARTS), default=list(PARTS), help="what to measure (default: all)")
+    parser.add_argument("--shape", default="statue")
+    parser.add_argument("--sizes", nargs="+", default=["5M"], help="points, e.g. 500k 20M (default 5M)")
+    parser.add_argument("--reference-size", default="200k", help="points for the paper's algorithm, which is slow (default 200k)")
+    parser.add_argument("--repeat", type=int, default=3, help="timed runs of each (default 3)")
+    parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
+    parser.add_argument("--memory", default="256M", help="the small budget (default 256M)")
+    parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench", help="folder for clouds and outputs")
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
+    parser.add_argument("--output", type=pathlib.Path, help="where to write the numbers as JSON")
+    return parser.parse_args()
+
+
+def tool(options, verb, cloud, *words, threads=None):
+    return lambda output: [options.build / "cli/pointsweep", verb, cloud, output, "--threads", threads or options.threads, *words]
+
+
+def threads(options, cloud):
+    every, one = f"normals, {options.threads} threads", "normals, 1 thread"
+    return [Case(every, tool(options, "normals", cloud, "-k", 8), in_memory=True),
+            Case(one, tool(options, "normals", cloud, "-k", 8, threads=1), over=every, in_memory=True)]
+
+
+def memory(options, cloud):
+    """The rows in the order of the sweep spare the second way to their places."""
+    def case(order, budget, **fields):
+        words = ["-k", 8, "--order", order] + (["--memory", budget] if budget else [])
+        return Case(f"--order {order}, {'--memory ' + budget if budget else 'in memory'}", tool(options, "normals", cloud, *words),
+                    answer=order, in_memory=not budget, **fields)
+    return [case("sweep", None), case("input", None, over="--order sweep, in memory"),
+            case("sweep", options.memory, over="--order sweep, in memory"), case("input", options.memory, over="--order input, in memory")]
+
+
+def chains(options, cloud):
+    """Each once more with one thread, whose bytes must be the same."""
+    every = [("normals", "normals", ["-k", 8]), ("curvature", "curvature", ["-k", 8]),
+             (CURVATURE.split(" | ", 1)[1], "run", ["--pipeline", CURVATURE]), ("fair -k 64", "fair", ["-k", 64])]
+    cases = []
+    for label, verb, words in every:
+        cases.append(Case(label, tool(options, verb, cloud, *words), over="normals" if cases else None, answer=label))
+        cases.append(Case(f"{label}, 1 thread", tool(options, verb, cloud, *words, threads=1), answer=label, timed=False))
+    return cases
+
+
+def instruction_sets(options, cloud):
+    """The emulated vectors of a machine without any of them are left out. The first is the best, and so what the tool takes."""
+    program = options.build / "bench/with_instruction_set"
+    names = subprocess.run([program], capture_output=True, text=True, check=True).stdout.split()
+    names = [name for name in names if name not in ("EMU128", "SCALAR")] or names
+    cases = [Case(name, lambda output, name=name: [program, name, cloud, output, 8, options.threads],
+                  over=names[0] if name != names[0] else None, tool=False, says=name) for name in names]
+    return [Case("normals", tool(options, "normals", cloud, "-k", 8), timed=False), *cases]
+
+
+def copies(options, cloud):
+    """The files as bytes, which is the measure, and point by point, which must come to the same bytes."""
+    program, plain = options.build / "bench/copy_points", f"{cloud.suffix[1:]}: bytes, 4 MB at a time"
+    return [Case(plain, lambda output: [program, "--plain", cloud, output], tool=False),
+            Case(f"{cloud.suffix[1:]}: cp", lambda output: ["cp", cloud, output], over=plain, tool=False),
+            Case(f"{cloud.suffix[1:]}: reader and writer", lambda output: [program, cloud, output], over=plain, tool=False)]
+
+
+def reference(options, cloud):
+    """The paper's algorithm has one thread and misses some neighbours; the time it takes to count these cases is left out."""
+    one = "normals, 1 thread"
+    return [Case(one, tool(options, "normals", cloud, "-k", 8, threads=1)),
+            Case(f"normals, {options.threads} threads", tool(options, "normals", cloud, "-k", 8), over=one),
+            Case("--engine reference", tool(options, "normals", cloud, "-k", 8, "--engine", "reference", threads=1), over=one,
+                 check=turns.compare_normals(options))]
+
+
+PARTS = {"threads": threads, "memory": memory, "chains": chains, "sets": instruction_sets, "copies": copies, "reference": reference}
+
+
+def measure(options, part, size):
+    print(f"script/bench engine: {part}, {options.shape} {size}", file=sys.stderr)
+    rows = []
+    for file_format in ("ply", "las") if part == "copies" else ("ply",):
+        cloud = processes.cloud(options, options.shape, size, file_format=file_format)
+        cases = PARTS[part](options, cloud)
+        rows += Turns(options, cases, cloud.suffix).rows(part=part, shape=options.shape, points=processes.points(size))
+    for row in rows:
+        if row["program"] == "fair -k 64":
+            row["cpu_ns_per_point_and_neighbor"] = row["median"]["cpu_seconds"] * 1e9 / row["points"] / 64
+    return rows
+
+
+def remarks(row):
+    median, ratio = row["median"], row.get("ratio", {})
+    if row["part"] == "threads" and "busy_seconds" in ratio:
+        yield f"search and operators {ratio['busy_seconds']:.2f}"
+    if row["part"] in ("threads", "memory"):
+        yield (f"order {median['order_seconds'] / median['total_seconds']:.0%}, write {median['write_seconds'] / median['total_seconds']:.0%}"
+               " of the wall time")
+    if median.get("spilled_bytes"):
+        yield f"spilled {median['spilled_bytes'] / 1e6:.0f} MB"
+    if "cpu_ns_per_point_and_neighbor" in row:
+        yield f"{row['cpu_ns_per_point_and_neighbor']:.1f} CPU ns per point and neighbour"
+    if row["remark"]:
+        yield row["remark"]
+
+
+def print_table(rows):
+    part = None
+    for row in rows:
+        if (row["part"], row["points"]) != part:
+            part = row["part"], row["points"]
+            label = f"{row['part']}: {row['shape']} {row['points'] / 1e6:g}M"
+            print(f"\n{label:<36}{'wall s':>9}{'CPU s':>9}{'peak MB':>9}{'wall':>8}{'CPU':>7}  over")
+        m, ratio = row["median"], row.get("ratio")
+        ratios = f"{ratio['wall_seconds']:>8.2f}{ratio['cpu_seconds']:>7.2f}  {row['over']:<26}" if ratio else " " * 43
+        print(f"{row['program']:<36}{m['wall_seconds']:>9.2f}{m['cpu_seconds']:>9.2f}{m['peak_rss_bytes'] / 1e6:>9.0f}{ratios} {'; '.join(remarks(row))}".rstrip())
+
+
+def main():
+    options = arguments()
+    options.work.mkdir(parents=True, exist_ok=True)
+    options.work = options.work.resolve()
+    rows = []
+    for part in options.parts:
+        for size in [options.reference_size] if part == "reference" else options.sizes:
+            rows += measure(options, part, size)
+    print_table(rows)
+    if options.output:
+        result = {"commit": processes.commit(), "compiler": processes.compiler(options.build), "machine": processes.machine(),
+                  "threads": options.threads, "memory": options.memory, "rows": rows}
+        options.output.write_text(json.dumps(result, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""Programs run in turn on one cloud, each answer checked before its time counts, and compared with one another."""
+import dataclasses
+import json
+import pathlib
+import statistics
+import subprocess
+import sys
+from typing import Callable, Optional
+
+import processes
+
+
+@dataclasses.dataclass
+class Case:
+    label: str
+    command: Callable            # from the file to write
+    over: Optional[str] = None   # label of the case it is compared with
+    answer: str = ""             # cases of one answer must write the same bytes
+    tool: bool = True            # is pointsweep itself, which writes statistics
+    in_memory: bool = False      # must not spill
+    timed: bool = True           # else run once, for its answer
+    says: Optional[str] = None   # what it must print
+    check: Optional[Callable] = None  # of an answer, an output and its figures, in the place of "same bytes"; returns a remark
+
+
+class Turns:
+    def __init__(self, options, cases, suffix=".ply"):
+        self.options, self.cases, self.suffix = options, cases, suffix
+        self.answers, self.runs, self.remarks = {}, {}, {}
+
+    def rows(self, **fields):
+        """One row for each timed case: medians, and ratios over another case as medians of those of each turn."""
+        try:
+            for turn in range(self.options.repeat):
+                for case in self.cases:
+                    if case.timed or turn == 0:
+                        self.run(case)
+        finally:
+            for path in [*self.answers.values(), self.options.work / "stats.json", self.options.work / "said"]:
+                path.unlink(missing_ok=True)
+        return [dict(fields, **self.row(case)) for case in self.cases if case.timed]
+
+    def run(self, case):
+        output, stats, said = (self.options.work / name for name in (f"output{self.suffix}", "stats.json", "said"))
+        output.unlink(missing_ok=True)
+        words = ["--stats", stats, "--temp-dir", self.options.work, "--force", "--quiet"] if case.tool else []
+        figures = processes.run([*case.command(output), *words], said)
+        if case.says and said.read_text().strip() != case.says:
+            sys.exit(f"script/bench engine: {case.label} took {said.read_text().strip()}")
+        if case.tool:
+            figures.update(of_statistics(json.loads(stats.read_text())))
+            for clock in ("wall_seconds", "cpu_seconds"):  # what looks at the reference engine is no part of it
+                figures[clock] -= figures["audit_seconds"]
+        if case.in_memory and figures["spilled_bytes"] != 0:
+            sys.exit(f"script/bench engine: {case.label} spilled {figures['spilled_bytes']} bytes; choose a smaller --sizes")
+        self.check(case, output, figures)
+        self.runs.setdefault(case.label, []).append(figures)
+
+    def check(self, case, output, figures):
+        """The first output of each answer is kept for the others."""
+        if case.answer not in self.answers:
+            self.answers[case.answer] = output.rename(self.options.work / f"answer-{len(self.answers)}{self.suffix}")
+            return
+        answer = self.answers[case.answer]
+        if case.check:
+            self.remarks[case.label] = case.check(answer, output, figures)
+        elif not processes.same_bytes(answer, output):
+            sys.exit(f"script/bench engine: '{case.label}' writes other bytes than the first run of the same answer: {output}")
+        output.unlink()
+
+    def row(self, case):
+        runs = self.runs[case.label]
+        median = {figure: statistics.median(run[figure] for run in runs) for figure in runs[0]}
+        row = {"program": case.label, "median": median, "runs": runs, "remark": self.remarks.get(case.label, "")}
+        if case.over:
+            turns = list(zip(runs, self.runs[case.over]))
+            row["over"] = case.over
+            row["ratio"] = {figure: statistics.median(run[figure] / base[figure] for run, base in turns)
+                            for figure in ("wall_seconds", "cpu_seconds", "peak_rss_bytes", "busy_seconds")
+                            if figure in runs[0] and figure in self.runs[case.over][0]}
+        return row
+
+
+def of_statistics(stats):
+    """`busy`: search and operators by the wall, as if all threads were at it all the time."""
+    seconds = stats["seconds"]
+    return {"order_seconds": seconds["order"], "write_seconds": seconds["write"], "total_seconds": seconds["total"],
+            "busy_seconds": (seconds["search"] + sum(seconds["operators"].values())) / stats["threads"],
+            "spilled_bytes": stats["bytes"]["spilled"], "audit_seconds": stats.get("reference", {}).get("audit_seconds", 0),
+            "incomplete_share": 1 - stats["certified"] / stats["points"]}
+
+
+def compare_normals(options):
+    """A check for Case: normals may differ in no more rows than the run itself counts as not certain to be exact."""
+    def check(answer, output, figures):
+        share = figures["incomplete_share"]
+        done = subprocess.run([options.build / "bench/compare_normals", answer, output, f"{share + 1e-9:.12f}"], capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"script/bench engine: {output} differs from {answer}: {done.stdout}{done.stderr}")
+        return f"{share:.1%} of the neighbourhoods not exact, {json.loads(done.stdout)['share']:.1%} of the normals differ"
+    return check
