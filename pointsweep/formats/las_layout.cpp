@@ -182,10 +182,7 @@ class Builder {
   /// LAS integers keep their scale; so does a LAS input whose coordinates changed their type, unless bounds are known.
   void choose_scale(const PositionFields& p) {
     LasHeader& header = layout_.header;
-    const auto fits = [](const Field& f) {
-      return f.bit_width == 0 && size_of(f.type) <= 4 && f.type != Type::u32 && f.type != Type::f32;
-    };
-    if (fits(p.x) && fits(p.y) && fits(p.z)) {
+    if (las_keeps_scale(p)) {
       header.scale = {p.x.scale, p.y.scale, p.z.scale};
       header.offset = {p.x.bias, p.y.bias, p.z.bias};
     } else if (plan_.bounds) {
@@ -264,6 +261,13 @@ class Builder {
 
 std::uint64_t LasLayout::points_end(std::uint64_t count) const {
   return header.offset_to_points + count * header.record_length;
+}
+
+bool las_keeps_scale(const PositionFields& p) {
+  const auto fits = [](const Field& f) {
+    return f.bit_width == 0 && size_of(f.type) <= 4 && f.type != Type::u32 && f.type != Type::f32;
+  };
+  return fits(p.x) && fits(p.y) && fits(p.z);
 }
 
 LasLayout lay_out_las(const OutputPlan& plan) { return Builder(plan).build(); }

@@ -44,4 +44,7 @@ struct LasLayout {
 /// input are kept, values whose type is not that of the LAS field are stored there rounded and as extra bytes exactly.
 LasLayout lay_out_las(const OutputPlan& plan);
 
+/// True for coordinates that are LAS's own integers: they stay as they are, and no bounds are needed for a scale.
+bool las_keeps_scale(const PositionFields& p);
+
 }  // namespace pointsweep

@@ -7,6 +7,8 @@
 #include <thread>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/extension.h"
+#include "pointsweep/formats/las_layout.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/temp_folder.h"
@@ -88,9 +90,9 @@ class Run {
     return cloud_.readers().empty() ? "The input" : cloud_.readers().front()->info().path.string();
   }
 
-  /// A format that stores integers must know the bounds before the first record, unless the input is of that format.
+  /// A format that stores integers must know the bounds before the first record, unless these integers come.
   bool needs_bounds(const std::filesystem::path& output) const {
-    return output.extension() == ".las" || output.extension() == ".LAS";
+    return extension_of(output) == ".las" && !las_keeps_scale(position_fields(cloud_.schema(), name_of_cloud()));
   }
   std::optional<Box> bounds_if_exact() const {
     return survey_.exact && !survey_.bounds.empty() ? std::optional(survey_.bounds) : std::nullopt;
