@@ -30,6 +30,15 @@ inline bool nearer(const Candidate& a, const Candidate& b) {
   return a.row < b.row;
 }
 
+/// Puts `c` into a list of `size` candidates in order, of which the `most` nearest stay. Returns how many it has then.
+inline std::size_t insert_sorted(const Candidate& c, Candidate* list, std::size_t size, std::size_t most) {
+  std::size_t place = size;
+  if (size == most && !nearer(c, list[--place])) return size;
+  for (; place > 0 && nearer(c, list[place - 1]); --place) list[place] = list[place - 1];
+  list[place] = c;
+  return std::min(size + 1, most);
+}
+
 /// What a neighbourhood is: the `k` nearest points, those within `radius` (inclusive), or the k nearest of these; and,
 /// where there is a rule, the first of these that it keeps. Searches find what k and radius say; the sweep and the
 /// recall apply the rule.

@@ -46,7 +46,8 @@ class CellSearch {
   }
 
  private:
-  static constexpr float kWide = 64;  ///< a leaf so many times as wide as that of the queries
+  static constexpr float kWide = 64;               ///< a leaf so many times as wide as that of the queries
+  static constexpr std::size_t kFew = 2 * K + 16;  ///< so many are put in order by insertion
 
   void find_cells(double reach2) {
     reach2_ = reach2;
@@ -194,7 +195,7 @@ class CellSearch {
       if (i + 1 == K) {
         set_unsure = hn::IfThenElse(close, one, set_unsure);
       } else {
-        for (std::uint32_t lanes = bits_of(close); lanes != 0; lanes &= lanes - 1) {
+        for (std::uint32_t lanes = bits_of(d_, close); lanes != 0; lanes &= lanes - 1) {
           close_to_next[__builtin_ctz(lanes)] |= std::uint64_t{1} << i;
         }
       }
@@ -214,12 +215,6 @@ class CellSearch {
         order_last(first + q, close_to_next[q] >> (K - what_.k));
       }
     }
-  }
-
-  std::uint32_t bits_of(hn::Mask<Lanes> mask) const {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d_, mask, bytes);
-    return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
   }
 
   void write_lane(std::uint32_t lane, float reach) {
@@ -244,53 +239,60 @@ class CellSearch {
     }
   }
 
-  /// Insertion sort by exact distances.
+  /// By exact distances.
   void order_run(std::uint32_t point, NeighborRef* refs, std::size_t size) {
     const Vec3 p = cell_.position(point);
     std::array<Candidate, K> list;
-    for (std::size_t i = 0; i < size; ++i) {
-      const NeighborRef ref = refs[i];
-      const Cell& cell = directory_.cell(slot_of(ref));
-      const Vec3 at = cell.position(index_of(ref));
-      const Candidate candidate{distance2(at, p), at, cell.row[index_of(ref)], ref};
-      std::size_t place = i;
-      for (; place > 0 && nearer(candidate, list[place - 1]); --place) list[place] = list[place - 1];
-      list[place] = candidate;
-    }
+    for (std::size_t i = 0; i < size; ++i) insert_sorted(candidate(refs[i], p), list.data(), i, K);
     for (std::size_t i = 0; i < size; ++i) refs[i] = list[i].ref;
   }
 
   /// One query again among the packed candidates, by their exact distances.
   void settle_in_double(std::uint32_t point, std::uint32_t lane, float reach) {
     ++scratch_.settled_in_double;
-    const Vec3 p = cell_.position(point);
-    const std::uint64_t row = cell_.row[point];
-    scratch_.best.start(what_);
-    const Lanes d;
-    Group<K> one;
-    one.x = hn::Set(d, lane_of(group_.x, lane));
-    one.y = hn::Set(d, lane_of(group_.y, lane));
-    one.z = hn::Set(d, lane_of(group_.z, lane));
-    // All candidates whose key may be as small as that of the last one wanted.
-    const Vec limit =
-        hn::Set(d, reach * (1 + 2 * kRelativeMargin) + packed_.farthest * packed_.farthest * 2 * kAbsoluteMargin);
-    for (std::uint32_t i = 0; i < packed_.leaves * kLeafCapacity; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
-      const Vec dx = hn::Sub(hn::Load(d, packed_.x + i), one.x), dy = hn::Sub(hn::Load(d, packed_.y + i), one.y);
-      const Vec dz = hn::Sub(hn::Load(d, packed_.z + i), one.z);
-      const Vec d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-      for (std::uint32_t bits = bits_of(hn::Le(d2, limit)); bits != 0; bits &= bits - 1) {
-        offer(i + static_cast<std::uint32_t>(__builtin_ctz(bits)), p, row);
-      }
-    }
-    write_best(row);
+    const std::size_t near = find_near(lane, reach);
+    near <= kFew ? settle_few(point, near) : settle_many(point, near);
   }
 
-  void offer(std::uint32_t number, Vec3 p, std::uint64_t self_row) {
-    const NeighborRef ref = packed_.first[number / kLeafCapacity] + number % kLeafCapacity;
+  /// Notes in near_ all candidates whose key may be as small as that of the last one wanted, and returns how many.
+  std::size_t find_near(std::uint32_t lane, float reach) {
+    const float limit = reach * (1 + 2 * kRelativeMargin) + packed_.farthest * packed_.farthest * 2 * kAbsoluteMargin;
+    const auto all = [&](Vec v) HWY_ATTR { return hn::Set(d_, lane_of(v, lane)); };
+    return packed_within(d_, packed_, all(group_.x), all(group_.y), all(group_.z), limit, near_.data());
+  }
+
+  /// Calls use(candidate) with those of near_ that are points, and not the query itself.
+  template <class Use>
+  void for_each_near(std::uint32_t point, std::size_t near, Use use) const {
+    const Vec3 p = cell_.position(point);
+    for (std::size_t n = 0; n < near; ++n) {
+      const NeighborRef ref = packed_.first[near_[n] / kLeafCapacity] + near_[n] % kLeafCapacity;
+      if (index_of(ref) >= directory_.cell(slot_of(ref)).size()) continue;
+      const Candidate c = candidate(ref, p);
+      if (c.row != cell_.row[point]) use(c);
+    }
+  }
+
+  void settle_few(std::uint32_t point, std::size_t near) {
+    std::array<Candidate, K> list;
+    std::size_t size = 0;
+    for_each_near(point, near, [&](const Candidate& c) {
+      if (c.distance2 <= what_.radius2()) size = insert_sorted(c, list.data(), size, what_.k);
+    });
+    for (std::size_t i = 0; i < size; ++i) out_.refs.push_back(list[i].ref);
+    finish_point(size == what_.k ? list[size - 1].distance2 : what_.radius2());
+  }
+
+  void settle_many(std::uint32_t point, std::size_t near) {
+    scratch_.best.start(what_);
+    for_each_near(point, near, [&](const Candidate& c) { scratch_.best.offer(c); });
+    write_best(cell_.row[point]);
+  }
+
+  Candidate candidate(NeighborRef ref, Vec3 p) const {
     const Cell& cell = directory_.cell(slot_of(ref));
-    const std::uint32_t i = index_of(ref);
-    if (i >= cell.size() || cell.row[i] == self_row) return;
-    scratch_.best.offer({distance2(cell.position(i), p), cell.position(i), cell.row[i], ref});
+    const Vec3 at = cell.position(index_of(ref));
+    return {distance2(at, p), at, cell.row[index_of(ref)], ref};
   }
 
   /// The plain search, for queries whose neighbours are too many or too spread for the vector code.
@@ -341,6 +343,7 @@ class CellSearch {
   Group<K> group_;
   Packed packed_;
   HWY_ALIGN float keys_[K + 1][kLeafCapacity];
+  std::array<std::uint16_t, kCandidates> near_;  ///< numbers of packed candidates
 };
 
 template <std::size_t K>

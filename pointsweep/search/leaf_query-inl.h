@@ -286,6 +286,28 @@ struct Group {
   }
 };
 
+/// A bit for each lane.
+HWY_INLINE std::uint32_t bits_of(Lanes d, hn::Mask<Lanes> mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
+}
+
+/// Notes the numbers of the packed candidates within `reach2` (squared) of a place, and returns how many.
+HWY_INLINE std::size_t packed_within(Lanes d, const Packed& packed, Vec x, Vec y, Vec z, float reach2,
+                                     std::uint16_t* numbers) {
+  const Vec limit = hn::Set(d, reach2);
+  std::size_t near = 0;
+  for (std::uint32_t i = 0; i < packed.leaves * kLeafCapacity; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
+    const Vec dx = hn::Sub(hn::Load(d, packed.x + i), x), dy = hn::Sub(hn::Load(d, packed.y + i), y);
+    const Vec dz = hn::Sub(hn::Load(d, packed.z + i), z);
+    const Vec d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+    for (std::uint32_t bits = bits_of(d, hn::Le(d2, limit)); bits != 0; bits &= bits - 1)
+      numbers[near++] = static_cast<std::uint16_t>(i + static_cast<std::uint32_t>(__builtin_ctz(bits)));
+  }
+  return near;
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace pointsweep
 HWY_AFTER_NAMESPACE();
