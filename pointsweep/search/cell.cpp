@@ -79,8 +79,7 @@ void Cell::set_leaf(std::uint32_t leaf, const Box& bounds) {
     leaf_box[axis + 3][leaf] = round_up(bounds.hi[axis] - origin[axis] + slack[axis]);
   }
   const std::uint64_t* rows = row + leaf * kLeafCapacity;
-  leaf_lowest_row[leaf] =
-      bounds.lo == bounds.hi ? *std::min_element(rows, rows + kLeafCapacity) : kSeveralPlaces;
+  leaf_lowest_row[leaf] = bounds.lo == bounds.hi ? *std::min_element(rows, rows + kLeafCapacity) : kSeveralPlaces;
 }
 
 }  // namespace pointsweep

@@ -13,6 +13,7 @@
 #include <bit>
 #include <limits>
 
+#include "pointsweep/search/copies.h"
 #include "pointsweep/search/gathered_search.h"
 #include "pointsweep/search/leaf_query-inl.h"
 #include "pointsweep/search/near_leaves-inl.h"
@@ -34,8 +35,9 @@ class CellSearch {
   void run() {
     find_cells(0);
     for (std::uint32_t leaf = 0; leaf < cell_.leaf_count(); ++leaf) {
-      if (const std::uint32_t end = end_of_copies(leaf); end > leaf) {
-        search_copies(leaf * kLeafCapacity, std::min(end * kLeafCapacity, cell_.size()));
+      if (const std::uint32_t end = end_of_copies(cell_, leaf); end > leaf) {
+        search_copies(directory_, cell_, leaf * kLeafCapacity, std::min(end * kLeafCapacity, cell_.size()), what_,
+                      scratch_, reach2_, out_);
         leaf = end - 1;
         continue;
       }
@@ -52,25 +54,6 @@ class CellSearch {
   void find_cells(double reach2) {
     reach2_ = reach2;
     directory_.find(cell_.box, reach2, scratch_.near);
-  }
-
-  /// Behind the leaves from this one on that all lie at one place; the leaf itself if it does not.
-  std::uint32_t end_of_copies(std::uint32_t leaf) const {
-    std::uint32_t end = leaf;
-    const auto at_one_place = [&](std::uint32_t l) { return cell_.leaf_lowest_row[l] != Cell::kSeveralPlaces; };
-    const Vec3 place = cell_.position(leaf * kLeafCapacity);
-    if (cell_.leaf_size(leaf) == 1) return leaf;
-    while (end < cell_.leaf_count() && at_one_place(end) && cell_.position(end * kLeafCapacity) == place) ++end;
-    return end;
-  }
-
-  /// Copies of one point have the same k + 1 nearest, and leave out each itself.
-  void search_copies(std::uint32_t first, std::uint32_t end) {
-    constexpr std::uint64_t kNobodysRow = ~std::uint64_t{0};
-    Neighborhood with_self = what_;
-    ++with_self.k;
-    search_place_plainly(directory_, cell_, cell_.position(first), kNobodysRow, with_self, scratch_, reach2_);
-    for (std::uint32_t i = first; i < end; ++i) write_best(cell_.row[i]);
   }
 
   void search_group(std::uint32_t leaf, std::uint32_t first_query) {
@@ -286,7 +269,7 @@ class CellSearch {
   void settle_many(std::uint32_t point, std::size_t near) {
     scratch_.best.start(what_);
     for_each_near(point, near, [&](const Candidate& c) { scratch_.best.offer(c); });
-    write_best(cell_.row[point]);
+    write_best();
   }
 
   Candidate candidate(NeighborRef ref, Vec3 p) const {
@@ -300,20 +283,14 @@ class CellSearch {
     for (std::uint32_t q = first; q < first + queries; ++q) {
       ++scratch_.settled_in_double;
       search_point_plainly(directory_, cell_, q, what_, scratch_, reach2_);
-      write_best(cell_.row[q]);
+      write_best();
     }
   }
 
-  /// Writes the first k found that are not the point itself.
-  void write_best(std::uint64_t self_row) {
-    std::size_t size = 0;
-    double reach2 = what_.radius2();
-    for (const Candidate& c : scratch_.best.finish()) {
-      if (c.row == self_row || size == what_.k) continue;
-      out_.refs.push_back(c.ref);
-      if (++size == what_.k) reach2 = c.distance2;
-    }
-    finish_point(reach2);
+  void write_best() {
+    const std::vector<Candidate>& found = scratch_.best.finish();
+    for (const Candidate& c : found) out_.refs.push_back(c.ref);
+    finish_point(found.size() == what_.k ? found.back().distance2 : what_.radius2());
   }
 
   void finish_point(double reach2) {

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pointsweep/search/copies.h"
 #include "pointsweep/search/near_leaves-inl.h"
 #include "pointsweep/search/plain_search.h"
 
@@ -36,7 +37,12 @@ class GatheredSearch {
     if (what_.k != Neighborhood::kUnlimited) settle_first();
     for (std::uint32_t leaf = 0; leaf < cell_.leaf_count(); ++leaf) {
       const std::uint32_t first = leaf * kLeafCapacity, size = cell_.leaf_size(leaf);
-      if (gather(leaf)) {
+      if (const std::uint32_t end = end_of_copies(cell_, leaf); end > leaf) {
+        search_copies(directory_, cell_, first, std::min(end * kLeafCapacity, cell_.size()), what_, scratch_, known2_,
+                      out_);
+        settled(first, out_.reach2.back());
+        leaf = end - 1;
+      } else if (gather(leaf)) {
         for (std::uint32_t i = first; i < first + size; ++i) search_point(i);
       } else {
         for (std::uint32_t i = first; i < first + size; ++i) settle_plainly(i);

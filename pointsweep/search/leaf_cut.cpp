@@ -134,8 +134,7 @@ class LeafCut {
 
   void by_row(std::size_t first, std::size_t n) {
     const auto row = [this](std::uint32_t i) { return row_of_(points_[i].index); };
-    std::sort(order_ + first, order_ + first + n,
-              [&row](std::uint32_t a, std::uint32_t b) { return row(a) < row(b); });
+    std::sort(order_ + first, order_ + first + n, [&row](std::uint32_t a, std::uint32_t b) { return row(a) < row(b); });
   }
 
   static constexpr std::uint32_t kBeyondKeys = 0xFFFFFFFF;

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/search/copies.h"
+
+#include "pointsweep/search/plain_search.h"
+
+namespace pointsweep {
+
+std::uint32_t end_of_copies(const Cell& cell, std::uint32_t leaf) {
+  if (cell.leaf_size(leaf) == 1) return leaf;
+  const Vec3 place = cell.position(leaf * kLeafCapacity);
+  const auto is_there = [&](std::uint32_t l) {
+    return cell.leaf_lowest_row[l] != Cell::kSeveralPlaces && cell.position(l * kLeafCapacity) == place;
+  };
+  std::uint32_t end = leaf;
+  while (end < cell.leaf_count() && is_there(end)) ++end;
+  return end;
+}
+
+void search_copies(const CellDirectory& directory, const Cell& cell, std::uint32_t first, std::uint32_t end,
+                   const Neighborhood& what, SearchScratch& scratch, double& reach2, CellNeighbors& out) {
+  constexpr std::uint64_t kNobodysRow = ~std::uint64_t{0};
+  Neighborhood with_self = what;
+  if (what.k != Neighborhood::kUnlimited) ++with_self.k;
+  search_place_plainly(directory, cell, cell.position(first), kNobodysRow, with_self, scratch, reach2);
+  const std::vector<Candidate>& found = scratch.best.finish();
+  for (std::uint32_t i = first; i < end; ++i) {
+    std::size_t size = 0;
+    double ends2 = what.radius2();
+    for (const Candidate& c : found) {
+      if (c.row == cell.row[i] || size == what.k) continue;
+      out.refs.push_back(c.ref);
+      if (++size == what.k) ends2 = c.distance2;
+    }
+    out.reach2.push_back(ends2);
+    out.begin.push_back(static_cast<std::uint32_t>(out.refs.size()));
+  }
+}
+
+}  // namespace pointsweep
