@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The same threads without oneTBB, for the thread sanitizer: Debian's oneTBB is not built with it, so that the sanitizer
-// would see races in the library's own structures and miss the order that it keeps.
+// The same threads without oneTBB, for the thread sanitizer: Debian's oneTBB is not built with it, so that the
+// sanitizer would see races in the library's own structures and miss the order that it keeps.
 #if defined(__SANITIZE_THREAD__)
 
 #include <algorithm>

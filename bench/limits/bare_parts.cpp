@@ -158,7 +158,8 @@ int main(int argc, char** argv) {
   float sum = 0;
   const double searching = cost([&] { sum = HWY_DYNAMIC_DISPATCH(pointsweep::search_in_cache)(ply.count, kLeaves); });
   const double fitting = cost([&] { normals_in_cache(ply.count); });
-  std::printf("{\"copy\": %.4f, \"sort\": %.4f, \"search\": %.4f, \"normals\": %.4f, \"candidates\": %u, \"check\": %g}\n",
-              copying, sorting, searching, fitting, kLeaves * pointsweep::kLeafCapacity, double(sum));
+  std::printf(
+      "{\"copy\": %.4f, \"sort\": %.4f, \"search\": %.4f, \"normals\": %.4f, \"candidates\": %u, \"check\": %g}\n",
+      copying, sorting, searching, fitting, kLeaves * pointsweep::kLeafCapacity, double(sum));
 }
 #endif

@@ -13,7 +13,8 @@ namespace pointsweep {
 /// Every failure is an Error that names the destination and says what to do (no space left, folder missing, read-only).
 class OutputFile {
  public:
-  /// Throws before anything is written when the destination exists and `overwrite` is false, is a folder, or its folder is missing.
+  /// Throws before anything is written when the destination exists and `overwrite` is false, is a folder, or its folder
+  /// is missing.
   OutputFile(const std::filesystem::path& destination, bool overwrite);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;

@@ -26,9 +26,9 @@ struct FileInfo {
   std::filesystem::path path;
   std::string format;  ///< for people: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
   Schema schema;
-  std::uint64_t count = 0;    ///< points really in the file, never merely what a header claims
-  std::uint64_t bytes = 0;    ///< size of the file
-  std::optional<Box> bounds;  ///< as a header states them: a hint, not to be trusted
+  std::uint64_t count = 0;            ///< points really in the file, never merely what a header claims
+  std::uint64_t bytes = 0;            ///< size of the file
+  std::optional<Box> bounds;          ///< as a header states them: a hint, not to be trusted
   std::vector<std::string> warnings;  ///< what was wrong but harmless, one sentence each
   std::shared_ptr<const FormatExtras> extras;
 };

@@ -20,9 +20,9 @@ namespace pointsweep {
 struct OutputPlan {
   std::filesystem::path path;
   Schema schema;
-  std::uint64_t count = 0;                      ///< exact number of records that will come
-  std::shared_ptr<const FormatExtras> extras;   ///< of the (first) input; null if there is none
-  bool overwrite = false;                       ///< without it an existing file is refused
+  std::uint64_t count = 0;                     ///< exact number of records that will come
+  std::shared_ptr<const FormatExtras> extras;  ///< of the (first) input; null if there is none
+  bool overwrite = false;                      ///< without it an existing file is refused
   /// Box of the finite coordinates. Formats that store integers (LAS) need it where the input is not of that format,
   /// for their scale has to be known before the first record.
   std::optional<Box> bounds = std::nullopt;
@@ -52,8 +52,8 @@ class Writer {
   std::uint64_t bytes_written_ = 0;
 };
 
-/// Chooses the format by the extension of the path (.ply, .las, .xyz, .txt, .csv, .pts, .asc). Throws Error before anything is
-/// written: unknown extension, output exists, folder missing or read-only.
+/// Chooses the format by the extension of the path (.ply, .las, .xyz, .txt, .csv, .pts, .asc). Throws Error before
+/// anything is written: unknown extension, output exists, folder missing or read-only.
 std::unique_ptr<Writer> create_writer(const OutputPlan& plan);
 
 }  // namespace pointsweep

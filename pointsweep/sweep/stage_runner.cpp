@@ -43,7 +43,8 @@ void collect_results(const SweepPlan& plan, const std::byte* const* columns, std
     const std::byte* from = columns[r.column];
     std::byte* to = results.data() + r.offset;
     with_fixed_size(r.bytes, [&](auto bytes) {
-      for (std::size_t i = 0; i < size; ++i) copy_bytes<bytes()>(to + i * plan.result_bytes, from + i * r.bytes, r.bytes);
+      for (std::size_t i = 0; i < size; ++i)
+        copy_bytes<bytes()>(to + i * plan.result_bytes, from + i * r.bytes, r.bytes);
     });
   }
 }

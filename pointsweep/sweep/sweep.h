@@ -31,7 +31,7 @@ struct SweepOptions {
   std::size_t recall_bytes = 64u << 20;  ///< memory for a batch of recalled points
   /// Memory for the cells of the window. They take what they must; lists for later steps only what is left of it.
   std::uint64_t cells_bytes = std::numeric_limits<std::uint64_t>::max();
-  bool count_distances = false;          ///< fill SweepStatistics::distances
+  bool count_distances = false;  ///< fill SweepStatistics::distances
   /// If given, the PointState of every point by input row, as it is once half of the points have been read. The caller
   /// gives it a place for each row of the input.
   std::vector<PointState>* half_way = nullptr;
@@ -56,8 +56,8 @@ struct SweepStatistics {
   /// By step, what waits for it or for its own neighbours: points read, points waiting; last, what is finished and kept
   /// for others. Named after the operators of the step.
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
-  double lifespan_mean = 0, lifespan_max = 0;                   ///< seconds
-  NeighborDistances distances;                                  ///< one count for each finite point, if asked for
+  double lifespan_mean = 0, lifespan_max = 0;  ///< seconds
+  NeighborDistances distances;                 ///< one count for each finite point, if asked for
 };
 
 /// Runs the plan over the whole stream; every point of every slab is handed to `sink` exactly once. Uses all threads of

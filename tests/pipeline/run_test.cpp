@@ -6,8 +6,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/least_eigenentropy.h"
+#include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/normals.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"

@@ -50,8 +50,8 @@ void expect_halves(const CutPoint* points, std::size_t n) {
   std::size_t longest = 0;
   float extent = -1;
   for (std::size_t a = 0; a < 3; ++a) {
-    const auto [lo, hi] = std::minmax_element(
-        points, points + n, [a](const CutPoint& p, const CutPoint& q) { return p.c[a] < q.c[a]; });
+    const auto [lo, hi] =
+        std::minmax_element(points, points + n, [a](const CutPoint& p, const CutPoint& q) { return p.c[a] < q.c[a]; });
     if (hi->c[a] - lo->c[a] > extent) longest = a, extent = hi->c[a] - lo->c[a];
   }
   const std::size_t left = (n / kLeafCapacity + 1) / 2 * kLeafCapacity;
