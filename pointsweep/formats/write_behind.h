@@ -21,13 +21,13 @@ class WriteBehind {
 
   /// Appends whole records: waits for those before, takes these and leaves memory for the next in their place.
   void write(std::vector<std::byte>& records);
+  /// Returns when everything is written that has come.
+  void wait();
   /// Completes the files and gives them their names.
   void finish();
   std::uint64_t bytes_written() const;  ///< after finish()
 
  private:
-  void wait();
-
   std::vector<std::unique_ptr<Writer>> writers_;
   std::vector<std::byte> under_way_;
   std::optional<BackgroundTask> task_;  // last, so that it ends before what it works on

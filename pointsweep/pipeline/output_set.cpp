@@ -94,6 +94,9 @@ void OutputSet::write_filled() {
 void OutputSet::finish(const Cloud& cloud) {
   cloud.require_unchanged();
   if (filled_ != 0) write_filled();
+  // No file gets its name while another may still fail for want of space.
+  points_.wait();
+  for (Array& array : arrays_) array.file.wait();
   points_.finish();
   for (Array& array : arrays_) array.file.finish();
 }

@@ -66,9 +66,19 @@ TEST(WriteBehind, ThrowsAFailureAtTheNextCallAndCompletesNothing) {
     write(), write(), write();
     EXPECT_THROW(write(), std::runtime_error);
     EXPECT_FALSE(a.finished);
-    WriteBehind last;
-    last.add(std::make_unique<Keeper>(a, 250));
-    last.write(records = chunk(1));
+  });
+}
+
+TEST(WriteBehind, FinishThrowsWhatTheLastChunkMet) {
+  with_threads(2, [] {
+    Written a;
+    WriteBehind waited, last;
+    for (WriteBehind* files : {&waited, &last}) {
+      std::vector<std::byte> records = chunk(1);
+      files->add(std::make_unique<Keeper>(a, 50));
+      files->write(records);
+    }
+    EXPECT_THROW(waited.wait(), std::runtime_error);
     EXPECT_THROW(last.finish(), std::runtime_error);
     EXPECT_FALSE(a.finished);
   });
