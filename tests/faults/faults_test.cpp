@@ -72,22 +72,22 @@ TEST_F(Faults, AFullDiskAtAnyOperationLeavesNothing) {
   EXPECT_GT(refused, 5);
 }
 
-TEST_F(Faults, NoOutputAppearsWhileAnotherDoesNotFit) {
+TEST_F(Faults, NoOutputAppearsWhileAnotherCannotBeWritten) {
   constexpr const char* kTwoFiles = "neighbors in.ply out.npy --distances far.npy --threads 2 --quiet";
   EXPECT_EQ(faulty("FAULTS_LOG=.log", kTwoFiles).status, 0);
   std::istringstream lines(contents(folder_ / ".log"));
   std::filesystem::remove(folder_ / ".log");
-  int full = 0;
+  int failed = 0;
   for (std::string at, name, path; lines >> at >> name && std::getline(lines, path);) {
     std::filesystem::remove(folder_ / "out.npy");
     std::filesystem::remove(folder_ / "far.npy");
     if (name != "write") continue;
     SCOPED_TRACE(at);
-    EXPECT_EQ(faulty("FAULTS_KIND=enospc FAULTS_AT=" + at, kTwoFiles).status, 1);
+    EXPECT_EQ(faulty("FAULTS_KIND=eio FAULTS_AT=" + at, kTwoFiles).status, 1);
     EXPECT_EQ(files(), (std::set<std::string>{".err", ".out", "in.ply", "temp"}));
-    ++full;
+    ++failed;
   }
-  EXPECT_GE(full, 2);
+  EXPECT_GE(failed, 2);
 }
 
 TEST_F(Faults, AnErrorOfTheDiskAtAnyOperationLeavesNothing) {
