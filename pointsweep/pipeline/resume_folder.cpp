@@ -135,9 +135,12 @@ void ResumeFolder::save(std::vector<std::byte> bytes, const std::set<std::string
   if (saving_.valid()) saving_.get();
   saving_ = std::async(std::launch::async, [this, bytes = std::move(bytes), names, others = others_than(names)] {
     sync(names);
-    if (removing_) return;
-    write(bytes);
-    holds_work_ = true;
+    {
+      const std::lock_guard lock(removal_);
+      if (removing_) return;
+      write(bytes);
+      holds_work_ = true;
+    }
     std::error_code ignored;
     for (const std::string& name : others) fs::remove(path_ / name, ignored);
   });
@@ -178,15 +181,17 @@ void ResumeFolder::keep_only(const std::set<std::string>& names) const {
   for (const std::string& name : others_than(names)) fs::remove(path_ / name, ignored);
 }
 
-/// The checkpoint goes first: without it nothing in the folder is of use to anybody.
+/// The checkpoint goes first, for good: without it nothing in the folder is of use to anybody.
 void ResumeFolder::remove() {
-  removing_ = true;
   std::error_code ignored;
-  fs::remove(path_ / kCheckpoint, ignored);
+  {
+    const std::lock_guard lock(removal_);
+    removing_ = true;
+    fs::remove(path_ / kCheckpoint, ignored);
+  }
   if (is_saving())  // what is not on the disk yet need not go there
     for (const std::string& name : others_than({})) fs::resize_file(path_ / name, 0, ignored);
   if (saving_.valid()) saving_.wait();
-  fs::remove(path_ / kCheckpoint, ignored);
   keep_only({});
   ::rmdir(path_.c_str());
 }

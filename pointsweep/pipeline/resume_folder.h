@@ -2,10 +2,10 @@
 /// The folder in which a run keeps what it has done, so that another process can go on with it (docs/adr/0008).
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <filesystem>
 #include <future>
+#include <mutex>
 #include <set>
 #include <span>
 #include <string>
@@ -49,7 +49,8 @@ class ResumeFolder {
   std::filesystem::path path_;
   int lock_ = -1;  ///< descriptor of the folder
   bool holds_work_ = false;
-  std::atomic<bool> removing_ = false;
+  std::mutex removal_;     ///< between a checkpoint that gets its name and remove()
+  bool removing_ = false;  ///< no checkpoint gets its name any more
   std::vector<std::byte> saved_;
   std::future<void> saving_;
 };
