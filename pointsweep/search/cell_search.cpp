@@ -9,10 +9,12 @@
 // clang-format on
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <limits>
 
+#include "pointsweep/math/power_of_two.h"
 #include "pointsweep/search/copies.h"
 #include "pointsweep/search/gathered_search.h"
 #include "pointsweep/search/leaf_query-inl.h"
@@ -24,7 +26,8 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep {
 namespace HWY_NAMESPACE {
 
-/// The search of one cell: its leaves in turn, each in groups of as many queries as a vector has lanes.
+/// The search of one cell: its leaves in turn. The queries of a leaf go in groups, as many as a vector has lanes; which
+/// leaves are near, and their coordinates in single precision, serve all groups.
 template <std::size_t K>
 class CellSearch {
  public:
@@ -41,13 +44,12 @@ class CellSearch {
         leaf = end - 1;
         continue;
       }
-      for (std::uint32_t q = 0; q < cell_.leaf_size(leaf); q += static_cast<std::uint32_t>(hn::Lanes(d_))) {
-        search_group(leaf, q);
-      }
+      search_leaf(leaf);
     }
   }
 
  private:
+  static constexpr std::uint32_t kGroup = hn::MaxLanes(Lanes()), kGroups = kLeafCapacity / kGroup;
   static constexpr float kWide = 64;               ///< a leaf so many times as wide as that of the queries
   static constexpr std::size_t kFew = 2 * K + 16;  ///< so many are put in order by insertion
 
@@ -56,23 +58,27 @@ class CellSearch {
     directory_.find(cell_.box, reach2, scratch_.near);
   }
 
-  void search_group(std::uint32_t leaf, std::uint32_t first_query) {
-    const std::uint32_t first = leaf * kLeafCapacity + first_query;
-    const auto queries = std::min(static_cast<std::uint32_t>(hn::Lanes(d_)), cell_.leaf_size(leaf) - first_query);
+  void search_leaf(std::uint32_t leaf) {
+    const std::uint32_t first = leaf * kLeafCapacity, queries = cell_.leaf_size(leaf);
     if (!choose_frame(leaf)) return search_in_double(first, queries);
-    start_group(first);
+    group_count_ = (queries + kGroup - 1) / kGroup;
     packed_.leaves = 0, packed_.farthest = 0;
     take(cell_, slot_, leaf);
-    group_.try_own_leaf(d_, packed_, first_query);
+    for (std::uint32_t g = 0; g < group_count_; ++g) {
+      start(groups_[g], first + g * kGroup);
+      groups_[g].try_own_leaf(d_, packed_, g * kGroup);
+    }
     const auto [begin, end] = branch_around(leaf);
     for (std::uint32_t l = begin; l < end; ++l) {
       if (l == leaf) continue;
       take(cell_, slot_, l);
-      group_.try_last_leaf(d_, packed_);
+      for (std::uint32_t g = 0; g < group_count_; ++g) groups_[g].try_last_leaf(d_, packed_);
     }
+    for (std::uint32_t g = 0; g < group_count_; ++g) bound(g);
     find_leaves(begin, end);
     if (!try_leaves() || packed_.farthest >= kFarthest) return search_in_double(first, queries);
-    settle(first, queries);
+    for (std::uint32_t g = 0; g < group_count_; ++g)
+      settle(groups_[g], first + g * kGroup, std::min(kGroup, queries - g * kGroup));
   }
 
   /// The leaves around a leaf, of the same branch, that hold more than k points: they give a first finite bound.
@@ -97,22 +103,23 @@ class CellSearch {
     }
     if (extent == 0) extent = std::max({cell_.box.extent().x, cell_.box.extent().y, cell_.box.extent().z}) / 64;
     if (extent == 0) extent = 1;
-    const int exponent = std::ilogb(extent);
-    if (exponent < -300 || exponent > 300) return false;
-    leaf_extent_ = std::ldexp(extent, -exponent);
-    frame_ = {query_box_.center(), std::ldexp(1.0, -exponent), std::ldexp(1.0, 2 * exponent)};
+    const double power = power_of_two_below(extent);
+    if (power < 0x1p-300 || power > 0x1p300) return false;
+    const double scale = reciprocal_of_power(power);
+    leaf_extent_ = extent * scale;
+    frame_ = {query_box_.center(), scale, power * power};
     return true;
   }
 
-  void start_group(std::uint32_t first) {
-    group_.x = to_local(d_, cell_.x + first, frame_.center.x, frame_.scale);
-    group_.y = to_local(d_, cell_.y + first, frame_.center.y, frame_.scale);
-    group_.z = to_local(d_, cell_.z + first, frame_.center.z, frame_.scale);
-    group_.selection.start(d_, what_.k);
+  void start(Group<K>& group, std::uint32_t first) {
+    group.x = to_local(d_, cell_.x + first, frame_.center.x, frame_.scale);
+    group.y = to_local(d_, cell_.y + first, frame_.center.y, frame_.scale);
+    group.z = to_local(d_, cell_.z + first, frame_.center.z, frame_.scale);
+    group.selection.start(d_, what_.k);
     const double r = what_.radius * frame_.scale, m = r + 2 * leaf_extent_;
     limited_ = r < kFarthest;
     radius2_ = limited_ ? static_cast<float>(r * r) : kNobody;
-    group_.radius_key = hn::Set(
+    group.radius_key = hn::Set(
         d_, limited_ ? static_cast<float>(r * r * (1 + 2 * kRelativeMargin) + m * m * kAbsoluteMargin) : kNobody);
   }
 
@@ -120,16 +127,22 @@ class CellSearch {
     pack(frame_, cell, slot, leaf, frame_.local(cell, leaf).farthest(), packed_);
   }
 
-  /// Squared distance, in length units, beyond which nobody of the group needs a candidate.
-  double group_reach2() const {
-    const float reach = hn::GetLane(hn::MaxOfLanes(d_, group_.reach(d_, packed_.farthest)));
-    return reach < 0.99f * kNobody ? static_cast<double>(reach) * (1 + 1e-6) * frame_.unscale2
-                                   : std::numeric_limits<double>::infinity();
+  /// Squared distance, in the frame, beyond which nobody of a group needs a candidate.
+  void bound(std::uint32_t g) {
+    limits_[g] = groups_[g].reach(d_, packed_.farthest);
+    group_reach2_[g] = hn::GetLane(hn::MaxOfLanes(d_, limits_[g]));
+  }
+  float farthest_reach2() const { return *std::max_element(group_reach2_, group_reach2_ + group_count_); }
+
+  /// A squared distance in the frame in length units of the file, rounded up.
+  double unscaled(float reach2) const {
+    return reach2 < 0.99f * kNobody ? static_cast<double>(reach2) * (1 + 1e-6) * frame_.unscale2
+                                    : std::numeric_limits<double>::infinity();
   }
 
-  /// Collects the leaves that the group may need, nearest first, but those of its own cell tried already.
+  /// Collects the leaves that somebody may need, nearest first, but those of the own cell tried already.
   void find_leaves(std::uint32_t begin, std::uint32_t end) {
-    const double reach2 = group_reach2();
+    const double reach2 = unscaled(farthest_reach2());
     if (reach2 > reach2_) find_cells(4 * reach2);
     const auto untried = [&](std::uint32_t slot, std::uint32_t l) { return slot != slot_ || l < begin || l >= end; };
     constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
@@ -138,40 +151,49 @@ class CellSearch {
 
   /// Tries the collected leaves until none can matter. False if there are too many.
   bool try_leaves() {
-    double reach2 = group_reach2();
-    Vec limit = group_.reach(d_, packed_.farthest);
+    float reach2 = farthest_reach2();
     for (const std::uint64_t key : scratch_.leaves) {
-      if (NearLeaf::distance2(key) > not_near(reach2)) break;
+      if (NearLeaf::distance2(key) > not_near(unscaled(reach2))) break;
       const std::uint32_t slot = scratch_.near[NearLeaf::place(key)].slot, leaf = NearLeaf::leaf(key);
       const Cell& cell = directory_.cell(slot);
       const LocalBox box = frame_.local(cell, leaf);
-      if (!group_.anyone_reaches(d_, box, limit)) continue;
-      if (packed_.full()) return false;
-      const float others = packed_.farthest, reach = std::sqrt(hn::GetLane(hn::MaxOfLanes(d_, limit)));
-      pack(frame_, cell, slot, leaf, box.farthest(), packed_);
-      if (box.farthest() > kWide)
-        leave_out_beyond(1.001f * (reach + static_cast<float>(leaf_extent_)), others, packed_);
-      group_.try_last_leaf(d_, packed_);
-      limit = group_.reach(d_, packed_.farthest);
-      reach2 = group_reach2();
+      bool taken = false;
+      for (std::uint32_t g = 0; g < group_count_; ++g) {
+        if (!groups_[g].anyone_reaches(d_, box, limits_[g])) continue;
+        if (!taken) {
+          if (packed_.full()) return false;
+          take_within(std::sqrt(reach2), cell, slot, leaf, box.farthest());
+          taken = true;
+        }
+        groups_[g].try_last_leaf(d_, packed_);
+        bound(g);
+      }
+      if (taken) reach2 = farthest_reach2();
     }
     return true;
+  }
+
+  /// Of a leaf much wider than that of the queries only what is within reach.
+  void take_within(float reach, const Cell& cell, std::uint32_t slot, std::uint32_t leaf, float farthest) {
+    const float others = packed_.farthest;
+    pack(frame_, cell, slot, leaf, farthest, packed_);
+    if (farthest > kWide) leave_out_beyond(1.001f * (reach + static_cast<float>(leaf_extent_)), others, packed_);
   }
 
   /// Writes out the lists. Where two keys are too close, the found are put in order by their exact distances; where it
   /// is not even certain who belongs, because the first one out or the radius is too close, the point is settled in
   /// double.
-  void settle(std::uint32_t first, std::uint32_t queries) {
+  void settle(const Group<K>& group, std::uint32_t first, std::uint32_t queries) {
     const Vec nobody = hn::Set(d_, kNobody), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
     const Vec surely_within = hn::Set(d_, limited_ ? radius2_ * (1 - 1e-6f) : kNobody);
     Vec set_unsure = hn::Zero(d_);
     std::uint64_t close_to_next[kLeafCapacity] = {};  // by lane; a bit for each place in the list
     for (std::size_t i = 0; i <= K; ++i) {
-      const Vec key = group_.selection.list[i];
+      const Vec key = group.selection.list[i];
       hn::Store(key, d_, keys_[i]);
       if (i == K) break;
-      const Vec next = group_.selection.list[i + 1];
+      const Vec next = group.selection.list[i + 1];
       const auto real = hn::Lt(key, nobody);
       const auto near = hn::Le(hn::Sub(next, key), hn::MulAdd(next, relative, absolute));
       const auto close = hn::And(hn::Lt(next, nobody), near);
@@ -189,10 +211,10 @@ class CellSearch {
     }
     HWY_ALIGN float set_lane[kLeafCapacity], reach_lane[kLeafCapacity];
     hn::Store(set_unsure, d_, set_lane);
-    hn::Store(group_.reach(d_, packed_.farthest), d_, reach_lane);
+    hn::Store(group.reach(d_, packed_.farthest), d_, reach_lane);
     for (std::uint32_t q = 0; q < queries; ++q) {
       if (set_lane[q] != 0) {
-        settle_in_double(first + q, q, reach_lane[q]);
+        settle_in_double(group, first + q, q, reach_lane[q]);
       } else {
         write_lane(q, reach_lane[q]);
         order_last(first + q, close_to_next[q] >> (K - what_.k));
@@ -207,8 +229,7 @@ class CellSearch {
       number &= kCandidates - 1;
       out_.refs.push_back(packed_.first[number / kLeafCapacity] + number % kLeafCapacity);
     }
-    finish_point(reach < 0.99f * kNobody ? static_cast<double>(reach) * (1 + 1e-6) * frame_.unscale2
-                                         : std::numeric_limits<double>::infinity());
+    finish_point(unscaled(reach));
   }
 
   /// Puts the list written last into exact order: runs of neighbours each of which is close to the next.
@@ -231,17 +252,17 @@ class CellSearch {
   }
 
   /// One query again among the packed candidates, by their exact distances.
-  void settle_in_double(std::uint32_t point, std::uint32_t lane, float reach) {
+  void settle_in_double(const Group<K>& group, std::uint32_t point, std::uint32_t lane, float reach) {
     ++scratch_.settled_in_double;
-    const std::size_t near = find_near(lane, reach);
+    const std::size_t near = find_near(group, lane, reach);
     near <= kFew ? settle_few(point, near) : settle_many(point, near);
   }
 
   /// Notes in near_ all candidates whose key may be as small as that of the last one wanted, and returns how many.
-  std::size_t find_near(std::uint32_t lane, float reach) {
+  std::size_t find_near(const Group<K>& group, std::uint32_t lane, float reach) {
     const float limit = reach * (1 + 2 * kRelativeMargin) + packed_.farthest * packed_.farthest * 2 * kAbsoluteMargin;
     const auto all = [&](Vec v) HWY_ATTR { return hn::Set(d_, lane_of(v, lane)); };
-    return packed_within(d_, packed_, all(group_.x), all(group_.y), all(group_.z), limit, near_.data());
+    return packed_within(d_, packed_, all(group.x), all(group.y), all(group.z), limit, near_.data());
   }
 
   /// Calls use(candidate) with those of near_ that are points, and not the query itself.
@@ -269,7 +290,7 @@ class CellSearch {
   void settle_many(std::uint32_t point, std::size_t near) {
     scratch_.best.start(what_);
     for_each_near(point, near, [&](const Candidate& c) { scratch_.best.offer(c); });
-    write_best();
+    append_best(what_, scratch_, out_);
   }
 
   Candidate candidate(NeighborRef ref, Vec3 p) const {
@@ -283,14 +304,8 @@ class CellSearch {
     for (std::uint32_t q = first; q < first + queries; ++q) {
       ++scratch_.settled_in_double;
       search_point_plainly(directory_, cell_, q, what_, scratch_, reach2_);
-      write_best();
+      append_best(what_, scratch_, out_);
     }
-  }
-
-  void write_best() {
-    const std::vector<Candidate>& found = scratch_.best.finish();
-    for (const Candidate& c : found) out_.refs.push_back(c.ref);
-    finish_point(found.size() == what_.k ? found.back().distance2 : what_.radius2());
   }
 
   void finish_point(double reach2) {
@@ -317,8 +332,11 @@ class CellSearch {
   float radius2_ = 0;
   Box query_box_;
   Frame frame_{};
-  Group<K> group_;
   Packed packed_;
+  Group<K> groups_[kGroups];
+  Vec limits_[kGroups];          ///< of each query: the squared distance, in the frame, beyond which it needs nothing
+  float group_reach2_[kGroups];  ///< the largest of them
+  std::uint32_t group_count_ = 0;
   HWY_ALIGN float keys_[K + 1][kLeafCapacity];
   std::array<std::uint16_t, kCandidates> near_;  ///< numbers of packed candidates
 };

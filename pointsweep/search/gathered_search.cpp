@@ -15,6 +15,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pointsweep/math/front_lanes-inl.h"
 #include "pointsweep/search/copies.h"
 #include "pointsweep/search/near_leaves-inl.h"
 #include "pointsweep/search/plain_search.h"
@@ -64,9 +65,8 @@ class GatheredSearch {
 
   void settle_plainly(std::uint32_t i) {
     search_point_plainly(directory_, cell_, i, what_, scratch_, known2_);
-    const std::vector<Candidate>& found = scratch_.best.finish();
-    for (const Candidate& c : found) out_.refs.push_back(c.ref);
-    finish_point(i, found.size() == what_.k ? found.back().distance2 : what_.radius2());
+    append_best(what_, scratch_, out_);
+    settled(i, out_.reach2.back());
   }
 
   /// Squared distance within which every neighbourhood ends of points at most `step` from the point settled last. The
@@ -156,7 +156,8 @@ class GatheredSearch {
       const auto within = hn::And(hn::Le(d2, limit), hn::FirstN(d, size - i));
       const auto keep = hn::AndNot(hn::Eq(name, own), hn::RebindMask(du, within));
       const auto key = hn::OrAnd(name, hn::BitCast(du, d2), distance_bits);
-      count += hn::CompressStore(key, keep, du, &from.key[count]);
+      hn::StoreU(Front<decltype(du)>(keep)(key), du, &from.key[count]);  // count <= i: a whole vector has room
+      count += hn::CountTrue(du, keep);
     }
     return count;
   }

@@ -24,6 +24,13 @@ void search_point_plainly(const CellDirectory& directory, const Cell& cell, std:
   search_place_plainly(directory, cell, cell.position(i), cell.row[i], what, scratch, reach2);
 }
 
+void append_best(const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out) {
+  const std::vector<Candidate>& found = scratch.best.finish();
+  for (const Candidate& c : found) out.refs.push_back(c.ref);
+  out.reach2.push_back(found.size() == what.k ? found.back().distance2 : what.radius2());
+  out.begin.push_back(static_cast<std::uint32_t>(out.refs.size()));
+}
+
 void search_cell_plainly(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
                          SearchScratch& scratch, CellNeighbors& out) {
   const Cell& cell = directory.cell(slot);
@@ -31,10 +38,7 @@ void search_cell_plainly(const CellDirectory& directory, std::uint32_t slot, con
   directory.find(cell.box, reach2, scratch.near);
   for (std::uint32_t i = 0; i < cell.size(); ++i) {
     search_point_plainly(directory, cell, i, what, scratch, reach2);
-    const std::vector<Candidate>& found = scratch.best.finish();
-    for (const Candidate& c : found) out.refs.push_back(c.ref);
-    out.reach2.push_back(found.size() == what.k ? found.back().distance2 : what.radius2());
-    out.begin.push_back(static_cast<std::uint32_t>(out.refs.size()));
+    append_best(what, scratch, out);
   }
 }
 

@@ -16,6 +16,9 @@ void search_point_plainly(const CellDirectory& directory, const Cell& cell, std:
 void search_place_plainly(const CellDirectory& directory, const Cell& cell, Vec3 place, std::uint64_t self_row,
                           const Neighborhood& what, SearchScratch& scratch, double& reach2);
 
+/// Appends the neighbourhood in scratch.best to `out`, and the squared distance at which it ends.
+void append_best(const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out);
+
 /// As search_cell(), for any k; appends to `out`.
 void search_cell_plainly(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
                          SearchScratch& scratch, CellNeighbors& out);

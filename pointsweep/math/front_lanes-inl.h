@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+/// The chosen lanes of a vector brought to its front. Included once per instruction set.
+#if defined(POINTSWEEP_MATH_FRONT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef POINTSWEEP_MATH_FRONT_LANES_INL_H_
+#undef POINTSWEEP_MATH_FRONT_LANES_INL_H_
+#else
+#define POINTSWEEP_MATH_FRONT_LANES_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+HWY_BEFORE_NAMESPACE();
+namespace pointsweep::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Brings the lanes of a mask to the front of vectors of 32 or 64 bit lanes; what is behind them is unspecified.
+/// Vectors of up to 256 bits by a table: with Highway 1.0.3's own Compress, GCC copies a table onto the stack every
+/// time.
+template <class D>
+class Front {
+  using Numbers = hn::RebindToUnsigned<D>;
+  using Number = hn::TFromD<Numbers>;
+  static constexpr std::size_t kLanes = hn::MaxLanes(D());
+  static constexpr bool kByTable = kLanes > 1 && kLanes * sizeof(Number) <= 32;
+
+  struct Table {
+    using Entry = std::conditional_t<sizeof(Number) == 4, std::uint8_t, Number>;
+    HWY_ALIGN Entry lanes[kByTable ? std::size_t{1} << kLanes : 1][kLanes] = {};
+    constexpr Table() {
+      for (std::size_t mask = 0; kByTable && mask < std::size_t{1} << kLanes; ++mask) {
+        std::size_t n = 0;
+        for (std::size_t l = 0; l < kLanes; ++l) {
+          if (mask >> l & 1) lanes[mask][n++] = static_cast<Entry>(l);
+        }
+      }
+    }
+  };
+  static constexpr Table kTable{};
+
+ public:
+  explicit HWY_INLINE Front(hn::Mask<D> mask) : mask_(mask) {
+    if constexpr (kByTable) {
+      std::uint8_t bits[8] = {};
+      hn::StoreMaskBits(D(), mask, bits);
+      if constexpr (sizeof(Number) == 4)
+        numbers_ = hn::PromoteTo(Numbers(), hn::LoadU(hn::Rebind<std::uint8_t, Numbers>(), kTable.lanes[bits[0]]));
+      else
+        numbers_ = hn::LoadU(Numbers(), kTable.lanes[bits[0]]);
+    }
+  }
+  template <class V>
+  HWY_INLINE V operator()(V v) const {
+    const hn::DFromV<V> d;
+    if constexpr (kByTable)
+      return hn::TableLookupLanes(v, hn::IndicesFromVec(d, numbers_));
+    else
+      return hn::Compress(v, hn::RebindMask(d, mask_));
+  }
+
+ private:
+  hn::Mask<D> mask_;
+  hn::Vec<Numbers> numbers_;
+};
+
+}  // namespace pointsweep::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
