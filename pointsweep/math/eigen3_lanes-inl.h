@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// symmetric3.h in vector lanes, one matrix per lane: the same operations in the same order, hence the same bits for
-/// any number of lanes. Only Add, Sub, Mul, Div and bit operations; never a fused multiply-add. Included once per
+/// any number of lanes. Only Add, Sub, Mul, Div, Sqrt and bit operations; never a fused multiply-add. Included once per
 /// instruction set.
 #if defined(POINTSWEEP_MATH_EIGEN3_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_MATH_EIGEN3_LANES_INL_H_
@@ -12,6 +12,8 @@
 #include <hwy/highway.h>
 
 #include <array>
+#include <cstddef>
+#include <utility>
 
 #include "pointsweep/math/symmetric3.h"
 
@@ -46,123 +48,168 @@ HWY_INLINE V ReciprocalOfPower(D d, V power) {
 }
 
 template <class V>
-HWY_INLINE void Turn(V& a, V& b, V d, V n) {
-  const V turned = hn::Add(hn::Mul(a, d), hn::Mul(b, n));
-  b = hn::Sub(hn::Mul(b, d), hn::Mul(a, n));
-  a = turned;
+HWY_INLINE V Dot(const Vec3Lanes<V>& a, const Vec3Lanes<V>& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+template <class V>
+HWY_INLINE Vec3Lanes<V> Cross(const Vec3Lanes<V>& a, const Vec3Lanes<V>& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
+template <class V>
+HWY_INLINE Vec3Lanes<V> Times(V s, const Vec3Lanes<V>& a) {
+  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
+}
+template <class V>
+HWY_INLINE Vec3Lanes<V> Times(const Symmetric3Lanes<V>& m, const Vec3Lanes<V>& v) {
+  return {Dot({m.xx, m.xy, m.xz}, v), Dot({m.xy, m.yy, m.yz}, v), Dot({m.xz, m.yz, m.zz}, v)};
+}
+template <class V, class M>
+HWY_INLINE Vec3Lanes<V> Choose(M mask, const Vec3Lanes<V>& yes, const Vec3Lanes<V>& no) {
+  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
 }
 
-/// As jacobi::rotate.
+/// The steps of eigen_symmetric3() for one matrix per lane, each made from the one before.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE void Rotate(D tag, V& app, V& aqq, V& apq, V& arp, V& arq, V& q0, V& q1, V& q2, V& q3) {
-  using namespace jacobi;
-  const V difference = hn::Sub(aqq, app);
-  const V twice = hn::Add(apq, apq);
-  const V d_raw = hn::Add(hn::Abs(difference), hn::Set(tag, kFloor));
-  const V e_raw = hn::Abs(twice);
-  const V scale = ReciprocalOfPower(tag, PowerOfTwoBelow(tag, hn::Add(d_raw, e_raw)));
-  const V d = hn::Mul(d_raw, scale), e = hn::Mul(e_raw, scale);
-  const V e2 = hn::Mul(e, e);
-  const V h = hn::Mul(d, hn::Add(d, hn::Mul(hn::Set(tag, kB), e)));
-  const V e_signed = hn::CopySignToAbs(e, hn::Xor(difference, twice));
-  const V n_half = hn::Mul(e_signed, hn::Add(h, hn::Mul(hn::Set(tag, kC), e2)));
-  const V d_half = hn::Add(hn::Mul(hn::Mul(hn::Set(tag, 4.0), d), hn::Add(h, hn::Mul(hn::Set(tag, kC + 0.3125), e2))),
-                           hn::Mul(hn::Mul(hn::Set(tag, kF), e), e2));
+struct ScaledLanes {
+  Symmetric3Lanes<V> m;
+  V size;
 
-  const V dd = hn::Mul(d_half, d_half), nn = hn::Mul(n_half, n_half);
-  const V inverse = hn::Div(hn::Set(tag, 1.0), hn::Add(dd, nn));
-  const V c = hn::Mul(hn::Sub(dd, nn), inverse);
-  const V dn = hn::Mul(d_half, n_half);
-  const V s = hn::Mul(hn::Add(dn, dn), inverse);
+  HWY_INLINE ScaledLanes(D d, const Symmetric3Lanes<V>& a) {
+    const V diagonal = hn::Max(hn::Max(hn::Abs(a.xx), hn::Abs(a.yy)), hn::Abs(a.zz));
+    const V others = hn::Max(hn::Max(hn::Abs(a.xy), hn::Abs(a.xz)), hn::Abs(a.yz));
+    size = PowerOfTwoBelow(d, hn::Max(diagonal, others));
+    const V scale = ReciprocalOfPower(d, size);
+    m = {hn::Mul(a.xx, scale), hn::Mul(a.xy, scale), hn::Mul(a.xz, scale),
+         hn::Mul(a.yy, scale), hn::Mul(a.yz, scale), hn::Mul(a.zz, scale)};
+  }
+};
 
-  const V half = hn::Mul(hn::Set(tag, 0.5), difference);
-  const V w = hn::Sub(hn::Mul(c, apq), hn::Mul(s, half));
-  const V change = hn::Mul(hn::Add(s, s), w);
-  apq = hn::Sub(hn::Mul(c, w), hn::Mul(s, hn::Add(hn::Mul(s, apq), hn::Mul(c, half))));
-  app = hn::Sub(app, change);
-  aqq = hn::Add(aqq, change);
-  const V turned = hn::Sub(hn::Mul(c, arp), hn::Mul(s, arq));
-  arq = hn::Add(hn::Mul(s, arp), hn::Mul(c, arq));
-  arp = turned;
-  Turn(q0, q1, d_half, n_half);
-  Turn(q2, q3, d_half, n_half);
-}
+/// B = (A - mean) / spread and the root of its characteristic polynomial that is well apart.
+template <class D, class V = hn::Vec<D>>
+struct RootLanes {
+  Symmetric3Lanes<V> b;
+  V mean, spread, root;
 
-/// Brings the pair (value, vector) with the smaller value first.
-template <class V>
-HWY_INLINE void Ascend(V& value0, V& value1, Vec3Lanes<V>& a, Vec3Lanes<V>& b) {
-  const auto swap = hn::Lt(value1, value0);
-  const auto exchange = [&](V& p, V& q) HWY_ATTR {
-    const V first = hn::IfThenElse(swap, q, p);
-    q = hn::IfThenElse(swap, p, q);
-    p = first;
-  };
-  exchange(value0, value1);
-  exchange(a.x, b.x);
-  exchange(a.y, b.y);
-  exchange(a.z, b.z);
-}
+  HWY_INLINE RootLanes(D d, const ScaledLanes<D>& scaled) {
+    const Symmetric3Lanes<V>& m = scaled.m;
+    mean = hn::Mul(hn::Add(hn::Add(m.xx, m.yy), m.zz), hn::Set(d, 1.0 / 3));
+    const V dx = hn::Sub(m.xx, mean), dy = hn::Sub(m.yy, mean), dz = hn::Sub(m.zz, mean);
+    const V diagonal2 = Dot<V>({dx, dy, dz}, {dx, dy, dz}), others2 = Dot<V>({m.xy, m.xz, m.yz}, {m.xy, m.xz, m.yz});
+    const V spread2 = hn::Mul(hn::Add(diagonal2, hn::Add(others2, others2)), hn::Set(d, 1.0 / 6));
+    spread = hn::Add(hn::Sqrt(spread2), hn::Set(d, deflation::kFloor));
+    const V inverse = hn::Div(hn::Set(d, 1.0), spread);
+    b = {hn::Mul(dx, inverse), hn::Mul(m.xy, inverse), hn::Mul(m.xz, inverse),
+         hn::Mul(dy, inverse), hn::Mul(m.yz, inverse), hn::Mul(dz, inverse)};
+    const V xx = hn::Sub(hn::Mul(b.yy, b.zz), hn::Mul(b.yz, b.yz));
+    const V xy = hn::Sub(hn::Mul(b.xy, b.zz), hn::Mul(b.yz, b.xz));
+    const V xz = hn::Sub(hn::Mul(b.xy, b.yz), hn::Mul(b.yy, b.xz));
+    const V determinant = hn::Add(hn::Sub(hn::Mul(b.xx, xx), hn::Mul(b.xy, xy)), hn::Mul(b.xz, xz));
+    const V r = hn::Min(hn::Mul(hn::Set(d, 0.5), hn::Abs(determinant)), hn::Set(d, 1.0));
+    root = hn::CopySign(LargestRoot(d, r), determinant);
+  }
 
-/// The iteration of one matrix per lane: the matrix, scaled, and the quaternion (w, x, y, z) of the rotation so far.
-template <class V>
-struct JacobiLanes {
-  V xx, xy, xz, yy, yz, zz, w, x, y, z, size;
+  static HWY_INLINE V LargestRoot(D d, V r) {
+    const auto constant = [&](int i) HWY_ATTR { return hn::Set(d, deflation::kRoot[i]); };
+    V b = constant(5);
+    for (int i = 4; i >= 0; --i) b = hn::Add(constant(i), hn::Mul(r, b));
+    const V f = hn::Sub(hn::Mul(b, hn::Sub(hn::Mul(b, b), hn::Set(d, 3.0))), hn::Add(r, r));
+    const V slope = hn::Mul(hn::Set(d, 3.0), hn::Sub(hn::Mul(b, b), hn::Set(d, 1.0)));
+    const V twice = hn::Add(slope, slope);
+    const V bend = hn::Mul(hn::Mul(hn::Set(d, 6.0), b), f);
+    return hn::Sub(b, hn::Div(hn::Mul(hn::Add(f, f), slope), hn::Sub(hn::Mul(twice, slope), bend)));
+  }
+};
+
+/// The vector of that root, and a basis of the plane across it.
+template <class D, class V = hn::Vec<D>>
+struct BasisLanes {
+  Vec3Lanes<V> v, p, q;
+
+  HWY_INLINE BasisLanes(D d, const RootLanes<D>& r) {
+    const V one = hn::Set(d, 1.0);
+    const V x = hn::Sub(r.b.xx, r.root), y = hn::Sub(r.b.yy, r.root), z = hn::Sub(r.b.zz, r.root);
+    const V xy = r.b.xy, xz = r.b.xz, yz = r.b.yz;
+    const V axx = hn::Sub(hn::Mul(y, z), hn::Mul(yz, yz)), ayy = hn::Sub(hn::Mul(x, z), hn::Mul(xz, xz));
+    const V azz = hn::Sub(hn::Mul(x, y), hn::Mul(xy, xy)), axy = hn::Sub(hn::Mul(xz, yz), hn::Mul(xy, z));
+    const V axz = hn::Sub(hn::Mul(xy, yz), hn::Mul(xz, y)), ayz = hn::Sub(hn::Mul(xy, xz), hn::Mul(x, yz));
+    const V first = hn::Abs(axx), second = hn::Abs(ayy);
+    const auto take_second = hn::Gt(second, first);
+    const V pivot = hn::IfThenElse(take_second, second, first);
+    Vec3Lanes<V> column = Choose(take_second, Vec3Lanes<V>{axy, ayy, ayz}, Vec3Lanes<V>{axx, axy, axz});
+    column = Choose(hn::Gt(hn::Abs(azz), pivot), Vec3Lanes<V>{axz, ayz, azz}, column);
+    v = Times(hn::Div(one, hn::Sqrt(Dot(column, column))), column);
+
+    const V zero = hn::Zero(d), vx = hn::Abs(v.x), vy = hn::Abs(v.y), vz = hn::Abs(v.z);
+    const auto least_x = hn::And(hn::Le(vx, vy), hn::Le(vx, vz)), least_y = hn::Le(vy, vz);
+    const Vec3Lanes<V> of_others =
+        Choose(least_y, Vec3Lanes<V>{hn::Neg(v.z), zero, v.x}, Vec3Lanes<V>{v.y, hn::Neg(v.x), zero});
+    const Vec3Lanes<V> across = Choose(least_x, Vec3Lanes<V>{zero, v.z, hn::Neg(v.y)}, of_others);
+    p = Times(hn::Div(one, hn::Sqrt(Dot(across, across))), across);
+    q = Cross(v, p);
+  }
+};
+
+/// The 2×2 problem in that plane.
+template <class D, class V = hn::Vec<D>>
+struct PairLanes {
+  V value_less, value_greater;
+  Vec3Lanes<V> less, greater;
+
+  HWY_INLINE PairLanes(D d, const ScaledLanes<D>& scaled, const BasisLanes<D>& basis) {
+    const Vec3Lanes<V>&p = basis.p, &q = basis.q;
+    const V half_of = hn::Set(d, 0.5);
+    const Vec3Lanes<V> ap = Times(scaled.m, p), aq = Times(scaled.m, q);
+    const V pp = Dot(p, ap), qq = Dot(q, aq), pq = Dot(p, aq);
+    const V half = hn::Mul(half_of, hn::Sub(pp, qq)), middle = hn::Mul(half_of, hn::Add(pp, qq));
+    const V along = hn::Add(hn::Abs(half), hn::Set(d, deflation::kFloor));
+    const V radius = hn::Sqrt(hn::Add(hn::Mul(along, along), hn::Mul(pq, pq)));
+    const V per_radius = hn::Div(hn::Set(d, 1.0), radius);
+    const V c = hn::Sqrt(hn::Add(half_of, hn::Mul(half_of, hn::Mul(along, per_radius))));
+    const V s = hn::Div(hn::Mul(hn::Mul(half_of, pq), per_radius), c);
+    const auto first = hn::Ge(half, hn::Zero(d));
+    greater = InPlane(p, q, hn::IfThenElse(first, c, s), hn::IfThenElse(first, s, c));
+    less = InPlane(p, q, hn::IfThenElse(first, hn::Neg(s), c), hn::IfThenElse(first, c, hn::Neg(s)));
+    const V apart = hn::Sub(radius, hn::Set(d, deflation::kFloor));
+    value_greater = hn::Mul(hn::Add(middle, apart), scaled.size);
+    value_less = hn::Mul(hn::Sub(middle, apart), scaled.size);
+  }
+
+  static HWY_INLINE Vec3Lanes<V> InPlane(const Vec3Lanes<V>& p, const Vec3Lanes<V>& q, V a, V b) {
+    return {hn::Add(hn::Mul(a, p.x), hn::Mul(b, q.x)), hn::Add(hn::Mul(a, p.y), hn::Mul(b, q.y)),
+            hn::Add(hn::Mul(a, p.z), hn::Mul(b, q.z))};
+  }
 };
 
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE JacobiLanes<V> Begin(D d, const Symmetric3Lanes<V>& m) {
-  const V diagonal = hn::Max(hn::Max(hn::Abs(m.xx), hn::Abs(m.yy)), hn::Abs(m.zz));
-  const V others = hn::Max(hn::Max(hn::Abs(m.xy), hn::Abs(m.xz)), hn::Abs(m.yz));
-  const V size = PowerOfTwoBelow(d, hn::Max(diagonal, others));
-  const V scale = ReciprocalOfPower(d, size);
-  const V zero = hn::Zero(d);
-  return {hn::Mul(m.xx, scale),
-          hn::Mul(m.xy, scale),
-          hn::Mul(m.xz, scale),
-          hn::Mul(m.yy, scale),
-          hn::Mul(m.yz, scale),
-          hn::Mul(m.zz, scale),
-          hn::Set(d, 1.0),
-          zero,
-          zero,
-          zero,
-          size};
+HWY_INLINE Eigen3Lanes<V> Ascending(D d, const ScaledLanes<D>& scaled, const RootLanes<D>& r,
+                                    const BasisLanes<D>& basis, const PairLanes<D>& pair) {
+  const auto largest = hn::Ge(r.root, hn::Zero(d));
+  const V as_root = hn::Mul(hn::Add(r.mean, hn::Mul(r.spread, r.root)), scaled.size);
+  const V as_quotient = hn::Mul(Dot(basis.v, Times(scaled.m, basis.v)), scaled.size);
+  const V last = hn::IfThenElse(hn::Lt(as_root, pair.value_greater), pair.value_greater, as_root);
+  const V first = hn::IfThenElse(hn::Lt(pair.value_less, as_quotient), pair.value_less, as_quotient);
+  return {
+      hn::IfThenElse(largest, pair.value_less, first),   hn::IfThenElse(largest, pair.value_greater, pair.value_less),
+      hn::IfThenElse(largest, last, pair.value_greater), Choose(largest, pair.less, basis.v),
+      Choose(largest, pair.greater, pair.less),          Choose(largest, basis.v, pair.greater)};
 }
 
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE Eigen3Lanes<V> End(D d, const JacobiLanes<V>& j) {
-  const V w = j.w, x = j.x, y = j.y, z = j.z, one = hn::Set(d, 1.0);
-  const V norm2 = hn::Add(hn::Add(hn::Mul(w, w), hn::Mul(x, x)), hn::Add(hn::Mul(y, y), hn::Mul(z, z)));
-  const V t = hn::Div(hn::Set(d, 2.0), norm2);
-  const V tx = hn::Mul(t, x), ty = hn::Mul(t, y), tz = hn::Mul(t, z);
-  const V xx = hn::Mul(tx, x), yy = hn::Mul(ty, y), zz = hn::Mul(tz, z);
-  const V xy = hn::Mul(tx, y), xz = hn::Mul(tx, z), yz = hn::Mul(ty, z);
-  const V wx = hn::Mul(tx, w), wy = hn::Mul(ty, w), wz = hn::Mul(tz, w);
-  Eigen3Lanes<V> out{hn::Mul(j.xx, j.size),
-                     hn::Mul(j.yy, j.size),
-                     hn::Mul(j.zz, j.size),
-                     {hn::Sub(one, hn::Add(yy, zz)), hn::Add(xy, wz), hn::Sub(xz, wy)},
-                     {hn::Sub(xy, wz), hn::Sub(one, hn::Add(xx, zz)), hn::Add(yz, wx)},
-                     {hn::Add(xz, wy), hn::Sub(yz, wx), hn::Sub(one, hn::Add(xx, yy))}};
-  Ascend(out.value0, out.value1, out.vector0, out.vector1);
-  Ascend(out.value0, out.value2, out.vector0, out.vector2);
-  Ascend(out.value1, out.value2, out.vector1, out.vector2);
-  return out;
+template <class D, std::size_t N, std::size_t... I, class V = hn::Vec<D>>
+HWY_INLINE std::array<Eigen3Lanes<V>, N> SolveTogether(D d, const ScaledLanes<D> (&scaled)[N],
+                                                       std::index_sequence<I...>) {
+  const RootLanes<D> roots[N] = {RootLanes<D>(d, scaled[I])...};
+  const BasisLanes<D> bases[N] = {BasisLanes<D>(d, roots[I])...};
+  const PairLanes<D> pairs[N] = {PairLanes<D>(d, scaled[I], bases[I])...};
+  return {Ascending(d, scaled[I], roots[I], bases[I], pairs[I])...};
 }
 
-/// As eigen_symmetric3, for several vectors of matrices at once: a rotation is one long chain of dependent operations,
-/// and only chains that do not depend on each other fill the machine.
+/// As eigen_symmetric3, for several vectors of matrices at once: one alone is a long chain of dependent operations, and
+/// only chains that do not depend on each other fill the machine.
 template <class D, class V = hn::Vec<D>, class... More>
 HWY_INLINE std::array<Eigen3Lanes<V>, sizeof...(More)> EigenSymmetric3(D d, const More&... m) {
-  const auto solve = [d](auto... j) HWY_ATTR -> std::array<Eigen3Lanes<V>, sizeof...(More)> {
-    for (int sweep = 0; sweep < jacobi::kSweeps; ++sweep) {
-      (Rotate(d, j.xx, j.yy, j.xy, j.xz, j.yz, j.w, j.z, j.y, j.x), ...);
-      (Rotate(d, j.xx, j.zz, j.xz, j.xy, j.yz, j.y, j.w, j.z, j.x), ...);
-      (Rotate(d, j.yy, j.zz, j.yz, j.xy, j.xz, j.w, j.x, j.z, j.y), ...);
-    }
-    return {End(d, j)...};
-  };
-  return solve(Begin(d, m)...);
+  const ScaledLanes<D> scaled[] = {ScaledLanes<D>(d, m)...};
+  return SolveTogether(d, scaled, std::make_index_sequence<sizeof...(More)>());
 }
 
 }  // namespace pointsweep::HWY_NAMESPACE

@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: MIT
 /// Symmetric 3×3 matrices and their eigenvectors, of plain IEEE operations: the same bits on every machine.
 ///
-/// Cyclic Jacobi with a fixed number of sweeps. A rotation by θ must annihilate a_pq where tan 2θ = r = 2 a_pq / (a_qq
-/// - a_pp), |2θ| <= π/2. Instead of two square roots it takes the tangent of the half angle from a rational function,
-///   tan(θ/2) = tan(atan(r)/4) ≈ r (1 + b|r| + c r²) / (4 (1 + b|r| + (c + 5/16) r²) + f |r|³),
-/// right to O(r³) at 0 and within 0.17 % everywhere (b, c, f fitted). The half angle makes the rotation exact to
-/// rounding whatever its angle is: with N/D = tan(θ/2), cos θ = (D² - N²)/(D² + N²), sin θ = 2DN/(D² + N²), and (D, N)
-/// is the quaternion of the rotation. (Approximate rotations from half angles and quaternions: McAdams et al.,
-/// "Computing the singular value decomposition of 3×3 matrices with minimal branching", 2011.) The remaining error of a
-/// rotation is a relative one and convergence stays quadratic or better: over 10^6 random matrices, every pattern of
-/// twelve special values and a hill climb for the worst case, off-diagonals after four sweeps were under 1e-16 of the
-/// largest entry. eigen3_lanes-inl.h does the same operations in the same order, one matrix per lane.
+/// In closed form, by deflation. Of three eigenvalues the largest or the smallest is well apart from the other two; the
+/// sign of det(A - tr(A)/3) says which. Its root of the characteristic polynomial is simple, and so is found to
+/// rounding; its vector is the largest column of the adjugate of A - λ. In the plane across it two eigenvalues are left
+/// for a 2×2 problem, which has a stable formula however near they are to each other. So no eigenvalue is computed as a
+/// root that may be double, which is where closed forms lose half their digits. (The same plan with trigonometric
+/// functions: D. Eberly, "A robust eigensolver for 3×3 symmetric matrices", 2014.) eigen3_lanes-inl.h does the same
+/// operations in the same order, one matrix per lane.
 #pragma once
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
-#include <utility>
 
+#include "pointsweep/math/power_of_two.h"
 #include "pointsweep/math/vec3.h"
 
 namespace pointsweep {
@@ -34,65 +29,24 @@ struct Eigen3 {
   std::array<Vec3, 3> vector{};
 };
 
-namespace jacobi {
+namespace deflation {
 
-inline constexpr int kSweeps = 4;
-inline constexpr double kB = 1.24593, kC = 0.77637, kF = 1.876299;
-/// Keeps a rotation between two equal diagonal entries and a zero from being 0/0; far below anything that matters.
+/// 2 cos(acos(r)/3), the largest root of β³ - 3β - 2r, for r in [0, 1]: to 1.3e-6, before a step of Halley's iteration
+/// that makes it right to rounding.
+inline constexpr double kRoot[6] = {1.7320521221176661,  0.33323771303007044,  -0.09505002786486773,
+                                    0.04379925469028466, -0.01793290240031093, 0.0038946032208317916};
+/// Keeps quotients of zeros from being 0/0; far below anything that matters.
 inline constexpr double kFloor = 1e-150;
 
-/// 2^e for x in [2^e, 2^(e+1)), 0 below the normal numbers.
-inline double power_of_two_below(double x) {
-  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & std::uint64_t{0x7ff} << 52);
-}
-/// 1 / power, for a power of two or 0 (then 2^1023).
-inline double reciprocal_of_power(double power) {
-  return std::bit_cast<double>((std::uint64_t{2046} << 52) - std::bit_cast<std::uint64_t>(power));
-}
-
-/// (a, b) of an unnormalised quaternion, turned by (D, N).
-inline void turn(double& a, double& b, double d, double n) {
-  const double turned = a * d + b * n;
-  b = b * d - a * n;
-  a = turned;
+inline double largest_root(double r) {
+  const double b = kRoot[0] + r * (kRoot[1] + r * (kRoot[2] + r * (kRoot[3] + r * (kRoot[4] + r * kRoot[5]))));
+  const double f = b * (b * b - 3) - (r + r);
+  const double slope = 3 * (b * b - 1);
+  const double twice = slope + slope;
+  return b - ((f + f) * slope) / (twice * slope - (6 * b) * f);
 }
 
-/// Annihilates a_pq; r is the third index. (q0, q1) and (q2, q3) are the pairs of quaternion components that the
-/// rotation turns.
-inline void rotate(double& app, double& aqq, double& apq, double& arp, double& arq, double& q0, double& q1, double& q2,
-                   double& q3) {
-  const double difference = aqq - app;
-  const double twice = apq + apq;
-  const double d_raw = std::abs(difference) + kFloor;
-  const double e_raw = std::abs(twice);
-  const double scale = reciprocal_of_power(power_of_two_below(d_raw + e_raw));
-  const double d = d_raw * scale, e = e_raw * scale;
-  const double e2 = e * e;
-  const double h = d * (d + kB * e);
-  const double e_signed = std::signbit(difference) != std::signbit(twice) ? -e : e;
-  const double n_half = e_signed * (h + kC * e2);
-  const double d_half = (4 * d) * (h + (kC + 0.3125) * e2) + (kF * e) * e2;
-
-  const double dd = d_half * d_half, nn = n_half * n_half;
-  const double inverse = 1 / (dd + nn);
-  const double c = (dd - nn) * inverse;
-  const double dn = d_half * n_half;
-  const double s = (dn + dn) * inverse;
-
-  const double half = 0.5 * difference;
-  const double w = c * apq - s * half;
-  const double change = (s + s) * w;
-  apq = c * w - s * (s * apq + c * half);
-  app = app - change;
-  aqq = aqq + change;
-  const double turned = c * arp - s * arq;
-  arq = s * arp + c * arq;
-  arp = turned;
-  turn(q0, q1, d_half, n_half);
-  turn(q2, q3, d_half, n_half);
-}
-
-}  // namespace jacobi
+}  // namespace deflation
 
 /// Entries must be finite and under 2^1022; a matrix whose entries are all under 2^-1022 counts as zero. The error of a
 /// value is a few ulps of the largest; that of a vector is that, divided by the gap to the next value. A zero or
@@ -100,32 +54,63 @@ inline void rotate(double& app, double& aqq, double& apq, double& arp, double& a
 inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   const double largest =
       std::max({std::abs(m.xx), std::abs(m.yy), std::abs(m.zz), std::abs(m.xy), std::abs(m.xz), std::abs(m.yz)});
-  const double size = jacobi::power_of_two_below(largest);
-  const double scale = jacobi::reciprocal_of_power(size);
-  double xx = m.xx * scale, xy = m.xy * scale, xz = m.xz * scale;
-  double yy = m.yy * scale, yz = m.yz * scale, zz = m.zz * scale;
-  double w = 1, x = 0, y = 0, z = 0;
-  for (int sweep = 0; sweep < jacobi::kSweeps; ++sweep) {
-    jacobi::rotate(xx, yy, xy, xz, yz, w, z, y, x);
-    jacobi::rotate(xx, zz, xz, xy, yz, y, w, z, x);
-    jacobi::rotate(yy, zz, yz, xy, xz, w, x, z, y);
-  }
-  const double norm2 = (w * w + x * x) + (y * y + z * z);
-  const double t = 2 / norm2;
-  const double tx = t * x, ty = t * y, tz = t * z;
-  Eigen3 out{{xx * size, yy * size, zz * size},
-             {{{1 - (ty * y + tz * z), tx * y + tz * w, tx * z - ty * w},
-               {tx * y - tz * w, 1 - (tx * x + tz * z), ty * z + tx * w},
-               {tx * z + ty * w, ty * z - tx * w, 1 - (tx * x + ty * y)}}}};
-  const auto ascend = [&out](std::size_t a, std::size_t b) {
-    if (!(out.value[b] < out.value[a])) return;
-    std::swap(out.value[a], out.value[b]);
-    std::swap(out.vector[a], out.vector[b]);
+  const double size = power_of_two_below(largest);
+  const double scale = reciprocal_of_power(size);
+  const double xx = m.xx * scale, xy = m.xy * scale, xz = m.xz * scale;
+  const double yy = m.yy * scale, yz = m.yz * scale, zz = m.zz * scale;
+
+  // B = (A - mean) / spread has trace 0 and eigenvalues 2 cos of angles a third of a turn apart.
+  const double mean = ((xx + yy) + zz) * (1.0 / 3);
+  const double dx = xx - mean, dy = yy - mean, dz = zz - mean;
+  const double diagonal2 = (dx * dx + dy * dy) + dz * dz, others2 = (xy * xy + xz * xz) + yz * yz;
+  const double spread = std::sqrt((diagonal2 + (others2 + others2)) * (1.0 / 6)) + deflation::kFloor;
+  const double inverse = 1 / spread;
+  const double bx = dx * inverse, by = dy * inverse, bz = dz * inverse;
+  const double bxy = xy * inverse, bxz = xz * inverse, byz = yz * inverse;
+  const double determinant = (bx * (by * bz - byz * byz) - bxy * (bxy * bz - byz * bxz)) + bxz * (bxy * byz - by * bxz);
+  const double root = std::copysign(deflation::largest_root(std::min(0.5 * std::abs(determinant), 1.0)), determinant);
+
+  // The adjugate of B - root is a multiple of v v^T.
+  const double sx = bx - root, sy = by - root, sz = bz - root;
+  const double axx = sy * sz - byz * byz, ayy = sx * sz - bxz * bxz, azz = sx * sy - bxy * bxy;
+  const double axy = bxz * byz - bxy * sz, axz = bxy * byz - bxz * sy, ayz = bxy * bxz - sx * byz;
+  Vec3 column{axx, axy, axz};
+  double pivot = std::abs(axx);
+  if (std::abs(ayy) > pivot) column = {axy, ayy, ayz}, pivot = std::abs(ayy);
+  if (std::abs(azz) > pivot) column = {axz, ayz, azz};
+  const double shorten = 1 / std::sqrt((column.x * column.x + column.y * column.y) + column.z * column.z);
+  const Vec3 v{column.x * shorten, column.y * shorten, column.z * shorten};
+
+  // An orthonormal basis of the plane across v. It takes the axis that v is least along, so that a matrix of zeros
+  // along an axis, as a plane or a line across it has, keeps eigenvalues of exactly 0.
+  const double vx = std::abs(v.x), vy = std::abs(v.y), vz = std::abs(v.z);
+  const bool least_x = vx <= vy && vx <= vz, least_y = !least_x && vy <= vz;
+  const Vec3 across = least_x ? Vec3{0, v.z, -v.y} : least_y ? Vec3{-v.z, 0, v.x} : Vec3{v.y, -v.x, 0};
+  const double shorter = 1 / std::sqrt((across.x * across.x + across.y * across.y) + across.z * across.z);
+  const Vec3 p{across.x * shorter, across.y * shorter, across.z * shorter}, q = cross(v, p);
+  const auto times = [&](const Vec3& t) {
+    return Vec3{(xx * t.x + xy * t.y) + xz * t.z, (xy * t.x + yy * t.y) + yz * t.z, (xz * t.x + yz * t.y) + zz * t.z};
   };
-  ascend(0, 1);
-  ascend(0, 2);
-  ascend(1, 2);
-  return out;
+  const Vec3 ap = times(p), aq = times(q);
+  const double pp = dot(p, ap), qq = dot(q, aq), pq = dot(p, aq);
+
+  // The 2×2 problem.
+  const double half = 0.5 * (pp - qq), middle = 0.5 * (pp + qq), along = std::abs(half) + deflation::kFloor;
+  const double radius = std::sqrt(along * along + pq * pq), per_radius = 1 / radius;
+  const double c = std::sqrt(0.5 + 0.5 * (along * per_radius)), s = ((0.5 * pq) * per_radius) / c;
+  const bool first = half >= 0;  // p is nearer to the larger
+  const double gp = first ? c : s, gq = first ? s : c, lp = first ? -s : c, lq = first ? c : -s;
+  const Vec3 greater{gp * p.x + gq * q.x, gp * p.y + gq * q.y, gp * p.z + gq * q.z};
+  const Vec3 less{lp * p.x + lq * q.x, lp * p.y + lq * q.y, lp * p.z + lq * q.z};
+  const double apart = radius - deflation::kFloor;
+  const double value_greater = (middle + apart) * size, value_less = (middle - apart) * size;
+  // As root of the polynomial the largest is right to rounding; as quotient a smallest of 0 is, too.
+  if (root >= 0) {
+    const double value = (mean + spread * root) * size;
+    return {{value_less, value_greater, value < value_greater ? value_greater : value}, {less, greater, v}};
+  }
+  const double value = dot(v, times(v)) * size;
+  return {{value_less < value ? value_less : value, value_less, value_greater}, {v, less, greater}};
 }
 
 }  // namespace pointsweep

@@ -17,49 +17,37 @@ namespace pointsweep::HWY_NAMESPACE {
 
 using Vector = Vec3Lanes<V>;
 using Matrix = Symmetric3Lanes<V>;
-using Normal = std::array<float, 3>;
 
 /// Sums over the neighbours that have a normal; over all of them in `moments`.
 struct Sums {
+  Weighting weighting;
   Matrix moments = ZeroMatrix();           // |N_i| M_i of Equation 1
   Matrix weighted_normals = ZeroMatrix();  // |N_i| C_i of Equation 2
   Matrix normals = ZeroMatrix(), positions = ZeroMatrix();
   Vector position{hn::Zero(Lanes()), hn::Zero(Lanes()), hn::Zero(Lanes())};
   V count = hn::Zero(Lanes());
-  V scale, share, rounding;
 
-  Sums(const Neighborhoods& in, std::size_t first) {
-    const Extents extents(in, first);
-    const Weighting weighting(extents);
-    NeighborChunk offsets, directions;
-    for (std::size_t from = 0; from < extents.most; from += kChunk) {
-      offsets.FetchOffsets(in, first, extents, from);
-      directions.Fetch(extents, from, [&](std::size_t l) HWY_ATTR {
-        return [&in, refs = in.neighbors(std::min(first + l, in.size() - 1))](std::size_t j) HWY_ATTR {
-          const auto n = in.value_of<Normal>(0, refs[j]);
-          return Vec3{n[0], n[1], n[2]};
-        };
-      });
-      for (std::size_t c = 0; c < std::min(kChunk, extents.most - from); ++c) {
-        const Vector offset = offsets.Load(c, weighting.scale);
-        Include(offset, UnitOrZero(directions.Load(c)), weighting.Theta(offset, from + c));
-      }
-    }
-    scale = weighting.scale;
-    rounding = weighting.Rounding(extents);
-    share = hn::Div(weighting.NearestTheta(), hn::Max(weighting.count, hn::Set(Lanes(), 1.0)));
-  }
-
-  HWY_INLINE void Include(const Vector& offset, const Vector& n, V theta) {
+  HWY_INLINE void Include(const Vector& raw, const Vector& direction, std::size_t j) {
     const Lanes d;
+    const Vector offset = weighting.Scaled(raw), n = UnitOrZero(direction);
+    const V theta = weighting.Theta(offset, j);
     AddOuterProduct(moments, theta, offset);
-    const V one = hn::IfThenElseZero(hn::Gt(Dot(n, n), hn::Zero(d)), hn::Set(d, 1.0));  // 0 without a normal
     AddOuterProduct(weighted_normals, theta, n);
-    AddOuterProduct(normals, one, n);
-    AddOuterProduct(positions, one, offset);
-    position = {hn::Add(position.x, hn::Mul(one, offset.x)), hn::Add(position.y, hn::Mul(one, offset.y)),
-                hn::Add(position.z, hn::Mul(one, offset.z))};
-    count = hn::Add(count, one);
+    AddSquares(normals, n);
+    const auto has_normal = hn::Gt(Dot(n, n), hn::Zero(d));
+    const Vector seen{hn::IfThenElseZero(has_normal, offset.x), hn::IfThenElseZero(has_normal, offset.y),
+                      hn::IfThenElseZero(has_normal, offset.z)};
+    AddSquares(positions, seen);
+    position = {hn::Add(position.x, seen.x), hn::Add(position.y, seen.y), hn::Add(position.z, seen.z)};
+    count = hn::Add(count, hn::IfThenElseZero(has_normal, hn::Set(d, 1.0)));
+  }
+  static HWY_INLINE void AddSquares(Matrix& m, const Vector& v) {
+    m.xx = hn::Add(m.xx, hn::Mul(v.x, v.x));
+    m.xy = hn::Add(m.xy, hn::Mul(v.x, v.y));
+    m.xz = hn::Add(m.xz, hn::Mul(v.x, v.z));
+    m.yy = hn::Add(m.yy, hn::Mul(v.y, v.y));
+    m.yz = hn::Add(m.yz, hn::Mul(v.y, v.z));
+    m.zz = hn::Add(m.zz, hn::Mul(v.z, v.z));
   }
 
   /// Of the positions along unit vectors, about their mean, times `count`.
@@ -82,7 +70,8 @@ HWY_INLINE Principal PrincipalCurvatures(const Vector& n, const Sums& sums, cons
   const Vector along = Tangent(n, e.vector1, e.vector0), across = Cross(n, along);
   const V p1 = sums.Covariance(along, along), p2 = sums.Covariance(across, across);
   const V p12 = sums.Covariance(along, across);
-  const V spread = hn::Add(p1, p2), noise = hn::Mul(sums.count, hn::Mul(sums.rounding, sums.rounding));
+  const V rounding = sums.weighting.rounding;
+  const V spread = hn::Add(p1, p2), noise = hn::Mul(sums.count, hn::Mul(rounding, rounding));
   // The determinant over the trace is the smaller eigenvalue, to a factor of two: 0 for points on a line.
   const V determinant = hn::Sub(hn::Mul(p1, p2), hn::Mul(p12, p12));
   const V least = hn::Mul(hn::Add(hn::Mul(hn::Set(d, 1e-12), spread), noise), spread);
@@ -99,9 +88,10 @@ HWY_INLINE void StoreCurvatures(const Principal& p, const Sums& sums, const Eige
   const V zero = hn::Zero(d), most = hn::Set(d, 1e150);  // so that a product is a number; a float holds far less
   const V sum = hn::Add(hn::Add(moments.value0, moments.value1), moments.value2);
   const V variation = hn::IfThenElseZero(hn::Gt(sum, zero), hn::Div(hn::Max(moments.value0, zero), sum));
-  const auto eigenvalue = [&](V v) HWY_ATTR { return hn::Mul(hn::Max(v, zero), sums.share); };
-  const V values[9] = {hn::Min(hn::Mul(p.k1, sums.scale), most),
-                       hn::Min(hn::Mul(p.k2, sums.scale), most),
+  const V share = hn::Div(sums.weighting.NearestTheta(), hn::Max(sums.weighting.count, hn::Set(d, 1.0)));
+  const auto eigenvalue = [&](V v) HWY_ATTR { return hn::Mul(hn::Max(v, zero), share); };
+  const V values[9] = {hn::Min(hn::Mul(p.k1, sums.weighting.scale), most),
+                       hn::Min(hn::Mul(p.k2, sums.weighting.scale), most),
                        p.direction.x,
                        p.direction.y,
                        p.direction.z,
@@ -119,13 +109,33 @@ HWY_INLINE void StoreCurvatures(const Principal& p, const Sums& sums, const Eige
               {lanes[6].of[l], lanes[7].of[l], lanes[8].of[l]}};
 }
 
+struct NormalOf {
+  const Neighborhoods& in;
+  HWY_INLINE auto operator()(std::size_t) const {
+    return [this](NeighborRef ref) HWY_ATTR { return in.vector_of(0, ref); };
+  }
+};
+
 void Curvatures(const Neighborhoods& in, std::size_t first, std::span<PointCurvature> out) {
-  const Lanes d;
-  for (std::size_t from = 0; from < out.size(); from += kLanes) {
-    const Sums sums(in, first + from);
-    const auto e = EigenSymmetric3(d, sums.normals, sums.weighted_normals, sums.moments);
-    const Principal p = PrincipalCurvatures(UnitOrZero(OwnVectors(in, first + from, 0)), sums, e[0]);
-    StoreCurvatures(p, sums, e[2], e[1], out.subspan(from));
+  for (std::size_t done = 0; done < out.size();) {
+    Tile tile(in, first + done, first + out.size());
+    Offsets offsets(tile, {in});
+    const Extents extents(tile, offsets);
+    NeighborVectors<NormalOf> directions(tile, {in});
+    const OwnVectors own(tile, 0);
+    for (std::size_t v = 0; v < tile.vectors; ++v) {
+      Sums sums{Weighting(extents, v)};
+      for (std::size_t from = 0; from < tile.most; from += tile.chunk) {
+        offsets.Hold(from);
+        directions.Hold(from);
+        for (std::size_t c = 0; c < std::min(tile.chunk, tile.most - from); ++c)
+          sums.Include(offsets.Load(v, c), directions.Load(v, c), from + c);
+      }
+      const auto e = EigenSymmetric3(Lanes(), sums.normals, sums.weighted_normals, sums.moments);
+      const Principal p = PrincipalCurvatures(UnitOrZero(own.Load(v)), sums, e[0]);
+      StoreCurvatures(p, sums, e[2], e[1], out.subspan(done + v * kLanes, std::min(kLanes, tile.size - v * kLanes)));
+    }
+    done += tile.size;
   }
 }
 

@@ -30,7 +30,7 @@ double eigenentropy(const Eigen3& eigen) {
 double scale_of(Vec3 farthest) {
   const double largest = std::max({std::abs(farthest.x), std::abs(farthest.y), std::abs(farthest.z)});
   if (!(largest >= kSmallest && largest < 0x1p1022)) return 0;
-  return jacobi::reciprocal_of_power(jacobi::power_of_two_below(largest));
+  return reciprocal_of_power(power_of_two_below(largest));
 }
 
 /// Covariances of p_i and its k nearest neighbours about their mean, for k from `least` to in.count(i).

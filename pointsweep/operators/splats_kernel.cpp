@@ -23,39 +23,106 @@ using Vector = Vec3Lanes<V>;
 
 /// Shape of an ellipse without its size, a point per lane.
 struct Ellipse {
-  Vector major, minor;  // unit, in the tangent plane
+  Vector major;  // unit, in the tangent plane
   V ratio;
+};
 
-  Ellipse(const Vector& normal, const Vector& axis, V flatness) : major(axis), minor(Cross(normal, axis)) {
-    ratio = hn::Min(hn::Max(flatness, hn::Set(Lanes(), kThinnest)), hn::Set(Lanes(), 1.0));
-  }
-  /// Square of the major semi-axis of the ellipse through p_i + offset, projected into its plane.
-  HWY_INLINE V Reach2(const Vector& offset) const {
-    const V along = Dot(offset, major), across = hn::Div(Dot(offset, minor), ratio);
-    return hn::Add(hn::Mul(along, along), hn::Mul(across, across));
+Ellipse MakeEllipse(const Vector& axis, V flatness) {
+  return {axis, hn::Min(hn::Max(flatness, hn::Set(Lanes(), kThinnest)), hn::Set(Lanes(), 1.0))};
+}
+
+/// Of the eigenvectors of M_i.
+HWY_INLINE Ellipse EllipseOfPositions(const Moments& moments, const Vector& normal) {
+  const Lanes d;
+  const Eigen3Lanes<V> e = EigenSymmetric3(d, moments.m)[0];
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
+  const V flatness = hn::Sqrt(hn::Div(hn::Max(e.value1, zero), e.value2));
+  return MakeEllipse(Tangent(normal, e.vector2, e.vector1), hn::IfThenElse(hn::Gt(e.value2, zero), flatness, one));
+}
+
+/// What the points of a tile have of earlier operators.
+struct Own {
+  OwnVectors normals;
+  OwnVectors k1_directions;  // these three are read along ridges only
+  TileArray k1, k2;
+
+  Own(const Tile& tile, bool along_ridges)
+      : normals(tile, 0),
+        k1_directions(tile, along_ridges ? 1 : 0),
+        k1(Number(tile, along_ridges, 2)),
+        k2(Number(tile, along_ridges, 3)) {}
+
+  static TileArray Number(const Tile& tile, bool along_ridges, std::size_t a) {
+    return NumbersOf(tile,
+                     [&](std::size_t i) HWY_ATTR { return along_ridges ? double(tile.in.value<float>(a, i)) : 0; });
   }
 };
 
-/// The eight least of what each lane is shown, ascending.
-struct Least {
-  V least[kHeld], seen;
+/// Along the direction of least curvature where there is one, else of the eigenvectors of M_i.
+HWY_INLINE Ellipse EllipseOfCurvature(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v,
+                                      const Own& own, const Vector& normal) {
+  const V zero = hn::Zero(Lanes()), k1 = own.k1.Load(v), k2 = own.k2.Load(v);
+  const Vector axis = UnitOrZero(Cross(normal, UnitOrZero(own.k1_directions.Load(v))));
+  const Ellipse ridge = MakeEllipse(axis, hn::Sqrt(hn::Div(k2, k1)));
+  const auto found = hn::And(hn::Gt(Dot(axis, axis), zero), hn::And(hn::Gt(k1, zero), hn::Ge(k2, zero)));
+  if (hn::AllTrue(Lanes(), found)) return ridge;
+  const Ellipse otherwise = EllipseOfPositions(SumMoments(tile, extents, offsets, v), normal);
+  return {Choose(found, ridge.major, otherwise.major), hn::IfThenElse(found, ridge.ratio, otherwise.ratio)};
+}
 
-  Least() : seen(hn::Zero(Lanes())) {
+/// Squares of the major semi-axes of the ellipses through the neighbours, projected into the plane of the ellipse. Only
+/// those greater than 0 count.
+struct Reaches {
+  V scale;
+  Vector major, across;  // across: the minor axis over the ratio
+  V seen = hn::Zero(Lanes());
+
+  Reaches(const Ellipse& ellipse, const Vector& normal, V power)
+      : scale(power),
+        major(ellipse.major),
+        across(Times(hn::Div(hn::Set(Lanes(), 1.0), ellipse.ratio), Cross(normal, ellipse.major))) {}
+
+  /// The next one, `otherwise` where it does not count.
+  HWY_INLINE V Next(const Vector& raw, V otherwise) {
+    const Lanes d;
+    const Vector offset = Times(scale, raw);
+    const V a = Dot(offset, major), b = Dot(offset, across);
+    const V reach2 = hn::Add(hn::Mul(a, a), hn::Mul(b, b));
+    const auto counts = hn::Gt(reach2, hn::Zero(d));
+    seen = hn::Add(seen, hn::IfThenElseZero(counts, hn::Set(d, 1.0)));
+    return hn::IfThenElse(counts, reach2, otherwise);
+  }
+  V Held() const { return hn::Min(seen, hn::Set(Lanes(), double(kHeld))); }
+};
+
+/// The greatest of all, where no point has more than are to be held.
+struct Greatest : Reaches {
+  V greatest;
+
+  Greatest(const Ellipse& ellipse, const Vector& normal, V power) : Reaches(ellipse, normal, power) {
+    greatest = hn::Zero(Lanes());
+  }
+  HWY_INLINE void Include(const Vector& raw, std::size_t) {
+    greatest = hn::Max(greatest, Next(raw, hn::Zero(Lanes())));
+  }
+  V Last() const { return greatest; }
+};
+
+/// The eight least of all, ascending.
+struct Least : Reaches {
+  V least[kHeld];
+
+  Least(const Ellipse& ellipse, const Vector& normal, V power) : Reaches(ellipse, normal, power) {
     for (V& v : least) v = hn::Set(Lanes(), std::numeric_limits<double>::infinity());
   }
-  /// Only what is greater than 0 counts.
-  HWY_INLINE void Show(V value) {
-    const Lanes d;
-    const auto counts = hn::Gt(value, hn::Zero(d));
-    V carried = hn::IfThenElse(counts, value, hn::Set(d, std::numeric_limits<double>::infinity()));
-    seen = hn::Add(seen, hn::IfThenElseZero(counts, hn::Set(d, 1.0)));
+  HWY_INLINE void Include(const Vector& raw, std::size_t) {
+    V carried = Next(raw, hn::Set(Lanes(), std::numeric_limits<double>::infinity()));
     for (V& v : least) {
       const V smaller = hn::Min(v, carried);
       carried = hn::Max(v, carried);
       v = smaller;
     }
   }
-  V Held() const { return hn::Min(seen, hn::Set(Lanes(), double(kHeld))); }
   /// The greatest of those held.
   V Last() const {
     V last = least[0];
@@ -64,47 +131,6 @@ struct Least {
     return last;
   }
 };
-
-/// Of the eigenvectors of M_i.
-HWY_INLINE Ellipse EllipseOfPositions(const Neighborhoods& in, std::size_t first, const Extents& extents,
-                                      const Weighting& weighting, const Vector& normal) {
-  const Lanes d;
-  Symmetric3Lanes<V> moments = ZeroMatrix();
-  ForNeighbors(in, first, extents, weighting.scale, [&](const Vector& offset, std::size_t j) HWY_ATTR {
-    AddOuterProduct(moments, weighting.Theta(offset, j), offset);
-  });
-  const Eigen3Lanes<V> e = EigenSymmetric3(d, moments)[0];
-  const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
-  const V flatness = hn::Sqrt(hn::Div(hn::Max(e.value1, zero), e.value2));
-  return {normal, Tangent(normal, e.vector2, e.vector1), hn::IfThenElse(hn::Gt(e.value2, zero), flatness, one)};
-}
-
-/// The direction of least curvature, where `found`.
-struct Ridge {
-  Vector axis;
-  V flatness;
-  hn::Mask<Lanes> found;
-
-  Ridge(const Neighborhoods& in, std::size_t first, const Vector& normal) {
-    const auto own = [&](std::size_t a) HWY_ATTR {
-      return OwnNumbers(in, first, [&](std::size_t i) HWY_ATTR { return double(in.value<float>(a, i)); });
-    };
-    const V zero = hn::Zero(Lanes()), k1 = own(2), k2 = own(3);
-    axis = UnitOrZero(Cross(normal, UnitOrZero(OwnVectors(in, first, 1))));
-    flatness = hn::Sqrt(hn::Div(k2, k1));
-    found = hn::And(hn::Gt(Dot(axis, axis), zero), hn::And(hn::Gt(k1, zero), hn::Ge(k2, zero)));
-  }
-};
-
-/// Along the ridge where there is one.
-HWY_INLINE Ellipse EllipseOfCurvature(const Neighborhoods& in, std::size_t first, const Extents& extents,
-                                      const Weighting& weighting, const Vector& normal) {
-  const Ridge ridge(in, first, normal);
-  if (hn::AllTrue(Lanes(), ridge.found)) return {normal, ridge.axis, ridge.flatness};
-  const Ellipse otherwise = EllipseOfPositions(in, first, extents, weighting, normal);
-  return {normal, Choose(ridge.found, ridge.axis, otherwise.major),
-          hn::IfThenElse(ridge.found, ridge.flatness, otherwise.ratio)};
-}
 
 void StoreSplats(const Ellipse& ellipse, V length, std::span<PointSplat> out) {
   const Lanes d;
@@ -117,23 +143,37 @@ void StoreSplats(const Ellipse& ellipse, V length, std::span<PointSplat> out) {
   }
 }
 
-void FitSplats(const Neighborhoods& in, std::size_t first, bool along_ridges, std::span<PointSplat> out) {
+/// The ellipses of a vector of points, as large as the neighbours they hold ask for.
+template <class Kept>
+HWY_INLINE void StoreFitted(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v,
+                            const Ellipse& ellipse, const Vector& normal, std::span<PointSplat> out) {
   const Lanes d;
-  for (std::size_t from = 0; from < out.size(); from += kLanes) {
-    const std::size_t at = first + from;
-    const Extents extents(in, at);
-    const Weighting weighting(extents);
-    const Vector normal = UnitOrZero(OwnVectors(in, at, 0));
-    const Ellipse ellipse = along_ridges ? EllipseOfCurvature(in, at, extents, weighting, normal)
-                                         : EllipseOfPositions(in, at, extents, weighting, normal);
-    Least least;
-    ForNeighbors(in, at, extents, weighting.scale,
-                 [&](const Vector& offset, std::size_t) HWY_ATTR { least.Show(ellipse.Reach2(offset)); });
-    const V held = least.Held();
-    const V fitted = hn::Sqrt(hn::Mul(least.Last(), hn::Div(hn::Set(d, double(kHeld)), held)));
-    const auto found = hn::And(hn::Gt(held, hn::Zero(d)), hn::Gt(Dot(normal, normal), hn::Zero(d)));
-    const V unscale = PowerOfTwoBelow(d, extents.largest.Load());
-    StoreSplats(ellipse, hn::IfThenElseZero(found, hn::Mul(fitted, unscale)), out.subspan(from));
+  const V power = PowerOfTwoBelow(d, extents.largest.Load(v));
+  Kept kept(ellipse, normal, ReciprocalOfPower(d, power));
+  ForNeighbors(tile, offsets, v, kept);
+  const V held = kept.Held();
+  const V fitted = hn::Sqrt(hn::Mul(kept.Last(), hn::Div(hn::Set(d, double(kHeld)), held)));
+  const auto found = hn::And(hn::Gt(held, hn::Zero(d)), hn::Gt(Dot(normal, normal), hn::Zero(d)));
+  StoreSplats(ellipse, hn::IfThenElseZero(found, hn::Mul(fitted, power)), out);
+}
+
+void FitSplats(const Neighborhoods& in, std::size_t first, bool along_ridges, std::span<PointSplat> out) {
+  for (std::size_t done = 0; done < out.size();) {
+    Tile tile(in, first + done, first + out.size());
+    Offsets offsets(tile, {in});
+    const Extents extents(tile, offsets);
+    const Own own(tile, along_ridges);
+    for (std::size_t v = 0; v < tile.vectors; ++v) {
+      const Vector normal = UnitOrZero(own.normals.Load(v));
+      const Ellipse ellipse = along_ridges ? EllipseOfCurvature(tile, extents, offsets, v, own, normal)
+                                           : EllipseOfPositions(SumMoments(tile, extents, offsets, v), normal);
+      const auto rest = out.subspan(done + v * kLanes, std::min(kLanes, tile.size - v * kLanes));
+      if (tile.most <= kHeld)
+        StoreFitted<Greatest>(tile, extents, offsets, v, ellipse, normal, rest);
+      else
+        StoreFitted<Least>(tile, extents, offsets, v, ellipse, normal, rest);
+    }
+    done += tile.size;
   }
 }
 

@@ -14,33 +14,23 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-template <class V>
-HWY_INLINE V Dot(const Vec3Lanes<V>& a, const Vec3Lanes<V>& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-template <class V>
-HWY_INLINE Vec3Lanes<V> Cross(const Vec3Lanes<V>& a, const Vec3Lanes<V>& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
-template <class V>
-HWY_INLINE Vec3Lanes<V> Times(V s, const Vec3Lanes<V>& a) {
-  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
-}
-template <class V, class M>
-HWY_INLINE Vec3Lanes<V> Choose(M mask, const Vec3Lanes<V>& yes, const Vec3Lanes<V>& no) {
-  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
-}
-
-/// v / |v|, or 0 where v is 0 or not finite.
+/// v / |v|, or 0 where v is 0 or not finite. Of vectors whose squared length 1 + e is near 1, as stored unit vectors
+/// are, 1 / |v| is 1 - e/2 + 3e²/8 to rounding.
 template <class V>
 HWY_INLINE Vec3Lanes<V> UnitOrZero(const Vec3Lanes<V>& v) {
   const hn::DFromV<V> d;
-  const V size = hn::Sqrt(Dot(v, v));
-  const auto direction = hn::And(hn::Gt(size, hn::Zero(d)), hn::IsFinite(size));
-  const V inverse = hn::Div(hn::Set(d, 1.0), size);
-  return {hn::IfThenElseZero(direction, hn::Mul(inverse, v.x)), hn::IfThenElseZero(direction, hn::Mul(inverse, v.y)),
-          hn::IfThenElseZero(direction, hn::Mul(inverse, v.z))};
+  const V one = hn::Set(d, 1.0), length2 = Dot(v, v);
+  const V e = hn::Sub(length2, one);
+  const auto near_unit = hn::Lt(hn::Abs(e), hn::Set(d, 0x1p-18));
+  V inverse = hn::Sub(one, hn::Mul(e, hn::Sub(hn::Set(d, 0.5), hn::Mul(hn::Set(d, 0.375), e))));
+  if (!hn::AllTrue(d, near_unit)) {
+    const V size = hn::Sqrt(length2);
+    const auto direction = hn::And(hn::Gt(size, hn::Zero(d)), hn::IsFinite(size));
+    inverse = hn::IfThenElse(near_unit, inverse, hn::Div(one, size));
+    return {hn::IfThenElseZero(direction, hn::Mul(inverse, v.x)), hn::IfThenElseZero(direction, hn::Mul(inverse, v.y)),
+            hn::IfThenElseZero(direction, hn::Mul(inverse, v.z))};
+  }
+  return Times(inverse, v);
 }
 
 /// The unit tangent of the plane with unit normal n that goes along `along` and across `across`. These two are unit and
@@ -57,7 +47,7 @@ HWY_INLINE Vec3Lanes<V> Tangent(const Vec3Lanes<V>& n, const Vec3Lanes<V>& along
 /// u^T m v
 template <class V>
 HWY_INLINE V BilinearForm(const Symmetric3Lanes<V>& m, const Vec3Lanes<V>& u, const Vec3Lanes<V>& v) {
-  return Dot(u, Vec3Lanes<V>{Dot({m.xx, m.xy, m.xz}, v), Dot({m.xy, m.yy, m.yz}, v), Dot({m.xz, m.yz, m.zz}, v)});
+  return Dot(u, Times(m, v));
 }
 
 }  // namespace pointsweep::HWY_NAMESPACE

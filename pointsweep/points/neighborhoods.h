@@ -82,6 +82,11 @@ class Neighborhoods {
   T value_of(std::size_t a, NeighborRef ref) const {
     return load<T>(slots_[slot_of(ref)].columns[reads_neighbors_[a]], index_of(ref));
   }
+  /// Attributes of three floats as a vector, of a point and of any neighbour.
+  Vec3 vector(std::size_t a, std::size_t i) const { return load_vector(own_.columns[reads_[a]], i); }
+  Vec3 vector_of(std::size_t a, NeighborRef ref) const {
+    return load_vector(slots_[slot_of(ref)].columns[reads_neighbors_[a]], index_of(ref));
+  }
 
  private:
   Vec3 position_in(const PointColumns& c, std::size_t i) const {
@@ -94,6 +99,11 @@ class Neighborhoods {
     T v;
     std::memcpy(&v, column + i * sizeof(T), sizeof(T));
     return v;
+  }
+
+  /// One float at a time: what is copied as a whole goes through memory on its way into a vector.
+  static Vec3 load_vector(const std::byte* column, std::size_t i) {
+    return {load<float>(column, 3 * i), load<float>(column, 3 * i + 1), load<float>(column, 3 * i + 2)};
   }
 
   PointColumns own_;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pointsweep/math/exp.h"
+#include "pointsweep/math/power_of_two.h"
 #include "pointsweep/math/symmetric3.h"
 #include "pointsweep/math/vec3.h"
 
@@ -51,7 +52,7 @@ inline std::array<float, 3> scalar_normal(std::span<const Vec3> points, std::siz
   const Vec3 p = points[i], far = points[neighbors.back()] - p;
   const auto magnitude = [](Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); };
   if (!(magnitude(far) >= 0x1p-1022 && magnitude(far) < 0x1p1022)) return {};
-  const double scale = jacobi::reciprocal_of_power(jacobi::power_of_two_below(magnitude(far)));
+  const double scale = reciprocal_of_power(power_of_two_below(magnitude(far)));
   const auto length2 = [](Vec3 v) { return (v.x * v.x + v.y * v.y) + v.z * v.z; };
   Vec3 near;
   for (std::size_t j = 0; near == Vec3{}; ++j) near = points[neighbors[j]] - p;

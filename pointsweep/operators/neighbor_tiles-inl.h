@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+/// Points and their neighbours in vector lanes, a point per lane, a tile of points at a time. Included once per
+/// instruction set.
+///
+/// What belongs to a tile is fetched point by point into arrays first and read as vectors afterwards: a vector that is
+/// read just after its numbers were written one by one would have to wait for them.
+#if defined(POINTSWEEP_OPERATORS_NEIGHBOR_TILES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef POINTSWEEP_OPERATORS_NEIGHBOR_TILES_INL_H_
+#undef POINTSWEEP_OPERATORS_NEIGHBOR_TILES_INL_H_
+#else
+#define POINTSWEEP_OPERATORS_NEIGHBOR_TILES_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstddef>
+
+#include "pointsweep/math/eigen3_lanes-inl.h"
+#include "pointsweep/points/neighborhoods.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pointsweep::HWY_NAMESPACE {
+
+using Lanes = hn::ScalableTag<double>;
+using V = hn::Vec<Lanes>;
+constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
+
+/// One number for each lane.
+struct LaneArray {
+  HWY_ALIGN double of[kLanes];
+};
+
+constexpr std::size_t kTilePoints = 32;  // at most
+static_assert(kTilePoints % kLanes == 0 && kLanes <= 8);
+
+/// Successive points of a batch, as many as have room for all their neighbours; of more than 64 neighbours a vector's
+/// worth, a part of the neighbours at a time.
+struct Tile {
+  static constexpr std::size_t kRoom = 512;
+
+  const Neighborhoods& in;
+  std::size_t first, size, vectors;
+  std::size_t stride;  // from a neighbour to the next one of the same point
+  std::size_t chunk;   // neighbours of a point there is room for
+  std::size_t most = 0;
+  std::size_t count[kTilePoints];  // |N_i|; 0 behind the last point
+
+  Tile(const Neighborhoods& in_, std::size_t first_, std::size_t end) : in(in_), first(first_) {
+    for (std::size_t l = 0; l < kTilePoints; ++l) {
+      count[l] = first + l < end ? in.count(first + l) : 0;
+      most = std::max(most, count[l]);
+    }
+    stride = most <= 16 ? 32 : most <= 32 ? 16 : most <= 64 ? 8 : kLanes;
+    size = std::min(stride, end - first);
+    most = *std::max_element(count, count + size);
+    vectors = (size + kLanes - 1) / kLanes;
+    chunk = kRoom / stride;
+  }
+};
+
+/// One number for each point of a tile.
+struct TileArray {
+  HWY_ALIGN double of[kTilePoints];
+  V Load(std::size_t vector) const { return hn::Load(Lanes(), of + vector * kLanes); }
+};
+
+/// number(i) of each point of a tile; 0 behind the last.
+template <class Number>
+HWY_INLINE TileArray NumbersOf(const Tile& tile, Number number) {
+  TileArray numbers;
+  for (std::size_t l = 0; l < tile.vectors * kLanes; ++l) numbers.of[l] = l < tile.size ? number(tile.first + l) : 0;
+  return numbers;
+}
+
+/// Attribute `a` of the points of a tile, three numbers each.
+struct OwnVectors {
+  TileArray x, y, z;
+
+  OwnVectors(const Tile& tile, std::size_t a) {
+    for (std::size_t l = 0; l < tile.vectors * kLanes; ++l) {
+      Vec3 v;
+      if (l < tile.size) v = tile.in.vector(a, tile.first + l);
+      x.of[l] = v.x, y.of[l] = v.y, z.of[l] = v.z;
+    }
+  }
+  Vec3Lanes<V> Load(std::size_t vector) const { return {x.Load(vector), y.Load(vector), z.Load(vector)}; }
+};
+
+/// Vectors that belong to the neighbours of a tile, transposed: of(i)(ref) of the neighbours of each point i in turn; 0
+/// behind a point's last.
+template <class OfNeighbor>
+class NeighborVectors {
+ public:
+  NeighborVectors(const Tile& tile, OfNeighbor of) : tile_(tile), of_(of) { Fetch(0); }
+  /// Makes sure that those from the `from`-th neighbour on are there.
+  HWY_INLINE void Hold(std::size_t from) {
+    if (from != from_) Fetch(from);
+  }
+  /// The c-th of those held.
+  HWY_INLINE Vec3Lanes<V> Load(std::size_t vector, std::size_t c) const {
+    const Lanes d;
+    const std::size_t at = c * tile_.stride + vector * kLanes;
+    return {hn::Load(d, x_ + at), hn::Load(d, y_ + at), hn::Load(d, z_ + at)};
+  }
+  /// That of the c-th held of point l of the tile.
+  Vec3 Of(std::size_t l, std::size_t c) const {
+    const std::size_t at = c * tile_.stride + l;
+    return {x_[at], y_[at], z_[at]};
+  }
+  /// All 0 for point l.
+  void Clear(std::size_t l) {
+    for (std::size_t at = l; at < Tile::kRoom; at += tile_.stride) x_[at] = y_[at] = z_[at] = 0;
+  }
+
+ private:
+  void Fetch(std::size_t from) {
+    from_ = from;
+    const std::size_t stride = tile_.stride, wanted = std::min(tile_.chunk, tile_.most - from);
+    for (std::size_t l = 0; l < tile_.vectors * kLanes; ++l) {
+      const std::size_t k = tile_.count[l];
+      const std::size_t have = std::min(wanted, k - std::min(from, k));
+      std::size_t at = l;
+      if (have > 0) {
+        const NeighborRef* refs = tile_.in.neighbors(tile_.first + l) + from;
+        const auto vector = of_(tile_.first + l);
+        for (std::size_t c = 0; c < have; ++c, at += stride) {
+          const Vec3 v = vector(refs[c]);
+          x_[at] = v.x, y_[at] = v.y, z_[at] = v.z;
+        }
+      }
+      for (std::size_t c = have; c < wanted; ++c, at += stride) x_[at] = y_[at] = z_[at] = 0;
+    }
+  }
+
+  const Tile& tile_;
+  OfNeighbor of_;
+  std::size_t from_ = 0;
+  HWY_ALIGN double x_[Tile::kRoom];
+  HWY_ALIGN double y_[Tile::kRoom];
+  HWY_ALIGN double z_[Tile::kRoom];
+};
+
+/// p_j - p_i
+struct OffsetOf {
+  const Neighborhoods& in;
+  HWY_INLINE auto operator()(std::size_t i) const {
+    return [this, p = in.position(i)](NeighborRef ref) HWY_ATTR { return in.position_of(ref) - p; };
+  }
+};
+using Offsets = NeighborVectors<OffsetOf>;
+
+/// Calls state.Include(offset, j) with the offsets of the j-th neighbours of a vector of points, for all j in turn.
+template <class State>
+HWY_INLINE void ForNeighbors(const Tile& tile, Offsets& offsets, std::size_t vector, State& state) {
+  for (std::size_t from = 0; from < tile.most; from += tile.chunk) {
+    offsets.Hold(from);
+    for (std::size_t c = 0; c < std::min(tile.chunk, tile.most - from); ++c)
+      state.Include(offsets.Load(vector, c), from + c);
+  }
+}
+
+}  // namespace pointsweep::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
