@@ -84,10 +84,13 @@ const CellNeighbors& CellRunner::lists_of(std::uint32_t slot, Worker& worker) co
 void CellRunner::refer(WindowCell& cell, const CellNeighbors& lists, Worker& worker) const {
   std::vector<std::uint32_t>& slots = worker.named;
   slots.clear();
+  std::uint32_t last = ~0u, before = ~0u;  // most neighbours are in one of two cells
   for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
     if (cell.is_deferred(i)) continue;
     for (std::uint32_t j = lists.begin[i]; j < lists.begin[i + 1]; ++j) {
       const std::uint32_t other = slot_of(lists.refs[j]);
+      if (other == last || other == before) continue;
+      before = last, last = other;
       if (other >= worker.is_named.size()) worker.is_named.resize(other + 1, false);
       if (!worker.is_named[other]) slots.push_back(other);
       worker.is_named[other] = true;
