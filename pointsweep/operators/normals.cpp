@@ -19,11 +19,11 @@ Normal flipped(Normal n, bool flip) {
   return {sign * n[0] + 0.0f, sign * n[1] + 0.0f, sign * n[2] + 0.0f};
 }
 
+/// The first of its largest components positive. Without branches, which would go either way.
 Normal canonical(Normal n) {
-  std::size_t largest = 0;
-  for (const std::size_t c : {1u, 2u})
-    if (std::abs(n[c]) > std::abs(n[largest])) largest = c;
-  return flipped(n, n[largest] < 0);
+  float largest = n[0];
+  for (const std::size_t c : {1u, 2u}) largest = std::abs(n[c]) > std::abs(largest) ? n[c] : largest;
+  return flipped(n, largest < 0);
 }
 
 double dot(Normal n, Vec3 v) { return pointsweep::dot({n[0], n[1], n[2]}, v); }

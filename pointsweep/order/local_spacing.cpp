@@ -2,6 +2,7 @@
 #include "pointsweep/order/local_spacing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace pointsweep {
@@ -15,7 +16,7 @@ constexpr int kSparser = 4;          ///< levels that a sparse place is above th
 constexpr std::size_t kLeast = 8;    ///< sample points in sparse places that make these worth a look
 constexpr double kFarAway = 0x1p60;  ///< in sides of the root cube
 
-std::uint64_t spread(std::uint64_t v) {
+constexpr std::uint64_t spread(std::uint64_t v) {
   v = (v | v << 32) & 0x1f00000000ffff;
   v = (v | v << 16) & 0x1f0000ff0000ff;
   v = (v | v << 8) & 0x100f00f00f00f00f;
@@ -120,8 +121,17 @@ void LocalSpacing::find_sparse_places(const std::vector<int>& levels, const std:
 bool LocalSpacing::is_sparse(Vec3 p) const {
   if (!has_sparse_places()) return false;
   if (!inside(p)) return level_outside(p) <= sparse_level_;
-  const std::uint64_t code = code_of(p), cube = code / codes_of_cube(kTableLevels);
-  const auto run = std::upper_bound(begin_.begin() + first_[cube] + 1, begin_.begin() + first_[cube + 1] + 1, code);
+  // Most cubes of the table are all of one kind, and then the rest of the code does not matter.
+  static constexpr auto kSpread = [] {
+    std::array<std::uint32_t, 1 << kTableLevels> spreads{};
+    for (std::uint64_t v = 0; v < spreads.size(); ++v) spreads[v] = static_cast<std::uint32_t>(spread(v));
+    return spreads;
+  }();
+  const auto leading = [&](int axis) { return kSpread[index(p, axis) >> (kLevels - kTableLevels)]; };
+  const std::uint32_t cube = leading(0) | leading(1) << 1 | leading(2) << 2;
+  const std::uint32_t first = first_[cube], last = first_[cube + 1];
+  if (first == last) return first % 2 == 1;
+  const auto run = std::upper_bound(begin_.begin() + first + 1, begin_.begin() + last + 1, code_of(p));
   return (run - begin_.begin()) % 2 == 0;
 }
 
@@ -130,12 +140,13 @@ bool LocalSpacing::inside(Vec3 p) const {
   return 0 <= d.x && d.x < side_ && 0 <= d.y && d.y < side_ && 0 <= d.z && d.z < side_;
 }
 
-std::uint64_t LocalSpacing::code_of(Vec3 p) const {
+std::uint64_t LocalSpacing::index(Vec3 p, int axis) const {
   constexpr double kCubes = 1 << kLevels;
-  const auto index = [&](int axis) {
-    return spread(static_cast<std::uint64_t>(std::min((p[axis] - lo_[axis]) / side_ * kCubes, kCubes - 1)));
-  };
-  return index(0) | index(1) << 1 | index(2) << 2;
+  return static_cast<std::uint64_t>(std::min((p[axis] - lo_[axis]) / side_ * kCubes, kCubes - 1));
+}
+
+std::uint64_t LocalSpacing::code_of(Vec3 p) const {
+  return spread(index(p, 0)) | spread(index(p, 1)) << 1 | spread(index(p, 2)) << 2;
 }
 
 /// As far from the root as its own side, no more is known of a place than that the root is nearest: level 0.

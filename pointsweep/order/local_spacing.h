@@ -35,7 +35,7 @@ class LocalSpacing {
   /// Whether there are sparse places: that the sample has points where they lie 16 times farther apart than at most of
   /// its points.
   bool has_sparse_places() const { return !begin_.empty(); }
-  /// Whether a finite place is one of them. Depends on the place alone. About 20 ns.
+  /// Whether a finite place is one of them. Depends on the place alone. A few ns.
   bool is_sparse(Vec3 p) const;
 
  private:
@@ -47,6 +47,7 @@ class LocalSpacing {
   std::vector<int> levels_of(std::span<const Vec3> sample, const std::vector<Leaf>& leaves) const;
   void find_sparse_places(const std::vector<int>& levels, const std::vector<Leaf>& leaves);
   bool inside(Vec3 p) const;
+  std::uint64_t index(Vec3 p, int axis) const;  ///< of the finest cube p lies in
   std::uint64_t code_of(Vec3 p) const;
   int level_outside(Vec3 p) const;
 

@@ -223,12 +223,13 @@ class CellSearch {
   }
 
   void write_lane(std::uint32_t lane, float reach) {
+    std::array<NeighborRef, K> refs;
+    std::size_t size = 0;
     for (std::size_t i = K - what_.k; i < K && keys_[i][lane] < kNobody; ++i) {
-      std::uint32_t number;
-      std::memcpy(&number, &keys_[i][lane], sizeof number);
-      number &= kCandidates - 1;
-      out_.refs.push_back(packed_.first[number / kLeafCapacity] + number % kLeafCapacity);
+      const std::uint32_t number = std::bit_cast<std::uint32_t>(keys_[i][lane]) & (kCandidates - 1);
+      refs[size++] = packed_.first[number / kLeafCapacity] + number % kLeafCapacity;
     }
+    out_.refs.insert(out_.refs.end(), refs.begin(), refs.begin() + static_cast<std::ptrdiff_t>(size));
     finish_point(unscaled(reach));
   }
 
