@@ -14,6 +14,22 @@ namespace pointsweep {
 
 namespace tbb = oneapi::tbb;
 
+namespace {
+
+/// Whether this thread is inside a piece of work.
+thread_local bool working = false;
+
+class Working {
+ public:
+  Working() { working = true; }
+  ~Working() { working = before_; }
+
+ private:
+  bool before_ = working;
+};
+
+}  // namespace
+
 void with_threads(unsigned threads, const std::function<void()>& work) {
   threads = std::max(threads, 1u);
   tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -24,9 +40,14 @@ void with_threads(unsigned threads, const std::function<void()>& work) {
 unsigned thread_count() { return static_cast<unsigned>(tbb::this_task_arena::max_concurrency()); }
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t, unsigned)>& body) {
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    body(i, static_cast<unsigned>(tbb::this_task_arena::current_thread_index()));
-  });
+  const auto loop = [&] {
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      const Working mark;
+      body(i, static_cast<unsigned>(tbb::this_task_arena::current_thread_index()));
+    });
+  };
+  // A piece of work that waits for its own loop must not take up another one meanwhile: it may hold a lock.
+  working ? tbb::this_task_arena::isolate(loop) : loop();
 }
 
 struct BackgroundTask::State {
@@ -34,7 +55,10 @@ struct BackgroundTask::State {
 };
 
 BackgroundTask::BackgroundTask(std::function<void()> work) : state_(std::make_unique<State>()) {
-  state_->group.run(std::move(work));
+  state_->group.run([work = std::move(work)] {
+    const Working mark;
+    work();
+  });
 }
 
 BackgroundTask::~BackgroundTask() {

@@ -5,7 +5,9 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace pointsweep {
@@ -27,6 +29,25 @@ TEST(ParallelFor, DoesEveryPieceOnceAndNeverTwoOfOneWorkerAtATime) {
       for (const auto& times : done) EXPECT_EQ(times, 1);
     });
   }
+}
+
+TEST(ParallelFor, InsideAPieceDoesNotTakeUpAnotherOne) {
+  with_threads(4, [] {
+    static thread_local bool inside;
+    std::atomic<bool> clash = false;
+    std::atomic<int> done = 0;
+    parallel_for(64, [&](std::size_t, unsigned) {
+      if (inside) clash = true;  // with a lock held in the piece, it would wait for itself for ever
+      inside = true;
+      parallel_for(4, [&](std::size_t, unsigned) {
+        std::this_thread::sleep_for(std::chrono::microseconds(200));  // long enough for other threads to help
+        ++done;
+      });
+      inside = false;
+    });
+    EXPECT_FALSE(clash);
+    EXPECT_EQ(done, 64 * 4);
+  });
 }
 
 TEST(ParallelFor, DoesNothingForNoPieces) {
