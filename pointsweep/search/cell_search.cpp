@@ -151,9 +151,9 @@ class CellSearch {
 
   /// Tries the collected leaves until none can matter. False if there are too many.
   bool try_leaves() {
-    float reach2 = farthest_reach2();
+    float limit = not_near(unscaled(farthest_reach2()));
     for (const std::uint64_t key : scratch_.leaves) {
-      if (NearLeaf::distance2(key) > not_near(unscaled(reach2))) break;
+      if (NearLeaf::distance2(key) > limit) break;
       const std::uint32_t slot = scratch_.near[NearLeaf::place(key)].slot, leaf = NearLeaf::leaf(key);
       const Cell& cell = directory_.cell(slot);
       const LocalBox box = frame_.local(cell, leaf);
@@ -162,22 +162,23 @@ class CellSearch {
         if (!groups_[g].anyone_reaches(d_, box, limits_[g])) continue;
         if (!taken) {
           if (packed_.full()) return false;
-          take_within(std::sqrt(reach2), cell, slot, leaf, box.farthest());
+          take_within_reach(cell, slot, leaf, box.farthest());
           taken = true;
         }
         groups_[g].try_last_leaf(d_, packed_);
         bound(g);
       }
-      if (taken) reach2 = farthest_reach2();
+      if (taken) limit = not_near(unscaled(farthest_reach2()));
     }
     return true;
   }
 
-  /// Of a leaf much wider than that of the queries only what is within reach.
-  void take_within(float reach, const Cell& cell, std::uint32_t slot, std::uint32_t leaf, float farthest) {
+  /// Of a leaf much wider than that of the queries only what somebody may need.
+  void take_within_reach(const Cell& cell, std::uint32_t slot, std::uint32_t leaf, float farthest) {
     const float others = packed_.farthest;
     pack(frame_, cell, slot, leaf, farthest, packed_);
-    if (farthest > kWide) leave_out_beyond(1.001f * (reach + static_cast<float>(leaf_extent_)), others, packed_);
+    if (farthest <= kWide) return;
+    leave_out_beyond(1.001f * (std::sqrt(farthest_reach2()) + static_cast<float>(leaf_extent_)), others, packed_);
   }
 
   /// Writes out the lists. Where two keys are too close, the found are put in order by their exact distances; where it
