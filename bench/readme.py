@@ -10,8 +10,8 @@ BEGIN, END = "<!-- numbers: made by bench/readme.py from a committed result -->\
 
 def table(results):
     first = results[0]
-    most = max(len(row['runs']) for result in results for row in result['rows'])
-    runs = f'medians of {most} runs' if most > 1 else 'single runs'
+    counts = [len(row['runs']) for result in results for row in result['rows']]
+    runs = "single runs" if max(counts) == 1 else f"medians of {'' if min(counts) == max(counts) else 'up to '}{max(counts)} runs"
     yield (f"Normals, k = 8, whole processes from file to file, points in random file order, {first['threads']} threads, {runs}; "
            f"{first['machine']['cpu']}, {first['machine']['cpus']} cores, {first['compiler'].split(') ')[-1]}, commit {first['commit']}, {first['date']}. "
            "Answers compared before times count.\n\n")
