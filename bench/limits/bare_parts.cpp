@@ -150,8 +150,8 @@ void normals_in_cache(std::size_t points) {
 int main(int argc, char** argv) {
   using namespace bench;
   if (argc != 4) give_up("usage: bare_parts IN.ply OUTPUT_BYTES SCRATCH_FILE");
-  constexpr std::uint32_t kLeaves =
-      7;  // counted on statue, terrain and tls, k = 8, groups of eight queries: 6.8 to 7.3
+  // Counted on statue, terrain and tls, k = 8, groups of eight queries: 6.8 to 7.3.
+  constexpr std::uint32_t kLeaves = 7;
   const double copying = cost([&] { copy(argv[1], std::stoull(argv[2]), argv[3]); });
   const Ply ply(argv[1]);
   std::vector<Item> items = keys_of(ply);

@@ -33,21 +33,13 @@ struct Sums {
     const V theta = weighting.Theta(offset, j);
     AddOuterProduct(moments, theta, offset);
     AddOuterProduct(weighted_normals, theta, n);
-    AddSquares(normals, n);
+    AddOuterProduct(normals, n);
     const auto has_normal = hn::Gt(Dot(n, n), hn::Zero(d));
     const Vector seen{hn::IfThenElseZero(has_normal, offset.x), hn::IfThenElseZero(has_normal, offset.y),
                       hn::IfThenElseZero(has_normal, offset.z)};
-    AddSquares(positions, seen);
+    AddOuterProduct(positions, seen);
     position = {hn::Add(position.x, seen.x), hn::Add(position.y, seen.y), hn::Add(position.z, seen.z)};
     count = hn::Add(count, hn::IfThenElseZero(has_normal, hn::Set(d, 1.0)));
-  }
-  static HWY_INLINE void AddSquares(Matrix& m, const Vector& v) {
-    m.xx = hn::Add(m.xx, hn::Mul(v.x, v.x));
-    m.xy = hn::Add(m.xy, hn::Mul(v.x, v.y));
-    m.xz = hn::Add(m.xz, hn::Mul(v.x, v.z));
-    m.yy = hn::Add(m.yy, hn::Mul(v.y, v.y));
-    m.yz = hn::Add(m.yz, hn::Mul(v.y, v.z));
-    m.zz = hn::Add(m.zz, hn::Mul(v.z, v.z));
   }
 
   /// Of the positions along unit vectors, about their mean, times `count`.

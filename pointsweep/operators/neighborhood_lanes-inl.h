@@ -69,8 +69,6 @@ struct Extents {
   static HWY_INLINE double Magnitude(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 };
 
-HWY_INLINE V Length2(V x, V y, V z) { return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)); }
-
 /// θ(r) = exp(-r²/2σ²), σ² = π max_j |p_j - p_i|² / |N_i| (Equation 1), of a point per lane. On a surface of even
 /// density σ is the point spacing, and whatever |N_i| is, the weights add up to about 2π neighbours' worth.
 ///
@@ -83,8 +81,8 @@ struct Weighting {
   Weighting(const Extents& extents, std::size_t vector) {
     const Lanes d;
     const auto length2 = [&](const TileArray(&a)[3]) HWY_ATTR {
-      const auto scaled = [&](const TileArray& component) HWY_ATTR { return hn::Mul(component.Load(vector), scale); };
-      return Length2(scaled(a[0]), scaled(a[1]), scaled(a[2]));
+      const Vec3Lanes<V> scaled = Scaled({a[0].Load(vector), a[1].Load(vector), a[2].Load(vector)});
+      return Dot(scaled, scaled);
     };
     scale = ReciprocalOfPower(d, PowerOfTwoBelow(d, extents.largest.Load(vector)));
     count = extents.count.Load(vector);
@@ -98,7 +96,7 @@ struct Weighting {
   /// Of the j-th neighbours, at scaled offsets; 0 behind the last.
   HWY_INLINE V Theta(const Vec3Lanes<V>& offset, std::size_t j) const {
     const Lanes d;
-    const V beyond = hn::Max(hn::Sub(Length2(offset.x, offset.y, offset.z), near2), hn::Zero(d));
+    const V beyond = hn::Max(hn::Sub(Dot(offset, offset), near2), hn::Zero(d));
     return hn::IfThenElseZero(hn::Lt(hn::Set(d, double(j)), count), ExpNegative(d, hn::Mul(beyond, falloff)));
   }
   /// θ of the nearest neighbour
@@ -115,6 +113,16 @@ HWY_INLINE void AddOuterProduct(Symmetric3Lanes<V>& m, V weight, const Vec3Lanes
   m.yy = hn::Add(m.yy, hn::Mul(ty, y));
   m.yz = hn::Add(m.yz, hn::Mul(ty, z));
   m.zz = hn::Add(m.zz, hn::Mul(tz, z));
+}
+
+/// m + v v^T
+HWY_INLINE void AddOuterProduct(Symmetric3Lanes<V>& m, const Vec3Lanes<V>& v) {
+  m.xx = hn::Add(m.xx, hn::Mul(v.x, v.x));
+  m.xy = hn::Add(m.xy, hn::Mul(v.x, v.y));
+  m.xz = hn::Add(m.xz, hn::Mul(v.x, v.z));
+  m.yy = hn::Add(m.yy, hn::Mul(v.y, v.y));
+  m.yz = hn::Add(m.yz, hn::Mul(v.y, v.z));
+  m.zz = hn::Add(m.zz, hn::Mul(v.z, v.z));
 }
 
 HWY_INLINE Symmetric3Lanes<V> ZeroMatrix() {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "pointsweep/math/instruction_sets.h"
 
@@ -40,27 +41,21 @@ HWY_INLINE Ellipse EllipseOfPositions(const Moments& moments, const Vector& norm
   return MakeEllipse(Tangent(normal, e.vector2, e.vector1), hn::IfThenElse(hn::Gt(e.value2, zero), flatness, one));
 }
 
-/// What the points of a tile have of earlier operators.
-struct Own {
-  OwnVectors normals;
-  OwnVectors k1_directions;  // these three are read along ridges only
+/// What the points of a tile have of their curvature.
+struct OwnCurvatures {
+  OwnVectors k1_directions;
   TileArray k1, k2;
 
-  Own(const Tile& tile, bool along_ridges)
-      : normals(tile, 0),
-        k1_directions(tile, along_ridges ? 1 : 0),
-        k1(Number(tile, along_ridges, 2)),
-        k2(Number(tile, along_ridges, 3)) {}
+  explicit OwnCurvatures(const Tile& tile) : k1_directions(tile, 1), k1(Numbers(tile, 2)), k2(Numbers(tile, 3)) {}
 
-  static TileArray Number(const Tile& tile, bool along_ridges, std::size_t a) {
-    return NumbersOf(tile,
-                     [&](std::size_t i) HWY_ATTR { return along_ridges ? double(tile.in.value<float>(a, i)) : 0; });
+  static TileArray Numbers(const Tile& tile, std::size_t a) {
+    return NumbersOf(tile, [&](std::size_t i) HWY_ATTR { return double(tile.in.value<float>(a, i)); });
   }
 };
 
 /// Along the direction of least curvature where there is one, else of the eigenvectors of M_i.
 HWY_INLINE Ellipse EllipseOfCurvature(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v,
-                                      const Own& own, const Vector& normal) {
+                                      const OwnCurvatures& own, const Vector& normal) {
   const V zero = hn::Zero(Lanes()), k1 = own.k1.Load(v), k2 = own.k2.Load(v);
   const Vector axis = UnitOrZero(Cross(normal, UnitOrZero(own.k1_directions.Load(v))));
   const Ellipse ridge = MakeEllipse(axis, hn::Sqrt(hn::Div(k2, k1)));
@@ -162,11 +157,13 @@ void FitSplats(const Neighborhoods& in, std::size_t first, bool along_ridges, st
     Tile tile(in, first + done, first + out.size());
     Offsets offsets(tile, {in});
     const Extents extents(tile, offsets);
-    const Own own(tile, along_ridges);
+    const OwnVectors normals(tile, 0);
+    std::optional<OwnCurvatures> curvatures;
+    if (along_ridges) curvatures.emplace(tile);
     for (std::size_t v = 0; v < tile.vectors; ++v) {
-      const Vector normal = UnitOrZero(own.normals.Load(v));
-      const Ellipse ellipse = along_ridges ? EllipseOfCurvature(tile, extents, offsets, v, own, normal)
-                                           : EllipseOfPositions(SumMoments(tile, extents, offsets, v), normal);
+      const Vector normal = UnitOrZero(normals.Load(v));
+      const Ellipse ellipse = curvatures ? EllipseOfCurvature(tile, extents, offsets, v, *curvatures, normal)
+                                         : EllipseOfPositions(SumMoments(tile, extents, offsets, v), normal);
       const auto rest = out.subspan(done + v * kLanes, std::min(kLanes, tile.size - v * kLanes));
       if (tile.most <= kHeld)
         StoreFitted<Greatest>(tile, extents, offsets, v, ellipse, normal, rest);

@@ -35,7 +35,7 @@ class LocalSpacing {
   /// Whether there are sparse places: that the sample has points where they lie 16 times farther apart than at most of
   /// its points.
   bool has_sparse_places() const { return !begin_.empty(); }
-  /// Whether a finite place is one of them. Depends on the place alone. A few ns.
+  /// Whether a finite place is one of them. Depends on the place alone. About 10 ns.
   bool is_sparse(Vec3 p) const;
 
  private:

@@ -45,18 +45,22 @@ class LeafCut {
   void halve(std::size_t first, std::size_t n) {
     if (n <= kLeafCapacity) return;
     const std::size_t left = (n / kLeafCapacity + 1) / 2 * kLeafCapacity;
-    float extent;
-    const std::size_t axis = longest(first, n, extent);
-    if (!(extent > kLeastExtent)) return by_row(first, n);
-    divide(first, n, left, select(n, left, make_keys(axis, first, n, extent)));
+    const Side side = longest(first, n);
+    if (!(side.extent > kLeastExtent)) return by_row(first, n);
+    divide(first, n, left, select(n, left, make_keys(side, first, n)));
     halve(first, left);
     halve(first + left, n - left);
   }
 
-  /// The axis along which the range is longest, and how long it is.
-  std::size_t longest(std::size_t first, std::size_t n, float& extent) {
+  /// Of the box of a range.
+  struct Side {
+    std::size_t axis;
+    float lo, extent;
+  };
+
+  Side longest(std::size_t first, std::size_t n) const {
     const Floats d;
-    float e[3];
+    Side sides[3];
     for (std::size_t a = 0; a < 3; ++a) {
       const float* c = c_[a] + first;
       auto lo = hn::LoadU(d, c + n - hn::Lanes(d)), hi = lo;  // a range holds more than a vector
@@ -64,24 +68,23 @@ class LeafCut {
         const auto v = hn::LoadU(d, c + i);
         lo = hn::Min(lo, v), hi = hn::Max(hi, v);
       }
-      lo_[a] = hn::GetLane(hn::MinOfLanes(d, lo));
-      e[a] = hn::GetLane(hn::MaxOfLanes(d, hi)) - lo_[a];
+      const float least = hn::GetLane(hn::MinOfLanes(d, lo));
+      sides[a] = {a, least, hn::GetLane(hn::MaxOfLanes(d, hi)) - least};
     }
-    const std::size_t axis = e[0] >= e[1] && e[0] >= e[2] ? 0 : e[1] >= e[2] ? 1 : 2;
-    extent = e[axis];
-    return axis;
+    const float x = sides[0].extent, y = sides[1].extent, z = sides[2].extent;
+    return sides[x >= y && x >= z ? 0 : y >= z ? 1 : 2];
   }
 
   /// Keys in the order of the coordinates, no two of them equal: a coordinate as a whole number, then the place in the
   /// range. Returns a number above all of them.
-  std::int32_t make_keys(std::size_t axis, std::size_t first, std::size_t n, float extent) {
+  std::int32_t make_keys(const Side& side, std::size_t first, std::size_t n) {
     const Floats d;
     const Keys di;
     const int bits = std::countr_zero(std::bit_ceil(n));
-    const auto lo = hn::Set(d, lo_[axis]);
-    const auto scale = hn::Set(d, static_cast<float>((1 << kCoordinateBits) - 1) / extent);
+    const auto lo = hn::Set(d, side.lo);
+    const auto scale = hn::Set(d, static_cast<float>((1 << kCoordinateBits) - 1) / side.extent);
     for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
-      const auto v = hn::ConvertTo(di, hn::Mul(hn::Sub(hn::LoadU(d, c_[axis] + first + i), lo), scale));
+      const auto v = hn::ConvertTo(di, hn::Mul(hn::Sub(hn::LoadU(d, c_[side.axis] + first + i), lo), scale));
       hn::StoreU(hn::Or(hn::ShiftLeftSame(v, bits), hn::Iota(di, static_cast<std::int32_t>(i))), di, keys_ + i);
     }
     std::fill_n(keys_ + n, kLeafCapacity, kBeyondKeys);
@@ -148,7 +151,6 @@ class LeafCut {
 
   const std::span<CutPoint> points_;
   const std::function<std::uint64_t(std::uint32_t)>& row_of_;
-  float lo_[3];
   HWY_ALIGN float c_[3][kRoom];
   HWY_ALIGN std::int32_t order_[kRoom];
   HWY_ALIGN std::int32_t keys_[kRoom];
