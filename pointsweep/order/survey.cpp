@@ -12,17 +12,38 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kSample = 65536;
-constexpr std::uint64_t kRuns = 1024;            ///< jumps a reader has to make
-constexpr std::uint64_t kRun = kSample / kRuns;  ///< rows read at each
-constexpr std::uint64_t kChunk = 16384;          ///< rows read at once by an exact survey
+constexpr std::uint64_t kRuns = 1024;              ///< jumps a reader has to make
+constexpr std::uint64_t kInRun = kSample / kRuns;  ///< rows sampled at each
+constexpr std::uint64_t kMostGap = 16;             ///< so many times the rows of the sample are read at most
+constexpr std::uint64_t kChunk = 16384;            ///< rows read at once by an exact survey
 
-/// The first row of a sampled run: somewhere in the run's share of the rows, so that no period of the file (scan lines,
-/// interleaved scanners) meets the period of the sample.
-std::uint64_t run_begin(std::uint64_t run, std::uint64_t rows) {
-  const auto share = [rows](std::uint64_t r) { return rows / kRuns * r + rows % kRuns * r / kRuns; };
-  const std::uint64_t begin = share(run), end = share(run + 1);
-  return begin + mix(run) % (end - begin - kRun + 1);
-}
+/// Which rows are sampled: ascending, some in each of the runs that lie all over the file.
+class SampledRows {
+ public:
+  /// A scanner writes line after line. With gaps as wide as this, the sample of a square of lines is about as dense
+  /// along the lines as across them, where successive rows would be short pieces of few lines.
+  explicit SampledRows(std::uint64_t rows)
+      : rows_(rows),
+        gap_(std::min(static_cast<std::uint64_t>(std::sqrt(static_cast<double>(rows / kSample))), kMostGap)) {}
+
+  /// The first row of a run: somewhere in the run's share of the rows, so that no period of the file (scan lines,
+  /// interleaved scanners) meets the period of the sample.
+  std::uint64_t run_begin(std::uint64_t run) const {
+    const std::uint64_t begin = share(run), end = share(run + 1);
+    return begin + mix(run) % (end - begin - run_rows() + 1);
+  }
+  std::uint64_t run_rows() const { return kInRun * gap_; }
+
+  /// Row `i` of kSample.
+  std::uint64_t operator[](std::uint64_t i) const {
+    return run_begin(i / kInRun) + i % kInRun * gap_ + mix(kSample + i) % gap_;
+  }
+
+ private:
+  std::uint64_t share(std::uint64_t run) const { return rows_ / kRuns * run + rows_ % kRuns * run / kRuns; }
+
+  std::uint64_t rows_, gap_;
+};
 
 /// Reads pieces of the source and keeps what a survey needs of them.
 class Surveyor {
@@ -36,31 +57,30 @@ class Surveyor {
         z_(kChunk) {}
 
   void sample_everything() {
-    for_each_chunk([&](std::uint64_t, std::size_t n) { sample(0, n); });
+    for_each_chunk([&](std::uint64_t, std::size_t n) {
+      for (std::size_t i = 0; i < n; ++i) sample(i);
+    });
   }
 
   void sample_runs() {
+    const SampledRows rows(source_.count);
     for (std::uint64_t run = 0; run < kRuns; ++run) {
-      decode(run_begin(run, source_.count), kRun);
-      sample(0, kRun);
+      const std::uint64_t begin = rows.run_begin(run);
+      decode(begin, rows.run_rows());
+      for (std::uint64_t i = run * kInRun; i < (run + 1) * kInRun; ++i) sample(rows[i] - begin);
     }
   }
 
   /// The same sample, and the bounds of all finite points.
   void sample_runs_and_bound_all() {
-    std::uint64_t run = 0;
+    const SampledRows rows(source_.count);
+    std::uint64_t sampled = 0;
     for_each_chunk([&](std::uint64_t first, std::size_t n) {
       for (std::size_t i = 0; i < n; ++i) {
         const Vec3 p{x_[i], y_[i], z_[i]};
         if (is_finite(p)) bounds_.include(p);
       }
-      // A run may reach over the end of the chunk: what lies in this chunk is sampled now, the rest with the next.
-      for (; run < kRuns; ++run) {
-        const std::uint64_t begin = std::max(run_begin(run, source_.count), first);
-        const std::uint64_t end = run_begin(run, source_.count) + kRun;
-        if (begin < first + n) sample(begin - first, std::min<std::uint64_t>(end - first, n));
-        if (end > first + n) break;
-      }
+      for (; sampled < kSample && rows[sampled] < first + n; ++sampled) sample(rows[sampled] - first);
     });
   }
 
@@ -83,13 +103,11 @@ class Surveyor {
     decode_positions(fields_, records_.data(), stride, n, x_.data(), y_.data(), z_.data());
   }
 
-  void sample(std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 p{x_[i], y_[i], z_[i]};
-      if (!is_finite(p)) continue;
-      points.push_back(p);
-      bounds_.include(p);
-    }
+  void sample(std::size_t i) {
+    const Vec3 p{x_[i], y_[i], z_[i]};
+    if (!is_finite(p)) return;
+    points.push_back(p);
+    bounds_.include(p);
   }
 
   const PointSource& source_;
