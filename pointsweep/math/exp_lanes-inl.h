@@ -38,6 +38,26 @@ HWY_INLINE V ExpNegative(D d, V x) {
   return hn::IfThenZeroElse(hn::Gt(x, largest), hn::Mul(mantissa, power));
 }
 
+/// exp(-x) in single precision for x >= 0, 0 for x > 87.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V ExpNegativeF32(D d, V x) {
+  using namespace exp_constants_f32;
+  const hn::RebindToUnsigned<D> du;
+  const auto q = [&](int i) HWY_ATTR { return hn::Set(d, kQ[i]); };
+  const V largest = hn::Set(d, kLargest), round = hn::Set(d, kRound);
+  const V bounded = hn::Min(x, largest);
+  const V shifted = hn::Add(hn::Mul(bounded, hn::Set(d, kLog2E)), round);
+  const V n = hn::Sub(shifted, round);
+  const V y = hn::Sub(hn::Mul(n, hn::Set(d, kLn2Low)), hn::Sub(bounded, hn::Mul(n, hn::Set(d, kLn2High))));
+  const V y2 = hn::Mul(y, y);
+  const V low = hn::Add(hn::Add(q(0), hn::Mul(q(1), y)), hn::Mul(hn::Add(q(2), hn::Mul(q(3), y)), y2));
+  const V sum = hn::Add(low, hn::Mul(q(4), hn::Mul(y2, y2)));
+  const V mantissa = hn::Add(hn::Set(d, 1.0f), hn::Add(y, hn::Mul(y2, sum)));
+  const V power =
+      hn::BitCast(d, hn::Sub(hn::Set(du, std::uint32_t{127} << 23), hn::ShiftLeft<23>(hn::BitCast(du, shifted))));
+  return hn::IfThenZeroElse(hn::Gt(x, largest), hn::Mul(mantissa, power));
+}
+
 }  // namespace pointsweep::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/curvature.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <span>
-
-#include "pointsweep/math/saturated_float.h"
 #include "pointsweep/operators/curvature_kernel.h"
 #include "pointsweep/operators/tangent_plane.h"
 
@@ -38,27 +31,15 @@ Contract Curvature::contract() const {
 }
 
 void Curvature::apply(const Neighborhoods& in, Columns& out) const {
-  const std::span<float> k1 = out.column<float>(0), k2 = out.column<float>(1);
-  const std::span<Float3> direction = out.column<Float3>(2);
-  const std::span<float> mean = out.column<float>(3), gaussian = out.column<float>(4), rms = out.column<float>(5),
-                         absolute = out.column<float>(6), variation = out.column<float>(7);
-  const std::span<Float3> eigenvalues = out.column<Float3>(8);
-  std::array<PointCurvature, 64> found;
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    const std::size_t c = i % found.size();
-    if (c == 0) curvatures(in, i, std::span(found).first(std::min(found.size(), in.size() - i)));
-    const PointCurvature& f = found[c];
-    if (f.direction == Vec3{}) ++out.degenerate;
-    k1[i] = saturated_float(f.k1);
-    k2[i] = saturated_float(f.k2);
-    direction[i] = stored_direction(f.direction);
-    mean[i] = saturated_float((f.k1 + f.k2) / 2);
-    gaussian[i] = saturated_float(f.k1 * f.k2);
-    rms[i] = saturated_float(std::sqrt((f.k1 * f.k1 + f.k2 * f.k2) / 2));
-    absolute[i] = saturated_float(f.k1 + f.k2);
-    variation[i] = static_cast<float>(f.surface_variation);
-    for (std::size_t e = 0; e < 3; ++e) eigenvalues[i][e] = static_cast<float>(f.normal_eigenvalues[e]);
-  }
+  out.degenerate += curvatures(in, {.k1 = out.column<float>(0),
+                                    .k2 = out.column<float>(1),
+                                    .direction = out.column<Float3>(2),
+                                    .mean = out.column<float>(3),
+                                    .gaussian = out.column<float>(4),
+                                    .rms = out.column<float>(5),
+                                    .absolute = out.column<float>(6),
+                                    .surface_variation = out.column<float>(7),
+                                    .normal_eigenvalues = out.column<Float3>(8)});
 }
 
 }  // namespace pointsweep

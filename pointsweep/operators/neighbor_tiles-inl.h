@@ -57,6 +57,8 @@ struct Tile {
     vectors = (size + kLanes - 1) / kLanes;
     chunk = kRoom / stride;
   }
+  /// Neighbours of a point that are there at a time, from the `from`-th on.
+  std::size_t Held(std::size_t from) const { return std::min(chunk, most - from); }
 };
 
 /// One number for each point of a tile.
@@ -87,6 +89,12 @@ struct OwnVectors {
   Vec3Lanes<V> Load(std::size_t vector) const { return {x.Load(vector), y.Load(vector), z.Load(vector)}; }
 };
 
+/// Numbers that belong to the neighbours of a tile, neighbour after neighbour.
+template <class T>
+struct NeighborArray {
+  HWY_ALIGN T of[Tile::kRoom];
+};
+
 /// Vectors that belong to the neighbours of a tile, transposed: of(i)(ref) of the neighbours of each point i in turn; 0
 /// behind a point's last.
 template <class OfNeighbor>
@@ -103,6 +111,11 @@ class NeighborVectors {
     const std::size_t at = c * tile_.stride + vector * kLanes;
     return {hn::Load(d, x_ + at), hn::Load(d, y_ + at), hn::Load(d, z_ + at)};
   }
+  HWY_INLINE void Store(const Vec3Lanes<V>& value, std::size_t vector, std::size_t c) {
+    const Lanes d;
+    const std::size_t at = c * tile_.stride + vector * kLanes;
+    hn::Store(value.x, d, x_ + at), hn::Store(value.y, d, y_ + at), hn::Store(value.z, d, z_ + at);
+  }
   /// That of the c-th held of point l of the tile.
   Vec3 Of(std::size_t l, std::size_t c) const {
     const std::size_t at = c * tile_.stride + l;
@@ -116,7 +129,7 @@ class NeighborVectors {
  private:
   void Fetch(std::size_t from) {
     from_ = from;
-    const std::size_t stride = tile_.stride, wanted = std::min(tile_.chunk, tile_.most - from);
+    const std::size_t stride = tile_.stride, wanted = tile_.Held(from);
     for (std::size_t l = 0; l < tile_.vectors * kLanes; ++l) {
       const std::size_t k = tile_.count[l];
       const std::size_t have = std::min(wanted, k - std::min(from, k));
@@ -150,13 +163,12 @@ struct OffsetOf {
 };
 using Offsets = NeighborVectors<OffsetOf>;
 
-/// Calls state.Include(offset, j) with the offsets of the j-th neighbours of a vector of points, for all j in turn.
+/// Calls state.Include(offset) with the offsets of the neighbours of a vector of points, one after the other.
 template <class State>
 HWY_INLINE void ForNeighbors(const Tile& tile, Offsets& offsets, std::size_t vector, State& state) {
   for (std::size_t from = 0; from < tile.most; from += tile.chunk) {
     offsets.Hold(from);
-    for (std::size_t c = 0; c < std::min(tile.chunk, tile.most - from); ++c)
-      state.Include(offsets.Load(vector, c), from + c);
+    for (std::size_t c = 0; c < tile.Held(from); ++c) state.Include(offsets.Load(vector, c));
   }
 }
 

@@ -69,38 +69,92 @@ struct Extents {
   static HWY_INLINE double Magnitude(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 };
 
-/// θ(r) = exp(-r²/2σ²), σ² = π max_j |p_j - p_i|² / |N_i| (Equation 1), of a point per lane. On a surface of even
-/// density σ is the point spacing, and whatever |N_i| is, the weights add up to about 2π neighbours' worth.
-///
-/// Two factors are taken out of every sum: offsets are scaled by the power of two that brings the farthest neighbour to
-/// about 1, so that no extent of a cloud under- or overflows; and θ is divided by θ of the nearest neighbour that is
-/// not on p_i, so that it does not vanish for every one of many thousand neighbours.
-struct Weighting {
-  V count, scale, near2, falloff, rounding;
+/// Offsets are scaled by the power of two that brings the farthest neighbour to about 1, so that no extent of a cloud
+/// under- or overflows. A point per lane.
+struct Scaling {
+  V scale;
+  V rounding;  // of a scaled offset's components
 
-  Weighting(const Extents& extents, std::size_t vector) {
+  Scaling(const Extents& extents, std::size_t vector) {
     const Lanes d;
-    const auto length2 = [&](const TileArray(&a)[3]) HWY_ATTR {
-      const Vec3Lanes<V> scaled = Scaled({a[0].Load(vector), a[1].Load(vector), a[2].Load(vector)});
-      return Dot(scaled, scaled);
-    };
     scale = ReciprocalOfPower(d, PowerOfTwoBelow(d, extents.largest.Load(vector)));
-    count = extents.count.Load(vector);
-    near2 = length2(extents.near);
-    falloff = hn::Div(hn::Mul(count, hn::Set(d, 0.5 / std::numbers::pi)), length2(extents.far));  // 1 / 2σ²
-    // A component of a scaled offset is wrong by at most 2^-52 of the coordinate: half an ulp of p_i and half an ulp of
-    // p_j.
+    // Each is wrong by at most 2^-52 of the coordinate: half an ulp of p_i and half an ulp of p_j.
     rounding = hn::Mul(hn::Mul(extents.place.Load(vector), scale), hn::Set(d, 0x1p-51));
   }
   HWY_INLINE Vec3Lanes<V> Scaled(const Vec3Lanes<V>& offset) const { return Times(scale, offset); }
-  /// Of the j-th neighbours, at scaled offsets; 0 behind the last.
-  HWY_INLINE V Theta(const Vec3Lanes<V>& offset, std::size_t j) const {
-    const Lanes d;
-    const V beyond = hn::Max(hn::Sub(Dot(offset, offset), near2), hn::Zero(d));
-    return hn::IfThenElseZero(hn::Lt(hn::Set(d, double(j)), count), ExpNegative(d, hn::Mul(beyond, falloff)));
+};
+
+/// θ(r) = exp(-r²/2σ²), σ² = π max_j |p_j - p_i|² / |N_i| (Equation 1), of a point per lane. On a surface of even
+/// density σ is the point spacing, and whatever |N_i| is, the weights add up to about 2π neighbours' worth.
+///
+/// θ is divided by θ of the nearest neighbour that is not on p_i, so that it does not vanish for every one of many
+/// thousand neighbours.
+struct Weighting {
+  Scaling scaling;
+  V count, near2, falloff;
+
+  Weighting(const Extents& extents, std::size_t vector) : scaling(extents, vector) {
+    const auto length2 = [&](const TileArray(&a)[3]) HWY_ATTR {
+      const Vec3Lanes<V> v = scaling.Scaled({a[0].Load(vector), a[1].Load(vector), a[2].Load(vector)});
+      return Dot(v, v);
+    };
+    count = extents.count.Load(vector);
+    near2 = length2(extents.near);
+    falloff = hn::Div(hn::Mul(count, hn::Set(Lanes(), 0.5 / std::numbers::pi)), length2(extents.far));  // 1 / 2σ²
   }
-  /// θ of the nearest neighbour
-  HWY_INLINE V NearestTheta() const { return ExpNegative(Lanes(), hn::Mul(near2, falloff)); }
+  /// -ln θ of the j-th neighbours, so large behind the last that θ is 0.
+  HWY_INLINE V Exponent(const Vec3Lanes<V>& offset, std::size_t j) const {
+    const Lanes d;
+    const Vec3Lanes<V> scaled = scaling.Scaled(offset);
+    const V exponent = hn::Mul(hn::Max(hn::Sub(Dot(scaled, scaled), near2), hn::Zero(d)), falloff);
+    return hn::IfThenElse(hn::Lt(hn::Set(d, double(j)), count), exponent, hn::Set(d, 1000.0));
+  }
+};
+
+/// θ of all neighbours of a tile, in single precision. That changes each term of a sum by less than 1e-7 of the
+/// greatest, in proportion to its own size along every direction: small eigenvalues keep their digits, and the first
+/// eigenvector turns by about 1e-7 λ1 / (λ1 - λ0).
+class Weights {
+ public:
+  Weights(const Tile& tile, const Extents& extents, Offsets& offsets)
+      : tile_(tile), extents_(extents), offsets_(offsets) {
+    if (tile.size < tile.stride) std::fill(theta_.of, theta_.of + Tile::kRoom, 0.0f);
+  }
+  /// Makes sure that the offsets from the `from`-th neighbour on are there, and their weights.
+  HWY_INLINE void Hold(std::size_t from) {
+    offsets_.Hold(from);
+    if (from != from_) Compute(from);
+  }
+  HWY_INLINE V Load(std::size_t vector, std::size_t c) const {
+    return hn::PromoteTo(Lanes(), hn::Load(HalfFloats(), theta_.of + c * tile_.stride + vector * kLanes));
+  }
+  /// θ of the nearest neighbours, by which the others are divided.
+  HWY_INLINE V NearestTheta(std::size_t vector) const { return ExpNegative(Lanes(), nearest_.Load(vector)); }
+
+ private:
+  using HalfFloats = hn::Rebind<float, Lanes>;
+
+  void Compute(std::size_t from) {
+    from_ = from;
+    for (std::size_t v = 0; v < tile_.vectors; ++v) {
+      const Weighting weighting(extents_, v);
+      hn::Store(hn::Mul(weighting.near2, weighting.falloff), Lanes(), nearest_.of + v * kLanes);
+      for (std::size_t c = 0; c < tile_.Held(from); ++c) {
+        const V exponent = weighting.Exponent(offsets_.Load(v, c), from + c);
+        hn::Store(hn::DemoteTo(HalfFloats(), exponent), HalfFloats(), theta_.of + c * tile_.stride + v * kLanes);
+      }
+    }
+    const hn::ScalableTag<float> d;
+    for (std::size_t at = 0; at < tile_.Held(from) * tile_.stride; at += hn::Lanes(d))
+      hn::Store(ExpNegativeF32(d, hn::Load(d, theta_.of + at)), d, theta_.of + at);
+  }
+
+  const Tile& tile_;
+  const Extents& extents_;
+  Offsets& offsets_;
+  std::size_t from_ = ~std::size_t{0};
+  NeighborArray<float> theta_;
+  TileArray nearest_;  // -ln θ
 };
 
 /// m + weight · v v^T
@@ -130,25 +184,26 @@ HWY_INLINE Symmetric3Lanes<V> ZeroMatrix() {
   return {zero, zero, zero, zero, zero, zero};
 }
 
-/// Σ_j o o^T θ of Equation 1 and Σ_j θ, both without the factors that Weighting takes out; 1/|N_i| is left out
-/// likewise.
+/// Σ_j o o^T θ of Equation 1 and Σ_j θ, both without the factors that Scaling and Weighting take out; 1/|N_i| is left
+/// out likewise.
 struct Moments {
-  Weighting weighting;
+  Scaling scaling;
   Symmetric3Lanes<V> m = ZeroMatrix();
   V weights = hn::Zero(Lanes());
-
-  HWY_INLINE void Include(const Vec3Lanes<V>& offset, std::size_t j) {
-    const Vec3Lanes<V> scaled = weighting.Scaled(offset);
-    const V theta = weighting.Theta(scaled, j);
-    AddOuterProduct(m, theta, scaled);
-    weights = hn::Add(weights, theta);
-  }
 };
 
-HWY_INLINE Moments SumMoments(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t vector) {
-  Moments moments{Weighting(extents, vector)};
-  ForNeighbors(tile, offsets, vector, moments);
-  return moments;
+HWY_INLINE Moments SumMoments(const Tile& tile, const Extents& extents, const Offsets& offsets, Weights& weights,
+                              std::size_t vector) {
+  Moments sums{Scaling(extents, vector)};
+  for (std::size_t from = 0; from < tile.most; from += tile.chunk) {
+    weights.Hold(from);
+    for (std::size_t c = 0; c < tile.Held(from); ++c) {
+      const V theta = weights.Load(vector, c);
+      AddOuterProduct(sums.m, theta, sums.scaling.Scaled(offsets.Load(vector, c)));
+      sums.weights = hn::Add(sums.weights, theta);
+    }
+  }
+  return sums;
 }
 
 }  // namespace pointsweep::HWY_NAMESPACE

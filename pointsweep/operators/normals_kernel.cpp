@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/normals_kernel.h"
 
-#include <algorithm>
 #include <cstddef>
 
 #include "pointsweep/math/instruction_sets.h"
@@ -10,39 +9,39 @@
 #define HWY_TARGET_INCLUDE "pointsweep/operators/normals_kernel.cpp"
 #include <hwy/foreach_target.h>
 // The lanes follow the inclusion of the targets.
+#include "pointsweep/operators/column_lanes-inl.h"
 #include "pointsweep/operators/neighborhood_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-/// No eigenvector feels the factors that are left out of the moments.
-HWY_INLINE void StoreNormals(const Moments& moments, const Eigen3Lanes<V>& e, std::span<std::array<float, 3>> normals) {
+/// No eigenvector feels the factors that are left out of the moments. Returns the number of points without a normal.
+HWY_INLINE std::size_t StoreNormals(const Moments& moments, const Eigen3Lanes<V>& e, const Points& points,
+                                    std::span<std::array<float, 3>> normals) {
   const Lanes d;
-  const V noise = hn::Mul(moments.weights, hn::Mul(moments.weighting.rounding, moments.weighting.rounding));
+  const V noise = hn::Mul(moments.weights, hn::Mul(moments.scaling.rounding, moments.scaling.rounding));
   const auto plane = hn::Gt(e.value1, hn::Add(hn::Mul(hn::Set(d, 1e-12), e.value2), noise));
-  LaneArray x, y, z;
-  hn::Store(hn::IfThenElseZero(plane, e.vector0.x), d, x.of);
-  hn::Store(hn::IfThenElseZero(plane, e.vector0.y), d, y.of);
-  hn::Store(hn::IfThenElseZero(plane, e.vector0.z), d, z.of);
-  for (std::size_t l = 0; l < std::min(kLanes, normals.size()); ++l)
-    normals[l] = {float(x.of[l]), float(y.of[l]), float(z.of[l])};
+  StoreDirections(plane, e.vector0, points, normals);
+  return points.CountWithout(plane);
 }
 
-void UnorientedNormals(const Neighborhoods& in, std::span<std::array<float, 3>> normals) {
+std::size_t UnorientedNormals(const Neighborhoods& in, std::span<std::array<float, 3>> normals) {
+  std::size_t degenerate = 0;
   for (std::size_t first = 0; first < in.size();) {
     Tile tile(in, first, in.size());
     Offsets offsets(tile, {in});
     const Extents extents(tile, offsets);
+    Weights weights(tile, extents, offsets);
     for (std::size_t v = 0; v < tile.vectors; v += 2) {
-      const Moments a = SumMoments(tile, extents, offsets, v);
-      const Moments b = v + 1 < tile.vectors ? SumMoments(tile, extents, offsets, v + 1) : a;
+      const Moments a = SumMoments(tile, extents, offsets, weights, v);
+      const Moments b = v + 1 < tile.vectors ? SumMoments(tile, extents, offsets, weights, v + 1) : a;
       const auto eigen = EigenSymmetric3(Lanes(), a.m, b.m);
-      const auto rest = normals.subspan(first + v * kLanes, tile.size - v * kLanes);
-      StoreNormals(a, eigen[0], rest);
-      StoreNormals(b, eigen[1], rest.subspan(std::min(kLanes, rest.size())));
+      degenerate += StoreNormals(a, eigen[0], Points(tile, v), normals);
+      degenerate += StoreNormals(b, eigen[1], Points(tile, v + 1), normals);  // of none, maybe
     }
     first += tile.size;
   }
+  return degenerate;
 }
 
 }  // namespace pointsweep::HWY_NAMESPACE
@@ -53,8 +52,8 @@ namespace pointsweep {
 
 HWY_EXPORT(UnorientedNormals);
 
-void unoriented_normals(const Neighborhoods& in, std::span<std::array<float, 3>> normals) {
-  HWY_DYNAMIC_DISPATCH(UnorientedNormals)(in, normals);
+std::size_t unoriented_normals(const Neighborhoods& in, std::span<std::array<float, 3>> normals) {
+  return HWY_DYNAMIC_DISPATCH(UnorientedNormals)(in, normals);
 }
 
 }  // namespace pointsweep

@@ -3,14 +3,16 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 
 #include "pointsweep/points/neighborhoods.h"
 
 namespace pointsweep {
 
-/// The unit normal of every point of the batch, of arbitrary sign; (0, 0, 0) where Normals calls it degenerate. The
-/// bits of a normal depend on its own neighbourhood alone: not on the instruction set, nor on what shares the batch.
-void unoriented_normals(const Neighborhoods& in, std::span<std::array<float, 3>> normals);
+/// The unit normal of every point of the batch, the first of its largest components positive; (0, 0, 0) where Normals
+/// calls it degenerate. Returns how many are. The bits of a normal depend on its own neighbourhood alone: not on the
+/// instruction set, nor on what shares the batch.
+std::size_t unoriented_normals(const Neighborhoods& in, std::span<std::array<float, 3>> normals);
 
 }  // namespace pointsweep

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/splats.h"
 
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <span>
-
-#include "pointsweep/math/saturated_float.h"
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/splats_kernel.h"
 #include "pointsweep/operators/tangent_plane.h"
@@ -33,19 +27,9 @@ Contract Splats::contract() const {
 }
 
 void Splats::apply(const Neighborhoods& in, Columns& out) const {
-  const std::span<Float3> axis = out.column<Float3>(0);
-  const std::span<float> length = out.column<float>(1), ratio = out.column<float>(2);
-  std::array<PointSplat, 64> fitted;
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    const std::size_t c = i % fitted.size();
-    if (c == 0)
-      fit_splats(in, i, options_.axes == SplatAxes::curvature,
-                 std::span(fitted).first(std::min(fitted.size(), in.size() - i)));
-    axis[i] = stored_direction(fitted[c].axis);
-    length[i] = saturated_float(fitted[c].length);
-    ratio[i] = static_cast<float>(fitted[c].ratio);
-    if (!(fitted[c].length > 0)) ++out.degenerate;
-  }
+  out.degenerate +=
+      fit_splats(in, options_.axes == SplatAxes::curvature,
+                 {.axis = out.column<Float3>(0), .length = out.column<float>(1), .ratio = out.column<float>(2)});
 }
 
 }  // namespace pointsweep

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/splats_kernel.h"
 
-#include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <optional>
 
@@ -11,6 +11,7 @@
 #define HWY_TARGET_INCLUDE "pointsweep/operators/splats_kernel.cpp"
 #include <hwy/foreach_target.h>
 // The lanes follow the inclusion of the targets.
+#include "pointsweep/operators/column_lanes-inl.h"
 #include "pointsweep/operators/neighborhood_lanes-inl.h"
 #include "pointsweep/operators/tangent_lanes-inl.h"
 
@@ -54,14 +55,14 @@ struct OwnCurvatures {
 };
 
 /// Along the direction of least curvature where there is one, else of the eigenvectors of M_i.
-HWY_INLINE Ellipse EllipseOfCurvature(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v,
-                                      const OwnCurvatures& own, const Vector& normal) {
+HWY_INLINE Ellipse EllipseOfCurvature(const Tile& tile, const Extents& extents, const Offsets& offsets,
+                                      Weights& weights, std::size_t v, const OwnCurvatures& own, const Vector& normal) {
   const V zero = hn::Zero(Lanes()), k1 = own.k1.Load(v), k2 = own.k2.Load(v);
   const Vector axis = UnitOrZero(Cross(normal, UnitOrZero(own.k1_directions.Load(v))));
   const Ellipse ridge = MakeEllipse(axis, hn::Sqrt(hn::Div(k2, k1)));
   const auto found = hn::And(hn::Gt(Dot(axis, axis), zero), hn::And(hn::Gt(k1, zero), hn::Ge(k2, zero)));
   if (hn::AllTrue(Lanes(), found)) return ridge;
-  const Ellipse otherwise = EllipseOfPositions(SumMoments(tile, extents, offsets, v), normal);
+  const Ellipse otherwise = EllipseOfPositions(SumMoments(tile, extents, offsets, weights, v), normal);
   return {Choose(found, ridge.major, otherwise.major), hn::IfThenElse(found, ridge.ratio, otherwise.ratio)};
 }
 
@@ -97,9 +98,7 @@ struct Greatest : Reaches {
   Greatest(const Ellipse& ellipse, const Vector& normal, V power) : Reaches(ellipse, normal, power) {
     greatest = hn::Zero(Lanes());
   }
-  HWY_INLINE void Include(const Vector& raw, std::size_t) {
-    greatest = hn::Max(greatest, Next(raw, hn::Zero(Lanes())));
-  }
+  HWY_INLINE void Include(const Vector& raw) { greatest = hn::Max(greatest, Next(raw, hn::Zero(Lanes()))); }
   V Last() const { return greatest; }
 };
 
@@ -110,7 +109,7 @@ struct Least : Reaches {
   Least(const Ellipse& ellipse, const Vector& normal, V power) : Reaches(ellipse, normal, power) {
     for (V& v : least) v = hn::Set(Lanes(), std::numeric_limits<double>::infinity());
   }
-  HWY_INLINE void Include(const Vector& raw, std::size_t) {
+  HWY_INLINE void Include(const Vector& raw) {
     V carried = Next(raw, hn::Set(Lanes(), std::numeric_limits<double>::infinity()));
     for (V& v : least) {
       const V smaller = hn::Min(v, carried);
@@ -127,21 +126,19 @@ struct Least : Reaches {
   }
 };
 
-void StoreSplats(const Ellipse& ellipse, V length, std::span<PointSplat> out) {
-  const Lanes d;
-  LaneArray lanes[5];
-  const V values[5] = {ellipse.major.x, ellipse.major.y, ellipse.major.z, length, ellipse.ratio};
-  for (std::size_t i = 0; i < 5; ++i) hn::Store(values[i], d, lanes[i].of);
-  for (std::size_t l = 0; l < std::min(kLanes, out.size()); ++l) {
-    out[l] = {};
-    if (lanes[3].of[l] > 0) out[l] = {{lanes[0].of[l], lanes[1].of[l], lanes[2].of[l]}, lanes[3].of[l], lanes[4].of[l]};
-  }
+/// Returns the number of points without a splat.
+HWY_INLINE std::size_t StoreSplats(const Ellipse& ellipse, V length, const Points& points, const SplatColumns& out) {
+  const auto found = hn::Gt(length, hn::Zero(Lanes()));
+  StoreDirections(found, ellipse.major, points, out.axis);
+  StoreNumbers(hn::IfThenElseZero(found, length), points, out.length);
+  StoreNumbers(hn::IfThenElseZero(found, ellipse.ratio), points, out.ratio);
+  return points.CountWithout(found);
 }
 
 /// The ellipses of a vector of points, as large as the neighbours they hold ask for.
 template <class Kept>
-HWY_INLINE void StoreFitted(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v,
-                            const Ellipse& ellipse, const Vector& normal, std::span<PointSplat> out) {
+HWY_INLINE std::size_t StoreFitted(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v,
+                                   const Ellipse& ellipse, const Vector& normal, const SplatColumns& out) {
   const Lanes d;
   const V power = PowerOfTwoBelow(d, extents.largest.Load(v));
   Kept kept(ellipse, normal, ReciprocalOfPower(d, power));
@@ -149,29 +146,29 @@ HWY_INLINE void StoreFitted(const Tile& tile, const Extents& extents, Offsets& o
   const V held = kept.Held();
   const V fitted = hn::Sqrt(hn::Mul(kept.Last(), hn::Div(hn::Set(d, double(kHeld)), held)));
   const auto found = hn::And(hn::Gt(held, hn::Zero(d)), hn::Gt(Dot(normal, normal), hn::Zero(d)));
-  StoreSplats(ellipse, hn::IfThenElseZero(found, hn::Mul(fitted, power)), out);
+  return StoreSplats(ellipse, hn::IfThenElseZero(found, hn::Mul(fitted, power)), Points(tile, v), out);
 }
 
-void FitSplats(const Neighborhoods& in, std::size_t first, bool along_ridges, std::span<PointSplat> out) {
-  for (std::size_t done = 0; done < out.size();) {
-    Tile tile(in, first + done, first + out.size());
+std::size_t FitSplats(const Neighborhoods& in, bool along_ridges, const SplatColumns& out) {
+  std::size_t degenerate = 0;
+  for (std::size_t first = 0; first < in.size();) {
+    Tile tile(in, first, in.size());
     Offsets offsets(tile, {in});
     const Extents extents(tile, offsets);
+    Weights weights(tile, extents, offsets);
     const OwnVectors normals(tile, 0);
     std::optional<OwnCurvatures> curvatures;
     if (along_ridges) curvatures.emplace(tile);
     for (std::size_t v = 0; v < tile.vectors; ++v) {
       const Vector normal = UnitOrZero(normals.Load(v));
-      const Ellipse ellipse = curvatures ? EllipseOfCurvature(tile, extents, offsets, v, *curvatures, normal)
-                                         : EllipseOfPositions(SumMoments(tile, extents, offsets, v), normal);
-      const auto rest = out.subspan(done + v * kLanes, std::min(kLanes, tile.size - v * kLanes));
-      if (tile.most <= kHeld)
-        StoreFitted<Greatest>(tile, extents, offsets, v, ellipse, normal, rest);
-      else
-        StoreFitted<Least>(tile, extents, offsets, v, ellipse, normal, rest);
+      const Ellipse ellipse = curvatures ? EllipseOfCurvature(tile, extents, offsets, weights, v, *curvatures, normal)
+                                         : EllipseOfPositions(SumMoments(tile, extents, offsets, weights, v), normal);
+      degenerate += tile.most <= kHeld ? StoreFitted<Greatest>(tile, extents, offsets, v, ellipse, normal, out)
+                                       : StoreFitted<Least>(tile, extents, offsets, v, ellipse, normal, out);
     }
-    done += tile.size;
+    first += tile.size;
   }
+  return degenerate;
 }
 
 }  // namespace pointsweep::HWY_NAMESPACE
@@ -182,8 +179,8 @@ namespace pointsweep {
 
 HWY_EXPORT(FitSplats);
 
-void fit_splats(const Neighborhoods& in, std::size_t first, bool along_ridges, std::span<PointSplat> out) {
-  HWY_DYNAMIC_DISPATCH(FitSplats)(in, first, along_ridges, out);
+std::size_t fit_splats(const Neighborhoods& in, bool along_ridges, const SplatColumns& out) {
+  return HWY_DYNAMIC_DISPATCH(FitSplats)(in, along_ridges, out);
 }
 
 }  // namespace pointsweep

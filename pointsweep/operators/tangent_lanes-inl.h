@@ -44,12 +44,6 @@ HWY_INLINE Vec3Lanes<V> Tangent(const Vec3Lanes<V>& n, const Vec3Lanes<V>& along
   return UnitOrZero(Choose(nearer, flat, Cross(across, n)));
 }
 
-/// u^T m v
-template <class V>
-HWY_INLINE V BilinearForm(const Symmetric3Lanes<V>& m, const Vec3Lanes<V>& u, const Vec3Lanes<V>& v) {
-  return Dot(u, Times(m, v));
-}
-
 }  // namespace pointsweep::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -19,15 +19,4 @@ inline Vec3 unit_or_zero(Vec3 v) {
 }
 inline Vec3 unit_or_zero(Float3 v) { return unit_or_zero(Vec3{v[0], v[1], v[2]}); }
 
-/// A direction without a sign, as it is stored: the component of largest magnitude is positive, the first of equal
-/// ones.
-inline Float3 stored_direction(Vec3 v) {
-  int largest = 0;
-  for (const int axis : {1, 2})
-    if (std::abs(v[axis]) > std::abs(v[largest])) largest = axis;
-  const double sign = v[largest] < 0 ? -1 : 1;
-  return {static_cast<float>(sign * v.x + 0.0), static_cast<float>(sign * v.y + 0.0),
-          static_cast<float>(sign * v.z + 0.0)};
-}
-
 }  // namespace pointsweep

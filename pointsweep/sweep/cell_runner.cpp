@@ -80,21 +80,37 @@ const CellNeighbors& CellRunner::lists_of(std::uint32_t slot, Worker& worker) co
   return worker.neighbors;
 }
 
-/// Notes which cells the lists name: these stay.
+/// Notes which cells the lists name: these stay. Most neighbours are in one of two cells, so that sixteen at a time are
+/// known already.
 void CellRunner::refer(WindowCell& cell, const CellNeighbors& lists, Worker& worker) const {
+  constexpr std::uint32_t kTogether = 16;
   std::vector<std::uint32_t>& slots = worker.named;
   slots.clear();
-  std::uint32_t last = ~0u, before = ~0u;  // most neighbours are in one of two cells
-  for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
-    if (cell.is_deferred(i)) continue;
-    for (std::uint32_t j = lists.begin[i]; j < lists.begin[i + 1]; ++j) {
-      const std::uint32_t other = slot_of(lists.refs[j]);
-      if (other == last || other == before) continue;
-      before = last, last = other;
-      if (other >= worker.is_named.size()) worker.is_named.resize(other + 1, false);
-      if (!worker.is_named[other]) slots.push_back(other);
-      worker.is_named[other] = true;
+  std::uint32_t last = ~0u, before = ~0u;
+  const auto known = [&](const NeighborRef* refs) {
+    std::uint32_t others = 0;
+    for (std::uint32_t j = 0; j < kTogether; ++j) others |= (slot_of(refs[j]) ^ last) & -(slot_of(refs[j]) != before);
+    return others == 0;
+  };
+  const auto note = [&](NeighborRef ref) {
+    const std::uint32_t slot = slot_of(ref);
+    if (slot == last || slot == before) return;
+    before = last, last = slot;
+    if (slot >= worker.is_named.size()) worker.is_named.resize(slot + 1, false);
+    if (!worker.is_named[slot]) slots.push_back(slot);
+    worker.is_named[slot] = true;
+  };
+  const auto note_all = [&](std::uint32_t begin, std::uint32_t end) {
+    for (; begin + kTogether <= end; begin += kTogether) {
+      if (!known(&lists.refs[begin])) std::for_each_n(&lists.refs[begin], kTogether, note);
     }
+    std::for_each(&lists.refs[begin], &lists.refs[end], note);
+  };
+  if (cell.deferred.empty()) {
+    note_all(lists.begin.front(), lists.begin.back());
+  } else {
+    for (std::uint32_t i = 0; i < cell.cell.size(); ++i)
+      if (!cell.is_deferred(i)) note_all(lists.begin[i], lists.begin[i + 1]);
   }
   for (const std::uint32_t slot : slots) worker.is_named[slot] = false;
   std::sort(slots.begin(), slots.end());

@@ -20,8 +20,9 @@ std::vector<double> arguments() {
   std::vector<double> x{0.0,    1e-300, 1e-17,    0.34657359, 0.346573591, 1,
                         707.99, 708,    708.0001, 1e6,        1e300,       std::numeric_limits<double>::infinity()};
   std::mt19937_64 random(20051);
-  std::uniform_real_distribution<double> wide(0, 708), narrow(0, 2);
-  for (int i = 0; i < 100000; ++i) x.push_back(i % 2 ? wide(random) : narrow(random));
+  std::uniform_real_distribution<double> wide(0, 708), middle(0, 87), narrow(0, 2);
+  for (int i = 0; i < 100000; ++i)
+    x.push_back(i % 3 == 0 ? wide(random) : i % 3 == 1 ? middle(random) : narrow(random));
   return x;
 }
 
@@ -50,6 +51,23 @@ TEST(ExpNegative, HasTheSameBitsInEveryLaneOfEveryInstructionSet) {
     for (std::size_t i = 0; i < x.size(); ++i)
       ASSERT_EQ(std::bit_cast<std::uint64_t>(found[i]), std::bit_cast<std::uint64_t>(exp_negative(x[i]))) << x[i];
   });
+}
+
+TEST(ExpNegativeF32, IsWithinTwoUlps) {
+  for (const double argument : arguments()) {
+    const float x = static_cast<float>(argument);
+    if (x > 87) continue;
+    const float found = exp_negative_f32(x);
+    const double ulp = std::nextafter(found, 2.0f) - found;
+    EXPECT_LE(std::abs(found - std::exp(-double(x))), 2 * ulp) << x;
+  }
+}
+
+TEST(ExpNegativeF32, IsOneAtZeroAndZeroFarAway) {
+  EXPECT_EQ(exp_negative_f32(0), 1);
+  EXPECT_GT(exp_negative_f32(87), 0);
+  EXPECT_EQ(exp_negative_f32(std::nextafter(87.0f, 1e9f)), 0);
+  EXPECT_EQ(exp_negative_f32(std::numeric_limits<float>::infinity()), 0);
 }
 
 }  // namespace

@@ -19,10 +19,11 @@
 
 namespace pointsweep {
 
-/// The paper's formula with Eigen's solver. `gap`: (λ1 - λ0) / λ2, what an eigenvector's error is divided by.
+/// The paper's formula with Eigen's solver. What an eigenvector's error is divided by: `gap` = (λ1 - λ0) / λ2 for one
+/// in the matrix, `own_gap` = (λ1 - λ0) / λ1 for one in θ, which changes each term of the sum by a share of that term.
 struct Equation1 {
   Vec3 normal;
-  double gap = 0;
+  double gap = 0, own_gap = 0;
 
   Equation1(std::span<const Vec3> points, std::size_t i, std::span<const std::uint32_t> neighbors) {
     using Real = long double;
@@ -41,9 +42,18 @@ struct Equation1 {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<Real, 3, 3>> solver(m);
     const Vector n = solver.eigenvectors().col(0);
     normal = {double(n(0)), double(n(1)), double(n(2))};
-    gap = double((solver.eigenvalues()(1) - solver.eigenvalues()(0)) / solver.eigenvalues()(2));
+    const auto& values = solver.eigenvalues();
+    gap = double((values(1) - values(0)) / values(2)), own_gap = double((values(1) - values(0)) / values(1));
   }
 };
+
+/// The first of its largest components positive, and no -0.
+inline std::array<float, 3> canonical_direction(std::array<float, 3> v) {
+  float largest = v[0];
+  for (const std::size_t c : {1u, 2u}) largest = std::abs(v[c]) > std::abs(largest) ? v[c] : largest;
+  for (float& c : v) c = (largest < 0 ? -c : c) + 0.0f;
+  return v;
+}
 
 /// The unoriented normal, operation for operation as a lane computes it.
 inline std::array<float, 3> scalar_normal(std::span<const Vec3> points, std::size_t i,
@@ -62,7 +72,7 @@ inline std::array<float, 3> scalar_normal(std::span<const Vec3> points, std::siz
   double weights = 0;
   for (const std::uint32_t j : neighbors) {
     const Vec3 o = scale * (points[j] - p);
-    const double theta = exp_negative(std::max(length2(o) - near2, 0.0) * falloff);
+    const double theta = exp_negative_f32(static_cast<float>(std::max(length2(o) - near2, 0.0) * falloff));
     const Vec3 t = theta * o;
     m.xx += t.x * o.x, m.xy += t.x * o.y, m.xz += t.x * o.z;
     m.yy += t.y * o.y, m.yz += t.y * o.z, m.zz += t.z * o.z;
@@ -71,7 +81,7 @@ inline std::array<float, 3> scalar_normal(std::span<const Vec3> points, std::siz
   const Eigen3 e = eigen_symmetric3(m);
   const double rounding = magnitude(p) * scale * 0x1p-51;
   if (!(e.value[1] > 1e-12 * e.value[2] + weights * (rounding * rounding))) return {};
-  return {float(e.vector[0].x), float(e.vector[0].y), float(e.vector[0].z)};
+  return canonical_direction({float(e.vector[0].x), float(e.vector[0].y), float(e.vector[0].z)});
 }
 
 }  // namespace pointsweep

@@ -155,8 +155,8 @@ TEST(GeneratedClouds, FillLittleOfTheWindowHoweverUnevenTheirDensity) {
   for (const Sampling& sampling : {Sampling{}, noise}) {
     SCOPED_TRACE(sampling.noise);
     const Statistics s = run_on("tls", sampling);
-    // 7 to 8 %: where cells end inside a slab depends on which thread dealt its points first.
-    EXPECT_LT(s.peak_points, kPoints * 9 / 100);
+    // 7 to 10 %: where slabs end depends on the sample, and where cells end on which thread dealt their points first.
+    EXPECT_LT(s.peak_points, kPoints * 11 / 100);
     EXPECT_LT(s.recalled, kPoints / 1000);
   }
 }
