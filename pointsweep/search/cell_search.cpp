@@ -189,7 +189,7 @@ class CellSearch {
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
     const Vec surely_within = hn::Set(d_, limited_ ? radius2_ * (1 - 1e-6f) : kNobody);
     Vec set_unsure = hn::Zero(d_);
-    std::uint64_t close_to_next[kLeafCapacity] = {};  // by lane; a bit for each place in the list
+    std::uint64_t close_to_next[kGroup] = {};  // by lane; a bit for each place in the list
     for (std::size_t i = 0; i <= K; ++i) {
       const Vec key = group.selection.list[i];
       hn::Store(key, d_, keys_[i]);
@@ -213,30 +213,41 @@ class CellSearch {
     HWY_ALIGN float set_lane[kLeafCapacity], reach_lane[kLeafCapacity];
     hn::Store(set_unsure, d_, set_lane);
     hn::Store(group.reach(d_, packed_.farthest), d_, reach_lane);
+    make_room(queries);
     for (std::uint32_t q = 0; q < queries; ++q) {
       if (set_lane[q] != 0) {
+        out_.refs.resize(written_);
         settle_in_double(group, first + q, q, reach_lane[q]);
+        make_room(queries - q - 1);
       } else {
-        write_lane(q, reach_lane[q]);
-        order_last(first + q, close_to_next[q] >> (K - what_.k));
+        write_lane(first + q, q, close_to_next[q] >> (K - what_.k));
+        out_.reach2.push_back(unscaled(reach_lane[q]));
+        out_.begin.push_back(static_cast<std::uint32_t>(written_));
       }
     }
+    out_.refs.resize(written_);
   }
 
-  void write_lane(std::uint32_t lane, float reach) {
-    std::array<NeighborRef, K> refs;
+  /// For the lists of so many queries, which are written in place: what is copied right after it was written number by
+  /// number has to wait for it.
+  void make_room(std::uint32_t queries) {
+    written_ = out_.refs.size();
+    out_.refs.resize(written_ + queries * K);
+  }
+
+  void write_lane(std::uint32_t point, std::uint32_t lane, std::uint64_t close_to_next) {
+    NeighborRef* const refs = out_.refs.data() + written_;
     std::size_t size = 0;
     for (std::size_t i = K - what_.k; i < K && keys_[i][lane] < kNobody; ++i) {
       const std::uint32_t number = std::bit_cast<std::uint32_t>(keys_[i][lane]) & (kCandidates - 1);
       refs[size++] = packed_.first[number / kLeafCapacity] + number % kLeafCapacity;
     }
-    out_.refs.insert(out_.refs.end(), refs.begin(), refs.begin() + static_cast<std::ptrdiff_t>(size));
-    finish_point(unscaled(reach));
+    order(point, refs, close_to_next);
+    written_ += size;
   }
 
-  /// Puts the list written last into exact order: runs of neighbours each of which is close to the next.
-  void order_last(std::uint32_t point, std::uint64_t close_to_next) {
-    NeighborRef* refs = out_.refs.data() + out_.begin[out_.begin.size() - 2];
+  /// Puts a list into exact order: runs of neighbours each of which is close to the next.
+  void order(std::uint32_t point, NeighborRef* refs, std::uint64_t close_to_next) const {
     while (close_to_next != 0) {
       const int begin = std::countr_zero(close_to_next);
       const int length = std::countr_one(close_to_next >> begin) + 1;
@@ -246,7 +257,7 @@ class CellSearch {
   }
 
   /// By exact distances.
-  void order_run(std::uint32_t point, NeighborRef* refs, std::size_t size) {
+  void order_run(std::uint32_t point, NeighborRef* refs, std::size_t size) const {
     const Vec3 p = cell_.position(point);
     std::array<Candidate, K> list;
     for (std::size_t i = 0; i < size; ++i) insert_sorted(candidate(refs[i], p), list.data(), i, K);
@@ -340,6 +351,7 @@ class CellSearch {
   float group_reach2_[kGroups];  ///< the largest of them
   std::uint32_t group_count_ = 0;
   HWY_ALIGN float keys_[K + 1][kLeafCapacity];
+  std::size_t written_ = 0;                      ///< neighbours in out_.refs, while there is room for more
   std::array<std::uint16_t, kCandidates> near_;  ///< numbers of packed candidates
 };
 

@@ -83,9 +83,11 @@ class LeafCut {
     const int bits = std::countr_zero(std::bit_ceil(n));
     const auto lo = hn::Set(d, side.lo);
     const auto scale = hn::Set(d, static_cast<float>((1 << kCoordinateBits) - 1) / side.extent);
-    for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
+    const auto next = hn::Set(di, static_cast<std::int32_t>(hn::Lanes(di)));
+    auto place = hn::Iota(di, 0);
+    for (std::size_t i = 0; i < n; i += hn::Lanes(d), place = hn::Add(place, next)) {
       const auto v = hn::ConvertTo(di, hn::Mul(hn::Sub(hn::LoadU(d, c_[side.axis] + first + i), lo), scale));
-      hn::StoreU(hn::Or(hn::ShiftLeftSame(v, bits), hn::Iota(di, static_cast<std::int32_t>(i))), di, keys_ + i);
+      hn::StoreU(hn::Or(hn::ShiftLeftSame(v, bits), place), di, keys_ + i);
     }
     std::fill_n(keys_ + n, kLeafCapacity, kBeyondKeys);
     return static_cast<std::int32_t>(std::min(std::int64_t{1} << (kCoordinateBits + bits), std::int64_t{kBeyondKeys}));

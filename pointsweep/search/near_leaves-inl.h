@@ -61,9 +61,11 @@ HWY_INLINE void find_near_leaves(const Cell& cell, const Box& box, double reach2
   const Vec lo_x = hn::Set(d, below(lo.x)), lo_y = hn::Set(d, below(lo.y)), lo_z = hn::Set(d, below(lo.z));
   const Vec hi_x = hn::Set(d, above(hi.x)), hi_y = hn::Set(d, above(hi.y)), hi_z = hn::Set(d, above(hi.z));
   const Vec zero = hn::Zero(d), limit = hn::Set(d, not_near(reach2));
+  const float* const sides[6] = {cell.leaf_box[0], cell.leaf_box[1], cell.leaf_box[2],
+                                 cell.leaf_box[3], cell.leaf_box[4], cell.leaf_box[5]};
   HWY_ALIGN float d2s[kLeafCapacity];
   for (std::uint32_t l = 0; l < cell.leaf_count(); l += static_cast<std::uint32_t>(hn::Lanes(d))) {
-    const auto side = [&](int s) HWY_ATTR { return hn::Load(d, cell.leaf_box[s] + l); };
+    const auto side = [&](int s) HWY_ATTR { return hn::Load(d, sides[s] + l); };
     const Vec dx = hn::Max(hn::Max(hn::Sub(side(0), hi_x), hn::Sub(lo_x, side(3))), zero);
     const Vec dy = hn::Max(hn::Max(hn::Sub(side(1), hi_y), hn::Sub(lo_y, side(4))), zero);
     const Vec dz = hn::Max(hn::Max(hn::Sub(side(2), hi_z), hn::Sub(lo_z, side(5))), zero);

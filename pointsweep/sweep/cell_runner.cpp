@@ -12,11 +12,12 @@ namespace pointsweep {
 
 namespace {
 
-/// The `share` quantile of the reach of a cell's points, from a few hundred of them.
+/// The `share` quantile of the reach of a cell's points, from at most 128 of them.
 double reach_of_most(const std::vector<double>& reach2, double share) {
-  const std::size_t step = std::max<std::size_t>(1, reach2.size() / 256);
+  constexpr std::size_t kMost = 128;
   std::vector<double> sample;
-  for (std::size_t i = 0; i < reach2.size(); i += step) sample.push_back(reach2[i]);
+  sample.reserve(kMost);
+  for (std::size_t i = 0; i < reach2.size(); i += (reach2.size() + kMost - 1) / kMost) sample.push_back(reach2[i]);
   const auto at = sample.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(sample.size() - 1) * share);
   std::nth_element(sample.begin(), at, sample.end());
   return std::sqrt(*at);
