@@ -49,7 +49,8 @@ LocalSpacing::LocalSpacing(std::span<const Vec3> sample, std::uint64_t points, d
   const Vec3 extent = most.extent();
   side_ = 2 * std::max({extent.x, extent.y, extent.z});
   lo_ = most.center() - Vec3{side_ / 2, side_ / 2, side_ / 2};
-  if (!(side_ > 0) || !std::isfinite(side_)) return;
+  inverse_side_ = 1 / side_;
+  if (!std::isfinite(side_) || !std::isfinite(inverse_side_)) return;
   std::vector<std::uint64_t> codes;
   for (const Vec3& p : sample) {
     if (inside(p)) codes.push_back(code_of(p));
@@ -69,7 +70,8 @@ LocalSpacing::LocalSpacing(Unpacker& packed)
       side_(packed.get<double>()),
       sparse_level_(packed.get<int>()),
       begin_(packed.get_vector<std::uint64_t>()),
-      first_(packed.get_vector<std::uint32_t>()) {}
+      first_(packed.get_vector<std::uint32_t>()),
+      inverse_side_(1 / side_) {}
 
 void LocalSpacing::pack(Packer& out) const {
   out.put(lo_);
@@ -142,7 +144,7 @@ bool LocalSpacing::inside(Vec3 p) const {
 
 std::uint64_t LocalSpacing::index(Vec3 p, int axis) const {
   constexpr double kCubes = 1 << kLevels;
-  return static_cast<std::uint64_t>(std::min((p[axis] - lo_[axis]) / side_ * kCubes, kCubes - 1));
+  return static_cast<std::uint64_t>(std::min((p[axis] - lo_[axis]) * inverse_side_ * kCubes, kCubes - 1));
 }
 
 std::uint64_t LocalSpacing::code_of(Vec3 p) const {

@@ -58,6 +58,7 @@ class LocalSpacing {
   std::vector<std::uint64_t>
       begin_;  ///< runs of leaves along the Z-curve, ascending: not sparse, sparse, not sparse...
   std::vector<std::uint32_t> first_;  ///< by leading bits of a code: the run it falls into; one more at the end
+  double inverse_side_ = 0;
 };
 
 }  // namespace pointsweep
