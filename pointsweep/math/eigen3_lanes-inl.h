@@ -164,9 +164,9 @@ struct PairLanes {
     const V half = hn::Mul(half_of, hn::Sub(pp, qq)), middle = hn::Mul(half_of, hn::Add(pp, qq));
     const V along = hn::Add(hn::Abs(half), hn::Set(d, deflation::kFloor));
     const V radius = hn::Sqrt(hn::Add(hn::Mul(along, along), hn::Mul(pq, pq)));
-    const V per_radius = hn::Div(hn::Set(d, 1.0), radius);
-    const V c = hn::Sqrt(hn::Add(half_of, hn::Mul(half_of, hn::Mul(along, per_radius))));
-    const V s = hn::Div(hn::Mul(hn::Mul(half_of, pq), per_radius), c);
+    const V both = hn::Add(radius, along);
+    const V shortest = hn::Div(hn::Set(d, 1.0), hn::Sqrt(hn::Add(hn::Mul(both, both), hn::Mul(pq, pq))));
+    const V c = hn::Mul(both, shortest), s = hn::Mul(pq, shortest);
     const auto first = hn::Ge(half, hn::Zero(d));
     greater = InPlane(p, q, hn::IfThenElse(first, c, s), hn::IfThenElse(first, s, c));
     less = InPlane(p, q, hn::IfThenElse(first, hn::Neg(s), c), hn::IfThenElse(first, c, hn::Neg(s)));
