@@ -49,10 +49,10 @@ HWY_INLINE void StoreNumbers(V v, const Points& points, std::span<float> column)
   const FloatLanes d;
   HWY_ALIGN float numbers[kLanes];
   if (points.size == kLanes) {
-    hn::StoreU(Saturated(v), d, &column[points.first]);
+    hn::StoreU(Saturated(v), d, column.data() + points.first);
   } else {
     hn::Store(Saturated(v), d, numbers);
-    std::copy_n(numbers, points.size, &column[points.first]);
+    std::copy_n(numbers, points.size, column.data() + points.first);
   }
 }
 

@@ -84,13 +84,13 @@ const CellNeighbors& CellRunner::lists_of(std::uint32_t slot, Worker& worker) co
 /// Notes which cells the lists name: these stay. Most neighbours are in one of two cells, so that sixteen at a time are
 /// known already.
 void CellRunner::refer(WindowCell& cell, const CellNeighbors& lists, Worker& worker) const {
-  constexpr std::uint32_t kTogether = 16;
+  constexpr std::ptrdiff_t kTogether = 16;
   std::vector<std::uint32_t>& slots = worker.named;
   slots.clear();
   std::uint32_t last = ~0u, before = ~0u;
   const auto known = [&](const NeighborRef* refs) {
     std::uint32_t others = 0;
-    for (std::uint32_t j = 0; j < kTogether; ++j) others |= (slot_of(refs[j]) ^ last) & -(slot_of(refs[j]) != before);
+    for (std::ptrdiff_t j = 0; j < kTogether; ++j) others |= (slot_of(refs[j]) ^ last) & -(slot_of(refs[j]) != before);
     return others == 0;
   };
   const auto note = [&](NeighborRef ref) {
@@ -101,11 +101,12 @@ void CellRunner::refer(WindowCell& cell, const CellNeighbors& lists, Worker& wor
     if (!worker.is_named[slot]) slots.push_back(slot);
     worker.is_named[slot] = true;
   };
-  const auto note_all = [&](std::uint32_t begin, std::uint32_t end) {
-    for (; begin + kTogether <= end; begin += kTogether) {
-      if (!known(&lists.refs[begin])) std::for_each_n(&lists.refs[begin], kTogether, note);
+  const auto note_all = [&](std::uint32_t first, std::uint32_t behind) {
+    const NeighborRef *ref = lists.refs.data() + first, *const end = lists.refs.data() + behind;
+    for (; end - ref >= kTogether; ref += kTogether) {
+      if (!known(ref)) std::for_each_n(ref, kTogether, note);
     }
-    std::for_each(&lists.refs[begin], &lists.refs[end], note);
+    std::for_each(ref, end, note);
   };
   if (cell.deferred.empty()) {
     note_all(lists.begin.front(), lists.begin.back());
