@@ -159,13 +159,15 @@ struct Stream::State {
     merge(join(split_large_pieces(dealt, record.schema(), options, *store), options.aim));
   }
 
-  /// Each slab before those of the other kind that begin, and go on beginning, behind it; either kind keeps its order.
+  /// The others as late as may be, but before the first slab that reaches to where they, or any after them, begin: its
+  /// points would wait for theirs, which are few. Either kind keeps its order.
   void merge(std::vector<PiecedSlab> others) {
-    const std::vector<double> begin = least_begins(slabs), begin_of_others = least_begins(others);
+    const std::vector<double> begin_of_others = least_begins(others);
     std::vector<PiecedSlab> merged;
     std::size_t i = 0;
     for (std::size_t o = 0; o < others.size(); ++o) {
-      while (i < slabs.size() && begin[i] < begin_of_others[o]) merged.push_back(std::move(slabs[i++]));
+      while (i < slabs.size() && slabs[i].slab.box.hi[split.axis] < begin_of_others[o])
+        merged.push_back(std::move(slabs[i++]));
       merged.push_back(std::move(others[o]));
     }
     while (i < slabs.size()) merged.push_back(std::move(slabs[i++]));

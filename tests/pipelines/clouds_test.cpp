@@ -161,6 +161,25 @@ TEST(GeneratedClouds, FillLittleOfTheWindowHoweverUnevenTheirDensity) {
   }
 }
 
+/// Both begin at the same height but for chance, and the sheet must not wait for the end of the column.
+TEST(GeneratedClouds, ASheetUnderAColumnOfFewPointsFillsLittleOfTheWindow) {
+  constexpr std::size_t kPoints = 200'000;
+  std::uniform_real_distribution<double> u(0, 1);
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      const double x = u(random), y = u(random);
+      points.push_back({x, y, u(random) * (i % 100 == 0 ? 50 : 1e-4)});
+    }
+    const Statistics s =
+        run_in_memory(points, {{.k = 8}, {std::make_shared<Normals>()}}, small(0, 1024, 2, 1ull << 30)).statistics;
+    EXPECT_LT(s.peak_points, kPoints / 4);
+    EXPECT_LT(s.recalled, kPoints / 20);
+  }
+}
+
 TEST(RealScans, HaveExactNeighbors) {
   const std::filesystem::path data = data_folder();
   if (data.empty()) GTEST_SKIP() << "POINTSWEEP_DATA names no folder of real scans";
