@@ -20,7 +20,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-using FloatLanes = hn::Rebind<float, Lanes>;
 using FloatV = hn::Vec<FloatLanes>;
 
 /// The points of the batch that a vector of a tile is about; none of a vector behind its last. Lanes behind the last

@@ -24,11 +24,11 @@ class NeighborNormals {
  public:
   explicit NeighborNormals(const Tile& tile) : tile_(tile), vectors_(tile, {tile.in}) { MakeUnit(0); }
   HWY_INLINE void Hold(std::size_t from) {
-    if (from != from_) vectors_.Hold(from), MakeUnit(from);
+    if (vectors_.Hold(from)) MakeUnit(from);
   }
   HWY_INLINE Vector Load(std::size_t vector, std::size_t c) const { return vectors_.Load(vector, c); }
   HWY_INLINE V Present(std::size_t vector, std::size_t c) const {
-    return hn::Load(Lanes(), present_.of + c * tile_.stride + vector * kLanes);
+    return hn::Load(Lanes(), present_.of + tile_.At(vector, c));
   }
 
  private:
@@ -41,20 +41,18 @@ class NeighborNormals {
 
   void MakeUnit(std::size_t from) {
     const Lanes d;
-    from_ = from;
     for (std::size_t c = 0; c < tile_.Held(from); ++c) {
       for (std::size_t v = 0; v < tile_.vectors; ++v) {
         const Vector n = UnitOrZero(vectors_.Load(v, c));
         const auto present = hn::Gt(Dot(n, n), hn::Zero(d));
         vectors_.Store(n, v, c);
-        hn::Store(hn::IfThenElseZero(present, hn::Set(d, 1.0)), d, present_.of + c * tile_.stride + v * kLanes);
+        hn::Store(hn::IfThenElseZero(present, hn::Set(d, 1.0)), d, present_.of + tile_.At(v, c));
       }
     }
   }
 
   const Tile& tile_;
   NeighborVectors<NormalOf> vectors_;
-  std::size_t from_ = 0;
   NeighborArray<double> present_;
 };
 

@@ -25,6 +25,7 @@ namespace pointsweep::HWY_NAMESPACE {
 using Lanes = hn::ScalableTag<double>;
 using V = hn::Vec<Lanes>;
 constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
+using FloatLanes = hn::Rebind<float, Lanes>;  // as many
 
 /// One number for each lane.
 struct LaneArray {
@@ -59,6 +60,8 @@ struct Tile {
   }
   /// Neighbours of a point that are there at a time, from the `from`-th on.
   std::size_t Held(std::size_t from) const { return std::min(chunk, most - from); }
+  /// Where in an array of neighbours the c-th of those held of a vector of points begin.
+  std::size_t At(std::size_t vector, std::size_t c) const { return c * stride + vector * kLanes; }
 };
 
 /// One number for each point of a tile.
@@ -101,19 +104,21 @@ template <class OfNeighbor>
 class NeighborVectors {
  public:
   NeighborVectors(const Tile& tile, OfNeighbor of) : tile_(tile), of_(of) { Fetch(0); }
-  /// Makes sure that those from the `from`-th neighbour on are there.
-  HWY_INLINE void Hold(std::size_t from) {
-    if (from != from_) Fetch(from);
+  /// Makes sure that those from the `from`-th neighbour on are there; true if they were not.
+  HWY_INLINE bool Hold(std::size_t from) {
+    if (from == from_) return false;
+    Fetch(from);
+    return true;
   }
   /// The c-th of those held.
   HWY_INLINE Vec3Lanes<V> Load(std::size_t vector, std::size_t c) const {
     const Lanes d;
-    const std::size_t at = c * tile_.stride + vector * kLanes;
+    const std::size_t at = tile_.At(vector, c);
     return {hn::Load(d, x_ + at), hn::Load(d, y_ + at), hn::Load(d, z_ + at)};
   }
   HWY_INLINE void Store(const Vec3Lanes<V>& value, std::size_t vector, std::size_t c) {
     const Lanes d;
-    const std::size_t at = c * tile_.stride + vector * kLanes;
+    const std::size_t at = tile_.At(vector, c);
     hn::Store(value.x, d, x_ + at), hn::Store(value.y, d, y_ + at), hn::Store(value.z, d, z_ + at);
   }
   /// That of the c-th held of point l of the tile.

@@ -126,14 +126,12 @@ class Weights {
     if (from != from_) Compute(from);
   }
   HWY_INLINE V Load(std::size_t vector, std::size_t c) const {
-    return hn::PromoteTo(Lanes(), hn::Load(HalfFloats(), theta_.of + c * tile_.stride + vector * kLanes));
+    return hn::PromoteTo(Lanes(), hn::Load(FloatLanes(), theta_.of + tile_.At(vector, c)));
   }
   /// θ of the nearest neighbours, by which the others are divided.
   HWY_INLINE V NearestTheta(std::size_t vector) const { return ExpNegative(Lanes(), nearest_.Load(vector)); }
 
  private:
-  using HalfFloats = hn::Rebind<float, Lanes>;
-
   void Compute(std::size_t from) {
     from_ = from;
     for (std::size_t v = 0; v < tile_.vectors; ++v) {
@@ -141,12 +139,12 @@ class Weights {
       hn::Store(hn::Mul(weighting.near2, weighting.falloff), Lanes(), nearest_.of + v * kLanes);
       for (std::size_t c = 0; c < tile_.Held(from); ++c) {
         const V exponent = weighting.Exponent(offsets_.Load(v, c), from + c);
-        hn::Store(hn::DemoteTo(HalfFloats(), exponent), HalfFloats(), theta_.of + c * tile_.stride + v * kLanes);
+        hn::Store(hn::DemoteTo(FloatLanes(), exponent), FloatLanes(), theta_.of + tile_.At(v, c));
       }
     }
     const hn::ScalableTag<float> d;
     for (std::size_t at = 0; at < tile_.Held(from) * tile_.stride; at += hn::Lanes(d))
-      hn::Store(ExpNegativeF32(d, hn::Load(d, theta_.of + at)), d, theta_.of + at);
+      hn::Store(ExpNegative(d, hn::Load(d, theta_.of + at)), d, theta_.of + at);
   }
 
   const Tile& tile_;

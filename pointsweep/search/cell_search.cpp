@@ -16,6 +16,7 @@
 
 #include "pointsweep/math/power_of_two.h"
 #include "pointsweep/search/copies.h"
+#include "pointsweep/search/exact_order.h"
 #include "pointsweep/search/gathered_search.h"
 #include "pointsweep/search/leaf_query-inl.h"
 #include "pointsweep/search/near_leaves-inl.h"
@@ -242,26 +243,8 @@ class CellSearch {
       const std::uint32_t number = std::bit_cast<std::uint32_t>(keys_[i][lane]) & (kCandidates - 1);
       refs[size++] = packed_.first[number / kLeafCapacity] + number % kLeafCapacity;
     }
-    order(point, refs, close_to_next);
+    if (close_to_next != 0) order_runs(directory_, cell_.position(point), close_to_next, refs);
     written_ += size;
-  }
-
-  /// Puts a list into exact order: runs of neighbours each of which is close to the next.
-  void order(std::uint32_t point, NeighborRef* refs, std::uint64_t close_to_next) const {
-    while (close_to_next != 0) {
-      const int begin = std::countr_zero(close_to_next);
-      const int length = std::countr_one(close_to_next >> begin) + 1;
-      order_run(point, refs + begin, static_cast<std::size_t>(length));
-      close_to_next &= ~(((std::uint64_t{1} << (length - 1)) - 1) << begin);
-    }
-  }
-
-  /// By exact distances.
-  void order_run(std::uint32_t point, NeighborRef* refs, std::size_t size) const {
-    const Vec3 p = cell_.position(point);
-    std::array<Candidate, K> list;
-    for (std::size_t i = 0; i < size; ++i) insert_sorted(candidate(refs[i], p), list.data(), i, K);
-    for (std::size_t i = 0; i < size; ++i) refs[i] = list[i].ref;
   }
 
   /// One query again among the packed candidates, by their exact distances.
@@ -285,7 +268,7 @@ class CellSearch {
     for (std::size_t n = 0; n < near; ++n) {
       const NeighborRef ref = packed_.first[near_[n] / kLeafCapacity] + near_[n] % kLeafCapacity;
       if (index_of(ref) >= directory_.cell(slot_of(ref)).size()) continue;
-      const Candidate c = candidate(ref, p);
+      const Candidate c = candidate_from(directory_, ref, p);
       if (c.row != cell_.row[point]) use(c);
     }
   }
@@ -304,12 +287,6 @@ class CellSearch {
     scratch_.best.start(what_);
     for_each_near(point, near, [&](const Candidate& c) { scratch_.best.offer(c); });
     append_best(what_, scratch_, out_);
-  }
-
-  Candidate candidate(NeighborRef ref, Vec3 p) const {
-    const Cell& cell = directory_.cell(slot_of(ref));
-    const Vec3 at = cell.position(index_of(ref));
-    return {distance2(at, p), at, cell.row[index_of(ref)], ref};
   }
 
   /// The plain search, for queries whose neighbours are too many or too spread for the vector code.

@@ -17,6 +17,7 @@
 
 #include "pointsweep/math/front_lanes-inl.h"
 #include "pointsweep/search/copies.h"
+#include "pointsweep/search/exact_order.h"
 #include "pointsweep/search/near_leaves-inl.h"
 #include "pointsweep/search/plain_search.h"
 
@@ -177,11 +178,8 @@ class GatheredSearch {
   void order_run(Vec3 p, std::uint64_t* keys, std::size_t size, std::size_t wanted) {
     std::vector<Candidate>& run = scratch_.gathered.run;
     run.clear();
-    for (std::size_t i = 0; i < size; ++i) {
-      const auto ref = static_cast<NeighborRef>(keys[i]);
-      const Vec3 at = position(ref);
-      run.push_back({distance2(at, p), at, directory_.cell(slot_of(ref)).row[index_of(ref)], ref});
-    }
+    for (std::size_t i = 0; i < size; ++i)
+      run.push_back(candidate_from(directory_, static_cast<NeighborRef>(keys[i]), p));
     std::partial_sort(run.begin(), run.begin() + static_cast<std::ptrdiff_t>(wanted), run.end(), nearer);
     for (std::size_t i = 0; i < wanted; ++i) keys[i] = run[i].ref;
   }

@@ -17,7 +17,8 @@ double reach_of_most(const std::vector<double>& reach2, double share) {
   constexpr std::size_t kMost = 128;
   std::vector<double> sample;
   sample.reserve(kMost);
-  for (std::size_t i = 0; i < reach2.size(); i += (reach2.size() + kMost - 1) / kMost) sample.push_back(reach2[i]);
+  const std::size_t step = (reach2.size() + kMost - 1) / kMost;
+  for (std::size_t i = 0; i < reach2.size(); i += step) sample.push_back(reach2[i]);
   const auto at = sample.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(sample.size() - 1) * share);
   std::nth_element(sample.begin(), at, sample.end());
   return std::sqrt(*at);

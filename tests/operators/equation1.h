@@ -72,7 +72,7 @@ inline std::array<float, 3> scalar_normal(std::span<const Vec3> points, std::siz
   double weights = 0;
   for (const std::uint32_t j : neighbors) {
     const Vec3 o = scale * (points[j] - p);
-    const double theta = exp_negative_f32(static_cast<float>(std::max(length2(o) - near2, 0.0) * falloff));
+    const double theta = exp_negative(static_cast<float>(std::max(length2(o) - near2, 0.0) * falloff));
     const Vec3 t = theta * o;
     m.xx += t.x * o.x, m.xy += t.x * o.y, m.xz += t.x * o.z;
     m.yy += t.y * o.y, m.yz += t.y * o.z, m.zz += t.z * o.z;
