@@ -44,7 +44,9 @@ HWY_INLINE FloatV Saturated(V v) {
   return hn::DemoteTo(FloatLanes(), hn::Min(hn::Max(v, hn::Neg(most)), most));
 }
 
+/// Into nothing if nobody wants the column, which is empty then; so do the others.
 HWY_INLINE void StoreNumbers(V v, const Points& points, std::span<float> column) {
+  if (column.empty()) return;
   const FloatLanes d;
   HWY_ALIGN float numbers[kLanes];
   if (points.size == kLanes) {
@@ -57,6 +59,7 @@ HWY_INLINE void StoreNumbers(V v, const Points& points, std::span<float> column)
 
 HWY_INLINE void StoreTriples(FloatV a, FloatV b, FloatV c, const Points& points,
                              std::span<std::array<float, 3>> column) {
+  if (column.empty()) return;
   if (points.size == kLanes) {
     hn::StoreInterleaved3(a, b, c, FloatLanes(), column[points.first].data());
     return;

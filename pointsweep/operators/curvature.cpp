@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/curvature.h"
 
+#include <cstddef>
+#include <span>
+
 #include "pointsweep/operators/curvature_kernel.h"
 #include "pointsweep/operators/tangent_plane.h"
 
@@ -31,15 +34,17 @@ Contract Curvature::contract() const {
 }
 
 void Curvature::apply(const Neighborhoods& in, Columns& out) const {
-  out.degenerate += curvatures(in, {.k1 = out.column<float>(0),
-                                    .k2 = out.column<float>(1),
-                                    .direction = out.column<Float3>(2),
-                                    .mean = out.column<float>(3),
-                                    .gaussian = out.column<float>(4),
-                                    .rms = out.column<float>(5),
-                                    .absolute = out.column<float>(6),
-                                    .surface_variation = out.column<float>(7),
-                                    .normal_eigenvalues = out.column<Float3>(8)});
+  const auto numbers = [&](std::size_t m) { return out.wanted(m) ? out.column<float>(m) : std::span<float>(); };
+  const auto triples = [&](std::size_t m) { return out.wanted(m) ? out.column<Float3>(m) : std::span<Float3>(); };
+  out.degenerate += curvatures(in, {.k1 = numbers(0),
+                                    .k2 = numbers(1),
+                                    .direction = triples(2),
+                                    .mean = numbers(3),
+                                    .gaussian = numbers(4),
+                                    .rms = numbers(5),
+                                    .absolute = numbers(6),
+                                    .surface_variation = numbers(7),
+                                    .normal_eigenvalues = triples(8)});
 }
 
 }  // namespace pointsweep

@@ -2,6 +2,8 @@
 #include "pointsweep/operators/curvature_kernel.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <optional>
 
 #include "pointsweep/math/instruction_sets.h"
 
@@ -56,27 +58,33 @@ class NeighborNormals {
   NeighborArray<double> present_;
 };
 
+/// Those of Equations 1 and 2.
+struct WeightedSums {
+  Matrix moments = ZeroMatrix();  // |N_i| M_i
+  Matrix normals = ZeroMatrix();  // |N_i| C_i
+};
+
 /// Sums over the neighbours that have a normal; over all of them in `moments`.
+template <bool kWeighted>
 struct Sums {
   Scaling scaling;
-  Matrix moments = ZeroMatrix();           // |N_i| M_i of Equation 1
-  Matrix weighted_normals = ZeroMatrix();  // |N_i| C_i of Equation 2
+  WeightedSums weighted = {};  // if they are wanted
   Matrix normals = ZeroMatrix(), positions = ZeroMatrix();
   Vector position{hn::Zero(Lanes()), hn::Zero(Lanes()), hn::Zero(Lanes())};
   V count = hn::Zero(Lanes());
 
   /// In two loops, for not all sums together fit into registers.
   HWY_INLINE void IncludeHeld(const Tile& tile, std::size_t from, std::size_t v, const Offsets& offsets,
-                              const Weights& weights, const NeighborNormals& neighbors) {
+                              const Weights* weights, const NeighborNormals& neighbors) {
     for (std::size_t c = 0; c < tile.Held(from); ++c) {
       const Vector offset = scaling.Scaled(offsets.Load(v, c)), seen = Times(neighbors.Present(v, c), offset);
-      AddOuterProduct(moments, weights.Load(v, c), offset);
+      if constexpr (kWeighted) AddOuterProduct(weighted.moments, weights->Load(v, c), offset);
       AddOuterProduct(positions, seen);
       position = {hn::Add(position.x, seen.x), hn::Add(position.y, seen.y), hn::Add(position.z, seen.z)};
     }
     for (std::size_t c = 0; c < tile.Held(from); ++c) {
       const Vector n = neighbors.Load(v, c);
-      AddOuterProduct(weighted_normals, weights.Load(v, c), n);
+      if constexpr (kWeighted) AddOuterProduct(weighted.normals, weights->Load(v, c), n);
       AddOuterProduct(normals, n);
       count = hn::Add(count, neighbors.Present(v, c));
     }
@@ -87,6 +95,7 @@ struct Sums {
 struct Covariances {
   V along, across, both;
 
+  template <class Sums>
   HWY_INLINE Covariances(const Sums& sums, const Vector& u, const Vector& v) {
     const V inverse = hn::Div(hn::Set(Lanes(), 1.0), sums.count);
     const Vector mu = Times(sums.positions, u), mv = Times(sums.positions, v);
@@ -105,6 +114,7 @@ struct Principal {
 };
 
 /// `e` is that of sums.normals.
+template <class Sums>
 HWY_INLINE Principal PrincipalCurvatures(const Vector& n, const Sums& sums, const Eigen3Lanes<V>& e) {
   const Lanes d;
   const V zero = hn::Zero(d);
@@ -141,15 +151,11 @@ HWY_INLINE V SmallestEigenvalue(const Matrix& m, V trace, const Vector& n) {
   return hn::IfThenElse(right, quotient, EigenSymmetric3(d, m)[0].value0);
 }
 
-/// Inline, so that eigenvectors nobody looks at are not computed. Returns the number of points without curvatures.
-HWY_INLINE std::size_t StoreCurvatures(const Principal& p, const Sums& sums, const Vector& normal,
-                                       const Eigen3Lanes<V>& weighted_normals, V nearest_theta, V neighbors,
-                                       const Points& points, const CurvatureColumns& out) {
+/// Returns the number of points without curvatures.
+HWY_INLINE std::size_t StorePrincipal(const Principal& p, V scale, const Points& points, const CurvatureColumns& out) {
   const Lanes d;
-  const V zero = hn::Zero(d), half = hn::Set(d, 0.5), most = hn::Set(d, 1e150);  // so that a product is a number
-  const auto curvature = [&](V v) HWY_ATTR {
-    return hn::IfThenElseZero(p.found, hn::Min(hn::Mul(v, sums.scaling.scale), most));
-  };
+  const V half = hn::Set(d, 0.5), most = hn::Set(d, 1e150);  // so that a product is a number
+  const auto curvature = [&](V v) HWY_ATTR { return hn::IfThenElseZero(p.found, hn::Min(hn::Mul(v, scale), most)); };
   const V k1 = curvature(p.k1), k2 = curvature(p.k2), sum = hn::Add(k1, k2);
   StoreNumbers(k1, points, out.k1);
   StoreNumbers(k2, points, out.k2);
@@ -158,40 +164,93 @@ HWY_INLINE std::size_t StoreCurvatures(const Principal& p, const Sums& sums, con
   StoreNumbers(hn::Mul(k1, k2), points, out.gaussian);
   StoreNumbers(hn::Sqrt(hn::Mul(hn::Add(hn::Mul(k1, k1), hn::Mul(k2, k2)), half)), points, out.rms);
   StoreNumbers(sum, points, out.absolute);
-
-  const V trace = hn::Add(hn::Add(sums.moments.xx, sums.moments.yy), sums.moments.zz);
-  const V variation = hn::Div(hn::Max(SmallestEigenvalue(sums.moments, trace, normal), zero), trace);
-  StoreNumbers(hn::IfThenElseZero(hn::And(p.found, hn::Gt(trace, zero)), variation), points, out.surface_variation);
-  const V share = hn::Div(nearest_theta, hn::Max(neighbors, hn::Set(d, 1.0)));
-  const auto eigenvalue = [&](V v) HWY_ATTR {
-    return Saturated(hn::IfThenElseZero(p.found, hn::Mul(hn::Max(v, zero), share)));
-  };
-  StoreTriples(eigenvalue(weighted_normals.value0), eigenvalue(weighted_normals.value1),
-               eigenvalue(weighted_normals.value2), points, out.normal_eigenvalues);
   return points.CountWithout(p.found);
 }
+
+/// `eigen_normals`: of |N_i| C_i. Inline, so that eigenvectors nobody looks at are not computed.
+template <class Mask>
+HWY_INLINE void StoreWeighted(Mask found, const WeightedSums& sums, const Eigen3Lanes<V>& eigen_normals,
+                              const Vector& normal, V nearest_theta, V neighbors, const Points& points,
+                              const CurvatureColumns& out) {
+  const Lanes d;
+  const V zero = hn::Zero(d), trace = hn::Add(hn::Add(sums.moments.xx, sums.moments.yy), sums.moments.zz);
+  const V variation = hn::Div(hn::Max(SmallestEigenvalue(sums.moments, trace, normal), zero), trace);
+  StoreNumbers(hn::IfThenElseZero(hn::And(found, hn::Gt(trace, zero)), variation), points, out.surface_variation);
+  const V share = hn::Div(nearest_theta, hn::Max(neighbors, hn::Set(d, 1.0)));
+  const auto eigenvalue = [&](V v) HWY_ATTR {
+    return Saturated(hn::IfThenElseZero(found, hn::Mul(hn::Max(v, zero), share)));
+  };
+  StoreTriples(eigenvalue(eigen_normals.value0), eigenvalue(eigen_normals.value1), eigenvalue(eigen_normals.value2),
+               points, out.normal_eigenvalues);
+}
+
+/// The points of a tile, and all that curvatures need of them.
+template <bool kWeighted>
+class CurvatureTile {
+ public:
+  CurvatureTile(Tile& tile, const CurvatureColumns& out)
+      : tile_(tile), out_(out), offsets_(tile, {tile.in}), extents_(tile, offsets_), neighbors_(tile), own_(tile, 0) {
+    if constexpr (kWeighted) weights_.emplace(tile, extents_, offsets_);
+  }
+
+  /// Returns the number of points without curvatures. Two eigenproblems at a time: of one vector of points if θ is
+  /// wanted, of two if not.
+  HWY_INLINE std::size_t Store() {
+    const Lanes d;
+    std::size_t degenerate = 0;
+    for (std::size_t v = 0; v < tile_.vectors; v += kWeighted ? 1 : 2) {
+      const auto a = SumsOf(v);
+      if constexpr (kWeighted) {
+        const auto e = EigenSymmetric3(d, a.normals, a.weighted.normals);
+        degenerate += StoreOne(v, a, e[0], &e[1]);
+      } else {
+        const auto b = v + 1 < tile_.vectors ? SumsOf(v + 1) : a;
+        const auto e = EigenSymmetric3(d, a.normals, b.normals);
+        degenerate += StoreOne(v, a, e[0], nullptr);
+        if (v + 1 < tile_.vectors) degenerate += StoreOne(v + 1, b, e[1], nullptr);
+      }
+    }
+    return degenerate;
+  }
+
+ private:
+  HWY_INLINE Sums<kWeighted> SumsOf(std::size_t v) {
+    Sums<kWeighted> sums{Scaling(extents_, v)};
+    for (std::size_t from = 0; from < tile_.most; from += tile_.chunk) {
+      if constexpr (kWeighted) weights_->Hold(from);
+      offsets_.Hold(from);
+      neighbors_.Hold(from);
+      sums.IncludeHeld(tile_, from, v, offsets_, kWeighted ? &*weights_ : nullptr, neighbors_);
+    }
+    return sums;
+  }
+
+  HWY_INLINE std::size_t StoreOne(std::size_t v, const Sums<kWeighted>& sums, const Eigen3Lanes<V>& of_normals,
+                                  const Eigen3Lanes<V>* of_weighted_normals) const {
+    const Points points(tile_, v);
+    const Vector normal = UnitOrZero(own_.Load(v));
+    const Principal principal = PrincipalCurvatures(normal, sums, of_normals);
+    if constexpr (kWeighted)
+      StoreWeighted(principal.found, sums.weighted, *of_weighted_normals, normal, weights_->NearestTheta(v),
+                    extents_.count.Load(v), points, out_);
+    return StorePrincipal(principal, sums.scaling.scale, points, out_);
+  }
+
+  const Tile& tile_;
+  const CurvatureColumns& out_;
+  Offsets offsets_;
+  const Extents extents_;
+  std::optional<Weights> weights_;
+  NeighborNormals neighbors_;
+  const OwnVectors own_;
+};
 
 std::size_t Curvatures(const Neighborhoods& in, const CurvatureColumns& out) {
   std::size_t degenerate = 0;
   for (std::size_t first = 0; first < in.size();) {
     Tile tile(in, first, in.size());
-    Offsets offsets(tile, {in});
-    const Extents extents(tile, offsets);
-    Weights weights(tile, extents, offsets);
-    NeighborNormals neighbors(tile);
-    const OwnVectors own(tile, 0);
-    for (std::size_t v = 0; v < tile.vectors; ++v) {
-      Sums sums{Scaling(extents, v)};
-      for (std::size_t from = 0; from < tile.most; from += tile.chunk) {
-        weights.Hold(from);
-        neighbors.Hold(from);
-        sums.IncludeHeld(tile, from, v, offsets, weights, neighbors);
-      }
-      const Vector normal = UnitOrZero(own.Load(v));
-      const auto e = EigenSymmetric3(Lanes(), sums.normals, sums.weighted_normals);
-      degenerate += StoreCurvatures(PrincipalCurvatures(normal, sums, e[0]), sums, normal, e[1],
-                                    weights.NearestTheta(v), extents.count.Load(v), Points(tile, v), out);
-    }
+    degenerate +=
+        out.weighted() ? CurvatureTile<true>(tile, out).Store() : CurvatureTile<false>(tile, out).Store();
     first += tile.size;
   }
   return degenerate;

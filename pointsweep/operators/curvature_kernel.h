@@ -10,13 +10,16 @@
 
 namespace pointsweep {
 
-/// What Curvature makes, each as long as the batch.
+/// What Curvature makes: each as long as the batch, or empty if nobody wants it.
 struct CurvatureColumns {
   std::span<float> k1, k2;
   std::span<std::array<float, 3>> direction;  ///< of k1
   std::span<float> mean, gaussian, rms, absolute;
   std::span<float> surface_variation;
   std::span<std::array<float, 3>> normal_eigenvalues;  ///< of C_i, ascending
+
+  /// Whether anything of Equations 1 and 2 with their θ is wanted.
+  bool weighted() const { return !surface_variation.empty() || !normal_eigenvalues.empty(); }
 };
 
 /// Of all points of the batch, whose first attribute read is their normal, as it is of neighbours. All is 0 where there

@@ -57,9 +57,33 @@ class Planner {
       offset += bytes;
     }
     plan_.result_bytes = offset;
+    find_lasting();
   }
 
  private:
+  /// Who reads a column says how long it lasts.
+  void find_lasting() {
+    const auto outlasts = [&](std::uint16_t column, std::size_t step) {
+      const auto made = made_in_step_.find(column);
+      return made == made_in_step_.end() || made->second != step;
+    };
+    const auto read = [&](std::uint16_t column, std::size_t step) {
+      const Lasting by_it = outlasts(column, step) ? Lasting::its_cell : Lasting::its_step;
+      plan_.lasting[column] = std::max(plan_.lasting[column], by_it);
+    };
+    plan_.lasting.assign(plan_.column_bytes.size(), Lasting::not_at_all);
+    for (const FileColumn& file : plan_.file_columns) plan_.lasting[file.column] = Lasting::its_cell;
+    for (const ResultColumn& result : plan_.results) read(result.column, plan_.step_count() - 1);
+    for (std::size_t step = 0; step < plan_.step_count(); ++step) {
+      for (std::size_t s = plan_.steps[step]; s < plan_.steps[step + 1]; ++s) {
+        const Stage& stage = plan_.stages[s];
+        for (const std::uint16_t column : stage.reads) read(column, step);
+        for (const std::uint16_t column : stage.reads_neighbors) plan_.lasting[column] = Lasting::its_cell;
+        if (stage.position >= 0) plan_.lasting[static_cast<std::size_t>(stage.position)] = Lasting::its_cell;
+      }
+    }
+  }
+
   struct Version {
     Attribute attribute;
     std::uint16_t column;

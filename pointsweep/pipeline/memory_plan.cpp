@@ -14,8 +14,7 @@ namespace {
 
 /// A point in the window: coordinates, row, place, its share of boxes, columns and, where later steps need them, lists.
 std::uint64_t window_point_bytes(const SweepPlan& plan) {
-  std::uint64_t bytes = 3 * 8 + 8 + 4 + 4;
-  for (const std::uint32_t column : plan.column_bytes) bytes += column;
+  std::uint64_t bytes = 3 * 8 + 8 + 4 + 4 + plan.lasting_bytes();
   if (plan.step_count() > 1) bytes += 4 + 4 * std::min<std::size_t>(plan.neighborhood.k, 1024);
   return bytes;
 }
@@ -38,7 +37,7 @@ std::uint64_t window_bytes(const SweepPlan& plan, std::uint64_t slab_points, con
   const std::uint64_t listed =
       plan.neighborhood.k == Neighborhood::kUnlimited ? 1024 : std::min<std::uint64_t>(plan.neighborhood.k, points);
   const std::uint64_t in_hand =
-      std::min<std::uint64_t>(points, 1024) * (4 * listed + 2 * plan.result_bytes) + 128 * listed;
+      std::min<std::uint64_t>(points, 1024) * (4 * listed + 2 * plan.result_bytes + plan.passing_bytes()) + 128 * listed;
   return cells_bytes(plan, slab_points, demand) + std::max(1u, demand.threads) * (loading + in_hand);
 }
 

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "pointsweep/math/vec3.h"
 
@@ -118,7 +120,9 @@ class Neighborhoods {
 /// The columns an operator fills for a batch, in the order of its contract().makes.
 class Columns {
  public:
-  Columns(std::span<std::byte* const> made, std::size_t size) : made_(made), size_(size) {}
+  /// `unwanted`: by number, the columns nobody will look at; may be shorter.
+  Columns(std::span<std::byte* const> made, std::size_t size, std::vector<bool> unwanted = {})
+      : made_(made), size_(size), unwanted_(std::move(unwanted)) {}
   std::size_t size() const { return size_; }
   /// Column `m` of contract().makes; T is the whole value, e.g. std::array<float, 3> or float.
   template <class T>
@@ -126,12 +130,15 @@ class Columns {
     assert(m < made_.size());
     return {reinterpret_cast<T*>(made_[m]), size_};
   }
+  /// False if nobody will look at column `m`. An operator may then leave it as it is, and spare itself the work.
+  bool wanted(std::size_t m) const { return m >= unwanted_.size() || !unwanted_[m]; }
   /// Points whose data allowed no result and got the documented value instead.
   std::uint64_t degenerate = 0;
 
  private:
   std::span<std::byte* const> made_;
   std::size_t size_;
+  std::vector<bool> unwanted_;
 };
 
 }  // namespace pointsweep

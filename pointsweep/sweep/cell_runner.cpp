@@ -37,7 +37,7 @@ CellRunner::CellRunner(const SweepPlan& plan, Window& window, const Outside& out
       sink_(sink),
       read_of_neighbors_(plan.column_bytes.size()),
       cells_bytes_(cells_bytes) {
-  for (const std::uint32_t bytes : plan.column_bytes) point_bytes_ += bytes;
+  point_bytes_ += plan.lasting_bytes();
   for (const Stage& stage : plan.stages)
     for (const std::uint16_t column : stage.reads_neighbors) read_of_neighbors_[column] = true;
 }
@@ -202,15 +202,38 @@ void CellRunner::defer_points_of_deferred_neighbors(WindowCell& cell, const Cell
   for (const std::uint32_t i : follow) defer(cell, i, Box::kInf);
 }
 
+/// Columns that outlast the step are the cell's own.
+void CellRunner::place_columns(WindowCell& cell, std::uint32_t step, Worker& worker) const {
+  constexpr std::size_t kLine = 64;
+  std::size_t passing = 0;
+  const auto of_step = [&](auto use) {
+    for (std::size_t s = plan_.steps[step]; s < plan_.steps[step + 1]; ++s) {
+      for (const std::uint16_t c : plan_.stages[s].makes)
+        use(c, (plan_.column_bytes[c] * cell.cell.size() + kLine - 1) / kLine * kLine);
+    }
+  };
+  of_step([&](std::uint16_t c, std::size_t bytes) {
+    if (plan_.lasting[c] == Lasting::its_cell) {
+      cell.make_column(c, plan_.column_bytes[c]);
+    } else {
+      passing += bytes;
+    }
+  });
+  if (worker.passing.size() < passing) worker.passing.resize(passing);
+  worker.columns.clear();
+  for (auto& column : cell.columns) worker.columns.push_back(column.data());
+  std::byte* at = worker.passing.data();
+  of_step([&](std::uint16_t c, std::size_t bytes) {
+    if (plan_.lasting[c] != Lasting::its_cell) worker.columns[c] = at, at += bytes;
+  });
+}
+
 void CellRunner::apply(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const {
-  for (std::size_t s = plan_.steps[step]; s < plan_.steps[step + 1]; ++s) {
-    for (const std::uint16_t column : plan_.stages[s].makes) cell.make_column(column, plan_.column_bytes[column]);
-  }
+  place_columns(cell, step, worker);
   if (!cell.deferred.empty()) return apply_to_some(cell, step, lists, worker);
-  worker.made.clear();
-  for (auto& column : cell.columns) worker.made.push_back(column.data());
-  const Batch batch{cell.view(),        cell.cell.size(),  window_.slots(),
-                    lists.begin.data(), lists.refs.data(), worker.made.data()};
+  const Cell& c = cell.cell;
+  const Batch batch{{c.x, c.y, c.z, c.row, worker.columns.data()}, c.size(),          window_.slots(),
+                    lists.begin.data(),                            lists.refs.data(), worker.columns.data()};
   run_step(plan_, step, batch, worker.tally);
 }
 
@@ -230,18 +253,16 @@ void CellRunner::apply_to_some(WindowCell& cell, std::uint32_t step, const CellN
     some.refs.insert(some.refs.end(), lists.refs.begin() + lists.begin[i], lists.refs.begin() + lists.begin[i + 1]);
     some.begin.push_back(static_cast<std::uint32_t>(some.refs.size()));
   }
-  std::vector<std::vector<std::byte>> columns(cell.columns.size());
-  std::vector<const std::byte*> pointers;
-  worker.made.clear();
+  std::vector<std::vector<std::byte>> columns(worker.columns.size());
+  std::vector<std::byte*> pointers;
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (!cell.columns[c].empty()) {
+    if (worker.columns[c] != nullptr) {
       const std::size_t bytes = plan_.column_bytes[c];
       columns[c].resize(chosen.size() * bytes);
       for (std::size_t i = 0; i < chosen.size(); ++i) {
-        std::memcpy(columns[c].data() + i * bytes, cell.columns[c].data() + chosen[i] * bytes, bytes);
+        std::memcpy(columns[c].data() + i * bytes, worker.columns[c] + chosen[i] * bytes, bytes);
       }
     }
-    worker.made.push_back(columns[c].data());
     pointers.push_back(columns[c].data());
   }
   const Batch batch{{x.data(), y.data(), z.data(), row.data(), pointers.data()},
@@ -249,13 +270,13 @@ void CellRunner::apply_to_some(WindowCell& cell, std::uint32_t step, const CellN
                     window_.slots(),
                     some.begin.data(),
                     some.refs.data(),
-                    worker.made.data()};
+                    pointers.data()};
   run_step(plan_, step, batch, worker.tally);
   for (std::size_t s = plan_.steps[step]; s < plan_.steps[step + 1]; ++s) {
     for (const std::uint16_t c : plan_.stages[s].makes) {
       const std::size_t bytes = plan_.column_bytes[c];
       for (std::size_t i = 0; i < chosen.size(); ++i) {
-        std::memcpy(cell.columns[c].data() + chosen[i] * bytes, columns[c].data() + i * bytes, bytes);
+        std::memcpy(worker.columns[c] + chosen[i] * bytes, columns[c].data() + i * bytes, bytes);
       }
     }
   }
@@ -274,7 +295,7 @@ void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
   worker.degenerate += cell.degenerate;
   worker.deferred.insert(worker.deferred.end(), cell.left_to_recall.begin(), cell.left_to_recall.end());
   for (const DeferredPoint& point : cell.left_to_recall) sink_.deferred(point.slab, point.index_in_slab);
-  collect_results(plan_, cell.column_pointers.data(), cell.cell.size(), worker.results);
+  collect_results(plan_, worker.columns.data(), cell.cell.size(), worker.results);
   // Runs between deferred points, which are somebody else's to finish.
   for (std::uint32_t i = 0; i < cell.cell.size();) {
     std::uint32_t end = i;
@@ -287,7 +308,7 @@ void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
   }
 }
 
-/// Of the only step, others may still read what the file gave, while all that was made is the cell's own.
+/// After the only step others may still read some of what the file gave.
 void CellRunner::drop_columns(WindowCell& cell) const {
   for (std::size_t c = 0; c < cell.columns.size(); ++c) {
     if (read_of_neighbors_[c]) continue;

@@ -19,7 +19,8 @@ struct Worker {
   std::vector<std::uint32_t> named;  ///< slots that the lists of a cell name
   std::vector<bool> is_named;        ///< by slot
   std::vector<Box> dropped;
-  std::vector<std::byte*> made;
+  std::vector<std::byte*> columns;  ///< of the cell in hand, by column number
+  std::vector<std::byte> passing;   ///< those of them that do not outlast the step
   std::vector<std::byte> results;
   StageTally tally;
   double search_seconds = 0;
@@ -47,6 +48,7 @@ class CellRunner {
   void wait(WindowCell& cell, const CellNeighbors& found) const;
   void defer_points_of_deferred_neighbors(WindowCell& cell, const CellNeighbors& lists) const;
   static void defer(WindowCell& cell, std::uint32_t i, double reach2);
+  void place_columns(WindowCell& cell, std::uint32_t step, Worker& worker) const;
   void apply(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const;
   void apply_to_some(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const;
   void finish(WindowCell& cell, Worker& worker) const;

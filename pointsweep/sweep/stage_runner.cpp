@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "pointsweep/order/fixed_copy.h"
 
@@ -27,10 +28,14 @@ void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, Stage
     const auto start = std::chrono::steady_clock::now();
     const Stage& stage = plan.stages[s];
     std::vector<std::byte*> made;
-    for (const std::uint16_t column : stage.makes) made.push_back(batch.made[column]);
+    std::vector<bool> unwanted;
+    for (const std::uint16_t column : stage.makes) {
+      made.push_back(batch.made[column]);
+      unwanted.push_back(plan.lasting[column] == Lasting::not_at_all);
+    }
     const Neighborhoods in(batch.own, batch.size, batch.slots, batch.begin, batch.refs, stage.reads,
                            stage.reads_neighbors, stage.position);
-    Columns out(made, batch.size);
+    Columns out(made, batch.size, std::move(unwanted));
     stage.op->apply(in, out);
     tally.degenerate += out.degenerate;
     tally.seconds[s] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

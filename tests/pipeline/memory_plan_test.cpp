@@ -15,6 +15,7 @@ SweepPlan normals_plan(std::size_t k = 8) {
   plan.neighborhood.k = k;
   plan.steps = {0, 0};
   plan.column_bytes = {12};
+  plan.lasting = {Lasting::its_step};
   plan.result_bytes = 12;
   return plan;
 }

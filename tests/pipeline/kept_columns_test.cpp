@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operators/curvature.h"
+#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/splats.h"
+#include "pointsweep/pipeline/chain.h"
+#include "tests/pipeline/hostile_clouds.h"
+#include "tests/pipeline/in_memory.h"
+
+namespace pointsweep {
+namespace {
+
+Chain ridges(std::vector<std::string> keep) {
+  return {.neighborhood = {.k = 8},
+          .operators = {std::make_shared<Normals>(), std::make_shared<Curvature>(),
+                        std::make_shared<Splats>(SplatsOptions{SplatAxes::curvature})},
+          .keep = std::move(keep)};
+}
+
+std::vector<std::string> all_made() {
+  std::vector<std::string> names;
+  for (const auto& op : ridges({}).operators)
+    for (const Attribute& a : op->contract().makes) names.push_back(a.name);
+  return names;
+}
+
+TEST(KeptColumns, ChangesNoValueOfWhatIsKept) {
+  std::vector<std::vector<std::string>> keeps = {{"normal", "splat_axis", "splat_length", "splat_ratio"},
+                                                 {"k1", "mean_curvature", "splat_ratio"}};
+  for (const std::string& name : all_made()) keeps.push_back({name});
+  for (const auto& [name, shape] : hostile_shapes()) {
+    const std::vector<Vec3> points = make_cloud(shape, 700, 3);
+    const RunResult whole = run_in_memory(points, ridges({}), {});
+    for (const auto& keep : keeps) {
+      SCOPED_TRACE(name + ", only " + keep.front());
+      RunOptions options;
+      options.slab_points = 100, options.cell_points = 32, options.threads = 2;
+      const RunResult some = run_in_memory(points, ridges(keep), options);
+      EXPECT_EQ(some.statistics.degenerate, whole.statistics.degenerate);
+      for (const Field& field : some.schema.fields) {
+        const auto a = some.field(field.name), b = whole.field(field.name);
+        ASSERT_TRUE(std::ranges::equal(a, b, [](double x, double y) { return x == y || (x != x && y != y); }))
+            << field.name;
+      }
+    }
+  }
+}
+
+/// By attribute, from the chain of ridges.
+std::map<std::string, Lasting> lasting(const std::vector<std::string>& keep) {
+  Schema input;
+  for (const char* axis : {"x", "y", "z"}) input.append(axis, Type::f32);
+  const SweepPlan plan = plan_chain(ridges(keep), input).plan;
+  std::map<std::string, Lasting> by_name;
+  for (const Stage& stage : plan.stages) {
+    const Contract contract = stage.op->contract();
+    for (std::size_t m = 0; m < stage.makes.size(); ++m)
+      by_name[contract.makes[m].name] = plan.lasting[stage.makes[m]];
+  }
+  return by_name;
+}
+
+TEST(KeptColumns, LetsAColumnLastAsLongAsAnybodyLooks) {
+  auto all = lasting({});
+  EXPECT_EQ(all["normal"], Lasting::its_cell) << "read of neighbours in the second step";
+  EXPECT_EQ(all["k1"], Lasting::its_step) << "read by splats, and written when the last step is done";
+  EXPECT_EQ(all["splat_axis"], Lasting::its_step);
+  auto splats = lasting({"splat_axis", "splat_length", "splat_ratio"});
+  EXPECT_EQ(splats["normal"], Lasting::its_cell);
+  EXPECT_EQ(splats["k1_direction"], Lasting::its_step);
+  EXPECT_EQ(splats["surface_variation"], Lasting::not_at_all);
+  EXPECT_EQ(splats["splat_axis"], Lasting::its_step);
+  EXPECT_EQ(lasting({"normal"})["splat_axis"], Lasting::not_at_all);
+}
+
+/// Makes two attributes, and nobody wants the second: it must have a place all the same.
+class TwoNumbers final : public Operator {
+ public:
+  std::string name() const override { return "two_numbers"; }
+  Contract contract() const override {
+    return {{}, {}, {scalar("first", Type::f64, "1", ""), scalar("second", Type::f64, "1", "")}};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    EXPECT_TRUE(out.wanted(0));
+    EXPECT_FALSE(out.wanted(1));
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      out.column<double>(1)[i] = 7;
+      out.column<double>(0)[i] = in.position(i).x;
+    }
+  }
+};
+
+TEST(KeptColumns, TellsOperatorsWhatNobodyWants) {
+  const std::vector<Vec3> points = {{1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
+  const Chain chain{.neighborhood = {.k = 1}, .operators = {std::make_shared<TwoNumbers>()}, .keep = {"first"}};
+  EXPECT_EQ(run_in_memory(points, chain, {}).field("first"), (std::vector<double>{1, 2, 3}));
+}
+
+}  // namespace
+}  // namespace pointsweep
