@@ -64,6 +64,7 @@ void generate(const GenerateOptions& options) {
                            options.shape, seconds));
 }
 
+/// Made when somebody asks for help: shapes take a moment to set up.
 std::string footer() {
   std::string text = "Shapes, in metres:\n";
   for (const auto& shape : all_shapes()) text += fmt::format("  {:<10}{}\n", shape->name(), shape->meaning());
@@ -115,7 +116,7 @@ void add_generate_command(CLI::App& app) {
   add_thread_option(verb, options->common);
   add_force_option(verb, options->common);
   add_progress_options(verb, options->common);
-  verb.footer(footer());
+  verb.footer(footer);
   verb.callback([options] { generate(*options); });
 }
 

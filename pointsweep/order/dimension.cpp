@@ -6,6 +6,8 @@
 #include <iterator>
 #include <vector>
 
+#include "pointsweep/math/sort.h"
+#include "pointsweep/order/middle_box.h"
 #include "pointsweep/order/survey.h"
 
 namespace pointsweep {
@@ -13,21 +15,6 @@ namespace {
 
 constexpr std::size_t kTooFew = 256, kEnough = 16384;  ///< points
 constexpr std::uint64_t kMostCells = 1u << 20;         ///< along one axis, so that three cell numbers fit 64 bits
-
-/// The box of the middle 98 % of each coordinate.
-Box quantile_box(std::span<const Vec3> sample) {
-  Box box;
-  std::vector<double> values(sample.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    std::ranges::transform(sample, values.begin(), [axis](const Vec3& p) { return p[axis]; });
-    const std::size_t cut = values.size() / 100;
-    std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(cut));
-    box.lo[axis] = values[cut];
-    std::ranges::nth_element(values, values.end() - static_cast<std::ptrdiff_t>(cut + 1));
-    box.hi[axis] = values[values.size() - 1 - cut];
-  }
-  return box;
-}
 
 bool contains(const Box& box, const Vec3& p) {
   return box.lo.x <= p.x && p.x <= box.hi.x && box.lo.y <= p.y && p.y <= box.hi.y && box.lo.z <= p.z && p.z <= box.hi.z;
@@ -48,7 +35,7 @@ std::size_t occupied_cells(std::span<const Vec3> points, const Box& box, std::ui
     }
     codes.push_back(code);
   }
-  std::ranges::sort(codes);
+  sort_ascending(std::span(codes));
   return static_cast<std::size_t>(std::unique(codes.begin(), codes.end()) - codes.begin());
 }
 
@@ -57,7 +44,7 @@ std::size_t occupied_cells(std::span<const Vec3> points, const Box& box, std::ui
 double box_counting_dimension(std::span<const Vec3> sample) {
   constexpr double kUndecided = 2;
   if (sample.size() < kTooFew) return kUndecided;
-  const Box box = quantile_box(sample);
+  const Box box = middle_box(sample);
   const Vec3 extent = box.extent();
   const double largest = std::max({extent.x, extent.y, extent.z});
   if (!(largest > 0) || !std::isfinite(largest)) return kUndecided;

@@ -4,6 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
+
+#include "pointsweep/math/sort.h"
+#include "pointsweep/order/middle_box.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -26,26 +31,11 @@ constexpr std::uint64_t spread(std::uint64_t v) {
 
 constexpr std::uint64_t codes_of_cube(int level) { return std::uint64_t{1} << 3 * (kLevels - level); }
 
-/// The box of the middle 98 % of each coordinate.
-Box box_of_most(std::span<const Vec3> sample) {
-  Box box;
-  std::vector<double> values(sample.size());
-  const auto cut = static_cast<std::ptrdiff_t>(values.size() / 100);
-  for (int axis = 0; axis < 3; ++axis) {
-    std::ranges::transform(sample, values.begin(), [axis](const Vec3& p) { return p[axis]; });
-    std::ranges::nth_element(values, values.begin() + cut);
-    box.lo[axis] = values[static_cast<std::size_t>(cut)];
-    std::ranges::nth_element(values, values.end() - 1 - cut);
-    box.hi[axis] = values.end()[-1 - cut];
-  }
-  return box;
-}
-
 }  // namespace
 
 LocalSpacing::LocalSpacing(std::span<const Vec3> sample, std::uint64_t points, double dimension) {
   if (sample.size() < kFew) return;
-  const Box most = box_of_most(sample);
+  const Box most = middle_box(sample);
   const Vec3 extent = most.extent();
   side_ = 2 * std::max({extent.x, extent.y, extent.z});
   lo_ = most.center() - Vec3{side_ / 2, side_ / 2, side_ / 2};
@@ -55,7 +45,7 @@ LocalSpacing::LocalSpacing(std::span<const Vec3> sample, std::uint64_t points, d
   for (const Vec3& p : sample) {
     if (inside(p)) codes.push_back(code_of(p));
   }
-  std::ranges::sort(codes);
+  sort_ascending(std::span(codes));
   std::vector<Leaf> leaves;
   grow(codes, 0, 0, leaves);
   const std::vector<int> levels = levels_of(sample, leaves);
@@ -94,11 +84,23 @@ void LocalSpacing::grow(std::span<const std::uint64_t> codes, std::uint64_t begi
 }
 
 std::vector<int> LocalSpacing::levels_of(std::span<const Vec3> sample, const std::vector<Leaf>& leaves) const {
-  std::vector<int> levels;
-  for (const Vec3& p : sample) {
-    const auto after = [&](std::uint64_t code) { return std::ranges::upper_bound(leaves, code, {}, &Leaf::begin); };
-    levels.push_back(inside(p) ? after(code_of(p))[-1].level : level_outside(p));
+  constexpr std::size_t kTogether = 4096;
+  std::vector<int> levels(sample.size());
+  // The leaf that the first code of each cube of the table lies in; a code of the cube is in that one or one behind it.
+  std::vector<std::ptrdiff_t> first;
+  for (std::uint64_t cube = 0; cube <= codes_of_cube(0) / codes_of_cube(kTableLevels); ++cube) {
+    const auto after = std::ranges::upper_bound(leaves, cube * codes_of_cube(kTableLevels), {}, &Leaf::begin);
+    first.push_back(after - leaves.begin() - 1);
   }
+  const auto level_inside = [&](std::uint64_t code) {
+    const std::uint64_t cube = code / codes_of_cube(kTableLevels);
+    const std::ranges::subrange some(leaves.begin() + first[cube], leaves.begin() + first[cube + 1] + 1);
+    return std::ranges::upper_bound(some, code, {}, &Leaf::begin)[-1].level;
+  };
+  parallel_for((sample.size() + kTogether - 1) / kTogether, [&](std::size_t part, unsigned) {
+    for (std::size_t i = part * kTogether; i < std::min((part + 1) * kTogether, sample.size()); ++i)
+      levels[i] = inside(sample[i]) ? level_inside(code_of(sample[i])) : level_outside(sample[i]);
+  });
   return levels;
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pointsweep/math/sort.h"
+
 namespace pointsweep {
 namespace {
 
@@ -46,7 +48,7 @@ std::uint32_t Splitters::search(std::size_t cell, double value) const {
 }
 
 std::vector<double> quantile_limits(std::vector<double>& sample, std::size_t pieces) {
-  std::ranges::sort(sample);
+  sort_ascending(std::span(sample));
   std::vector<double> limits;
   double previous = kInf;
   for (std::size_t i = 1; i < pieces && !sample.empty(); ++i) {
@@ -65,7 +67,7 @@ std::vector<double> limits_not_too_near(std::span<const double> limits, std::spa
   if (spacing.empty()) return {limits.begin(), limits.end()};
   std::vector<std::pair<double, double>> sorted;
   for (std::size_t i = 0; i < sample.size(); ++i) sorted.emplace_back(sample[i], spacing[i]);
-  std::ranges::sort(sorted);
+  sort_ascending(std::span(sorted));
   std::vector<double> kept;
   auto begin = sorted.begin(), end = begin;
   for (const double limit : limits) {

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+/// The extent of a cloud without its outliers.
+#pragma once
+
+#include <span>
+
+#include "pointsweep/math/box.h"
+
+namespace pointsweep {
+
+/// The box of the middle 98 % of each coordinate of a sample, which is not empty.
+Box middle_box(std::span<const Vec3> sample);
+
+}  // namespace pointsweep
