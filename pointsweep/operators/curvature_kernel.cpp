@@ -45,10 +45,9 @@ class NeighborNormals {
     const Lanes d;
     for (std::size_t c = 0; c < tile_.Held(from); ++c) {
       for (std::size_t v = 0; v < tile_.vectors; ++v) {
-        const Vector n = UnitOrZero(vectors_.Load(v, c));
-        const auto present = hn::Gt(Dot(n, n), hn::Zero(d));
-        vectors_.Store(n, v, c);
-        hn::Store(hn::IfThenElseZero(present, hn::Set(d, 1.0)), d, present_.of + tile_.At(v, c));
+        const Direction<V> n = DirectionOf(vectors_.Load(v, c));
+        vectors_.Store(n.unit, v, c);
+        hn::Store(hn::IfThenElseZero(n.exists, hn::Set(d, 1.0)), d, present_.of + tile_.At(v, c));
       }
     }
   }
@@ -189,7 +188,7 @@ template <bool kWeighted>
 class CurvatureTile {
  public:
   CurvatureTile(Tile& tile, const CurvatureColumns& out)
-      : tile_(tile), out_(out), offsets_(tile, {tile.in}), extents_(tile, offsets_), neighbors_(tile), own_(tile, 0) {
+      : tile_(tile), out_(out), offsets_(tile, {tile.in}), extents_(tile, offsets_), neighbors_(tile) {
     if constexpr (kWeighted) weights_.emplace(tile, extents_, offsets_);
   }
 
@@ -228,7 +227,7 @@ class CurvatureTile {
   HWY_INLINE std::size_t StoreOne(std::size_t v, const Sums<kWeighted>& sums, const Eigen3Lanes<V>& of_normals,
                                   const Eigen3Lanes<V>* of_weighted_normals) const {
     const Points points(tile_, v);
-    const Vector normal = UnitOrZero(own_.Load(v));
+    const Vector normal = UnitOrZero(OwnVectors(tile_, 0, v));
     const Principal principal = PrincipalCurvatures(normal, sums, of_normals);
     if constexpr (kWeighted)
       StoreWeighted(principal.found, sums.weighted, *of_weighted_normals, normal, weights_->NearestTheta(v),
@@ -242,7 +241,6 @@ class CurvatureTile {
   const Extents extents_;
   std::optional<Weights> weights_;
   NeighborNormals neighbors_;
-  const OwnVectors own_;
 };
 
 std::size_t Curvatures(const Neighborhoods& in, const CurvatureColumns& out) {

@@ -14,6 +14,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "pointsweep/math/eigen3_lanes-inl.h"
@@ -70,27 +71,33 @@ struct TileArray {
   V Load(std::size_t vector) const { return hn::Load(Lanes(), of + vector * kLanes); }
 };
 
-/// number(i) of each point of a tile; 0 behind the last.
-template <class Number>
-HWY_INLINE TileArray NumbersOf(const Tile& tile, Number number) {
-  TileArray numbers;
-  for (std::size_t l = 0; l < tile.vectors * kLanes; ++l) numbers.of[l] = l < tile.size ? number(tile.first + l) : 0;
-  return numbers;
+/// Calls use() with where attribute `a` of a vector of points is, a T each; behind the last of the tile all are 0.
+template <class T, class Use>
+HWY_INLINE auto WithOwn(const Tile& tile, std::size_t a, std::size_t vector, const Use& use) {
+  const std::size_t first = vector * kLanes, size = tile.size - first;
+  const T* own = tile.in.values<T>(a) + tile.first + first;
+  if (size >= kLanes) return use(own);
+  T some[kLanes] = {};
+  std::copy_n(own, size, some);
+  return use(some);
 }
 
-/// Attribute `a` of the points of a tile, three numbers each.
-struct OwnVectors {
-  TileArray x, y, z;
+/// Attribute `a` of a vector of points, one number each.
+HWY_INLINE V OwnNumbers(const Tile& tile, std::size_t a, std::size_t vector) {
+  return WithOwn<float>(tile, a, vector, [](const float* own) HWY_ATTR {
+    return hn::PromoteTo(Lanes(), hn::LoadU(FloatLanes(), own));
+  });
+}
 
-  OwnVectors(const Tile& tile, std::size_t a) {
-    for (std::size_t l = 0; l < tile.vectors * kLanes; ++l) {
-      Vec3 v;
-      if (l < tile.size) v = tile.in.vector(a, tile.first + l);
-      x.of[l] = v.x, y.of[l] = v.y, z.of[l] = v.z;
-    }
-  }
-  Vec3Lanes<V> Load(std::size_t vector) const { return {x.Load(vector), y.Load(vector), z.Load(vector)}; }
-};
+/// The same of three numbers each.
+HWY_INLINE Vec3Lanes<V> OwnVectors(const Tile& tile, std::size_t a, std::size_t vector) {
+  return WithOwn<std::array<float, 3>>(tile, a, vector, [](const std::array<float, 3>* own) HWY_ATTR {
+    hn::Vec<FloatLanes> x, y, z;
+    hn::LoadInterleaved3(FloatLanes(), own->data(), x, y, z);
+    const Lanes d;
+    return Vec3Lanes<V>{hn::PromoteTo(d, x), hn::PromoteTo(d, y), hn::PromoteTo(d, z)};
+  });
+}
 
 /// Numbers that belong to the neighbours of a tile, neighbour after neighbour.
 template <class T>

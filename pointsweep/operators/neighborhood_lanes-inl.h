@@ -34,13 +34,40 @@ struct Extents {
 
   /// Points whose neighbours all lie on p_i, or one of them too far away, have none from here on.
   HWY_INLINE Extents(Tile& tile, Offsets& offsets) {
-    for (std::size_t l = 0; l < tile.vectors * kLanes; ++l) {
-      Measure(tile, offsets, l);
-      count.of[l] = double(tile.count[l]);
+    for (std::size_t v = 0; v < tile.vectors; ++v) {
+      const bool together = MeasureTogether(tile, offsets, v);
+      for (std::size_t l = v * kLanes; l < (v + 1) * kLanes; ++l) {
+        if (!together) Measure(tile, offsets, l);
+        count.of[l] = double(tile.count[l]);
+      }
     }
   }
 
  private:
+  /// The usual case of Measure(), a vector of points at a time; false if it is not that: as many neighbours for each,
+  /// all of them at hand, the first not on the point, the last not too far away.
+  HWY_INLINE bool MeasureTogether(const Tile& tile, const Offsets& offsets, std::size_t v) {
+    const Lanes d;
+    const std::size_t begin = v * kLanes, k = tile.count[begin];
+    if (k == 0 || k > tile.chunk) return false;
+    for (std::size_t l = begin + 1; l < begin + kLanes; ++l)
+      if (tile.count[l] != k) return false;
+    const Vec3Lanes<V> first = offsets.Load(v, 0), last = offsets.Load(v, k - 1);
+    const auto magnitude = [](const Vec3Lanes<V>& a) HWY_ATTR {
+      return hn::Max(hn::Max(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z));
+    };
+    const V extent = magnitude(last);
+    const auto scalable = hn::And(hn::Ge(extent, hn::Set(d, kLeastExtent)), hn::Lt(extent, hn::Set(d, kTooFar)));
+    if (!hn::AllTrue(d, hn::And(scalable, hn::Gt(magnitude(first), hn::Zero(d))))) return false;
+    hn::Store(extent, d, largest.of + begin);
+    const V far_of[3] = {last.x, last.y, last.z}, near_of[3] = {first.x, first.y, first.z};
+    for (int axis = 0; axis < 3; ++axis) {
+      hn::Store(far_of[axis], d, far[axis].of + begin);
+      hn::Store(near_of[axis], d, near[axis].of + begin);
+    }
+    for (std::size_t l = begin; l < begin + kLanes; ++l) place.of[l] = Magnitude(tile.in.position(tile.first + l));
+    return true;
+  }
   HWY_INLINE void Measure(Tile& tile, Offsets& offsets, std::size_t l) {
     const std::size_t k = tile.count[l];
     Vec3 last{1, 0, 0}, nearest = last, p;
@@ -55,8 +82,7 @@ struct Extents {
       std::size_t j = 0;
       while (j + 1 < k && offset(j) == Vec3{}) ++j;
       nearest = offset(j);
-      // Power-of-two scaling needs a normal number with a normal reciprocal.
-      if (!(extent >= std::numeric_limits<double>::min() && extent < 0x1p1022)) {
+      if (!(extent >= kLeastExtent && extent < kTooFar)) {
         offsets.Clear(l);
         tile.count[l] = 0, extent = 1;
         last = nearest = {1, 0, 0};
@@ -66,6 +92,8 @@ struct Extents {
     for (int axis = 0; axis < 3; ++axis) far[axis].of[l] = last[axis], near[axis].of[l] = nearest[axis];
     place.of[l] = Magnitude(p);
   }
+  // Power-of-two scaling needs a normal number with a normal reciprocal.
+  static constexpr double kLeastExtent = std::numeric_limits<double>::min(), kTooFar = 0x1p1022;
   static HWY_INLINE double Magnitude(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 };
 

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <limits>
-#include <optional>
 
 #include "pointsweep/math/instruction_sets.h"
 
@@ -42,23 +41,11 @@ HWY_INLINE Ellipse EllipseOfPositions(const Moments& moments, const Vector& norm
   return MakeEllipse(Tangent(normal, e.vector2, e.vector1), hn::IfThenElse(hn::Gt(e.value2, zero), flatness, one));
 }
 
-/// What the points of a tile have of their curvature.
-struct OwnCurvatures {
-  OwnVectors k1_directions;
-  TileArray k1, k2;
-
-  explicit OwnCurvatures(const Tile& tile) : k1_directions(tile, 1), k1(Numbers(tile, 2)), k2(Numbers(tile, 3)) {}
-
-  static TileArray Numbers(const Tile& tile, std::size_t a) {
-    return NumbersOf(tile, [&](std::size_t i) HWY_ATTR { return double(tile.in.value<float>(a, i)); });
-  }
-};
-
 /// Along the direction of least curvature where there is one, else of the eigenvectors of M_i.
 HWY_INLINE Ellipse EllipseOfCurvature(const Tile& tile, const Extents& extents, const Offsets& offsets,
-                                      Weights& weights, std::size_t v, const OwnCurvatures& own, const Vector& normal) {
-  const V zero = hn::Zero(Lanes()), k1 = own.k1.Load(v), k2 = own.k2.Load(v);
-  const Vector axis = UnitOrZero(Cross(normal, UnitOrZero(own.k1_directions.Load(v))));
+                                      Weights& weights, std::size_t v, const Vector& normal) {
+  const V zero = hn::Zero(Lanes()), k1 = OwnNumbers(tile, 2, v), k2 = OwnNumbers(tile, 3, v);
+  const Vector axis = UnitOrZero(Cross(normal, UnitOrZero(OwnVectors(tile, 1, v))));
   const Ellipse ridge = MakeEllipse(axis, hn::Sqrt(hn::Div(k2, k1)));
   const auto found = hn::And(hn::Gt(Dot(axis, axis), zero), hn::And(hn::Gt(k1, zero), hn::Ge(k2, zero)));
   if (hn::AllTrue(Lanes(), found)) return ridge;
@@ -156,13 +143,11 @@ std::size_t FitSplats(const Neighborhoods& in, bool along_ridges, const SplatCol
     Offsets offsets(tile, {in});
     const Extents extents(tile, offsets);
     Weights weights(tile, extents, offsets);
-    const OwnVectors normals(tile, 0);
-    std::optional<OwnCurvatures> curvatures;
-    if (along_ridges) curvatures.emplace(tile);
     for (std::size_t v = 0; v < tile.vectors; ++v) {
-      const Vector normal = UnitOrZero(normals.Load(v));
-      const Ellipse ellipse = curvatures ? EllipseOfCurvature(tile, extents, offsets, weights, v, *curvatures, normal)
-                                         : EllipseOfPositions(SumMoments(tile, extents, offsets, weights, v), normal);
+      const Vector normal = UnitOrZero(OwnVectors(tile, 0, v));
+      const Ellipse ellipse = along_ridges
+                                  ? EllipseOfCurvature(tile, extents, offsets, weights, v, normal)
+                                  : EllipseOfPositions(SumMoments(tile, extents, offsets, weights, v), normal);
       degenerate += tile.most <= kHeld ? StoreFitted<Greatest>(tile, extents, offsets, v, ellipse, normal, out)
                                        : StoreFitted<Least>(tile, extents, offsets, v, ellipse, normal, out);
     }

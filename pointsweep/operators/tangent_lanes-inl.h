@@ -14,10 +14,17 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-/// v / |v|, or 0 where v is 0 or not finite. Of vectors whose squared length 1 + e is near 1, as stored unit vectors
-/// are, 1 / |v| is 1 - e/2 + 3e²/8 to rounding.
+/// A unit vector where there is a direction, else 0.
 template <class V>
-HWY_INLINE Vec3Lanes<V> UnitOrZero(const Vec3Lanes<V>& v) {
+struct Direction {
+  Vec3Lanes<V> unit;
+  hn::Mask<hn::DFromV<V>> exists;
+};
+
+/// That of v, unless v is 0 or not finite. Of vectors whose squared length 1 + e is near 1, as stored unit vectors are,
+/// 1 / |v| is 1 - e/2 + 3e²/8 to rounding.
+template <class V>
+HWY_INLINE Direction<V> DirectionOf(const Vec3Lanes<V>& v) {
   const hn::DFromV<V> d;
   const V one = hn::Set(d, 1.0), length2 = Dot(v, v);
   const V e = hn::Sub(length2, one);
@@ -27,10 +34,15 @@ HWY_INLINE Vec3Lanes<V> UnitOrZero(const Vec3Lanes<V>& v) {
     const V size = hn::Sqrt(length2);
     const auto direction = hn::And(hn::Gt(size, hn::Zero(d)), hn::IsFinite(size));
     inverse = hn::IfThenElse(near_unit, inverse, hn::Div(one, size));
-    return {hn::IfThenElseZero(direction, hn::Mul(inverse, v.x)), hn::IfThenElseZero(direction, hn::Mul(inverse, v.y)),
-            hn::IfThenElseZero(direction, hn::Mul(inverse, v.z))};
+    return {{hn::IfThenElseZero(direction, hn::Mul(inverse, v.x)), hn::IfThenElseZero(direction, hn::Mul(inverse, v.y)),
+             hn::IfThenElseZero(direction, hn::Mul(inverse, v.z))},
+            direction};
   }
-  return Times(inverse, v);
+  return {Times(inverse, v), near_unit};
+}
+template <class V>
+HWY_INLINE Vec3Lanes<V> UnitOrZero(const Vec3Lanes<V>& v) {
+  return DirectionOf(v).unit;
 }
 
 /// The unit tangent of the plane with unit normal n that goes along `along` and across `across`. These two are unit and

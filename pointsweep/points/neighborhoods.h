@@ -74,6 +74,11 @@ class Neighborhoods {
   T value(std::size_t a, std::size_t i) const {
     return load<T>(own_.columns[reads_[a]], i);
   }
+  /// The same of all points of the batch, one after the other.
+  template <class T>
+  const T* values(std::size_t a) const {
+    return reinterpret_cast<const T*>(own_.columns[reads_[a]]);
+  }
   /// Attribute `a` of the operator's contract().reads_neighbors at the j-th neighbour of point i.
   template <class T>
   T neighbor_value(std::size_t a, std::size_t i, std::size_t j) const {
