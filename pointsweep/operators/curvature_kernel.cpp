@@ -247,8 +247,7 @@ std::size_t Curvatures(const Neighborhoods& in, const CurvatureColumns& out) {
   std::size_t degenerate = 0;
   for (std::size_t first = 0; first < in.size();) {
     Tile tile(in, first, in.size());
-    degenerate +=
-        out.weighted() ? CurvatureTile<true>(tile, out).Store() : CurvatureTile<false>(tile, out).Store();
+    degenerate += out.weighted() ? CurvatureTile<true>(tile, out).Store() : CurvatureTile<false>(tile, out).Store();
     first += tile.size;
   }
   return degenerate;

@@ -84,9 +84,8 @@ HWY_INLINE auto WithOwn(const Tile& tile, std::size_t a, std::size_t vector, con
 
 /// Attribute `a` of a vector of points, one number each.
 HWY_INLINE V OwnNumbers(const Tile& tile, std::size_t a, std::size_t vector) {
-  return WithOwn<float>(tile, a, vector, [](const float* own) HWY_ATTR {
-    return hn::PromoteTo(Lanes(), hn::LoadU(FloatLanes(), own));
-  });
+  return WithOwn<float>(tile, a, vector,
+                        [](const float* own) HWY_ATTR { return hn::PromoteTo(Lanes(), hn::LoadU(FloatLanes(), own)); });
 }
 
 /// The same of three numbers each.

@@ -53,9 +53,8 @@ struct Extents {
     for (std::size_t l = begin + 1; l < begin + kLanes; ++l)
       if (tile.count[l] != k) return false;
     const Vec3Lanes<V> first = offsets.Load(v, 0), last = offsets.Load(v, k - 1);
-    const auto magnitude = [](const Vec3Lanes<V>& a) HWY_ATTR {
-      return hn::Max(hn::Max(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z));
-    };
+    const auto magnitude = [](const Vec3Lanes<V>& a)
+                               HWY_ATTR { return hn::Max(hn::Max(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z)); };
     const V extent = magnitude(last);
     const auto scalable = hn::And(hn::Ge(extent, hn::Set(d, kLeastExtent)), hn::Lt(extent, hn::Set(d, kTooFar)));
     if (!hn::AllTrue(d, hn::And(scalable, hn::Gt(magnitude(first), hn::Zero(d))))) return false;

@@ -145,9 +145,8 @@ std::size_t FitSplats(const Neighborhoods& in, bool along_ridges, const SplatCol
     Weights weights(tile, extents, offsets);
     for (std::size_t v = 0; v < tile.vectors; ++v) {
       const Vector normal = UnitOrZero(OwnVectors(tile, 0, v));
-      const Ellipse ellipse = along_ridges
-                                  ? EllipseOfCurvature(tile, extents, offsets, weights, v, normal)
-                                  : EllipseOfPositions(SumMoments(tile, extents, offsets, weights, v), normal);
+      const Ellipse ellipse = along_ridges ? EllipseOfCurvature(tile, extents, offsets, weights, v, normal)
+                                           : EllipseOfPositions(SumMoments(tile, extents, offsets, weights, v), normal);
       degenerate += tile.most <= kHeld ? StoreFitted<Greatest>(tile, extents, offsets, v, ellipse, normal, out)
                                        : StoreFitted<Least>(tile, extents, offsets, v, ellipse, normal, out);
     }

@@ -37,7 +37,8 @@ std::uint64_t window_bytes(const SweepPlan& plan, std::uint64_t slab_points, con
   const std::uint64_t listed =
       plan.neighborhood.k == Neighborhood::kUnlimited ? 1024 : std::min<std::uint64_t>(plan.neighborhood.k, points);
   const std::uint64_t in_hand =
-      std::min<std::uint64_t>(points, 1024) * (4 * listed + 2 * plan.result_bytes + plan.passing_bytes()) + 128 * listed;
+      std::min<std::uint64_t>(points, 1024) * (4 * listed + 2 * plan.result_bytes + plan.passing_bytes()) +
+      128 * listed;
   return cells_bytes(plan, slab_points, demand) + std::max(1u, demand.threads) * (loading + in_hand);
 }
 

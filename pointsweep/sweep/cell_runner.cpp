@@ -232,8 +232,12 @@ void CellRunner::apply(WindowCell& cell, std::uint32_t step, const CellNeighbors
   place_columns(cell, step, worker);
   if (!cell.deferred.empty()) return apply_to_some(cell, step, lists, worker);
   const Cell& c = cell.cell;
-  const Batch batch{{c.x, c.y, c.z, c.row, worker.columns.data()}, c.size(),          window_.slots(),
-                    lists.begin.data(),                            lists.refs.data(), worker.columns.data()};
+  const Batch batch{{c.x, c.y, c.z, c.row, worker.columns.data()},
+                    c.size(),
+                    window_.slots(),
+                    lists.begin.data(),
+                    lists.refs.data(),
+                    worker.columns.data()};
   run_step(plan_, step, batch, worker.tally);
 }
 

@@ -22,8 +22,12 @@ std::vector<double> numbers(std::size_t n) {
   std::mt19937_64 random(n);
   std::vector<double> out;
   for (std::size_t i = 0; i < n; ++i) {
-    const double some[] = {double(random() % 100) - 50, std::ldexp(double(random()), int(random() % 2000) - 1060),
-                           -std::ldexp(double(random()), int(random() % 2000) - 1060), kInf, -kInf, 1e-320};
+    const double some[] = {double(random() % 100) - 50,
+                           std::ldexp(double(random()), int(random() % 2000) - 1060),
+                           -std::ldexp(double(random()), int(random() % 2000) - 1060),
+                           kInf,
+                           -kInf,
+                           1e-320};
     out.push_back(some[random() % 6]);
   }
   return out;

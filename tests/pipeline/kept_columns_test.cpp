@@ -62,8 +62,7 @@ std::map<std::string, Lasting> lasting(const std::vector<std::string>& keep) {
   std::map<std::string, Lasting> by_name;
   for (const Stage& stage : plan.stages) {
     const Contract contract = stage.op->contract();
-    for (std::size_t m = 0; m < stage.makes.size(); ++m)
-      by_name[contract.makes[m].name] = plan.lasting[stage.makes[m]];
+    for (std::size_t m = 0; m < stage.makes.size(); ++m) by_name[contract.makes[m].name] = plan.lasting[stage.makes[m]];
   }
   return by_name;
 }
