@@ -26,8 +26,8 @@ class Operator {
   virtual ~Operator() = default;
   virtual std::string name() const = 0;
   virtual Contract contract() const = 0;
-  /// Fills out.column(m)[i] for every point i of the batch and every made attribute m. Called from many threads at
-  /// once.
+  /// Fills out.column(m)[i] for every point i of the batch and every made attribute m; all are 0 before. Called from
+  /// many threads at once.
   virtual void apply(const Neighborhoods& in, Columns& out) const = 0;
 };
 

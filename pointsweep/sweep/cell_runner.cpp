@@ -202,7 +202,7 @@ void CellRunner::defer_points_of_deferred_neighbors(WindowCell& cell, const Cell
   for (const std::uint32_t i : follow) defer(cell, i, Box::kInf);
 }
 
-/// Columns that outlast the step are the cell's own.
+/// Columns that outlast the step are the cell's own. All are 0 where an operator says nothing.
 void CellRunner::place_columns(WindowCell& cell, std::uint32_t step, Worker& worker) const {
   constexpr std::size_t kLine = 64;
   std::size_t passing = 0;
@@ -219,7 +219,7 @@ void CellRunner::place_columns(WindowCell& cell, std::uint32_t step, Worker& wor
       passing += bytes;
     }
   });
-  if (worker.passing.size() < passing) worker.passing.resize(passing);
+  worker.passing.assign(passing, std::byte{0});
   worker.columns.clear();
   for (auto& column : cell.columns) worker.columns.push_back(column.data());
   std::byte* at = worker.passing.data();

@@ -103,5 +103,25 @@ TEST(KeptColumns, TellsOperatorsWhatNobodyWants) {
   EXPECT_EQ(run_in_memory(points, chain, {}).field("first"), (std::vector<double>{1, 2, 3}));
 }
 
+/// Has something to say of every third row only.
+class EveryThird final : public Operator {
+ public:
+  std::string name() const override { return "every_third"; }
+  Contract contract() const override { return {{}, {}, {scalar("third", Type::f32, "1", "")}}; }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    for (std::size_t i = 0; i < in.size(); ++i)
+      if (in.row(i) % 3 == 0) out.column<float>(0)[i] = 5;
+  }
+};
+
+TEST(KeptColumns, AreZeroWhereAnOperatorSaysNothing) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes().front().second, 500, 3);
+  RunOptions options;
+  options.slab_points = 100, options.cell_points = 32, options.threads = 1;
+  const Chain chain{.neighborhood = {.k = 1}, .operators = {std::make_shared<EveryThird>()}};
+  const std::vector<double> third = run_in_memory(points, chain, options).field("third");
+  for (std::size_t row = 0; row < third.size(); ++row) EXPECT_EQ(third[row], row % 3 == 0 ? 5 : 0) << row;
+}
+
 }  // namespace
 }  // namespace pointsweep
