@@ -57,20 +57,24 @@ class NeighborNormals {
   NeighborArray<double> present_;
 };
 
-/// Those of Equations 1 and 2.
+/// The sums of Equations 1 and 2.
 struct WeightedSums {
-  Matrix moments = ZeroMatrix();  // |N_i| M_i
+  Matrix moments = ZeroMatrix();  // |N_i| M_i, of all neighbours
   Matrix normals = ZeroMatrix();  // |N_i| C_i
 };
 
-/// Sums over the neighbours that have a normal; over all of them in `moments`.
-template <bool kWeighted>
+/// Sums over the neighbours that have a normal, all weighing alike.
 struct Sums {
   Scaling scaling;
-  WeightedSums weighted = {};  // if they are wanted
   Matrix normals = ZeroMatrix(), positions = ZeroMatrix();
   Vector position{hn::Zero(Lanes()), hn::Zero(Lanes()), hn::Zero(Lanes())};
   V count = hn::Zero(Lanes());
+};
+
+/// Those sums, and the weighted ones if they are wanted.
+template <bool kWeighted>
+struct AllSums : Sums {
+  WeightedSums weighted = {};
 
   /// In two loops, for not all sums together fit into registers.
   HWY_INLINE void IncludeHeld(const Tile& tile, std::size_t from, std::size_t v, const Offsets& offsets,
@@ -94,7 +98,6 @@ struct Sums {
 struct Covariances {
   V along, across, both;
 
-  template <class Sums>
   HWY_INLINE Covariances(const Sums& sums, const Vector& u, const Vector& v) {
     const V inverse = hn::Div(hn::Set(Lanes(), 1.0), sums.count);
     const Vector mu = Times(sums.positions, u), mv = Times(sums.positions, v);
@@ -113,7 +116,6 @@ struct Principal {
 };
 
 /// `e` is that of sums.normals.
-template <class Sums>
 HWY_INLINE Principal PrincipalCurvatures(const Vector& n, const Sums& sums, const Eigen3Lanes<V>& e) {
   const Lanes d;
   const V zero = hn::Zero(d);
@@ -213,8 +215,8 @@ class CurvatureTile {
   }
 
  private:
-  HWY_INLINE Sums<kWeighted> SumsOf(std::size_t v) {
-    Sums<kWeighted> sums{Scaling(extents_, v)};
+  HWY_INLINE AllSums<kWeighted> SumsOf(std::size_t v) {
+    AllSums<kWeighted> sums{{Scaling(extents_, v)}};
     for (std::size_t from = 0; from < tile_.most; from += tile_.chunk) {
       if constexpr (kWeighted) weights_->Hold(from);
       offsets_.Hold(from);
@@ -224,7 +226,7 @@ class CurvatureTile {
     return sums;
   }
 
-  HWY_INLINE std::size_t StoreOne(std::size_t v, const Sums<kWeighted>& sums, const Eigen3Lanes<V>& of_normals,
+  HWY_INLINE std::size_t StoreOne(std::size_t v, const AllSums<kWeighted>& sums, const Eigen3Lanes<V>& of_normals,
                                   const Eigen3Lanes<V>* of_weighted_normals) const {
     const Points points(tile_, v);
     const Vector normal = UnitOrZero(OwnVectors(tile_, 0, v));
