@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <system_error>
 
 #include "cli/help.h"
 #include "cli/interrupt.h"
@@ -13,6 +14,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/output_file.h"
+#include "pointsweep/formats/same_file.h"
 #include "pointsweep/report/run_report.h"
 
 namespace pointsweep {
@@ -34,8 +36,9 @@ RunOptions run_options(const CommonOptions& options) {
   return run;
 }
 
-Cloud open_inputs(const InputsAndOutput& paths) {
-  if (paths.files.size() < 2) fail_usage("IN... OUT: name at least one file to read, and last the file to write.");
+Cloud open_inputs(InputsAndOutput paths, const CommonOptions& options) {
+  for (const auto& path : {options.stats, options.report, options.half_way}) paths.other_outputs.push_back(path);
+  require_named_files(paths);
   return Cloud(paths.inputs());
 }
 
@@ -88,6 +91,27 @@ void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* o
       ->type_name("");
 }
 
+void add_output_option(CLI::App& verb, std::filesystem::path& output) {
+  verb.add_option("-o,--output", output, "The file to write; all files before and after are then inputs")
+      ->type_name("FILE");
+}
+
+void require_named_files(const InputsAndOutput& paths) {
+  if (paths.inputs_named() == 0)
+    fail_usage("IN... OUT: name at least one file to read, and last (or with --output) the file to write.");
+  std::error_code error;
+  const bool last_exists = std::filesystem::exists(std::filesystem::symlink_status(paths.output(), error));
+  if (paths.named_output.empty() && paths.inputs_named() > 1 && last_exists)
+    fail_usage(
+        "{}: exists, and as the last of {} files it may be an input; name the output with -o FILE, before or after the "
+        "inputs.",
+        paths.output().string(), paths.files.size());
+  std::vector<std::filesystem::path> read = paths.inputs(), written = {paths.output()};
+  read.insert(read.end(), paths.other_inputs.begin(), paths.other_inputs.end());
+  written.insert(written.end(), paths.other_outputs.begin(), paths.other_outputs.end());
+  require_separate_files(read, written);
+}
+
 void add_run_options(CLI::App& verb, CommonOptions& options) {
   add_stream_options(verb, options);
   add_thread_option(verb, options);
@@ -97,7 +121,7 @@ void add_run_options(CLI::App& verb, CommonOptions& options) {
 
 void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
                     const std::function<Statistics(Cloud& cloud, const RunOptions& options)>& work) {
-  Cloud cloud = open_inputs(paths);
+  Cloud cloud = open_inputs(paths, options);
   std::optional<OutputFile> stats;  // made first: a place that cannot be written is known before the work, not after
   if (!options.stats.empty()) stats.emplace(options.stats, options.force);
   std::optional<OutputFile> report;
@@ -117,7 +141,7 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
 
 void look_at_cloud(const InputsAndOutput& paths, const CommonOptions& options,
                    const std::function<void(Cloud& cloud, const RunOptions& options)>& work) {
-  Cloud cloud = open_inputs(paths);
+  Cloud cloud = open_inputs(paths, options);
   work(cloud, run_options(options));
 }
 

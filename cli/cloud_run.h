@@ -2,6 +2,7 @@
 /// What the verbs that run over a whole cloud have in common: inputs, run options, statistics and the last sentence.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <vector>
@@ -11,13 +12,27 @@
 
 namespace pointsweep {
 
-/// Positional arguments IN... OUT, the last being the output as with cp.
+/// Positional arguments IN... OUT, the last being the output as with cp; with --output OUT all of them are inputs.
 struct InputsAndOutput {
   std::vector<std::filesystem::path> files;
-  std::vector<std::filesystem::path> inputs() const { return {files.begin(), files.end() - 1}; }
-  const std::filesystem::path& output() const { return files.back(); }
+  std::filesystem::path named_output;                ///< of --output; empty: the last of `files`
+  std::vector<std::filesystem::path> other_inputs;   ///< files that are read besides points
+  std::vector<std::filesystem::path> other_outputs;  ///< files that are written besides OUT
+
+  std::size_t inputs_named() const { return files.size() - (named_output.empty() && !files.empty() ? 1 : 0); }
+  std::vector<std::filesystem::path> inputs() const {
+    return {files.begin(), files.begin() + static_cast<std::ptrdiff_t>(inputs_named())};
+  }
+  const std::filesystem::path& output() const { return named_output.empty() ? files.back() : named_output; }
 };
+/// IN... OUT
 void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning);
+/// -o, --output
+void add_output_option(CLI::App& verb, std::filesystem::path& output);
+
+/// Throws UsageError where no input or no output is named, where a list of several inputs ends with a file that exists
+/// (a pattern such as *.las with OUT forgotten), and where an output is an input or another output.
+void require_named_files(const InputsAndOutput& paths);
 
 /// All groups of common options but --order.
 void add_run_options(CLI::App& verb, CommonOptions& options);

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <future>
 
+#include "cli/cloud_run.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/interrupt.h"
@@ -22,7 +23,7 @@ constexpr std::size_t kBlock = 1 << 18;  // points made while the block before i
 struct GenerateOptions {
   CommonOptions common;
   std::string shape;
-  std::filesystem::path output;
+  std::filesystem::path positional, output;  ///< either may name the file
   Sampling sampling;
 };
 
@@ -111,13 +112,19 @@ void add_generate_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("generate", "Make a cloud of known geometry, of any size");
   auto options = std::make_shared<GenerateOptions>();
   verb.add_option("SHAPE", options->shape, "One of those below")->required()->type_name("");
-  verb.add_option("OUT", options->output, "File to write; the extension says the format")->required()->type_name("");
+  verb.add_option("OUT", options->positional, "File to write; the extension says the format")->type_name("");
+  add_output_option(verb, options->output);
   add_sampling_options(verb, options->sampling);
   add_thread_option(verb, options->common);
   add_force_option(verb, options->common);
   add_progress_options(verb, options->common);
   verb.footer(footer);
-  verb.callback([options] { generate(*options); });
+  verb.callback([options] {
+    if (options->positional.empty() == options->output.empty())
+      fail_usage("OUT: name one file to write, last or with --output.");
+    if (options->output.empty()) options->output = options->positional;
+    generate(*options);
+  });
 }
 
 }  // namespace pointsweep

@@ -24,9 +24,12 @@ void require_npy(const std::filesystem::path& path) {
 }
 
 void neighbors(const NeighborsCommand& command) {
-  require_npy(command.paths.output());
+  InputsAndOutput paths = command.paths;
+  paths.other_outputs.push_back(command.distances);
+  require_named_files(paths);
+  require_npy(paths.output());
   if (!command.distances.empty()) require_npy(command.distances);
-  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+  run_over_cloud(paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
     const bool distances = !command.distances.empty();
     Neighborhood neighborhood;
     neighborhood.k = command.k;
@@ -44,6 +47,7 @@ void add_neighbors_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("neighbors", "Find the exact nearest neighbours of every point");
   auto command = std::make_shared<NeighborsCommand>();
   add_inputs_and_output(verb, command->paths, "the .npy file to write, n rows of k input rows, nearest first");
+  add_output_option(verb, command->paths.named_output);
   verb.add_option_function<std::string>(
           "-k", [command](const std::string& text) { command->k = parse_count("-k", text); },
           "Neighbours of each point, itself not counted (default: 8)")

@@ -53,6 +53,7 @@ void add_normals_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("normals", "Compute the normal of every point from its exact neighbours");
   auto command = std::make_shared<NormalsCommand>();
   add_inputs_and_output(verb, command->paths, "the file to write: all attributes of the input, and nx ny nz");
+  add_output_option(verb, command->paths.named_output);
   add_neighborhood_options(verb, kDefaultNeighbors, command->neighborhood);
   verb.add_option_function<std::string>(
           "--orient",

@@ -44,6 +44,7 @@ void add_short_form(CLI::App& app, const ShortForm& form) {
   CLI::App& verb = *app.add_subcommand(form.verb, form.meaning);
   auto command = std::make_shared<ShortFormCommand>();
   add_inputs_and_output(verb, command->run.paths, "the file to write: all attributes of the input, and what is made");
+  add_output_option(verb, command->run.paths.named_output);
   add_neighborhood_options(verb, form.neighbors, command->neighborhood);
   for (const OperatorDeclaration& declaration : all_operators())
     if (declaration.name == form.with_options) add_stage_options(verb, declaration.options, command->options);

@@ -56,7 +56,7 @@ int axis_of(const std::string& name) {
 }
 
 void render_picture(RenderCommand& command) {
-  if (command.paths.files.size() < 2) fail_usage("IN... OUT: name at least one file to read, and last the picture.");
+  require_named_files(command.paths);
   const auto& output = command.paths.output();
   if (extension_of(output) != ".png")
     fail_usage("{}: pictures are PNG; give a name that ends with .png.", output.string());
@@ -84,6 +84,7 @@ void add_render_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("render", "Draw a cloud as a picture");
   auto command = std::make_shared<RenderCommand>();
   add_inputs_and_output(verb, command->paths, "the picture to write (.png)");
+  add_output_option(verb, command->paths.named_output);
   verb.add_option("--color", command->options.color,
                   "rgb, normal, height, curvature, plain or an attribute (default: rgb, else plain, else height)")
       ->type_name("WHAT");

@@ -19,6 +19,7 @@ void add_run_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("run", "Run a pipeline of operators over the points in one sweep");
   auto command = std::make_shared<RunCommand>();
   add_inputs_and_output(verb, command->run.paths, "the file to write: all attributes of the input, and what is made");
+  add_output_option(verb, command->run.paths.named_output);
   verb.add_option("--pipeline", command->pipeline, "Stages such as 'knn(k=12) | normals', or a .json file of them")
       ->type_name("TEXT|FILE")
       ->required();
@@ -28,7 +29,10 @@ void add_run_command(CLI::App& app) {
       "  [{\"type\": \"knn\", \"k\": 12}, {\"type\": \"normals\", \"orient\": \"up\"}]\n"
       "\nExample:\n"
       "  pointsweep run scan.ply out.ply --pipeline 'knn(k=12) | normals(orient=up)' --memory 2G");
-  verb.callback([command] { run_stages(parse_pipeline_or_file(command->pipeline), command->run); });
+  verb.callback([command] {
+    if (command->pipeline.ends_with(".json")) command->run.paths.other_inputs.emplace_back(command->pipeline);
+    run_stages(parse_pipeline_or_file(command->pipeline), command->run);
+  });
 }
 
 }  // namespace pointsweep

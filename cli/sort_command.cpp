@@ -17,6 +17,7 @@ void add_sort_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("sort", "Write the points in ascending order along an axis");
   auto command = std::make_shared<SortCommand>();
   add_inputs_and_output(verb, command->paths, "the file to write, attributes unchanged");
+  add_output_option(verb, command->paths.named_output);
   add_run_options(verb, command->common);
   verb.footer(
       "Equal coordinates are ordered by x, y, z, then input row; points with NaN or infinite coordinates come last.\n"

@@ -78,8 +78,8 @@ struct Outputs {
   std::function<std::unique_ptr<Writer>(const OutputPlan&)> writer;
 };
 
-/// Runs `chain` over `cloud`. Complete outputs or none. Throws UsageError for a chain that does not fit, Error for
-/// files, memory and disk.
+/// Runs `chain` over `cloud`. Complete outputs or none. Throws UsageError for a chain that does not fit and for an
+/// output that is an input or another output, by whatever path; Error for files, memory and disk.
 Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs, const RunOptions& options = {});
 
 /// Writes the cloud in canonical order along the axis, attributes unchanged.

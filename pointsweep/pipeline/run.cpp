@@ -9,6 +9,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/las_layout.h"
+#include "pointsweep/formats/same_file.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/temp_folder.h"
@@ -50,6 +51,7 @@ class Run {
   }
 
   Statistics operators(const Chain& chain, const Outputs& outputs) {
+    require_separate_outputs(outputs);
     const bool in_stream_order = options_.order == Order::sweep;
     if (in_stream_order && !outputs.arrays.empty()) {
       fail_usage("Arrays have their rows in input order: leave out --order sweep.");
@@ -72,6 +74,7 @@ class Run {
 
   Statistics sorted(const std::filesystem::path& output) {
     const Outputs outputs{.points = output, .arrays = {}, .writer = {}};
+    require_separate_outputs(outputs);
     open_checkpoints({}, outputs);
     survey_cloud(true);
     OutputSet files(cloud_, {}, outputs, options_.overwrite, bounds_if_exact());
@@ -88,6 +91,14 @@ class Run {
  private:
   std::string name_of_cloud() const {
     return cloud_.readers().empty() ? "The input" : cloud_.readers().front()->info().path.string();
+  }
+
+  void require_separate_outputs(const Outputs& outputs) const {
+    std::vector<std::filesystem::path> read, written = {outputs.points, options_.half_way_states};
+    for (std::size_t i = 0; i < cloud_.readers().size(); ++i)
+      if (cloud_.states()[i].is_known()) read.push_back(cloud_.readers()[i]->info().path);
+    for (const auto& [name, path] : outputs.arrays) written.push_back(path);
+    require_separate_files(read, written);
   }
 
   /// A format that stores integers must know the bounds before the first record, unless these integers come.

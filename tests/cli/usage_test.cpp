@@ -47,6 +47,79 @@ TEST_F(Usage, NonsenseIsStatus2) {
   refused(2, "normals a.ply b.ply -k -1", "-k: knn: k is a whole number, 1 or more, not '-1'");
 }
 
+TEST_F(Usage, TheLastOfSeveralFilesIsNotReplacedWhenTheOutputWasForgotten) {
+  for (const char* name : {"tile_1", "tile_2", "tile_3"})
+    ASSERT_EQ(tool(std::string("generate sphere ") + name + ".las -n 500").status, 0);
+  const std::string last = contents(folder_ / "tile_3.las");
+  for (const char* verb : {"normals", "sort", "curvature", "splats", "fair", "run --pipeline normals"})
+    for (const char* force : {"", " -f"})
+      refused(2, std::string(verb) + " tile_*.las" + force, "tile_3.las: exists, and as the last of 3 files");
+  write("z.png", "precious"), write("z.npy", "precious");
+  refused(2, "render tile_*.las z.png -f", "-o FILE");
+  refused(2, "neighbors tile_*.las z.npy -f", "-o FILE");
+  refused(2, "normals tile_1.las -f", "IN... OUT");
+  EXPECT_EQ(contents(folder_ / "tile_3.las"), last);
+  EXPECT_EQ(contents(folder_ / "z.png") + contents(folder_ / "z.npy"), "preciousprecious");
+}
+
+TEST_F(Usage, OutputNamesTheFileToWriteForEveryVerb) {
+  for (const char* name : {"a", "b", "c"})
+    ASSERT_EQ(tool(std::string("generate sphere -n 500 --output ") + name + ".ply").status, 0);
+  for (const char* verb : {"normals", "sort", "curvature", "splats", "fair", "run --pipeline normals"}) {
+    EXPECT_EQ(tool(std::string(verb) + " -o out.ply ?.ply -f").status, 0) << verb;
+    EXPECT_NE(tool("info out.ply").out.find("points      1500"), std::string::npos) << verb;
+    EXPECT_EQ(tool(std::string(verb) + " a.ply b.ply --output out.ply -f").status, 0) << verb;
+    EXPECT_NE(tool("info out.ply").out.find("points      1000"), std::string::npos) << verb;
+  }
+  EXPECT_EQ(tool("neighbors a.ply b.ply -o out.npy").status, 0);
+  EXPECT_EQ(tool("neighbors a.ply b.ply -o out.npy -f").status, 0);
+  EXPECT_EQ(tool("render a.ply b.ply -o out.png").status, 0);
+  EXPECT_EQ(tool("run a.ply b.ply -o dry.ply --pipeline normals --dry-run").status, 0);
+  EXPECT_FALSE(exists("dry.ply"));
+  refused(2, "normals -o out.ply", "IN... OUT");
+  refused(2, "generate sphere -n 5", "OUT");
+  refused(2, "generate sphere x.ply -o y.ply -n 5", "OUT");
+}
+
+TEST_F(Usage, AnInputIsNeverAnOutputWhateverLinksLeadToIt) {
+  ASSERT_EQ(tool("generate sphere in.ply -n 500").status, 0);
+  namespace fs = std::filesystem;
+  const std::string before = contents(folder_ / "in.ply");
+  fs::create_symlink("in.ply", folder_ / "link.ply");
+  fs::create_hard_link(folder_ / "in.ply", folder_ / "hard.ply");
+  fs::create_directory_symlink(".", folder_ / "folder");
+  fs::create_directory(folder_ / "sub");
+  write("chain.json", "[{\"type\": \"normals\"}]");
+  for (const std::string out : {"in.ply", "./in.ply", "link.ply", "hard.ply", "folder/in.ply", "sub/../in.ply"}) {
+    for (const char* verb : {"normals in.ply ", "sort in.ply ", "run --pipeline normals link.ply ", "fair hard.ply ",
+                             "render folder/in.ply ", "splats folder/in.ply -o "})
+      refused(2, verb + out + " -f", "is an input");
+    refused(2, "normals in.ply out.ply -f --stats " + out, "is an input");
+    refused(2, "normals in.ply out.ply -f --report " + out, "is an input");
+    refused(2, "neighbors in.ply out.npy -f --distances " + out, "is an input");
+    refused(2, "run in.ply " + out + " -f --pipeline normals --dry-run", "is an input");
+  }
+  refused(2, "normals in.ply -f -o /proc/self/fd/7 7<in.ply", "is an input");
+  refused(2, "normals /proc/self/fd/7 in.ply -f 7<in.ply", "is an input");
+  refused(2, "run in.ply out.ply --pipeline chain.json --stats chain.json -f", "is an input");
+  EXPECT_EQ(contents(folder_ / "in.ply"), before);
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.ply"));
+  EXPECT_FALSE(exists("out.ply"));
+}
+
+TEST_F(Usage, TwoOutputsAreNotOneFile) {
+  ASSERT_EQ(tool("generate sphere in.ply -n 500").status, 0);
+  std::filesystem::create_directory_symlink(".", folder_ / "folder");
+  refused(2, "normals in.ply out.ply --stats folder/out.ply", "two outputs");
+  refused(2, "normals in.ply out.ply --report out.ply", "two outputs");
+  refused(2, "normals in.ply out.ply --stats s --report ./s", "two outputs");
+  refused(2, "neighbors in.ply out.npy --distances folder/out.npy", "two outputs");
+  refused(2, "neighbors in.ply out.npy --distances d.npy --stats d.npy", "two outputs");
+  write("s", "old");
+  refused(2, "normals in.ply out.ply -f --stats s --report folder/s", "two outputs");
+  EXPECT_EQ(contents(folder_ / "s"), "old");
+}
+
 TEST_F(Usage, AMissingInputIsStatus1) {
   refused(1, "normals a.ply b.ply", "a.ply");
   refused(1, "sort a.ply b.ply", "a.ply");
