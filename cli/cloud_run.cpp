@@ -47,7 +47,7 @@ void complete(OutputFile& file, const std::string& text) {
   file.commit();
 }
 
-/// The result, read again, from a corner and a little from above; none where the output is no point file or has no
+/// The result, read again; none where the output is no point file or has no
 /// point to show.
 std::optional<Rendering> picture_of(const std::filesystem::path& output, const Statistics& statistics,
                                     ProgressDisplay& display) {
@@ -56,7 +56,6 @@ std::optional<Rendering> picture_of(const std::filesystem::path& output, const S
   RenderOptions options;
   options.width = 900;
   options.height = 640;
-  options.view = {30, 20, 2};
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
     stop_if_interrupted();
     display.report(phase, done, total);

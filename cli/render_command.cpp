@@ -22,7 +22,7 @@ struct RenderCommand {
   CommonOptions common;
   InputsAndOutput paths;
   RenderOptions options;
-  std::string view = "front", up = "z";
+  std::string view = "auto", up = "auto";
 };
 
 template <class T>
@@ -50,9 +50,13 @@ Rgb parse_color(const std::string& text) {
   return {byte(16), byte(8), byte(0)};
 }
 
-int axis_of(const std::string& name) {
-  if (name != "x" && name != "y" && name != "z") fail_usage("--up: '{}' is not x, y or z.", name);
-  return name[0] - 'x';
+/// "wrote a.png: 5 points from azimuth 30, elevation 25 with z up, coloured by height, violet 0 to yellow 3"
+std::string conclusion(const std::filesystem::path& output, std::uint64_t points, const Rendering& r) {
+  std::string sentence = fmt::format(
+      "wrote {}: {} points from azimuth {:g}, elevation {:g} with {}{} up, coloured by {}", output.string(), points,
+      r.view.angles.azimuth, r.view.angles.elevation, r.view.up.sign < 0 ? "-" : "", "xyz"[r.view.up.axis], r.color);
+  if (r.is_number) sentence += fmt::format(", violet {:.4g} to yellow {:.4g}", r.lo, r.hi);
+  return sentence;
 }
 
 void render_picture(RenderCommand& command) {
@@ -61,7 +65,8 @@ void render_picture(RenderCommand& command) {
   if (extension_of(output) != ".png")
     fail_usage("{}: pictures are PNG; give a name that ends with .png.", output.string());
   RenderOptions options = command.options;
-  options.view = parse_view(command.view, axis_of(command.up));
+  options.angles = parse_view(command.view);
+  options.up = parse_up(command.up);
   OutputFile file(output, command.common.force);
   Cloud cloud(command.paths.inputs());
   ProgressDisplay display(command.common);
@@ -72,10 +77,8 @@ void render_picture(RenderCommand& command) {
   const Rendering rendering = render(cloud, options);
   file.append(to_png(rendering.picture));
   file.commit();
-  std::string sentence =
-      fmt::format("wrote {}: {} points, coloured by {}", output.string(), cloud.count(), rendering.color);
-  if (rendering.is_number) sentence += fmt::format(", violet {:.4g} to yellow {:.4g}", rendering.lo, rendering.hi);
-  display.say(sentence);
+  if (!rendering.remark.empty()) display.say(rendering.remark);
+  display.say(conclusion(output, cloud.count(), rendering));
 }
 
 }  // namespace
@@ -86,11 +89,16 @@ void add_render_command(CLI::App& app) {
   add_inputs_and_output(verb, command->paths, "the picture to write (.png)");
   add_output_option(verb, command->paths.named_output);
   verb.add_option("--color", command->options.color,
-                  "rgb, normal, height, curvature, plain or an attribute (default: rgb, else plain, else height)")
+                  "rgb, normal, height, curvature, classification, plain or an attribute (default: rgb if it varies, "
+                  "else plain "
+                  "with normals, else intensity or height)")
       ->type_name("WHAT");
-  verb.add_option("--view", command->view, "front, top, iso or AZIMUTH,ELEVATION in degrees (default: front)")
+  verb.add_option("--view", command->view,
+                  "front, top, iso or AZIMUTH,ELEVATION in degrees (default: top for flat clouds, else 30,25)")
       ->type_name("VIEW");
-  verb.add_option("--up", command->up, "Axis that points up: x, y or z (default: z)")->type_name("AXIS");
+  verb.add_option("--up", command->up,
+                  "Axis that points up: x, y, z, -x, -y or -z (default: z for LAS, else found from the shape)")
+      ->type_name("AXIS");
   verb.add_option_function<std::string>(
           "--size", [command](const std::string& text) { parse_picture_size(text, command->options); },
           "Pixels (default: 1200x900)")
@@ -99,6 +107,8 @@ void add_render_command(CLI::App& app) {
           "--background", [command](const std::string& text) { command->options.background = parse_color(text); },
           "white (default), black or RRGGBB")
       ->type_name("COLOR");
+  verb.add_flag_callback(
+      "--no-legend", [command] { command->options.legend = false; }, "Leave out what the colours mean");
   add_force_option(verb, command->common);
   add_progress_options(verb, command->common);
   verb.footer(

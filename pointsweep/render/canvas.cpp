@@ -47,7 +47,8 @@ void Canvas::draw(const ProjectedEllipse& ellipse, Rgb color) {
     for (std::int64_t x = first(c.x - half_x); x <= x_end; ++x) {
       const double dx = static_cast<double>(x) + 0.5 - c.x, dy = static_cast<double>(y) + 0.5 - c.y;
       const double s = (dx * v.y - dy * v.x) / det, t = (u.x * dy - u.y * dx) / det;
-      if (s * s + t * t <= 1) put(x, y, c.z + s * u.z + t * v.z, color);
+      const double r2 = s * s + t * t;
+      if (r2 <= 1) put(x, y, c.z + s * u.z + t * v.z - f * ellipse.bulge * r2, color);
     }
   }
 }
@@ -61,7 +62,6 @@ void Canvas::put(std::int64_t x, std::int64_t y, double depth, Rgb color) {
 void Canvas::shade_by_depth() {
   constexpr std::int64_t kSteps[8][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
   const std::int64_t reach = 2 * fineness_;
-  std::vector<float> light(samples_.size(), 1);
   for (std::int64_t y = 0; y < rows_; ++y) {
     for (std::int64_t x = 0; x < columns_; ++x) {
       const double depth = samples_[static_cast<std::size_t>(y * columns_ + x)].depth;
@@ -71,12 +71,12 @@ void Canvas::shade_by_depth() {
         const std::int64_t other_x = x + reach * dx, other_y = y + reach * dy;
         if (other_x < 0 || other_x >= columns_ || other_y < 0 || other_y >= rows_) continue;
         const double other = samples_[static_cast<std::size_t>(other_y * columns_ + other_x)].depth;
-        if (std::isfinite(other)) behind += std::clamp((other - depth) / static_cast<double>(reach), 0.0, 4.0);
+        if (std::isfinite(other)) behind += std::clamp((other - depth) / static_cast<double>(reach), 0.0, 1.5);
       }
-      light[static_cast<std::size_t>(y * columns_ + x)] = static_cast<float>(1 / (1 + 0.15 * behind));
+      Rgb& color = samples_[static_cast<std::size_t>(y * columns_ + x)].color;
+      color = shaded(color, 1 / (1 + 0.15 * behind));
     }
   }
-  for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].color = shaded(samples_[i].color, double{light[i]});
 }
 
 Picture Canvas::picture() const {

@@ -23,7 +23,8 @@ struct Picture {
 /// An ellipse in space as the camera sees it: x to the right, y down, z towards the viewer, in pixels.
 struct ProjectedEllipse {
   Vec3 center;
-  Vec3 u, v;  ///< semi-axes
+  Vec3 u, v;         ///< semi-axes
+  double bulge = 0;  ///< how much farther from the viewer the rim is than the center: overlapping discs meet half-way
 };
 
 /// Of what falls on a sample the nearest is kept; of the equally near the first. Memory: 8 bytes × samples per pixel².

@@ -47,7 +47,7 @@ CloudSample sample_cloud(Cloud& cloud, PointColor& color, const std::function<vo
       ++sample.finite;
       if (!taken) continue;
       sample.positions.push_back(p);
-      if (color.is_number()) sample.numbers.push_back(color.number(block.record(i)));
+      sample.records.insert(sample.records.end(), block.record(i), block.record(i) + block.stride);
     }
     progress(block.first_row + block.size);
   });

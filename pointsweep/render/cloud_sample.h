@@ -31,7 +31,7 @@ struct CloudSample {
   Box bounds;                   ///< of the finite points
   std::uint64_t finite = 0;     ///< points
   std::vector<Vec3> positions;  ///< of at most 65,536 finite points, one from each of as many equal stretches of rows
-  std::vector<double> numbers;  ///< that decide the colours of these, if numbers do
+  std::vector<std::byte> records;  ///< of these, one behind the other
 };
 
 /// Also shows every record to `color`.

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/render/point_color.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "pointsweep/error.h"
+#include "pointsweep/render/class_colors.h"
 #include "pointsweep/render/color_map.h"
 
 namespace pointsweep {
@@ -22,20 +26,18 @@ bool is_fraction(const Field& field) { return field.type == Type::f32 || field.t
 
 }  // namespace
 
-PointColor::PointColor(const Schema& schema, std::string_view what, int up, std::string_view option) : name_(what) {
-  const char* const axes[] = {"x", "y", "z"};
-  if (what == "plain") return;
+PointColor::PointColor(const Schema& schema, std::string_view what, std::string_view option)
+    : schema_(schema), chosen_by_user_(!what.empty()), name_(what) {
   if (what.empty()) {
-    name_ = "rgb";
-    if (take(schema, Kind::rgb, kColors)) return;
-    name_ = "plain";
-    if (schema.find("nx")) return;
-    what = "height";
+    if (take(schema, Kind::rgb, kColors)) name_ = "rgb";
+    return;
   }
+  if (what == "plain") return;
   if (what == "rgb" && take(schema, Kind::rgb, kColors)) return;
   if (what == "normal" && take(schema, Kind::normal, kNormals)) return;
-  if (what == "height" && take_number(schema, axes[up])) {
-    name_ = "height";
+  if (what == "classification" && take_classes(schema)) return;
+  if (what == "height") {
+    kind_ = Kind::height;
     return;
   }
   if (what == "curvature") {
@@ -68,23 +70,69 @@ bool PointColor::take_number(const Schema& schema, std::string_view name) {
   return true;
 }
 
+bool PointColor::take_classes(const Schema& schema) {
+  const auto field = schema.find("classification");
+  if (!field) return false;
+  kind_ = Kind::classes;
+  fields_[0] = schema.fields[*field];
+  return true;
+}
+
 void PointColor::look_at(const std::byte* record) {
+  if (kind_ == Kind::classes) seen_[class_of(record)] = true;
   if (kind_ != Kind::rgb) return;
-  for (const Field& field : fields_) {
-    const double value = value_of(field, record);
-    if (std::isfinite(value)) most_ = std::max(most_, value);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double value = value_of(fields_[i], record);
+    if (!std::isfinite(value)) continue;
+    channels_[i].least = std::min(channels_[i].least, value);
+    channels_[i].most = std::max(channels_[i].most, value);
   }
 }
 
-double PointColor::scale() const {
-  if (is_fraction(fields_[0]) && most_ <= 1) return 255;
-  return most_ <= 255 ? 1 : 255 / std::max(most_, 65535.0);
+bool PointColor::colors_vary() const {
+  return std::any_of(channels_.begin(), channels_.end(), [](const Channel& c) { return c.most > c.least; });
 }
 
-Rgb PointColor::operator()(const std::byte* record) const {
+void PointColor::choose_without_colors(bool flat) {
+  const bool plain = !flat && schema_.find("nx");
+  kind_ = plain ? Kind::plain : Kind::height;
+  name_ = plain ? "plain" : "height";
+}
+
+void PointColor::settle(const Sample& sample, Up up, bool flat) {
+  up_ = up;
+  if (kind_ == Kind::rgb && !colors_vary()) {
+    remark_ = fmt::format("all points have the same colour ({:g}, {:g}, {:g})", channels_[0].least, channels_[1].least,
+                          channels_[2].least);
+  }
+  if (!chosen_by_user_ && (kind_ != Kind::rgb || !colors_vary())) choose_without_colors(flat);
+  if (!is_number()) return;
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < sample.positions.size(); ++i)
+    numbers.push_back(number(&sample.records[i * sample.stride], sample.positions[i]));
+  std::tie(lo_, hi_) = robust_range(std::move(numbers));
+}
+
+double PointColor::scale() const {
+  const double most = std::max({0.0, channels_[0].most, channels_[1].most, channels_[2].most});
+  if (is_fraction(fields_[0]) && most <= 1) return 255;
+  return most <= 255 ? 1 : 255 / std::max(most, 65535.0);
+}
+
+std::uint8_t PointColor::class_of(const std::byte* record) const { return byte_of(value_of(fields_[0], record)); }
+
+std::vector<std::uint8_t> PointColor::classes() const {
+  std::vector<std::uint8_t> codes;
+  for (std::size_t code = 0; code < seen_.size(); ++code)
+    if (seen_[code]) codes.push_back(static_cast<std::uint8_t>(code));
+  return codes;
+}
+
+Rgb PointColor::operator()(const std::byte* record, Vec3 position) const {
   if (kind_ == Kind::plain) return kPlain;
-  if (kind_ == Kind::number) {
-    const double value = number(record);
+  if (kind_ == Kind::classes) return color_of_las_class(class_of(record));
+  if (is_number()) {
+    const double value = number(record, position);
     return viridis(hi_ > lo_ ? (value - lo_) / (hi_ - lo_) : 0 * value);
   }
   std::array<double, 3> v{};

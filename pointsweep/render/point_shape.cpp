@@ -7,8 +7,8 @@
 namespace pointsweep {
 namespace {
 
-/// Discs of this many spacings leave about 0.5 % of a surface bare where points lie at random (exp(-π r²)).
-constexpr double kRadiusInSpacings = 1.3;
+/// Discs of this many spacings leave about 0.1 % of a surface bare where points lie at random (exp(-π r²)).
+constexpr double kRadiusInSpacings = 1.5;
 
 Vec3 unit_or_zero(Vec3 v) {
   const double l = length(v);

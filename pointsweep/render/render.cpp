@@ -1,22 +1,30 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/render/render.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/las_classes.h"
+#include "pointsweep/render/attribute_unit.h"
+#include "pointsweep/render/class_colors.h"
 #include "pointsweep/render/cloud_sample.h"
 #include "pointsweep/render/color_map.h"
+#include "pointsweep/render/legend.h"
 #include "pointsweep/render/point_color.h"
 #include "pointsweep/render/point_shape.h"
 #include "pointsweep/render/spacing_tree.h"
+#include "pointsweep/render/upright.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr double kAmbient = 0.25;
-constexpr double kLargestGuess = 0.015;  // of the larger side
-constexpr std::uint64_t kMostPixels = 1u << 26, kFinePixels = 1u << 24;
+constexpr double kBulge = 0.3;          // of the radius, of discs without a normal
+constexpr double kLargestGuess = 0.01;  // of the larger side
+constexpr std::uint64_t kMostPixels = 1u << 26;
 
 void check(const RenderOptions& options) {
   const auto good = [](unsigned side) { return side >= 16 && side <= 16384; };
@@ -46,6 +54,40 @@ void frame_sample(Camera& camera, const std::vector<Vec3>& positions) {
   frame(camera, lo_x, hi_x, lo_y, hi_y);
 }
 
+/// Samples along each side of a pixel: fewer for large pictures, whose edges need them less.
+unsigned fineness_of(const RenderOptions& options) {
+  const std::uint64_t pixels = std::uint64_t{options.width} * options.height;
+  return pixels <= (1u << 22) ? 3 : pixels <= (1u << 24) ? 2 : 1;
+}
+
+bool all_are_las(const Cloud& cloud) {
+  return std::all_of(cloud.readers().begin(), cloud.readers().end(),
+                     [](const auto& reader) { return reader->info().format.starts_with("LAS"); });
+}
+
+View view_of(const RenderOptions& options, const Cloud& cloud, const std::vector<Vec3>& sample) {
+  const Up up = options.up ? *options.up : all_are_las(cloud) ? Up{} : find_up(sample);
+  return {options.angles ? *options.angles : is_flat(sample, up) ? kTop : kThreeQuarter, up};
+}
+
+/// Seen from above, what counts is how far points lie apart on the map: a crown of leaves must not become large discs.
+void flatten(std::vector<Vec3>& positions, Up up) {
+  for (Vec3& p : positions) p[up.axis] = 0;
+}
+
+Legend legend_of(const PointColor& color, const RenderOptions& options) {
+  Legend legend;
+  if (!options.legend) return legend;
+  legend.title = color.name();
+  legend.unit = unit_of_attribute(color.name(), options.length_unit);
+  legend.is_bar = color.is_number();
+  legend.lo = color.lo();
+  legend.hi = color.hi();
+  for (const std::uint8_t code : color.classes())
+    legend.entries.emplace_back(color_of_las_class(code), fmt::format("{} {}", code, name_of_las_class(code)));
+  return legend;
+}
+
 /// From above the viewer's left shoulder. Surfaces have no back: the side that is seen is lit.
 class Light {
  public:
@@ -69,37 +111,40 @@ Rendering render(Cloud& cloud, const RenderOptions& options) {
   const auto report = [&](const char* phase, std::uint64_t rows) {
     if (options.progress) options.progress(phase, rows, cloud.count());
   };
-  PointColor color(cloud.schema(), options.color, options.view.up);
+  PointColor color(cloud.schema(), options.color);
   CloudSample sample = sample_cloud(cloud, color, [&](std::uint64_t rows) { report("looking", rows); });
   if (sample.positions.empty())
     fail("{}: has no point with finite coordinates, so there is nothing to see.",
          cloud.readers().front()->info().path.string());
-  if (color.is_number()) {
-    const auto [lo, hi] = robust_range(std::move(sample.numbers));
-    color.set_range(lo, hi);
-  }
-  Camera camera = camera_of(options.view, sample.bounds.center(), options.width, options.height);
+  const View view = view_of(options, cloud, sample.positions);
+  color.settle({sample.positions, sample.records, cloud.schema().stride}, view.up, is_flat(sample.positions, view.up));
+  const LegendColumn legend(legend_of(color, options), options.width, options.height, options.background);
+  const unsigned room = options.width - legend.width();
+  Camera camera = camera_of(view, sample.bounds.center(), room, options.height);
   frame_sample(camera, sample.positions);
+  if (view.angles.elevation == 90) flatten(sample.positions, view.up);
   const SpacingTree spacing(std::move(sample.positions), sample.finite);
-  const double largest_guess = kLargestGuess * std::max(options.width, options.height) / camera.scale;
+  const double largest_guess = kLargestGuess * std::max(room, options.height) / camera.scale;
   const PointShape shape(cloud.schema(), spacing, camera.right, camera.up, largest_guess);
   const Light light(camera);
-  const unsigned fineness = std::uint64_t{options.width} * options.height <= kFinePixels ? 2 : 1;
-  Canvas canvas(options.width, options.height, fineness, options.background);
+  Canvas canvas(options.width, options.height, fineness_of(options), options.background);
   for_each_block(cloud, [&](const PointBlock& block) {
     for (std::size_t i = 0; i < block.size; ++i) {
       const Vec3 p = block.position(i);
       if (!is_finite(p)) continue;
       const SurfaceElement element = shape(block.record(i), p);
       const bool lit = color.is_shaded() && element.normal != Vec3{};
-      const Rgb own = color(block.record(i));
-      canvas.draw({camera.project(p), camera.project_offset(element.u), camera.project_offset(element.v)},
-                  lit ? shaded(own, light.on(element.normal)) : own);
+      const Rgb own = color(block.record(i), p);
+      ProjectedEllipse ellipse{camera.project(p), camera.project_offset(element.u), camera.project_offset(element.v)};
+      if (element.normal == Vec3{}) ellipse.bulge = kBulge * camera.scale * length(element.u);
+      canvas.draw(ellipse, lit ? shaded(own, light.on(element.normal)) : own);
     }
     report("drawing", block.first_row + block.size);
   });
   if (!shape.has_normals()) canvas.shade_by_depth();
-  return {canvas.picture(), color.name(), color.is_number(), color.lo(), color.hi()};
+  Rendering result{canvas.picture(), color.name(), color.is_number(), color.lo(), color.hi(), view, color.remark()};
+  legend.draw(result.picture);
+  return result;
 }
 
 }  // namespace pointsweep

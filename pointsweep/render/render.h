@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "pointsweep/formats/cloud.h"
@@ -14,8 +15,12 @@ namespace pointsweep {
 
 struct RenderOptions {
   unsigned width = 1200, height = 900;  ///< pixels, 16 to 16,384 each and at most 2^26 together
-  View view;
-  std::string color;  ///< as PointColor takes it; empty: chosen
+  /// None: a flat cloud is seen from above, any other from the front, a little from the side and from above (is_flat).
+  std::optional<Angles> angles;
+  std::optional<Up> up;     ///< none: z if all files are LAS, else found from the shape (find_up)
+  std::string color;        ///< as PointColor takes it; empty: chosen
+  std::string length_unit;  ///< of the coordinates, for the legend, e.g. "m"; empty: not known
+  bool legend = true;       ///< whether the picture says what its colours mean, if it is large enough for that
   Rgb background{255, 255, 255};
   /// Called after each block of points; may throw to end it. `phase` is "looking" or "drawing".
   std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)> progress;
@@ -26,12 +31,15 @@ struct Rendering {
   std::string color;       ///< what gave the colours: "rgb", "height", "rms_curvature", ...
   bool is_number = false;  ///< whether they stand for numbers from lo (violet) to hi (yellow)
   double lo = 0, hi = 1;
+  View view{};         ///< that was used
+  std::string remark;  ///< why the file's colours are not used although it has some; else empty
 };
 
-/// Draws the cloud as opaque ellipses, orthographic, with a depth buffer. It is read twice from one end to the other:
-/// for its bounds and a sample (framing, spacing of points, range of colours), then to be drawn. Memory: the picture
-/// (24 to 96 bytes for each pixel) and 4 MB. The same file gives the same bytes. Without normals light comes from
-/// differences of depth alone. Throws Error for a cloud without finite points, UsageError for options out of range.
+/// Draws the cloud as opaque ellipses, orthographic, with a depth buffer; edges are averaged over up to nine samples
+/// for each pixel. The cloud is read twice from one end to the other: for its bounds and a sample (up, framing, spacing
+/// of points, range of colours), then to be drawn. Memory: the picture (11 to 75 bytes for each pixel), 4 MB and 65,536
+/// records. The same file gives the same bytes. Without normals, light comes from differences of depth alone. Throws
+/// Error for a cloud without finite points, UsageError for options out of range.
 Rendering render(Cloud& cloud, const RenderOptions& options);
 
 }  // namespace pointsweep

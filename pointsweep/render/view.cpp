@@ -25,10 +25,11 @@ double sine(double degrees) {
 }
 double cosine(double degrees) { return sine(degrees + 90); }
 
-/// From the frame with z up to one where another axis is up; both right-handed.
-Vec3 with_up(Vec3 v, int up) {
-  if (up == 1) return {v.x, v.z, -v.y};
-  if (up == 0) return {v.z, v.x, v.y};
+/// From the frame with z up to one where another direction is up; all right-handed.
+Vec3 with_up(Vec3 v, Up up) {
+  if (up.sign < 0) v = {v.x, -v.y, -v.z};
+  if (up.axis == 1) return {v.x, v.z, -v.y};
+  if (up.axis == 0) return {v.z, v.x, v.y};
   return v;
 }
 
@@ -39,26 +40,36 @@ bool parse_number(std::string_view text, double& value) {
 
 }  // namespace
 
-View parse_view(std::string_view text, int up) {
-  if (text == "front") return {0, 0, up};
-  if (text == "top") return {0, 90, up};
-  if (text == "iso") return {45, 35.264389682754654, up};
-  View view{0, 0, up};
+std::optional<Angles> parse_view(std::string_view text) {
+  if (text == "auto") return std::nullopt;
+  if (text == "front") return Angles{0, 0};
+  if (text == "top") return kTop;
+  if (text == "iso") return Angles{45, 35.264389682754654};
+  Angles angles;
   const std::size_t comma = text.find(',');
-  if (comma == text.npos || !parse_number(text.substr(0, comma), view.azimuth) ||
-      !parse_number(text.substr(comma + 1), view.elevation) || std::abs(view.elevation) > 90 ||
-      std::abs(view.azimuth) > 1e6) {
+  if (comma == text.npos || !parse_number(text.substr(0, comma), angles.azimuth) ||
+      !parse_number(text.substr(comma + 1), angles.elevation) || std::abs(angles.elevation) > 90 ||
+      std::abs(angles.azimuth) > 1e6) {
     fail_usage(
-        "--view: '{}' is not front, top, iso or AZIMUTH,ELEVATION in degrees with an elevation of -90 to 90, e.g. "
-        "30,20.",
+        "--view: '{}' is not auto, front, top, iso or AZIMUTH,ELEVATION in degrees with an elevation of -90 to 90, "
+        "e.g. 30,20.",
         text);
   }
-  return view;
+  return angles;
+}
+
+std::optional<Up> parse_up(std::string_view text) {
+  if (text == "auto") return std::nullopt;
+  std::string_view axis = text;
+  const int sign = axis.starts_with('-') ? -1 : 1;
+  if (sign < 0) axis.remove_prefix(1);
+  if (axis != "x" && axis != "y" && axis != "z") fail_usage("--up: '{}' is not auto, x, y, z, -x, -y or -z.", text);
+  return Up{axis[0] - 'x', sign};
 }
 
 Camera camera_of(const View& view, Vec3 origin, unsigned width, unsigned height) {
-  const double sa = sine(view.azimuth), ca = cosine(view.azimuth);
-  const double se = sine(view.elevation), ce = cosine(view.elevation);
+  const double sa = sine(view.angles.azimuth), ca = cosine(view.angles.azimuth);
+  const double se = sine(view.angles.elevation), ce = cosine(view.angles.elevation);
   const Vec3 toward{sa * ce, -ca * ce, se}, right{ca, sa, 0};
   Camera camera;
   camera.toward = with_up(toward, view.up);

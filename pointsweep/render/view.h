@@ -2,6 +2,7 @@
 /// From where a cloud is looked at, and where its points fall on the picture.
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include "pointsweep/math/box.h"
@@ -9,15 +10,35 @@
 
 namespace pointsweep {
 
-/// Degrees. Azimuth 0 looks along +y with x to the right (the front), 90 from +x; elevation 90 looks down. With `up` 1
-/// (y up, as many scanned models are) the front looks along -z instead, with `up` 0 along +z with y to the right.
-struct View {
-  double azimuth = 0, elevation = 0;
-  int up = 2;  ///< the axis that points up: 0, 1, 2 for x, y, z
+/// The direction that points up: an axis, or its opposite.
+struct Up {
+  int axis = 2;  ///< 0, 1, 2 for x, y, z
+  int sign = 1;  ///< 1 or -1
+  /// The coordinate of `p` along this direction.
+  double height(Vec3 p) const { return sign * p[axis]; }
+  friend bool operator==(const Up&, const Up&) = default;
 };
 
-/// "front", "top", "iso" or "AZIMUTH,ELEVATION" in degrees, |elevation| <= 90. Throws UsageError.
-View parse_view(std::string_view text, int up);
+/// Where the viewer stands, in degrees. Azimuth 0 looks along +y with x to the right (the front), 90 from +x; elevation
+/// 90 looks down. With y up (as many scanned models are) the front looks along -z instead, with x up along +z with y to
+/// the right. A negative axis turns the cloud upside down about the axis that points to the right.
+struct Angles {
+  double azimuth = 0, elevation = 0;
+  friend bool operator==(const Angles&, const Angles&) = default;
+};
+
+struct View {
+  Angles angles;
+  Up up;
+};
+
+/// The view from above, and the one that shows front, side and top of an object.
+inline constexpr Angles kTop{0, 90}, kThreeQuarter{30, 25};
+
+/// "front", "top", "iso" or "AZIMUTH,ELEVATION" in degrees, |elevation| <= 90; "auto": none. Throws UsageError.
+std::optional<Angles> parse_view(std::string_view text);
+/// "x", "y", "z", "-x", "-y" or "-z"; "auto": none. Throws UsageError.
+std::optional<Up> parse_up(std::string_view text);
 
 /// An orthographic camera: an orthonormal basis, and the part of the plane that the picture shows.
 struct Camera {
