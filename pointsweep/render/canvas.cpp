@@ -38,6 +38,7 @@ void Canvas::draw(const ProjectedEllipse& ellipse, Rgb color) {
   }
   const double det = u.x * v.y - u.y * v.x;
   if (std::abs(det) < 0.05) return;  // covers less than a sixth of a sample: seen from its edge, or far away
+  const Vec3 across_s = (1 / det) * Vec3{v.y, v.x, 0}, across_t = (1 / det) * Vec3{u.x, u.y, 0};
   const auto first = [](double low) { return static_cast<std::int64_t>(std::max(0.0, std::ceil(low - 0.5))); };
   const auto last = [](double high, std::int64_t count) {
     return std::min(count - 1, static_cast<std::int64_t>(std::floor(high - 0.5)));
@@ -46,7 +47,7 @@ void Canvas::draw(const ProjectedEllipse& ellipse, Rgb color) {
   for (std::int64_t y = first(c.y - half_y); y <= y_end; ++y) {
     for (std::int64_t x = first(c.x - half_x); x <= x_end; ++x) {
       const double dx = static_cast<double>(x) + 0.5 - c.x, dy = static_cast<double>(y) + 0.5 - c.y;
-      const double s = (dx * v.y - dy * v.x) / det, t = (u.x * dy - u.y * dx) / det;
+      const double s = dx * across_s.x - dy * across_s.y, t = dy * across_t.x - dx * across_t.y;
       const double r2 = s * s + t * t;
       if (r2 <= 1) put(x, y, c.z + s * u.z + t * v.z - f * ellipse.bulge * r2, color);
     }
@@ -71,7 +72,7 @@ void Canvas::shade_by_depth() {
         const std::int64_t other_x = x + reach * dx, other_y = y + reach * dy;
         if (other_x < 0 || other_x >= columns_ || other_y < 0 || other_y >= rows_) continue;
         const double other = samples_[static_cast<std::size_t>(other_y * columns_ + other_x)].depth;
-        if (std::isfinite(other)) behind += std::clamp((other - depth) / static_cast<double>(reach), 0.0, 1.5);
+        if (std::isfinite(other)) behind += std::clamp((other - depth) / static_cast<double>(reach), 0.0, 2.0);
       }
       Rgb& color = samples_[static_cast<std::size_t>(y * columns_ + x)].color;
       color = shaded(color, 1 / (1 + 0.15 * behind));

@@ -22,8 +22,8 @@ namespace pointsweep {
 namespace {
 
 constexpr double kAmbient = 0.25;
-constexpr double kBulge = 0.3;          // of the radius, of discs without a normal
-constexpr double kLargestGuess = 0.01;  // of the larger side
+constexpr double kBulge = 0.3;           // of the radius, of discs without a normal
+constexpr double kLargestGuess = 0.015;  // of the larger side
 constexpr std::uint64_t kMostPixels = 1u << 26;
 
 void check(const RenderOptions& options) {

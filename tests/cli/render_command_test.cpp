@@ -18,17 +18,40 @@ TEST_F(Render, WritesAPngOfTheSizeAskedFor) {
 
 TEST_F(Render, EveryOptionChangesThePicture) {
   const std::string plain = made("render a.xyz a.png --size 64x64", "a.png");
-  for (const char* option : {"--size 64x64 --view top", "--size 64x64 --up y", "--size 64x64 --color x",
-                             "--size 64x64 --background black", "--size 65x64"}) {
+  for (const char* option : {"--size 64x64 --view top", "--size 64x64 --up -z", "--size 64x64 --up y",
+                             "--size 64x64 --color x", "--size 64x64 --background black", "--size 65x64"}) {
     EXPECT_NE(made("render a.xyz b.png -f " + std::string(option), "b.png"), plain) << option;
   }
-  EXPECT_EQ(made("render a.xyz b.png -f --size 64x64 --view 0,0 --up z --color height --background ffffff", "b.png"),
+  EXPECT_EQ(made("render a.xyz b.png -f --size 64x64 --view 30,25 --up z --color height --background ffffff", "b.png"),
             plain);
 }
 
 TEST_F(Render, SaysWhatTheColorsMean) {
   const Result result = tool("render a.xyz a.png --size 64x64 --color x");
-  EXPECT_NE(result.err.find("5 points, coloured by x, violet 0 to yellow 1"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("5 points from azimuth 30, elevation 25 with z up, coloured by x, violet 0 to yellow 1"),
+            std::string::npos)
+      << result.err;
+}
+
+TEST_F(Render, WritesALegendUnlessToldNotTo) {
+  const std::string with = made("render a.xyz a.png --size 640x480 --color x", "a.png");
+  EXPECT_NE(made("render a.xyz b.png --size 640x480 --color x --no-legend", "b.png"), with);
+}
+
+TEST_F(Render, ColorsThatAreAllTheSameAreReplacedAndItSaysSo) {
+  write("b.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "
+        "red\nproperty uchar green\nproperty uchar blue\nend_header\n0 0 0 0 0 0\n1 0 0 0 0 0\n1 1 1 0 0 0\n");
+  const Result result = tool("render b.ply b.png --size 64x64");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.err.find("all points have the same colour (0, 0, 0)"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("coloured by height"), std::string::npos) << result.err;
+}
+
+TEST_F(Render, AnAirborneScanIsSeenFromAbove) {
+  ASSERT_EQ(tool("generate terrain t.ply -n 5000").status, 0);
+  const Result result = tool("render t.ply t.png --size 64x64");
+  EXPECT_NE(result.err.find("azimuth 0, elevation 90 with z up"), std::string::npos) << result.err;
 }
 
 TEST_F(Render, RefusesInOneSentence) {
@@ -37,7 +60,7 @@ TEST_F(Render, RefusesInOneSentence) {
   refused(2, "render a.xyz a.png --size 64", "WIDTHxHEIGHT");
   refused(2, "render a.xyz a.png --size 64x0", "no size of a picture");
   refused(2, "render a.xyz a.png --background pink", "RRGGBB");
-  refused(2, "render a.xyz a.png --up w", "not x, y or z");
+  refused(2, "render a.xyz a.png --up w", "not auto, x, y, z, -x, -y or -z");
   refused(2, "render a.xyz a.png --view back", "AZIMUTH,ELEVATION");
   refused(2, "render a.xyz a.png --color age", "nothing called 'age'");
   EXPECT_FALSE(exists("a.png"));

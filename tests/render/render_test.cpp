@@ -47,6 +47,9 @@ RenderOptions small(const char* color = "") {
   options.width = 200;
   options.height = 200;
   options.color = color;
+  options.angles = Angles{0, 0};
+  options.up = Up{};
+  options.legend = false;
   return options;
 }
 
@@ -98,9 +101,68 @@ TEST(Render, TheNearerSphereHidesTheOther) {
   RenderOptions options = small("y");
   const Rendering front = render(cloud, options);
   EXPECT_LT(pixel(front, 100, 100).green, 10) << "y of what is near is small: violet";
-  options.view.azimuth = 180;
+  options.angles = Angles{180, 0};
   const Rendering back = render(cloud, options);
   EXPECT_GT(pixel(back, 100, 100).green, 150) << "y of what is near is large: yellow";
+}
+
+TEST(Render, AFlatCloudIsSeenFromAboveAndAnObjectFromACorner) {
+  Spheres spheres;
+  spheres.add({0, 0, 0}, 1, 5000);
+  RenderOptions automatic;
+  automatic.width = automatic.height = 100;
+  Cloud object = spheres.cloud(true);
+  EXPECT_EQ(render(object, automatic).view.angles, kThreeQuarter);
+  for (std::size_t i = 2; i < spheres.xyz.size(); i += 3) spheres.xyz[i] *= 0.05;
+  Cloud flat = spheres.cloud(true);
+  const Rendering from_above = render(flat, automatic);
+  EXPECT_EQ(from_above.view.angles, kTop);
+  EXPECT_EQ(from_above.view.up, Up{});
+  for (std::size_t i = 0; i < spheres.xyz.size(); i += 3) std::swap(spheres.xyz[i + 1], spheres.xyz[i + 2]);
+  Cloud relief = spheres.cloud(true);
+  EXPECT_EQ(render(relief, automatic).view.up, (Up{1, 1}));
+  automatic.up = Up{};
+  Cloud wall = spheres.cloud(true);
+  EXPECT_EQ(render(wall, automatic).view.angles, kThreeQuarter) << "a wall with z up is not flat";
+}
+
+TEST(Render, EdgesAreSmooth) {
+  Spheres spheres;
+  spheres.add({0, 0, 0}, 1, 20000);
+  Cloud cloud = spheres.cloud(true);
+  const Rendering r = render(cloud, small("plain"));
+  // Across the lower right edge of the disc, grey pixels between the dark side and the white background.
+  std::vector<int> shades;
+  for (std::size_t x = 100; x < 200; ++x) {
+    for (std::size_t y = 100; y < 200; ++y) {
+      const int red = pixel(r, x, y).red;
+      if (red > 140 && red < 250) shades.push_back(red);
+    }
+  }
+  std::sort(shades.begin(), shades.end());
+  shades.erase(std::unique(shades.begin(), shades.end()), shades.end());
+  EXPECT_GE(shades.size(), 6u) << "nine samples give up to eight shades between";
+}
+
+TEST(Render, TheLegendTakesItsOwnRoom) {
+  Spheres spheres;
+  spheres.add({0, 0, 0}, 1, 20000);
+  Cloud cloud = spheres.cloud(false);
+  RenderOptions options = small("height");
+  options.width = 800;
+  options.height = 600;
+  const Rendering bare = render(cloud, options);
+  options.legend = true;
+  const Rendering with = render(cloud, options);
+  EXPECT_EQ(pixel(bare, 790, 300), kWhite);
+  const auto colored_beyond = [&](const Rendering& r, std::size_t from) {
+    std::size_t n = 0;
+    for (std::size_t y = 0; y < 600; ++y)
+      for (std::size_t x = from; x < 800; ++x) n += pixel(r, x, y) != kWhite;
+    return n;
+  };
+  EXPECT_EQ(colored_beyond(bare, 700), 0u);
+  EXPECT_GT(colored_beyond(with, 700), 500u);
 }
 
 TEST(Render, HeightGoesFromVioletToYellow) {
@@ -152,7 +214,8 @@ TEST(Render, SplatsHaveTheirSizeAndDirection) {
   Cloud cloud(std::move(readers));
   const Rendering r = render(cloud, small());
   const double pixels = 0.94 * 200 / 4;
-  EXPECT_NEAR(covered(r) * 200 * 200, std::numbers::pi * 0.4 * 0.2 * pixels * pixels, 40);
+  EXPECT_NEAR(covered(r) * 200 * 200, std::numbers::pi * 0.4 * 0.2 * pixels * pixels, 55)
+      << "with what is partly covered at its edge";
   EXPECT_NE(pixel(r, 100, 100 - 17), kWhite);
   EXPECT_EQ(pixel(r, 100 - 17, 100), kWhite);
 }

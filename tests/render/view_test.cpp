@@ -14,7 +14,8 @@ void expect_near(Vec3 a, Vec3 b) {
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(a[axis], b[axis], 1e-12);
 }
 
-Camera camera(const char* view, int up) { return camera_of(parse_view(view, up), {}, 100, 50); }
+Camera camera(const char* view, Up up) { return camera_of({*parse_view(view), up}, {}, 100, 50); }
+Camera camera(const char* view, int axis) { return camera(view, Up{axis}); }
 
 TEST(View, TheFrontShowsXToTheRightAndZUp) {
   const Camera c = camera("front", 2);
@@ -45,9 +46,25 @@ TEST(View, AnotherAxisMayPointUp) {
   expect_near(camera("front", 0).right, {0, 1, 0});
 }
 
+TEST(View, ANegativeAxisTurnsTheCloudUpsideDown) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const Camera up = camera("front", Up{axis, 1}), down = camera("front", Up{axis, -1});
+    expect_near(down.up, -1.0 * up.up);
+    expect_near(down.right, up.right);
+  }
+}
+
+TEST(View, AutomaticMeansChosenFromTheCloud) {
+  EXPECT_EQ(parse_view("auto"), std::nullopt);
+  EXPECT_EQ(parse_up("auto"), std::nullopt);
+  EXPECT_EQ(parse_up("y"), (Up{1, 1}));
+  EXPECT_EQ(parse_up("-x"), (Up{0, -1}));
+  for (const char* text : {"", "-", "w", "+z", "zz", "Z"}) EXPECT_THROW(parse_up(text), UsageError) << text;
+}
+
 TEST(View, CamerasAreOrthonormalAndRightHanded) {
   for (const char* view : {"front", "top", "iso", "17,-63", "-200.5,89"}) {
-    for (const int up : {0, 1, 2}) {
+    for (const Up up : {Up{0, 1}, Up{1, 1}, Up{2, 1}, Up{0, -1}, Up{1, -1}, Up{2, -1}}) {
       const Camera c = camera(view, up);
       EXPECT_NEAR(length(c.right), 1, 1e-12);
       EXPECT_NEAR(dot(c.up, c.toward), 0, 1e-12);
@@ -81,7 +98,7 @@ TEST(View, ASinglePointIsInTheMiddle) {
 
 TEST(View, RefusesWhatIsNoView) {
   for (const char* text : {"", "back", "10", "10,", "10,91", "nan,0", "1,2,3", "1 ,2"}) {
-    EXPECT_THROW(parse_view(text, 2), UsageError) << text;
+    EXPECT_THROW(parse_view(text), UsageError) << text;
   }
 }
 

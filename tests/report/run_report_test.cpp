@@ -36,7 +36,7 @@ TEST(RunReport, SaysWhatTheStatisticsSay) {
 
 TEST(RunReport, ShowsThePictureAndTheDistancesWhereThereAreSome) {
   RunSummary with = summary();
-  with.picture = Rendering{{20, 16, std::vector<Rgb>(320)}, "k1", true, 0.5, 2};
+  with.picture = Rendering{{20, 16, std::vector<Rgb>(320)}, "k1", true, 0.5, 2, {}, {}};
   with.statistics.neighbor_distances = {{0, 1e-200, 7, 0}, {0.5, 0.6, 100, 0}, {0.6, 0.7, 5, 90}};
   const std::string page = report_of(with);
   says(page, "data:image/png;base64,iVBOR");
