@@ -3,7 +3,8 @@
 add_library(pointsweep_flags INTERFACE)
 target_compile_options(pointsweep_flags INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Werror)
 # GCC 12 warns wrongly of overlapping copies inside std::string (its bug 105651).
-target_compile_options(pointsweep_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+# In a unity build GCC takes the anonymous namespaces of included sources for those of headers.
+target_compile_options(pointsweep_flags INTERFACE "$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-subobject-linkage>")
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(POINTSWEEP_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 if(POINTSWEEP_SANITIZE)

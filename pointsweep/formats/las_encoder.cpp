@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kBlock = 256;
+constexpr std::size_t kRowsAtOnce = 256;
 constexpr double kMaxSteps = 2147483647;
 /// Byte 14 of a point that is return 1 of 1, in point formats 6 to 10.
 constexpr std::byte kOnlyReturn{0x11};
@@ -38,9 +38,9 @@ void LasEncoder::run(std::uint64_t row, const std::byte* from, std::byte* to, st
 }
 
 void LasEncoder::check_positions(std::uint64_t row, const std::byte* records, std::size_t count) const {
-  std::array<std::array<double, kBlock>, 3> xyz;
-  for (std::size_t first = 0; first < count; first += kBlock) {
-    const std::size_t n = std::min(kBlock, count - first);
+  std::array<std::array<double, kRowsAtOnce>, 3> xyz;
+  for (std::size_t first = 0; first < count; first += kRowsAtOnce) {
+    const std::size_t n = std::min(kRowsAtOnce, count - first);
     decode_positions(positions_, records + first * stride_in_, stride_in_, n, xyz[0].data(), xyz[1].data(),
                      xyz[2].data());
     for (int axis = 0; axis < 3; ++axis) {

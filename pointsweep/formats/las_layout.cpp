@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-bool same_storage(const Field& a, const Field& b) {
+bool same_encoding(const Field& a, const Field& b) {
   return a.type == b.type && a.count == b.count && a.bit_shift == b.bit_shift && a.bit_width == b.bit_width &&
          a.scale == b.scale && a.bias == b.bias;
 }
@@ -44,7 +44,7 @@ std::optional<std::pair<double, double>> integer_range(const Field& field) {
 
 /// True if `to` can hold every value that `from` can.
 bool holds_exactly(const Field& from, const Field& to) {
-  if (same_storage(from, to)) return true;
+  if (same_encoding(from, to)) return true;
   const auto source = integer_range(from), target = integer_range(to);
   if (to.type == Type::f64 && to.is_plain()) return source || (from.type == Type::f32 && from.is_plain());
   return source && target && source->first >= target->first && source->second <= target->second;
@@ -143,7 +143,7 @@ class Builder {
         const Field& to = layout_.to.fields[i];
         if (to.type != Type::i32 || to.offset != target.offset) continue;
         *place = layout_.from.fields[i];
-        layout_.positions_change = layout_.positions_change || !same_storage(*place, target);
+        layout_.positions_change = layout_.positions_change || !same_encoding(*place, target);
       }
     }
   }

@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kMaxSteps = 2147483646;  // one below the largest integer: rounding may add one
+constexpr double kUsableSteps = 2147483646;  // one below the largest integer: rounding may add one
 constexpr int kLeast = -300, kMost = 300;
 
 /// 10^exponent, correctly rounded (pow need not be).
@@ -44,7 +44,7 @@ void quantize_axis(double lo, double hi, double useful, double& scale, double& o
   offset = half > finest ? round_number(0.5 * lo + 0.5 * hi, half) : lo;
   const double reach = std::max(hi - offset, offset - lo);
   int exponent = kLeast;
-  while (exponent < kMost && (power_of_ten(exponent) < finest || reach / power_of_ten(exponent) > kMaxSteps)) {
+  while (exponent < kMost && (power_of_ten(exponent) < finest || reach / power_of_ten(exponent) > kUsableSteps)) {
     ++exponent;
   }
   scale = power_of_ten(exponent);

@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kBlockBytes = 256 << 10;
+constexpr std::size_t kReadBytes = 256 << 10;
 constexpr std::size_t kLongestLine = 1 << 20;
 
 std::string_view without_carriage_return(const std::byte* text, std::size_t size) {
@@ -57,7 +57,7 @@ bool LineReader::read_more() {
   block_offset_ += at_;
   at_ = 0;
   end_ = unread;
-  block_.resize(std::max(block_.size(), unread + kBlockBytes));
+  block_.resize(std::max(block_.size(), unread + kReadBytes));
   const std::size_t got = file_->read_some(block_offset_ + unread, std::span(block_).subspan(unread));
   end_ += got;
   return got != 0;

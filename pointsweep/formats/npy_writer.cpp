@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kTypeStrings[] = {"|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f4", "<f8"};
 
 /// Magic, version, length and the dictionary, padded with spaces to a multiple of 64 bytes as the format asks.
-std::string header_of(const OutputPlan& plan) {
+std::string npy_header(const OutputPlan& plan) {
   if (plan.schema.fields.size() != 1 || !plan.schema.fields[0].is_plain()) {
     fail_usage("{}: a .npy file holds one attribute, but {} were to be written to it.", plan.path.string(),
                plan.schema.fields.size());
@@ -29,7 +29,7 @@ std::string header_of(const OutputPlan& plan) {
   return header + dictionary;
 }
 
-Schema stored_schema(const OutputPlan& plan) {
+Schema npy_schema(const OutputPlan& plan) {
   Schema stored;
   for (const Field& field : plan.schema.fields) stored.append(field.name, field.type, field.count);
   return stored;
@@ -37,6 +37,6 @@ Schema stored_schema(const OutputPlan& plan) {
 
 }  // namespace
 
-NpyWriter::NpyWriter(const OutputPlan& plan) : RecordWriter(plan, header_of(plan), stored_schema(plan)) {}
+NpyWriter::NpyWriter(const OutputPlan& plan) : RecordWriter(plan, npy_header(plan), npy_schema(plan)) {}
 
 }  // namespace pointsweep

@@ -55,7 +55,7 @@ Type stored_type(const Field& field, bool keeps_wide) {
 const PlyExtras* ply_extras(const OutputPlan& plan) { return dynamic_cast<const PlyExtras*>(plan.extras.get()); }
 
 /// Plain fields without gaps, under the names of the plan (the header gives them their names in the file).
-Schema stored_schema(const OutputPlan& plan) {
+Schema ply_schema(const OutputPlan& plan) {
   Schema stored;
   for (const Field& field : plan.schema.fields) {
     stored.append(field.name, stored_type(field, ply_extras(plan) != nullptr), field.count);
@@ -63,7 +63,7 @@ Schema stored_schema(const OutputPlan& plan) {
   return stored;
 }
 
-std::string header_of(const OutputPlan& plan) {
+std::string ply_header_text(const OutputPlan& plan) {
   std::string header = "ply\nformat binary_little_endian 1.0\n";
   if (const PlyExtras* extras = ply_extras(plan)) {
     for (const std::string& line : extras->lines) header += line + "\n";
@@ -71,7 +71,7 @@ std::string header_of(const OutputPlan& plan) {
   header += fmt::format("element vertex {}\n", plan.count);
   const auto names = column_names(plan.schema);
   std::size_t column = 0;
-  for (const Field& field : stored_schema(plan).fields) {
+  for (const Field& field : ply_schema(plan).fields) {
     for (std::uint32_t c = 0; c < field.count; ++c) {
       header += fmt::format("property {} {}\n", ply_name_of(field.type), names[column++]);
     }
@@ -81,7 +81,7 @@ std::string header_of(const OutputPlan& plan) {
 
 class PlyWriter final : public RecordWriter {
  public:
-  explicit PlyWriter(const OutputPlan& plan) : RecordWriter(plan, header_of(plan), stored_schema(plan)) {
+  explicit PlyWriter(const OutputPlan& plan) : RecordWriter(plan, ply_header_text(plan), ply_schema(plan)) {
     for (const Field& field : plan.schema.fields) {
       if (field.is_plain() && is_wide(field) && stored_type(field, ply_extras(plan) != nullptr) == Type::f64) {
         narrowed_.push_back(field);

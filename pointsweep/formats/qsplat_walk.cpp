@@ -13,7 +13,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kBlock = 64 * 1024;
+constexpr std::size_t kReadAheadBytes = 64 * 1024;
 constexpr std::size_t kDeepest = 256;
 constexpr std::uint64_t kCommentHeader = 20;
 
@@ -155,7 +155,7 @@ const std::byte* QsplatWalk::bytes_at(std::size_t level, std::uint64_t offset, s
   Block& block = blocks_[level];
   if (offset < block.begin || offset + size > block.begin + block.bytes.size()) {
     block.begin = offset;
-    block.bytes.resize(kBlock);
+    block.bytes.resize(kReadAheadBytes);
     block.bytes.resize(file_.read_some(offset, block.bytes));
     if (block.bytes.size() < size) complain(offset, "the file ends inside a node");
   }

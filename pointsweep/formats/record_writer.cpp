@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kBlockBytes = 1 << 20;
+constexpr std::size_t kConvertedBytes = 1 << 20;
 
 }  // namespace
 
@@ -37,7 +37,7 @@ void RecordWriter::write_at(std::uint64_t row, std::span<const std::byte> record
   if (conversion_.is_identity()) {
     file_.write_at(offset, records);
   } else {
-    const std::size_t block = std::max<std::size_t>(1, kBlockBytes / stored_stride_);
+    const std::size_t block = std::max<std::size_t>(1, kConvertedBytes / stored_stride_);
     for (std::size_t first = 0; first < rows; first += block) {
       const std::size_t n = std::min(block, rows - first);
       converted_.resize(std::max(converted_.size(), n * stored_stride_));

@@ -40,7 +40,7 @@ std::string_view cell_of(std::string_view text) {
   return trimmed(text.substr(1, text.size() - 2));
 }
 
-bool same_word(std::string_view word, std::string_view lower_case) {
+bool is_word(std::string_view word, std::string_view lower_case) {
   return std::equal(word.begin(), word.end(), lower_case.begin(), lower_case.end(),
                     [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
 }
@@ -89,7 +89,7 @@ std::string_view comment_of(std::string_view line) {
 
 bool parse_cell(std::string_view cell, double& value) {
   if (parse_number(cell, value)) return true;
-  if (!cell.empty() && !same_word(cell, "na") && !same_word(cell, "n/a") && !same_word(cell, "null")) return false;
+  if (!cell.empty() && !is_word(cell, "na") && !is_word(cell, "n/a") && !is_word(cell, "null")) return false;
   value = std::numeric_limits<double>::quiet_NaN();
   return true;
 }

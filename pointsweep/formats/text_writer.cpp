@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kBlockBytes = 1 << 20;
+constexpr std::size_t kFlushBytes = 1 << 20;
 
 bool are_usual_pts_columns(const std::vector<std::string>& names) {
   using Names = std::vector<std::string>;
@@ -44,7 +44,7 @@ class TextWriter final : public Writer {
     }
     for (std::size_t i = 0; i < rows; ++i) {
       append_row(records.data() + i * stride);
-      if (text_.size() >= kBlockBytes) flush();
+      if (text_.size() >= kFlushBytes) flush();
     }
     rows_written_ += rows;
   }

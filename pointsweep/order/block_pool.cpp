@@ -7,13 +7,13 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kLineBytes = 64;
+constexpr std::size_t kAlignment = 64;
 constexpr std::size_t kLeastPiece = std::size_t{256} << 10, kLargestPiece = std::size_t{32} << 20;
 
 }  // namespace
 
 BlockPool::BlockPool(std::size_t block_bytes)
-    : block_bytes_((block_bytes + kLineBytes - 1) / kLineBytes * kLineBytes) {}
+    : block_bytes_((block_bytes + kAlignment - 1) / kAlignment * kAlignment) {}
 
 std::byte* BlockPool::take() {
   const std::lock_guard lock(mutex_);

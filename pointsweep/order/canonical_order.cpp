@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kDigitBits = 9;        ///< a cache line for each value fits the first-level cache
 constexpr std::size_t kSmall = 128;  ///< a range up to this size is sorted faster by comparing
-constexpr std::size_t kAhead = 24;   ///< points whose next coordinate is on its way
+constexpr std::size_t kPrefetchAhead = 24;   ///< points whose next coordinate is on its way
 
 /// Bits of a finite double that ascend as the numbers do; -0 and 0 are one number.
 std::uint64_t ascending_bits(double value) {
@@ -114,7 +114,7 @@ class CanonicalSort {
     for (std::size_t i = begin, j = begin; i < end; i = j) {
       const std::uint64_t tied = items_[i] >> 32;
       for (; j < end && items_[j] >> 32 == tied; ++j)
-        __builtin_prefetch(ahead + static_cast<std::uint32_t>(items_[std::min(j + kAhead, end - 1)]));
+        __builtin_prefetch(ahead + static_cast<std::uint32_t>(items_[std::min(j + kPrefetchAhead, end - 1)]));
       if (j - i > 1) sort(level, i, j);
     }
   }

@@ -11,7 +11,7 @@ namespace pointsweep {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr std::size_t kCellsPerLimit = 16, kMostCells = 65536;
+constexpr std::size_t kCellsPerLimit = 16, kMostLookupCells = 65536;
 constexpr double kThinnest = 4;  ///< spacings
 
 /// By the look of a few of them.
@@ -30,7 +30,7 @@ double median_spacing(std::span<const std::pair<double, double>> sample) {
 Splitters::Splitters(std::vector<double> limits) : limits_(std::move(limits)) {
   assert(std::ranges::adjacent_find(limits_, std::greater_equal<>()) == limits_.end());
   assert(limits_.size() < std::numeric_limits<std::uint16_t>::max());
-  const std::size_t cells = std::clamp<std::size_t>(limits_.size() * kCellsPerLimit, 1, kMostCells);
+  const std::size_t cells = std::clamp<std::size_t>(limits_.size() * kCellsPerLimit, 1, kMostLookupCells);
   last_cell_ = static_cast<double>(cells - 1);
   if (limits_.size() > 1) {
     lo_ = limits_.front();

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostPieces = 4096;                           ///< dealt out at once
 constexpr std::size_t kFewPieces = 64;                              ///< so many may one that is too big become at once
-constexpr std::size_t kSamplesPerPiece = 16;                        ///< fewer make uneven slabs
+constexpr std::size_t kSamplesPerSlab = 16;                        ///< fewer make uneven slabs
 constexpr std::size_t kLeastBlock = 8192, kLargestBlock = 1 << 20;  ///< bytes
 
 /// Splitting does not stop at the axis, so a slab of one point is possible and one of none is not.
@@ -46,7 +46,7 @@ Splitters splitters_of(const std::vector<Vec3>& sample, const std::vector<double
   for (const Vec3& p : sample) coordinates.push_back(p[options.axis]);
   const double points = points_per_sample * static_cast<double>(sample.size());
   const auto wanted = static_cast<std::uint64_t>(points) / std::max<std::uint64_t>(1, aim) + 1;
-  const std::size_t pieces = std::min<std::uint64_t>({wanted, most, sample.size() / kSamplesPerPiece + 1});
+  const std::size_t pieces = std::min<std::uint64_t>({wanted, most, sample.size() / kSamplesPerSlab + 1});
   std::vector<double> sorted = coordinates;
   std::vector<double> limits = quantile_limits(sorted, pieces);
   if (!options.canonical) limits = limits_not_too_near(limits, coordinates, spacing);

@@ -7,7 +7,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kPositionBytes = 3 * sizeof(double);
+constexpr std::uint64_t kMovedPositionBytes = 3 * sizeof(double);
 
 /// Of a point, the most at once: while a sweep ends, what came into it and what goes out of it.
 std::uint64_t most_carried(const PlannedSweeps& planned) {
@@ -68,7 +68,7 @@ RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, st
     memory.expected_bytes = std::max(memory.expected_bytes, memory.sweeps.back().expected_bytes);
   }
   if (planned.reorders) {
-    memory.reordering = plan_ordering_memory(budget, output_bytes + kPositionBytes, points, survey, options);
+    memory.reordering = plan_ordering_memory(budget, output_bytes + kMovedPositionBytes, points, survey, options);
     memory.expected_bytes = std::max(memory.expected_bytes, memory.reordering.expected_bytes);
   }
   std::uint64_t needed = memory.reordering.needed_bytes;

@@ -8,7 +8,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kChunkBytes = 1 << 20;
+constexpr std::size_t kUpdateBytes = 1 << 20;
 
 std::size_t bytes_of(const std::vector<Attribute>& attributes) {
   std::size_t bytes = 0;
@@ -62,7 +62,7 @@ void RowUpdate::run(const std::byte* carried, const std::byte* made, std::size_t
 void update_rows(RowStore& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
                  const std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>& use) {
   const std::size_t before = carried == nullptr ? 0 : carried->record_bytes();
-  const std::size_t chunk = std::max<std::size_t>(1, kChunkBytes / std::max(before, update.record_bytes()));
+  const std::size_t chunk = std::max<std::size_t>(1, kUpdateBytes / std::max(before, update.record_bytes()));
   std::vector<std::byte> old, updated;
   results.drain([&](std::uint64_t first, std::span<const std::byte> made) {
     const std::size_t rows = made.size() / made_bytes;

@@ -15,7 +15,7 @@ constexpr int kOctaves = 4, kWavesPerOctave = 4, kWaves = kOctaves * kWavesPerOc
 constexpr std::array<double, kOctaves> kFrequency{0.35, 0.8, 1.8, 4.0};        // turns per unit of direction
 constexpr std::array<double, kOctaves> kAmplitude{0.09, 0.035, 0.012, 0.004};  // of the radius, each wave
 constexpr Vec3 kStretch{0.5, 0.4, 0.9};
-constexpr std::uint64_t kSeed = 2005;
+constexpr std::uint64_t kStatueSeed = 2005;
 constexpr int kProbes = 1 << 14;
 
 /// Radius and its gradient at a direction d: r(d) = 1 + sum of a wave(f . d + phase).
@@ -27,7 +27,7 @@ struct Relief {
 class Statue final : public Shape {
  public:
   Statue() {
-    Rng rng(kSeed, 0);
+    Rng rng(kStatueSeed, 0);
     for (int w = 0; w < kWaves; ++w) {
       const Vec3 f = kFrequency[w / kWavesPerOctave] * on_sphere(rng);
       fx_[w] = f.x, fy_[w] = f.y, fz_[w] = f.z;

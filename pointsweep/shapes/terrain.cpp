@@ -19,7 +19,7 @@ constexpr double kFlatRoofChance = 0.2;
 constexpr double kWallShare = 0.02;                                         // of all points
 constexpr double kSlope = 0.07;                                             // of the steepest place of one wave
 constexpr std::array<double, 6> kWavelength{950, 700, 520, 380, 290, 220};  // m
-constexpr std::uint64_t kSeed = 1;
+constexpr std::uint64_t kTerrainSeed = 1;
 
 /// A rectangle with walls and a gable roof whose ridge runs along its local u axis.
 struct House {
@@ -39,7 +39,7 @@ struct House {
 class Terrain final : public Shape {
  public:
   Terrain() {
-    Rng rng(kSeed, 0);
+    Rng rng(kTerrainSeed, 0);
     for (std::size_t w = 0; w < kWavelength.size(); ++w) {
       const Vec2 direction = on_circle(rng);
       waves_[w] = {

@@ -8,26 +8,26 @@
 namespace pointsweep {
 namespace {
 
-struct Place {
+struct PlaceInOrder {
   bool nonfinite;
   std::array<double, 4> key;  ///< coordinate on the axis, x, y, z
   std::uint64_t row;
 
-  friend bool operator<(const Place& a, const Place& b) {
+  friend bool operator<(const PlaceInOrder& a, const PlaceInOrder& b) {
     if (a.nonfinite != b.nonfinite) return b.nonfinite;
     if (!a.nonfinite && a.key != b.key) return a.key < b.key;
     return a.row < b.row;
   }
 };
 
-Place place_of(Vec3 p, std::uint64_t row, int axis) { return {!is_finite(p), {p[axis], p.x, p.y, p.z}, row}; }
+PlaceInOrder place_of(Vec3 p, std::uint64_t row, int axis) { return {!is_finite(p), {p[axis], p.x, p.y, p.z}, row}; }
 
 }  // namespace
 
 std::vector<std::uint64_t> sweep_rows(RowSource& in, std::span<const std::uint64_t> rows, int axis,
                                       const PhaseProgress& progress) {
   const PositionFields position = position_fields(in.schema(), in.name());
-  std::vector<Place> places(rows.size());
+  std::vector<PlaceInOrder> places(rows.size());
   for_each_record(in, rows, [&](std::size_t i, const std::byte* record) {
     places[i] = place_of({value_of(position.x, record), value_of(position.y, record), value_of(position.z, record)},
                          rows[i], axis);
@@ -35,7 +35,7 @@ std::vector<std::uint64_t> sweep_rows(RowSource& in, std::span<const std::uint64
   std::vector<std::size_t> order(rows.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return places[a] < places[b]; });
-  std::vector<Place> sorted;
+  std::vector<PlaceInOrder> sorted;
   for (const std::size_t i : order) sorted.push_back(places[i]);
 
   // Points between one chosen point and the next, these not counted with those before.

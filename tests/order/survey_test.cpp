@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 TEST(Survey, OfASmallCloudSeesEveryPoint) {
   const std::vector<Vec3> points = random_points(5000, 1);
@@ -45,7 +45,7 @@ TEST(Survey, SamplesAllPartsOfALargeCloudOnceInAscendingRow) {
 TEST(Survey, HasTheSameSampleWhenItIsExactAndTheBoundsOfAllPoints) {
   std::vector<Vec3> points = random_points(200003, 2);
   points[77777] = {0, 0, 1e9};
-  points[33] = {kNaN, 0, 1e12};
+  points[33] = {kNotANumber, 0, 1e12};
   const CloudSource<double> cloud(points);
   const Survey quick = survey(cloud.source, {}, false), exact = survey(cloud.source, {}, true);
   EXPECT_EQ(quick.sample, exact.sample);
@@ -62,7 +62,7 @@ TEST(Survey, TakesTheLongestAxisUnlessOneIsGiven) {
 
 TEST(Survey, LeavesOutPointsWithoutAPlace) {
   std::vector<Vec3> points = random_points(1000, 4);
-  for (std::size_t i = 0; i < points.size(); i += 2) points[i].y = kNaN;
+  for (std::size_t i = 0; i < points.size(); i += 2) points[i].y = kNotANumber;
   const CloudSource<float> cloud(points);
   const Survey look = survey(cloud.source, {}, false);
   EXPECT_EQ(look.sample.size(), 500u);

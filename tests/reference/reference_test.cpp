@@ -15,9 +15,9 @@
 namespace pointsweep::reference {
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kFarAway = std::numeric_limits<double>::infinity();
 
-Task graph(std::size_t k, std::size_t n, double radius = kFar) {
+Task graph(std::size_t k, std::size_t n, double radius = kFarAway) {
   return task_of(k, radius, {std::make_shared<NeighborRows>(k, n, false)});
 }
 

@@ -17,7 +17,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr Rgb kWhite{255, 255, 255};
+constexpr Rgb kWhitePixel{255, 255, 255};
 
 /// Random points of spheres, with their normals.
 struct Spheres {
@@ -56,7 +56,7 @@ RenderOptions small(const char* color = "") {
 Rgb pixel(const Rendering& r, std::size_t x, std::size_t y) { return r.picture.pixels[y * r.picture.width + x]; }
 
 double covered(const Rendering& r) {
-  const auto bare = std::count(r.picture.pixels.begin(), r.picture.pixels.end(), kWhite);
+  const auto bare = std::count(r.picture.pixels.begin(), r.picture.pixels.end(), kWhitePixel);
   return 1 - static_cast<double>(bare) / static_cast<double>(r.picture.pixels.size());
 }
 
@@ -68,9 +68,9 @@ TEST(Render, ASphereIsAClosedDiscOfTheRightSize) {
     const Rendering r = render(cloud, small());
     EXPECT_EQ(r.color, with_normals ? "plain" : "height");
     EXPECT_NEAR(covered(r), std::numbers::pi / 4 * 0.94 * 0.94, 0.06) << "discs reach a little over the edge";
-    EXPECT_EQ(pixel(r, 2, 2), kWhite);
+    EXPECT_EQ(pixel(r, 2, 2), kWhitePixel);
     for (std::size_t y = 60; y < 140; ++y) {
-      for (std::size_t x = 60; x < 140; ++x) ASSERT_NE(pixel(r, x, y), kWhite) << x << " " << y;
+      for (std::size_t x = 60; x < 140; ++x) ASSERT_NE(pixel(r, x, y), kWhitePixel) << x << " " << y;
     }
   }
 }
@@ -154,11 +154,11 @@ TEST(Render, TheLegendTakesItsOwnRoom) {
   const Rendering bare = render(cloud, options);
   options.legend = true;
   const Rendering with = render(cloud, options);
-  EXPECT_EQ(pixel(bare, 790, 300), kWhite);
+  EXPECT_EQ(pixel(bare, 790, 300), kWhitePixel);
   const auto colored_beyond = [&](const Rendering& r, std::size_t from) {
     std::size_t n = 0;
     for (std::size_t y = 0; y < 600; ++y)
-      for (std::size_t x = from; x < 800; ++x) n += pixel(r, x, y) != kWhite;
+      for (std::size_t x = from; x < 800; ++x) n += pixel(r, x, y) != kWhitePixel;
     return n;
   };
   EXPECT_EQ(colored_beyond(bare, 700), 0u);
@@ -216,8 +216,8 @@ TEST(Render, SplatsHaveTheirSizeAndDirection) {
   const double pixels = 0.94 * 200 / 4;
   EXPECT_NEAR(covered(r) * 200 * 200, std::numbers::pi * 0.4 * 0.2 * pixels * pixels, 55)
       << "with what is partly covered at its edge";
-  EXPECT_NE(pixel(r, 100, 100 - 17), kWhite);
-  EXPECT_EQ(pixel(r, 100 - 17, 100), kWhite);
+  EXPECT_NE(pixel(r, 100, 100 - 17), kWhitePixel);
+  EXPECT_EQ(pixel(r, 100 - 17, 100), kWhitePixel);
 }
 
 /// Says how it was read.
