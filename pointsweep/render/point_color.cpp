@@ -15,7 +15,7 @@ namespace pointsweep {
 namespace {
 
 constexpr Rgb kPlain{214, 214, 214};
-constexpr std::array<const char*, 3> kColors = {"red", "green", "blue"}, kNormals = {"nx", "ny", "nz"};
+constexpr std::array<const char*, 3> kColorFields = {"red", "green", "blue"}, kNormals = {"nx", "ny", "nz"};
 
 std::uint8_t byte_of(double value) {
   if (!(value > 0)) return 0;
@@ -29,11 +29,11 @@ bool is_fraction(const Field& field) { return field.type == Type::f32 || field.t
 PointColor::PointColor(const Schema& schema, std::string_view what, std::string_view option)
     : schema_(schema), chosen_by_user_(!what.empty()), name_(what) {
   if (what.empty()) {
-    if (take(schema, Kind::rgb, kColors)) name_ = "rgb";
+    if (take(schema, Kind::rgb, kColorFields)) name_ = "rgb";
     return;
   }
   if (what == "plain") return;
-  if (what == "rgb" && take(schema, Kind::rgb, kColors)) return;
+  if (what == "rgb" && take(schema, Kind::rgb, kColorFields)) return;
   if (what == "normal" && take(schema, Kind::normal, kNormals)) return;
   if (what == "classification" && take_classes(schema)) return;
   if (what == "height") {

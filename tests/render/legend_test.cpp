@@ -12,16 +12,16 @@
 namespace pointsweep {
 namespace {
 
-constexpr Rgb kWhite{255, 255, 255}, kBlack{0, 0, 0};
+constexpr Rgb kPaper{255, 255, 255}, kBlack{0, 0, 0};
 
 Picture blank(unsigned width, unsigned height) {
-  return {width, height, std::vector<Rgb>(std::size_t{width} * height, kWhite)};
+  return {width, height, std::vector<Rgb>(std::size_t{width} * height, kPaper)};
 }
 
 Rgb at(const Picture& p, unsigned x, unsigned y) { return p.pixels[std::size_t{y} * p.width + x]; }
 
 std::size_t ink(const Picture& p) {
-  return p.pixels.size() - static_cast<std::size_t>(std::count(p.pixels.begin(), p.pixels.end(), kWhite));
+  return p.pixels.size() - static_cast<std::size_t>(std::count(p.pixels.begin(), p.pixels.end(), kPaper));
 }
 
 TEST(Lettering, EveryCharacterIsDrawnInsideItsWidthAndLooksDifferent) {
@@ -34,7 +34,7 @@ TEST(Lettering, EveryCharacterIsDrawnInsideItsWidthAndLooksDifferent) {
     const double right = 20 + letters.width(std::string(1, c));
     for (unsigned y = 0; y < 60; ++y) {
       for (unsigned x = 0; x < 80; ++x) {
-        if (at(picture, x, y) == kWhite) continue;
+        if (at(picture, x, y) == kPaper) continue;
         ASSERT_GE(x, 18u) << c;
         ASSERT_LE(x, right + 2) << c;
         ASSERT_GE(y, 40 - 28 - 4u) << c;
@@ -80,7 +80,7 @@ Legend bar(double lo, double hi) {
 }
 
 TEST(Legend, ABarRunsFromTheDarkEndBelowToTheBrightEndAbove) {
-  const LegendColumn column(bar(0, 10), 800, 600, kWhite);
+  const LegendColumn column(bar(0, 10), 800, 600, kPaper);
   ASSERT_GT(column.width(), 50u);
   Picture picture = blank(800, 600);
   column.draw(picture);
@@ -91,16 +91,16 @@ TEST(Legend, ABarRunsFromTheDarkEndBelowToTheBrightEndAbove) {
   const auto yellow = [](Rgb c) { return c.red > 240 && c.green > 220 && c.blue < 60; };
   const auto top = std::find_if(column_of_bar.begin(), column_of_bar.end(), yellow);
   ASSERT_NE(top, column_of_bar.end());
-  for (auto y = top + 1; y < column_of_bar.end() && *y != kWhite; ++y)
+  for (auto y = top + 1; y < column_of_bar.end() && *y != kPaper; ++y)
     EXPECT_LE(lightness(*y), lightness(*(y - 1)) + 1);
-  for (unsigned y = 0; y < 600; ++y) ASSERT_EQ(at(picture, 10, y), kWhite) << "outside of the column";
+  for (unsigned y = 0; y < 600; ++y) ASSERT_EQ(at(picture, 10, y), kPaper) << "outside of the column";
 }
 
 TEST(Legend, EntriesHaveTheirColors) {
   Legend legend;
   legend.title = "classification";
   legend.entries = {{Rgb{1, 2, 3}, "2 Ground"}, {Rgb{200, 100, 50}, "6 Building"}};
-  const LegendColumn column(legend, 800, 600, kWhite);
+  const LegendColumn column(legend, 800, 600, kPaper);
   Picture picture = blank(800, 600);
   column.draw(picture);
   for (const auto& [color, name] : legend.entries)
@@ -108,11 +108,11 @@ TEST(Legend, EntriesHaveTheirColors) {
 }
 
 TEST(Legend, TakesNoRoomWhereThereIsNoneOrNothingToSay) {
-  EXPECT_EQ(LegendColumn(Legend{}, 800, 600, kWhite).width(), 0u);
-  EXPECT_EQ(LegendColumn(bar(0, 1), 200, 150, kWhite).width(), 0u);
-  EXPECT_EQ(LegendColumn(bar(0, 1), 3000, 60, kWhite).width(), 0u);
+  EXPECT_EQ(LegendColumn(Legend{}, 800, 600, kPaper).width(), 0u);
+  EXPECT_EQ(LegendColumn(bar(0, 1), 200, 150, kPaper).width(), 0u);
+  EXPECT_EQ(LegendColumn(bar(0, 1), 3000, 60, kPaper).width(), 0u);
   Picture picture = blank(200, 150);
-  LegendColumn(bar(0, 1), 200, 150, kWhite).draw(picture);
+  LegendColumn(bar(0, 1), 200, 150, kPaper).draw(picture);
   EXPECT_EQ(ink(picture), 0u);
 }
 
@@ -127,7 +127,7 @@ TEST(Legend, WritesLightOnDark) {
 TEST(Legend, AnyRangeCanBeDrawn) {
   for (const auto& [lo, hi] : std::vector<std::pair<double, double>>{
            {5, 5}, {-1e30, 1e30}, {1e-12, 2e-12}, {4e6, 4e6 + 1}, {0, 0}, {NAN, NAN}, {-INFINITY, INFINITY}}) {
-    const LegendColumn column(bar(lo, hi), 1200, 900, kWhite);
+    const LegendColumn column(bar(lo, hi), 1200, 900, kPaper);
     Picture picture = blank(1200, 900);
     column.draw(picture);
     EXPECT_GT(ink(picture), 100u) << lo << " " << hi;
