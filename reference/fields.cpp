@@ -38,6 +38,7 @@ Stage Fields::plan(const std::shared_ptr<const Operator>& op) {
   Stage stage;
   stage.op = op;
   stage.neighbor_position = position_field();
+  stage.moved = !stages_.empty() && (stages_.back().moved || stages_.back().moves);
   for (const Attribute& a : contract.reads) stage.reads.push_back(find(a));
   for (const Attribute& a : contract.reads_neighbors) stage.reads_neighbors.push_back(find(a));
   for (const Attribute& a : contract.makes) {

@@ -43,6 +43,7 @@ struct Stage {
   std::vector<Copy> copies;
   bool waits = false;  ///< looks at what earlier operators make of its neighbours: pre-buffer
   bool moves = false;  ///< changes positions: pre- and post-buffer
+  bool moved = false;  ///< an earlier operator has: positions are no longer those of the search
 };
 
 /// All fields of a chain of operators (AllFields): the record of the file (InputFields), then what operators make

@@ -95,7 +95,7 @@ void OperatorCall::apply_gathered(std::span<StreamPoint* const> points) {
   for (auto& column : made) makes.push_back(column.data());
   const std::vector<std::uint16_t> own = numbers(stage_.reads.size()), near = numbers(stage_.reads_neighbors.size());
   const Neighborhoods in({own_.x.data(), own_.y.data(), own_.z.data(), own_.row.data(), reads.data()}, points.size(),
-                         slots_.data(), begin_.data(), refs_.data(), own, near);
+                         slots_.data(), begin_.data(), refs_.data(), own, near, -1, stage_.moved);
   Columns out(makes, points.size());
   stage_.op->apply(in, out);
   degenerate_ += out.degenerate;

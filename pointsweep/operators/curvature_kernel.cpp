@@ -87,7 +87,7 @@ struct AllSums : Sums {
     }
     for (std::size_t c = 0; c < tile.Held(from); ++c) {
       const Vector n = neighbors.Load(v, c);
-      if constexpr (kWeighted) AddOuterProduct(weighted.normals, weights->Load(v, c), n);
+      if constexpr (kWeighted) AddOuterProduct(weighted.normals, weights->LoadTrue(v, c), n);
       AddOuterProduct(normals, n);
       count = hn::Add(count, neighbors.Present(v, c));
     }
@@ -171,13 +171,13 @@ HWY_INLINE std::size_t StorePrincipal(const Principal& p, V scale, const Points&
 /// `eigen_normals`: of |N_i| C_i. Inline, so that eigenvectors nobody looks at are not computed.
 template <class Mask>
 HWY_INLINE void StoreWeighted(Mask found, const WeightedSums& sums, const Eigen3Lanes<V>& eigen_normals,
-                              const Vector& normal, V nearest_theta, V neighbors, const Points& points,
+                              const Vector& normal, V divisor, V neighbors, const Points& points,
                               const CurvatureColumns& out) {
   const Lanes d;
   const V zero = hn::Zero(d), trace = hn::Add(hn::Add(sums.moments.xx, sums.moments.yy), sums.moments.zz);
   const V variation = hn::Div(hn::Max(SmallestEigenvalue(sums.moments, trace, normal), zero), trace);
   StoreNumbers(hn::IfThenElseZero(hn::And(found, hn::Gt(trace, zero)), variation), points, out.surface_variation);
-  const V share = hn::Div(nearest_theta, hn::Max(neighbors, hn::Set(d, 1.0)));
+  const V share = hn::Div(divisor, hn::Max(neighbors, hn::Set(d, 1.0)));
   const auto eigenvalue = [&](V v) HWY_ATTR {
     return Saturated(hn::IfThenElseZero(found, hn::Mul(hn::Max(v, zero), share)));
   };
@@ -232,7 +232,7 @@ class CurvatureTile {
     const Vector normal = UnitOrZero(OwnVectors(tile_, 0, v));
     const Principal principal = PrincipalCurvatures(normal, sums, of_normals);
     if constexpr (kWeighted)
-      StoreWeighted(principal.found, sums.weighted, *of_weighted_normals, normal, weights_->NearestTheta(v),
+      StoreWeighted(principal.found, sums.weighted, *of_weighted_normals, normal, weights_->Divisor(v),
                     extents_.count.Load(v), points, out_);
     return StorePrincipal(principal, sums.scaling.scale, points, out_);
   }

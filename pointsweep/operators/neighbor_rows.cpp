@@ -4,10 +4,50 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace pointsweep {
 
 namespace {
+/// Where in the list of a point its k nearest neighbours are, nearest first at the positions of now: by distance, then
+/// x, y, z and row. Neighbours without a finite place come last.
+class NearestPlaces {
+ public:
+  NearestPlaces(const Neighborhoods& in, std::size_t k) : in_(in), k_(k) {}
+  /// Goes to point i; returns how many there are.
+  std::size_t find(std::size_t i) {
+    const std::size_t count = in_.count(i), kept = std::min(count, k_);
+    if (in_.sorted_by_distance()) return kept;
+    ranked_.clear();
+    for (std::size_t j = 0; j < count; ++j) ranked_.push_back(rank(i, j));
+    std::partial_sort(ranked_.begin(), ranked_.begin() + static_cast<std::ptrdiff_t>(kept), ranked_.end());
+    return kept;
+  }
+  std::size_t operator[](std::size_t j) const { return in_.sorted_by_distance() ? j : ranked_[j].place; }
+
+ private:
+  struct Ranked {
+    double distance2;
+    Vec3 position;
+    std::uint64_t row;
+    std::size_t place;
+
+    auto key() const { return std::tie(distance2, position.x, position.y, position.z, row); }
+    bool operator<(const Ranked& other) const { return key() < other.key(); }
+  };
+  Ranked rank(std::size_t i, std::size_t j) const {
+    constexpr double kInf = std::numeric_limits<double>::infinity();
+    const Vec3 position = in_.neighbor_position(i, j);
+    const double distance2 = in_.distance2(i, j);
+    if (!is_finite(position) || std::isnan(distance2)) return {kInf, {kInf, kInf, kInf}, in_.neighbor_row(i, j), j};
+    return {distance2, position, in_.neighbor_row(i, j), j};
+  }
+
+  const Neighborhoods& in_;
+  std::size_t k_;
+  std::vector<Ranked> ranked_;
+};
+
 std::vector<std::string> numbered(const std::string& name, std::size_t count) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < count; ++i) names.push_back(name + "_" + std::to_string(i));
@@ -30,27 +70,26 @@ Contract NeighborRows::contract() const {
 }
 
 template <class Row>
-void NeighborRows::write_rows(const Neighborhoods& in, Row* out) const {
-  for (std::size_t i = 0; i < in.size(); ++i, out += k_) {
-    const std::size_t found = std::min(in.count(i), k_);
-    for (std::size_t j = 0; j < found; ++j) out[j] = static_cast<Row>(in.neighbor_row(i, j));
-    std::fill(out + found, out + k_, std::numeric_limits<Row>::max());
+void NeighborRows::write(const Neighborhoods& in, Row* row, double* distance) const {
+  NearestPlaces nearest(in, k_);
+  for (std::size_t i = 0; i < in.size(); ++i, row += k_) {
+    const std::size_t found = nearest.find(i);
+    for (std::size_t j = 0; j < found; ++j) row[j] = static_cast<Row>(in.neighbor_row(i, nearest[j]));
+    std::fill(row + found, row + k_, std::numeric_limits<Row>::max());
+    if (distance == nullptr) continue;
+    for (std::size_t j = 0; j < found; ++j) distance[j] = std::sqrt(in.distance2(i, nearest[j]));
+    std::fill(distance + found, distance + k_, std::numeric_limits<double>::quiet_NaN());
+    distance += k_;
   }
 }
 
 void NeighborRows::apply(const Neighborhoods& in, Columns& out) const {
   // A column's values are k wide, so only its first byte is taken from the span.
+  double* distance = distances_ ? out.column<double>(1).data() : nullptr;
   if (wide_) {
-    write_rows(in, out.column<std::uint64_t>(0).data());
+    write(in, out.column<std::uint64_t>(0).data(), distance);
   } else {
-    write_rows(in, out.column<std::uint32_t>(0).data());
-  }
-  if (!distances_) return;
-  double* distance = out.column<double>(1).data();
-  for (std::size_t i = 0; i < in.size(); ++i, distance += k_) {
-    const std::size_t found = std::min(in.count(i), k_);
-    for (std::size_t j = 0; j < found; ++j) distance[j] = std::sqrt(in.distance2(i, j));
-    std::fill(distance + found, distance + k_, std::numeric_limits<double>::quiet_NaN());
+    write(in, out.column<std::uint32_t>(0).data(), distance);
   }
 }
 

@@ -11,6 +11,10 @@ namespace pointsweep {
 /// Makes "neighbors", N×k u32 (u64 from 2^32 - 1 rows on): the input rows of the neighbours, nearest first; and, if
 /// asked, "distances", N×k f64 beside it. Where there are fewer than k, the rest is the largest value of the type, and
 /// NaN.
+///
+/// Behind an operator that moves points N_i is still the set that was found before, and its k nearest at the moved
+/// positions are written, nearest first at these positions; equal distances go by moved x, y, z, then row. Neighbours
+/// moved to a place that is not finite come last, by row.
 class NeighborRows : public Operator {
  public:
   NeighborRows(std::size_t k, std::uint64_t rows, bool distances);
@@ -20,7 +24,7 @@ class NeighborRows : public Operator {
 
  private:
   template <class Row>
-  void write_rows(const Neighborhoods& in, Row* out) const;
+  void write(const Neighborhoods& in, Row* row, double* distance) const;
 
   std::size_t k_;
   bool wide_;

@@ -23,29 +23,32 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-/// What must be known of the neighbourhoods of a tile before their sums begin. Neighbours come nearest first, so the
-/// last is the farthest.
+/// What must be known of the neighbourhoods of a tile before their sums begin.
 struct Extents {
-  TileArray count;    // |N_i|
-  TileArray largest;  // largest magnitude among the components of the last offset
-  TileArray far[3];   // the last offset
-  TileArray near[3];  // the first offset that is not 0
-  TileArray place;    // largest magnitude among the coordinates of p_i
+  TileArray count;       // |N_i|
+  TileArray largest;     // a largest magnitude of a component, from which Scaling takes its power of two
+  TileArray far2;        // scaled squared length of the farthest offset
+  TileArray near2;       // the same of the nearest offset that is not 0
+  TileArray coincident;  // 1 if a neighbour lies on p_i, else 0
+  TileArray place;       // largest magnitude among the coordinates of p_i
 
-  /// Points whose neighbours all lie on p_i, or one of them too far away, have none from here on.
+  /// Points whose neighbours all lie on p_i, or one of them too far away or not finite, have none from here on.
   HWY_INLINE Extents(Tile& tile, Offsets& offsets) {
+    const bool sorted = tile.in.sorted_by_distance();
     for (std::size_t v = 0; v < tile.vectors; ++v) {
-      const bool together = MeasureTogether(tile, offsets, v);
+      const bool together = sorted && MeasureTogether(tile, offsets, v);
+      if (!sorted) MeasureAll(tile, offsets, v);
       for (std::size_t l = v * kLanes; l < (v + 1) * kLanes; ++l) {
-        if (!together) Measure(tile, offsets, l);
+        if (sorted && !together) MeasureEnds(tile, offsets, l);
         count.of[l] = double(tile.count[l]);
+        place.of[l] = count.of[l] == 0 ? 0 : Magnitude(tile.in.position(tile.first + l));
       }
     }
   }
 
  private:
-  /// The usual case of Measure(), a vector of points at a time; false if it is not that: as many neighbours for each,
-  /// all of them at hand, the first not on the point, the last not too far away.
+  /// MeasureEnds() of a vector of points at a time; false unless all have as many neighbours, all of them held, the
+  /// first not on the point, and the last at a distance whose square is exact enough to sort by.
   HWY_INLINE bool MeasureTogether(const Tile& tile, const Offsets& offsets, std::size_t v) {
     const Lanes d;
     const std::size_t begin = v * kLanes, k = tile.count[begin];
@@ -53,47 +56,113 @@ struct Extents {
     for (std::size_t l = begin + 1; l < begin + kLanes; ++l)
       if (tile.count[l] != k) return false;
     const Vec3Lanes<V> first = offsets.Load(v, 0), last = offsets.Load(v, k - 1);
-    const auto magnitude = [](const Vec3Lanes<V>& a)
-                               HWY_ATTR { return hn::Max(hn::Max(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z)); };
-    const V extent = magnitude(last);
-    const auto scalable = hn::And(hn::Ge(extent, hn::Set(d, kLeastExtent)), hn::Lt(extent, hn::Set(d, kTooFar)));
-    if (!hn::AllTrue(d, hn::And(scalable, hn::Gt(magnitude(first), hn::Zero(d))))) return false;
+    const V extent = Magnitude(last);
+    if (!hn::AllTrue(d, hn::And(IsOrdinary(extent), hn::Gt(Magnitude(first), hn::Zero(d))))) return false;
+    const V scale = ReciprocalOfPower(d, PowerOfTwoBelow(d, extent));
+    const Vec3Lanes<V> far = Times(scale, last), near = Times(scale, first);
     hn::Store(extent, d, largest.of + begin);
-    const V far_of[3] = {last.x, last.y, last.z}, near_of[3] = {first.x, first.y, first.z};
-    for (int axis = 0; axis < 3; ++axis) {
-      hn::Store(far_of[axis], d, far[axis].of + begin);
-      hn::Store(near_of[axis], d, near[axis].of + begin);
-    }
-    for (std::size_t l = begin; l < begin + kLanes; ++l) place.of[l] = Magnitude(tile.in.position(tile.first + l));
+    hn::Store(Dot(far, far), d, far2.of + begin);
+    hn::Store(Dot(near, near), d, near2.of + begin);
+    hn::Store(hn::Zero(d), d, coincident.of + begin);
     return true;
   }
-  HWY_INLINE void Measure(Tile& tile, Offsets& offsets, std::size_t l) {
+  /// Of neighbours that come nearest first: the last is the farthest, the first off p_i the nearest.
+  HWY_INLINE void MeasureEnds(Tile& tile, Offsets& offsets, std::size_t l) {
     const std::size_t k = tile.count[l];
-    Vec3 last{1, 0, 0}, nearest = last, p;
-    double extent = 1;
-    if (k > 0) {
-      const auto offset = [&](std::size_t j) HWY_ATTR {
-        return j < tile.chunk ? offsets.Of(l, j) : tile.in.offset(tile.first + l, j);
-      };
-      p = tile.in.position(tile.first + l);
-      last = offset(k - 1);
-      extent = Magnitude(last);
-      std::size_t j = 0;
-      while (j + 1 < k && offset(j) == Vec3{}) ++j;
-      nearest = offset(j);
-      if (!(extent >= kLeastExtent && extent < kTooFar)) {
-        offsets.Clear(l);
-        tile.count[l] = 0, extent = 1;
-        last = nearest = {1, 0, 0};
-      }
-    }
-    largest.of[l] = extent;
-    for (int axis = 0; axis < 3; ++axis) far[axis].of[l] = last[axis], near[axis].of[l] = nearest[axis];
-    place.of[l] = Magnitude(p);
+    if (k == 0) return HaveNone(l);
+    const auto offset = [&](std::size_t j)
+                            HWY_ATTR { return j < tile.chunk ? offsets.Of(l, j) : tile.in.offset(tile.first + l, j); };
+    const Vec3 last = offset(k - 1);
+    const double extent = Magnitude(last);
+    if (!(extent >= kLeastOrdinary && extent < kMostOrdinary)) return Search(tile, offsets, l);
+    std::size_t j = 0;
+    while (j + 1 < k && offset(j) == Vec3{}) ++j;
+    const double scale = reciprocal_of_power(power_of_two_below(extent));
+    largest.of[l] = extent, far2.of[l] = Length2(scale * last), near2.of[l] = Length2(scale * offset(j));
+    coincident.of[l] = j > 0 ? 1 : 0;
   }
-  // Power-of-two scaling needs a normal number with a normal reciprocal.
+  /// Of neighbours in any order.
+  HWY_INLINE void MeasureAll(Tile& tile, Offsets& offsets, std::size_t v) {
+    const Lanes d;
+    const std::size_t begin = v * kLanes;
+    AnyOrder all;
+    ForNeighbors(tile, offsets, v, all);
+    const V scale = ReciprocalOfPower(d, PowerOfTwoBelow(d, all.largest));
+    hn::Store(all.largest, d, largest.of + begin);
+    hn::Store(hn::Mul(hn::Mul(all.far2, scale), scale), d, far2.of + begin);
+    hn::Store(hn::Mul(hn::Mul(all.near2, scale), scale), d, near2.of + begin);
+    LaneArray off, ordinary;
+    hn::Store(all.off, d, off.of);
+    hn::Store(hn::IfThenElseZero(hn::And(all.reachable, IsOrdinary(all.largest)), hn::Set(d, 1.0)), d, ordinary.of);
+    for (std::size_t l = begin; l < begin + kLanes; ++l) {
+      coincident.of[l] = off.of[l - begin] < double(tile.count[l]) ? 1 : 0;
+      if (ordinary.of[l - begin] == 0) tile.count[l] == 0 ? HaveNone(l) : Search(tile, offsets, l);
+    }
+  }
+  /// Of neighbours in any order, at distances whose squares may under- or overflow.
+  HWY_INLINE void Search(Tile& tile, Offsets& offsets, std::size_t l) {
+    const std::size_t k = tile.count[l], i = tile.first + l;
+    double extent = 0;
+    bool reachable = true;
+    for (std::size_t j = 0; j < k; ++j) {
+      const Vec3 o = tile.in.offset(i, j);
+      reachable = reachable && std::abs(o.x) < kTooFar && std::abs(o.y) < kTooFar && std::abs(o.z) < kTooFar;
+      extent = std::max(extent, Magnitude(o));
+    }
+    if (!reachable || !(extent >= kLeastExtent)) {
+      offsets.Clear(l);
+      tile.count[l] = 0;
+      return HaveNone(l);
+    }
+    const double scale = reciprocal_of_power(power_of_two_below(extent));
+    largest.of[l] = extent, far2.of[l] = 0, coincident.of[l] = 0;
+    near2.of[l] = std::numeric_limits<double>::infinity();
+    for (std::size_t j = 0; j < k; ++j) {
+      const Vec3 o = tile.in.offset(i, j);
+      const double length2 = Length2(scale * o);
+      far2.of[l] = std::max(far2.of[l], length2);
+      o == Vec3{} ? coincident.of[l] = 1 : near2.of[l] = std::min(near2.of[l], length2);
+    }
+  }
+  void HaveNone(std::size_t l) { largest.of[l] = far2.of[l] = near2.of[l] = 1, coincident.of[l] = 0; }
+
+  /// Sums up offsets one after the other; those of 0 behind a point's last count as none.
+  struct AnyOrder {
+    V largest, far2, near2, off;
+    hn::Mask<Lanes> reachable;
+
+    HWY_INLINE AnyOrder() {
+      largest = far2 = off = hn::Zero(Lanes());
+      near2 = hn::Set(Lanes(), std::numeric_limits<double>::infinity());
+      reachable = hn::Eq(off, off);
+    }
+    HWY_INLINE void Include(const Vec3Lanes<V>& o) {
+      const Lanes d;
+      const V too_far = hn::Set(d, kTooFar), size = Magnitude(o), length2 = Dot(o, o);
+      const auto within =
+          hn::And(hn::And(hn::Lt(hn::Abs(o.x), too_far), hn::Lt(hn::Abs(o.y), too_far)), hn::Lt(hn::Abs(o.z), too_far));
+      const auto is_off = hn::Gt(size, hn::Zero(d));
+      reachable = hn::And(reachable, within);
+      largest = hn::IfThenElse(hn::Gt(size, largest), size, largest);
+      far2 = hn::IfThenElse(hn::Gt(length2, far2), length2, far2);
+      near2 = hn::IfThenElse(hn::And(is_off, hn::Lt(length2, near2)), length2, near2);
+      off = hn::Add(off, hn::IfThenElseZero(is_off, hn::Set(d, 1.0)));
+    }
+  };
+
+  // Power-of-two scaling needs a normal number with a normal reciprocal; squares of ordinary lengths are normal numbers
+  // as well, so that an order by them is one by length.
   static constexpr double kLeastExtent = std::numeric_limits<double>::min(), kTooFar = 0x1p1022;
+  static constexpr double kLeastOrdinary = 0x1p-500, kMostOrdinary = 0x1p500;
+  static HWY_INLINE hn::Mask<Lanes> IsOrdinary(V extent) {
+    const Lanes d;
+    return hn::And(hn::Ge(extent, hn::Set(d, kLeastOrdinary)), hn::Lt(extent, hn::Set(d, kMostOrdinary)));
+  }
+  static HWY_INLINE V Magnitude(const Vec3Lanes<V>& v) {
+    return hn::Max(hn::Max(hn::Abs(v.x), hn::Abs(v.y)), hn::Abs(v.z));
+  }
   static HWY_INLINE double Magnitude(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+  static HWY_INLINE double Length2(Vec3 v) { return (v.x * v.x + v.y * v.y) + v.z * v.z; }
 };
 
 /// Offsets are scaled by the power of two that brings the farthest neighbour to about 1, so that no extent of a cloud
@@ -115,19 +184,16 @@ struct Scaling {
 /// density σ is the point spacing, and whatever |N_i| is, the weights add up to about 2π neighbours' worth.
 ///
 /// θ is divided by θ of the nearest neighbour that is not on p_i, so that it does not vanish for every one of many
-/// thousand neighbours.
+/// thousand neighbours. Neighbours on p_i get 1 as well, since their offsets add nothing to a sum over positions; other
+/// sums need Weights::LoadTrue().
 struct Weighting {
   Scaling scaling;
   V count, near2, falloff;
 
   Weighting(const Extents& extents, std::size_t vector) : scaling(extents, vector) {
-    const auto length2 = [&](const TileArray(&a)[3]) HWY_ATTR {
-      const Vec3Lanes<V> v = scaling.Scaled({a[0].Load(vector), a[1].Load(vector), a[2].Load(vector)});
-      return Dot(v, v);
-    };
     count = extents.count.Load(vector);
-    near2 = length2(extents.near);
-    falloff = hn::Div(hn::Mul(count, hn::Set(Lanes(), 0.5 / std::numbers::pi)), length2(extents.far));  // 1 / 2σ²
+    near2 = extents.near2.Load(vector);
+    falloff = hn::Div(hn::Mul(count, hn::Set(Lanes(), 0.5 / std::numbers::pi)), extents.far2.Load(vector));  // 1 / 2σ²
   }
   /// -ln θ of the j-th neighbours, so large behind the last that θ is 0.
   HWY_INLINE V Exponent(const Vec3Lanes<V>& offset, std::size_t j) const {
@@ -155,10 +221,24 @@ class Weights {
   HWY_INLINE V Load(std::size_t vector, std::size_t c) const {
     return hn::PromoteTo(Lanes(), hn::Load(FloatLanes(), theta_.of + tile_.At(vector, c)));
   }
-  /// θ of the nearest neighbours, by which the others are divided.
-  HWY_INLINE V NearestTheta(std::size_t vector) const { return ExpNegative(Lanes(), nearest_.Load(vector)); }
+  /// The same for sums over what is not 0 at p_i: right for neighbours on p_i too, and divided by Divisor().
+  HWY_INLINE V LoadTrue(std::size_t vector, std::size_t c) const {
+    const V theta = Load(vector, c), coincident = extents_.coincident.Load(vector), zero = hn::Zero(Lanes());
+    const auto some = hn::Gt(coincident, zero);
+    if (hn::AllFalse(Lanes(), some)) return theta;
+    const Vec3Lanes<V> o = offsets_.Load(vector, c);
+    const auto on_point = hn::And(hn::And(hn::Eq(o.x, zero), hn::Eq(o.y, zero)), hn::Eq(o.z, zero));
+    const V absolute = hn::IfThenElse(on_point, coincident, hn::Mul(theta, NearestTheta(vector)));
+    return hn::IfThenElse(some, absolute, theta);
+  }
+  /// By what the weights of LoadTrue() are divided: θ of the nearest neighbour, or 1 where one lies on p_i.
+  HWY_INLINE V Divisor(std::size_t vector) const {
+    const auto some = hn::Gt(extents_.coincident.Load(vector), hn::Zero(Lanes()));
+    return hn::IfThenElse(some, hn::Set(Lanes(), 1.0), NearestTheta(vector));
+  }
 
  private:
+  HWY_INLINE V NearestTheta(std::size_t vector) const { return ExpNegative(Lanes(), nearest_.Load(vector)); }
   void Compute(std::size_t from) {
     from_ = from;
     for (std::size_t v = 0; v < tile_.vectors; ++v) {

@@ -17,9 +17,8 @@ void NeighborhoodSize::apply(const Neighborhoods& in, Columns& out) const {
   const std::span<std::uint32_t> count = out.column<std::uint32_t>(0);
   const std::span<double> radius = out.column<double>(1);
   for (std::size_t i = 0; i < in.size(); ++i) {
-    const std::size_t n = in.count(i);
-    count[i] = static_cast<std::uint32_t>(n);
-    radius[i] = n == 0 ? 0 : std::sqrt(in.distance2(i, n - 1));
+    count[i] = static_cast<std::uint32_t>(in.count(i));
+    radius[i] = std::sqrt(in.farthest_distance2(i));
   }
 }
 

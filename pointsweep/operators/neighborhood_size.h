@@ -9,8 +9,9 @@
 namespace pointsweep {
 
 /// Makes "neighbor_count", N u32: |N_i|, the point itself not counted; and "neighbor_radius", N f64: the distance to
-/// the farthest neighbour, in length units, 0 where there is none. It shows what a rule of neighbourhoods has chosen,
-/// and both can be the limits of a later run (PDAL keeps the same as OptimalKNN and OptimalRadius).
+/// the farthest neighbour, in length units, at the positions the stage sees; 0 where there is none, NaN where one has
+/// no finite place. It shows what a rule of neighbourhoods has chosen, and both can be the limits of a later run (PDAL
+/// keeps the same as OptimalKNN and OptimalRadius).
 class NeighborhoodSize final : public Operator {
  public:
   std::string name() const override { return "neighborhood_size"; }

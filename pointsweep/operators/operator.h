@@ -27,7 +27,7 @@ class Operator {
   virtual std::string name() const = 0;
   virtual Contract contract() const = 0;
   /// Fills out.column(m)[i] for every point i of the batch and every made attribute m; all are 0 before. Called from
-  /// many threads at once.
+  /// many threads at once. Neighbours come nearest first only if in.sorted_by_distance(): see Neighborhoods.
   virtual void apply(const Neighborhoods& in, Columns& out) const = 0;
 };
 

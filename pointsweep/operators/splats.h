@@ -31,7 +31,8 @@ struct SplatsOptions {
 /// all of N_i instead would make splats grow with k. Neighbours on p_i itself do not count.
 ///
 /// Makes "splat_axis" (unit), "splat_length" (major semi-axis) and "splat_ratio" (minor over major, in [1/8, 1]). All
-/// are 0, and the point counted as degenerate, where it has no normal or no neighbour off p_i.
+/// are 0, and the point counted as degenerate, where it has no normal or no neighbour off p_i, or
+/// where an offset overflows or is not finite.
 class Splats : public Operator {
  public:
   explicit Splats(const SplatsOptions& options = {}) : options_(options) {}

@@ -32,14 +32,22 @@ struct PointColumns {
   const std::byte* const* columns = nullptr;  ///< by column number of the plan
 };
 
-/// A batch of at most kCellCapacity points, each with its neighbours, nearest first (ties as the library defines them),
-/// the point itself excluded. Valid only during Operator::apply.
+/// A batch of at most kCellCapacity points, each with its neighbours, the point itself excluded. Valid only during
+/// Operator::apply.
+///
+/// The list of a point is in the ORDER OF THE SEARCH: nearest first, equal distances by x, y, z and input row, all of
+/// them at the positions at which the search found the neighbours (those of the input, or those a `reneighbor` saw).
+/// Positions here are those of now. Behind an operator that moves points, without `reneighbor`, the set N_i is still
+/// the same, but distances along a list rise and fall: the last neighbour need not be the farthest, the first not the
+/// nearest, and neighbours may lie on p_i at any place of the list or have coordinates that are not finite. What needs
+/// a least or a greatest distance must look at all of N_i unless sorted_by_distance(), or call farthest_distance2().
 class Neighborhoods {
  public:
-  /// `position_column`: the column of moved positions to be seen instead of those of the input; negative: none.
+  /// `position_column`: the column of moved positions to be seen instead of those of the search; negative: none.
+  /// `moved`: the positions in `own` and `slots` are themselves no longer those of the search.
   Neighborhoods(const PointColumns& own, std::size_t size, const PointColumns* slots, const std::uint32_t* begin,
                 const NeighborRef* refs, std::span<const std::uint16_t> reads,
-                std::span<const std::uint16_t> reads_neighbors, int position_column = -1)
+                std::span<const std::uint16_t> reads_neighbors, int position_column = -1, bool moved = false)
       : own_(own),
         size_(size),
         slots_(slots),
@@ -47,7 +55,8 @@ class Neighborhoods {
         refs_(refs),
         reads_(reads),
         reads_neighbors_(reads_neighbors),
-        position_column_(position_column) {}
+        position_column_(position_column),
+        sorted_by_distance_(position_column < 0 && !moved) {}
 
   std::size_t size() const { return size_; }
   Vec3 position(std::size_t i) const { return position_in(own_, i); }
@@ -55,7 +64,24 @@ class Neighborhoods {
   /// |N_i|
   std::size_t count(std::size_t i) const { return begin_[i + 1] - begin_[i]; }
 
-  /// N_i, nearest first, for loops that look at many neighbours.
+  /// True if positions are those of the search, so that distance2(i, j) never falls as j grows.
+  bool sorted_by_distance() const { return sorted_by_distance_; }
+  /// max_j |p_j - p_i|² over N_i, at the positions of now; 0 without neighbours, NaN if one of them has no finite
+  /// place.
+  double farthest_distance2(std::size_t i) const {
+    const std::size_t n = count(i);
+    if (n == 0) return 0;
+    if (sorted_by_distance_) return distance2(i, n - 1);
+    double farthest2 = 0;
+    for (std::size_t j = 0; j < n; ++j) {
+      const double d2 = distance2(i, j);
+      if (d2 != d2) return d2;
+      farthest2 = d2 > farthest2 ? d2 : farthest2;
+    }
+    return farthest2;
+  }
+
+  /// N_i in the order of the search, for loops that look at many neighbours.
   const NeighborRef* neighbors(std::size_t i) const { return refs_ + begin_[i]; }
   Vec3 position_of(NeighborRef ref) const { return position_in(slots_[slot_of(ref)], index_of(ref)); }
   Vec3 neighbor_position(std::size_t i, std::size_t j) const { return position_of(neighbors(i)[j]); }
@@ -120,6 +146,7 @@ class Neighborhoods {
   const NeighborRef* refs_;
   std::span<const std::uint16_t> reads_, reads_neighbors_;
   int position_column_;
+  bool sorted_by_distance_;
 };
 
 /// The columns an operator fills for a batch, in the order of its contract().makes.

@@ -15,7 +15,7 @@ void count_distances(const Batch& batch, NeighborDistances& distances) {
   for (std::size_t i = 0; i < in.size(); ++i) {
     if (in.count(i) == 0) continue;
     distances.nearest.add(in.distance2(i, 0));
-    distances.farthest.add(in.distance2(i, in.count(i) - 1));
+    distances.farthest.add(in.farthest_distance2(i));
   }
 }
 

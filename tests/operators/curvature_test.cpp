@@ -164,7 +164,9 @@ struct Equation2 {
     const auto offset = [&](std::uint32_t j) {
       return Vector(Real(points[j].x) - points[i].x, Real(points[j].y) - points[i].y, Real(points[j].z) - points[i].z);
     };
-    const Real sigma2 = std::numbers::pi_v<Real> * offset(neighbors.back()).squaredNorm() / Real(neighbors.size());
+    Real farthest2 = 0;
+    for (const std::uint32_t j : neighbors) farthest2 = std::max(farthest2, offset(j).squaredNorm());
+    const Real sigma2 = std::numbers::pi_v<Real> * farthest2 / Real(neighbors.size());
     const auto theta = [&](std::uint32_t j) { return std::exp(-offset(j).squaredNorm() / (2 * sigma2)); };
     Vector mean = Vector::Zero();
     for (const std::uint32_t j : neighbors) mean += offset(j) / Real(neighbors.size());
@@ -217,6 +219,16 @@ TEST(Curvature, EqualsEquation2WithNormalsOfTheSameNeighborhoodsAndOthersSideByS
                   mixed.begin() + std::ptrdiff_t(i * sizeof(Float3)));
     expect_equation2(points, lists, estimated);
     expect_equation2(points, lists, mixed);
+  }
+}
+
+TEST(Curvature, EqualsEquation2WhereNeighborsLieOnThePoint) {
+  Points surface = torus();
+  for (std::size_t i = 0; i + 1 < surface.size(); i += 3) surface[i + 1].position = surface[i].position;
+  const std::vector<Vec3> points = positions_of(surface);
+  for (const std::size_t k : {5u, 8u, 30u}) {
+    SCOPED_TRACE(k);
+    expect_equation2(points, brute_force_neighbors(points, k), normals_of(surface));
   }
 }
 

@@ -45,6 +45,7 @@ class WholeCloud {
  private:
   void begin_sweep() {
     lists_ = brute_force_neighbors(points_, neighborhood_.k, neighborhood_.radius);
+    moved_ = false;
     is_somewhere_.clear();
     for (const Vec3& p : points_) is_somewhere_.push_back(is_finite(p));
   }
@@ -54,7 +55,7 @@ class WholeCloud {
     std::vector<Column> own, of_neighbors;
     for (const Attribute& a : contract.reads) own.push_back(made_.at(a.name));
     for (const Attribute& a : contract.reads_neighbors) of_neighbors.push_back(made_.at(a.name));
-    const InCoreResult result = InCoreCloud(points_, lists_).apply(op, own, of_neighbors);
+    const InCoreResult result = InCoreCloud(points_, lists_, kCellCapacity, moved_).apply(op, own, of_neighbors);
     for (std::size_t m = 0; m < contract.makes.size(); ++m) take(contract.makes[m], result.columns[m]);
   }
 
@@ -68,6 +69,7 @@ class WholeCloud {
       if (!is_somewhere_[i] && !moves) std::fill_n(value, bytes, attribute.fill);
       if (moves) std::memcpy(&points_[i], value, sizeof(Vec3));
     }
+    moved_ = moved_ || moves;
     made_[attribute.name] = std::move(column);
   }
 
@@ -75,6 +77,7 @@ class WholeCloud {
   Neighborhood neighborhood_;
   std::vector<std::vector<std::uint32_t>> lists_;
   std::vector<bool> is_somewhere_;
+  bool moved_ = false;  ///< since the lists were found
   std::map<std::string, Column> made_;
 };
 

@@ -30,12 +30,12 @@ struct InCoreResult {
 };
 
 /// A cloud cut by row into cells of `cell_points`, with neighbour lists by row and input columns shared by all
-/// operators.
+/// operators. `moved`: the lists were found before the points came to where they are.
 class InCoreCloud {
  public:
   InCoreCloud(std::span<const Vec3> points, const std::vector<std::vector<std::uint32_t>>& neighbors,
-              std::size_t cell_points = kCellCapacity)
-      : cell_points_(cell_points), neighbors_(neighbors), row_(points.size()) {
+              std::size_t cell_points = kCellCapacity, bool moved = false)
+      : cell_points_(cell_points), moved_(moved), neighbors_(neighbors), row_(points.size()) {
     for (const Vec3 p : points) x_.push_back(p.x), y_.push_back(p.y), z_.push_back(p.z);
     std::iota(row_.begin(), row_.end(), std::uint64_t{0});
   }
@@ -78,7 +78,7 @@ class InCoreCloud {
         made.push_back(result.columns[m].data() + first * contract.makes[m].bytes());
       const std::span all(numbers);
       const Neighborhoods in(slots[c], size, slots.data(), begin.data(), refs.data(), all.first(reads.size()),
-                             all.subspan(reads.size()));
+                             all.subspan(reads.size()), -1, moved_);
       Columns out(made, size);
       op.apply(in, out);
       result.degenerate += out.degenerate;
@@ -88,6 +88,7 @@ class InCoreCloud {
 
  private:
   std::size_t cell_points_;
+  bool moved_;
   std::vector<std::vector<std::uint32_t>> neighbors_;
   std::vector<double> x_, y_, z_;
   std::vector<std::uint64_t> row_;
