@@ -14,7 +14,7 @@ Attribute splat_length_attribute() {
   return scalar("splat_length", Type::f32, "length", "major semi-axis of the splat");
 }
 Attribute splat_ratio_attribute() {
-  return scalar("splat_ratio", Type::f32, "1", "minor over major semi-axis of the splat, (0, 1]");
+  return scalar("splat_ratio", Type::f32, "1", "minor over major semi-axis of the splat, in [1/8, 1]; 0: none");
 }
 
 Contract Splats::contract() const {

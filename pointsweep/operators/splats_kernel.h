@@ -14,7 +14,7 @@ namespace pointsweep {
 struct SplatColumns {
   std::span<std::array<float, 3>> axis;  ///< unit, of the major semi-axis
   std::span<float> length;               ///< of the major semi-axis, in lengths of the cloud
-  std::span<float> ratio;                ///< minor over major
+  std::span<float> ratio;                ///< minor over major, in [1/8, 1]
 };
 
 /// Of all points of the batch, whose first attribute read is their normal. `along_ridges`: the next three are the

@@ -101,8 +101,12 @@ std::vector<OperatorDeclaration> declare_operators() {
        .make = make_splats},
       {.name = "fair",
        .meaning = "moves points towards the tangent planes of their neighbours, sparing edges",
-       .options = {width("f", "width of the Gaussian of the distance to a neighbour, % of the cloud's diagonal"),
-                   width("g", "width of the Gaussian of the distance to its tangent plane, % of the cloud's diagonal")},
+       .options = {width(
+                       "f",
+                       "standard deviation of the Gaussian of the distance to a neighbour, % of the input's diagonal"),
+                   width("g",
+                         "standard deviation of the Gaussian of the distance to its tangent plane, % of the input's "
+                         "diagonal")},
        .make = make_fair,
        .needs_diagonal = true},
       {.name = "neighborhood_size",
