@@ -32,6 +32,11 @@ Engine parse_engine(std::string_view name) {
   return name == "reference" ? Engine::reference : Engine::exact;
 }
 
+Type parse_position_type(std::string_view name) {
+  if (name != "float32" && name != "float64") fail_usage("--positions: '{}' is not float32 or float64.", name);
+  return name == "float32" ? Type::f32 : Type::f64;
+}
+
 }  // namespace
 
 Order parse_order(std::string_view name) {
@@ -106,6 +111,13 @@ void add_engine_option(CLI::App& verb, CommonOptions& options) {
           "--engine", [&options](const std::string& name) { options.engine = parse_engine(name); },
           "exact (default), or reference: the paper's algorithm point by point, slow and at times inexact")
       ->type_name("exact|reference");
+}
+
+void add_positions_option(CLI::App& verb, CommonOptions& options) {
+  verb.add_option_function<std::string>(
+          "--positions", [&options](const std::string& name) { options.moved_positions = parse_position_type(name); },
+          "Type of x, y and z of moved points (default: float64; a LAS file keeps the grid of a LAS input)")
+      ->type_name("float32|float64");
 }
 
 }  // namespace pointsweep

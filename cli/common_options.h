@@ -21,9 +21,10 @@ struct CommonOptions {
   std::optional<int> axis;     ///< 0, 1, 2; none: the axis of largest extent
   Order order = Order::input;  ///< of the rows of the output
   Engine engine = Engine::exact;
-  std::filesystem::path stats;     ///< JSON file; empty: none
-  std::filesystem::path report;    ///< HTML page; empty: none
-  std::filesystem::path half_way;  ///< .npy file of the state of each point; empty: none
+  std::optional<Type> moved_positions;  ///< type of x, y and z where points move; none: float64
+  std::filesystem::path stats;          ///< JSON file; empty: none
+  std::filesystem::path report;         ///< HTML page; empty: none
+  std::filesystem::path half_way;       ///< .npy file of the state of each point; empty: none
   bool quiet = false;
   bool force = false;            ///< an existing output may be replaced
   int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
@@ -42,6 +43,8 @@ void add_stream_options(CLI::App& verb, CommonOptions& options);
 void add_order_option(CLI::App& verb, CommonOptions& options);
 /// --engine
 void add_engine_option(CLI::App& verb, CommonOptions& options);
+/// --positions float32|float64
+void add_positions_option(CLI::App& verb, CommonOptions& options);
 /// --memory SIZE
 void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meaning);
 /// --axis

@@ -2,6 +2,7 @@
 #include "pointsweep/pipeline/output_layout.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "pointsweep/order/fixed_copy.h"
 
@@ -19,8 +20,10 @@ void copy_pieces(const std::byte* from, std::size_t from_stride, std::byte* to, 
 
 }  // namespace
 
-OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& made)
-    : schema_(input), input_stride_(input.stride) {
+OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& made, std::optional<Type> moved_positions)
+    : schema_(input), input_stride_(input.stride), passed_{{0, 0, input.stride}} {
+  const auto moves = [](const Attribute& a) { return a.name == position_attribute().name; };
+  if (moved_positions && std::any_of(made.begin(), made.end(), moves)) retype_positions(*moved_positions);
   for (const Attribute& attribute : made) {
     for (const std::string& name : attribute.fields) {
       const Field from{.name = name, .type = attribute.type, .offset = result_stride_};
@@ -30,6 +33,32 @@ OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& ma
       result_stride_ += static_cast<std::uint32_t>(size_of(attribute.type));
     }
   }
+}
+
+/// x, y and z become plain fields of that type; what stands behind them in the record moves up or down.
+void OutputLayout::retype_positions(Type type) {
+  std::vector<Field*> positions;
+  for (const char* name : {"x", "y", "z"}) positions.push_back(&schema_.fields[*schema_.find(name)]);
+  std::sort(positions.begin(), positions.end(), [](const Field* a, const Field* b) { return a->offset < b->offset; });
+  passed_.clear();
+  std::vector<Copy> pieces;  // of the input's record, between the positions
+  std::uint32_t from = 0, to = 0;
+  for (Field* field : positions) {
+    pieces.push_back({from, to, field->offset - from});
+    to += field->offset - from;
+    from = field->offset + static_cast<std::uint32_t>(size_of(field->type));
+    *field = {.name = field->name, .type = type, .offset = to};
+    to += static_cast<std::uint32_t>(size_of(type));
+  }
+  pieces.push_back({from, to, input_stride_ - from});
+  schema_.stride = to + input_stride_ - from;
+  for (Field& field : schema_.fields) {
+    if (std::find(positions.begin(), positions.end(), &field) != positions.end()) continue;
+    const auto piece =
+        std::find_if(pieces.rbegin(), pieces.rend(), [&](const Copy& c) { return c.from <= field.offset; });
+    field.offset = piece->to + (field.offset - piece->from);
+  }
+  std::copy_if(pieces.begin(), pieces.end(), std::back_inserter(passed_), [](const Copy& c) { return c.bytes > 0; });
 }
 
 void OutputLayout::add(const Field& from, const Field& to) {
@@ -55,7 +84,7 @@ void OutputLayout::assemble(const std::byte* inputs, const std::byte* results, s
 
 void OutputLayout::assemble_block(const std::byte* inputs, const std::byte* results, std::size_t n,
                                   std::byte* outputs) const {
-  copy_pieces(inputs, input_stride_, outputs, schema_.stride, input_stride_, n);
+  for (const Copy& c : passed_) copy_pieces(inputs + c.from, input_stride_, outputs + c.to, schema_.stride, c.bytes, n);
   for (const Copy& c : copies_)
     copy_pieces(results + c.from, result_stride_, outputs + c.to, schema_.stride, c.bytes, n);
   for (const auto& [from, to] : conversions_)

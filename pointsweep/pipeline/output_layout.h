@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -15,7 +16,10 @@ namespace pointsweep {
 /// The input's record unchanged, then the made values; one that the input already has is replaced where it stands.
 class OutputLayout {
  public:
-  OutputLayout(const Schema& input, const std::vector<Attribute>& made);
+  /// `moved_positions`: the type that x, y and z get where they stand if `made` moves points; absent: that of the
+  /// input.
+  OutputLayout(const Schema& input, const std::vector<Attribute>& made,
+               std::optional<Type> moved_positions = std::nullopt);
 
   const Schema& schema() const { return schema_; }
   /// `inputs` holds n records of the input, `results` n result records, `outputs` receives n records of schema().
@@ -26,13 +30,15 @@ class OutputLayout {
   struct Copy {
     std::uint32_t from, to, bytes;
   };
+  void retype_positions(Type type);
   void add(const Field& from, const Field& to);
   void assemble_block(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs) const;
 
   Schema schema_;
   std::uint32_t input_stride_;
   std::uint32_t result_stride_ = 0;
-  std::vector<Copy> copies_;
+  std::vector<Copy> passed_;                          ///< from records of the input
+  std::vector<Copy> copies_;                          ///< from result records
   std::vector<std::pair<Field, Field>> conversions_;  ///< from, to
 };
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/npy_writer.h"
 
 namespace pointsweep {
@@ -14,14 +15,22 @@ constexpr std::size_t kChunkBytes = 4 << 20;
 constexpr std::size_t kTaskRows = 8192;
 }  // namespace
 
-OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const Outputs& outputs, bool overwrite,
-                     std::optional<Box> bounds)
-    : layout_(cloud.schema(), made), input_stride_(cloud.schema().stride) {
+std::optional<Type> type_of_moved_positions(const Schema& input, const std::filesystem::path& output,
+                                            const RunOptions& options) {
+  const auto x = input.find("x");
+  const bool on_grid = x && !input.fields[*x].is_plain();
+  return on_grid && extension_of(output) == ".las" ? std::nullopt : std::optional(options.moved_positions);
+}
+
+OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const Outputs& outputs,
+                     const RunOptions& options, std::optional<Box> bounds)
+    : layout_(cloud.schema(), made, type_of_moved_positions(cloud.schema(), outputs.points, options)),
+      input_stride_(cloud.schema().stride) {
   const OutputPlan plan{.path = outputs.points,
                         .schema = layout_.schema(),
                         .count = cloud.count(),
                         .extras = cloud.extras(),
-                        .overwrite = overwrite,
+                        .overwrite = options.overwrite,
                         .bounds = bounds};
   if (!outputs.points.empty()) points_.add(create_writer(plan));
   if (outputs.writer) points_.add(outputs.writer(plan));
@@ -31,7 +40,7 @@ OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, con
       Schema schema;
       schema.append(name, attribute.type, static_cast<std::uint32_t>(attribute.fields.size()));
       const OutputPlan array{
-          .path = path, .schema = schema, .count = cloud.count(), .extras = nullptr, .overwrite = overwrite};
+          .path = path, .schema = schema, .count = cloud.count(), .extras = nullptr, .overwrite = options.overwrite};
       arrays_.emplace_back().file.add(std::make_unique<NpyWriter>(array));
       arrays_.back().offset = result_bytes_;
       arrays_.back().bytes = attribute.bytes();

@@ -15,7 +15,7 @@ namespace pointsweep {
 class OutputSet {
  public:
   /// Refuses before any work: unknown formats, existing files, missing folders, names of attributes nobody makes.
-  OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const Outputs& outputs, bool overwrite,
+  OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const Outputs& outputs, const RunOptions& options,
             std::optional<Box> bounds);
 
   const OutputLayout& layout() const { return layout_; }

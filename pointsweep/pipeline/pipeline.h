@@ -46,6 +46,10 @@ struct RunOptions {
   Order order = Order::input;
   Engine engine = Engine::exact;
   bool overwrite = false;
+  /// Type that x, y and z of the output get if the chain moves points, whatever they are in the input: Type::f64, or
+  /// Type::f32, to which moved positions are then rounded while normals and all else describe the unrounded ones.
+  /// A LAS file keeps the integer grid of a LAS input.
+  Type moved_positions = Type::f64;
   /// Called from one thread at a time, a few times a second at most on average; may throw to end the run, leaving
   /// nothing behind.
   std::function<void(const Progress&)> progress;
@@ -81,6 +85,10 @@ struct Outputs {
 /// Runs `chain` over `cloud`. Complete outputs or none. Throws UsageError for a chain that does not fit and for an
 /// output that is an input or another output, by whatever path; Error for files, memory and disk.
 Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs, const RunOptions& options = {});
+
+/// The type of x, y and z in `output` of a chain that moves points; absent: that of the input.
+std::optional<Type> type_of_moved_positions(const Schema& input, const std::filesystem::path& output,
+                                            const RunOptions& options);
 
 /// Writes the cloud in canonical order along the axis, attributes unchanged.
 Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options = {});

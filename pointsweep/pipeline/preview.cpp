@@ -133,7 +133,7 @@ std::string memory_text(const Preview& p) {
 
 }  // namespace
 
-Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options) {
+Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options, const std::filesystem::path& output) {
   if (options.engine == Engine::reference)
     fail_usage(
         "The reference has no plan to show: it reads point by point; leave out --dry-run or --engine reference.");
@@ -151,8 +151,9 @@ Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options) {
   out.budget = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
+  const OutputLayout layout(cloud.schema(), out.planned.made, type_of_moved_positions(cloud.schema(), output, options));
   out.memory = plan_run_memory(out.budget, out.planned, out.points, survey(source, options.axis, false), options,
-                               OutputLayout(cloud.schema(), out.planned.made).schema().stride);
+                               layout.schema().stride);
   return out;
 }
 

@@ -29,7 +29,9 @@ struct Preview {
 };
 
 /// Looks at a sample of the cloud and writes nothing. Throws what run() would throw before the work.
-Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options = {});
+/// `output`: the file to write, as far as its format decides how large a record is.
+Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options = {},
+                const std::filesystem::path& output = {});
 
 /// Sweep by sweep the stages with their steps and buffers, the columns, what is carried on and the slabs; then the
 /// record of results and memory, as a text of lines.

@@ -63,7 +63,7 @@ class Run {
     open_checkpoints(planned, outputs);
     survey_cloud(in_stream_order || needs_bounds(outputs.points));
     require_distances(survey_.bounds);
-    OutputSet files(cloud_, planned.made, outputs, options_.overwrite, bounds_if_exact());
+    OutputSet files(cloud_, planned.made, outputs, options_, bounds_if_exact());
     const RunMemory memory = plan_run_memory(statistics_.memory_budget_bytes, planned, cloud_.count(), survey_,
                                              options_, files.layout().schema().stride);
     make_folder(memory.spills());
@@ -77,7 +77,7 @@ class Run {
     require_separate_outputs(outputs);
     open_checkpoints({}, outputs);
     survey_cloud(true);
-    OutputSet files(cloud_, {}, outputs, options_.overwrite, bounds_if_exact());
+    OutputSet files(cloud_, {}, outputs, options_, bounds_if_exact());
     const MemoryPlan memory = plan_ordering_memory(statistics_.memory_budget_bytes, cloud_.schema().stride,
                                                    cloud_.count(), survey_, options_);
     if (memory.needed_bytes != 0) fail_budget(statistics_.memory_budget_bytes, memory.needed_bytes);

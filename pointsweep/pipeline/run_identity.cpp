@@ -55,6 +55,8 @@ std::string run_identity(const Cloud& cloud, const PlannedSweeps& planned, const
   text += inputs_text(cloud) + outputs_text(outputs);
   text += fmt::format("order {}, axis {}, cells of {} points\n", options.order == Order::sweep ? "sweep" : "input",
                       options.axis ? "xyz"[*options.axis] : '-', options.cell_points);
+  if (options.moved_positions != Type::f64)
+    text += fmt::format("moved positions as {}\n", name_of(options.moved_positions));
   if (!options.resume_key.empty()) text += fmt::format("pipeline {}\n", options.resume_key);
   for (const PlannedSweep& sweep : planned.sweeps) text += sweep_text(sweep);
   return text;

@@ -84,6 +84,39 @@ TEST_F(RunVerb, UpdateOperatorsWorkInTextAndJson) {
     EXPECT_NE(dry.out.find(words), std::string::npos) << words << "\n" << dry.out;
 }
 
+/// Lines of the header of a PLY file that tell about positions.
+std::string position_types(const std::string& ply) {
+  std::string types;
+  for (const char* type : {"float", "double"})
+    for (const char* axis : {"x", "y", "z"})
+      if (ply.find("property " + std::string(type) + " " + axis + "\n") < ply.find("end_header"))
+        types += std::string(types.empty() ? "" : " ") + type;
+  return types;
+}
+
+TEST_F(RunVerb, MovedPositionsAreFloat64UnlessAskedOtherwise) {
+  made("run in.ply single.ply --pipeline 'normals | splats | fair' --keep position --positions float32", "single.ply");
+  const std::string pipeline = "--pipeline 'knn(k=12) | normals | splats | fair | reneighbor | normals'";
+  const std::string keep = " --keep position,normal ";
+  EXPECT_EQ(position_types(contents(folder_ / "single.ply")), "float float float");
+  EXPECT_EQ(position_types(made("normals single.ply still.ply", "still.ply")), "float float float");
+  const std::string moved = made("run single.ply a.ply" + keep + pipeline, "a.ply");
+  EXPECT_EQ(position_types(moved), "double double double");
+  EXPECT_EQ(made("normals a.ply again.ply -k 12 -f", "again.ply"), moved)
+      << "normals are those of the positions written";
+  for (const char* way : {" --order sweep", " --memory 40M --threads 1"})
+    EXPECT_EQ(position_types(made("run single.ply b.ply -f" + keep + pipeline + way, "b.ply")), "double double double");
+  EXPECT_EQ(position_types(made("fair single.ply b.ply -k 12 -f --engine reference", "b.ply")), "double double double");
+  EXPECT_EQ(position_types(made("fair single.ply c.ply -k 12 --positions float32", "c.ply")), "float float float");
+  made("fair single.ply d.txt -k 12 --keep position", "d.txt");
+  made("fair single.ply d.ply -k 12 --keep position", "d.ply");
+  EXPECT_EQ(made("sort d.txt e.txt --axis x", "e.txt"), made("sort d.ply f.txt --axis x", "f.txt"));
+  refused(2, "normals single.ply g.ply --positions float32", "--positions");
+  refused(2, "run single.ply g.ply --pipeline normals --positions float32", "--positions: no stage moves points");
+  refused(2, "fair single.ply g.ply --positions half", "--positions: 'half' is not float32 or float64");
+  EXPECT_FALSE(exists("g.ply"));
+}
+
 TEST_F(RunVerb, NeighborhoodsOfTheirOwnSizeCanBeKeptAndUsedAgain) {
   const std::string adaptive = "'knn(k=40, adaptive=eigenentropy) | ";
   made("run in.ply sizes.ply --pipeline " + adaptive + "neighborhood_size'", "sizes.ply");

@@ -93,7 +93,7 @@ TEST(Reneighbor, IsAFreshRunOverAFileOfTheMovedPositions) {
   EXPECT_EQ(run_in_memory(points, {{.k = 3}, operators}, tiny(100)).records, fresh.records);
 }
 
-TEST(Reneighbor, MovedPositionsAreNotRoundedToTheTypeOfTheInput) {
+TEST(Reneighbor, MovedPositionsAreRoundedNeitherBetweenSweepsNorInTheOutput) {
   std::vector<float> xyz(3 * 600, 1000);  // all in one place: what differs is far below the step of a float
   const auto cloud = cloud_of(std::make_unique<ArrayReader>(std::span<const float>(xyz)));
   const Chain chain{{.k = 6}, {thrown(1e-9), reneighbor(), graph(6, 600)}};
@@ -102,7 +102,13 @@ TEST(Reneighbor, MovedPositionsAreNotRoundedToTheTypeOfTheInput) {
   std::vector<std::string> names;
   for (int j = 0; j < 6; ++j) names.push_back("neighbor_" + std::to_string(j));
   EXPECT_EQ(values_of<std::uint32_t>(result, names), whole.values<std::uint32_t>("neighbors"));
-  EXPECT_EQ(result.schema.fields[*result.schema.find("x")].type, Type::f32);
+  EXPECT_EQ(result.schema.fields[*result.schema.find("x")].type, Type::f64);
+  EXPECT_TRUE(same_bytes(values_of<double>(result, {"x", "y", "z"}), whole.values<double>("position")));
+  RunOptions narrow = tiny(100);
+  narrow.moved_positions = Type::f32;
+  const RunResult rounded = run_in_memory(*cloud, chain, narrow);
+  EXPECT_EQ(rounded.schema.fields[*rounded.schema.find("x")].type, Type::f32);
+  EXPECT_EQ(values_of<std::uint32_t>(rounded, names), whole.values<std::uint32_t>("neighbors"));
 }
 
 /// How far the normal that is there is from the one given to the input; reads what only the file has.

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/output_layout.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace pointsweep {
+namespace {
+
+/// A record with attributes before, between and behind the positions, bits that share a byte, and a gap at the end.
+Schema mixed_input(Type position) {
+  Schema schema;
+  schema.append("intensity", Type::u16);
+  schema.append("X", position);
+  schema.append("flags", Type::u8);
+  schema.fields.back().bit_width = 3;
+  Field rest = schema.fields.back();
+  rest.name = "rest", rest.bit_shift = 3, rest.bit_width = 5;
+  schema.fields.push_back(rest);
+  schema.append("z", position);
+  schema.append("y", position);
+  schema.append("time", Type::f64, 2);
+  schema.stride += 3;
+  return schema;
+}
+
+const std::vector<std::pair<std::string, double>> kPassed{
+    {"intensity", 777}, {"flags", 5}, {"rest", 19}, {"time", 123456789.125}};
+
+std::vector<std::byte> input_record(const Schema& input) {
+  std::vector<std::byte> record(input.stride);
+  for (const auto& [name, value] : kPassed) set_value(input.fields[*input.find(name)], record.data(), value);
+  set_value(input.fields[*input.find("time")], record.data(), -7.5, 1);
+  for (const char* axis : {"x", "y", "z"}) set_value(input.fields[*input.find(axis)], record.data(), 1);
+  return record;
+}
+
+/// The record of one point moved to (1/3, 2/3, 4/3), with a normal of (0, 0, 1).
+std::vector<std::byte> assembled(const OutputLayout& layout, const std::vector<std::byte>& input) {
+  struct {
+    double position[3] = {1.0 / 3, 2.0 / 3, 4.0 / 3};
+    float normal[3] = {0, 0, 1};
+  } made;
+  std::vector<std::byte> results(36), output(layout.schema().stride);
+  std::memcpy(results.data(), made.position, 24);
+  std::memcpy(results.data() + 24, made.normal, 12);
+  layout.assemble(input.data(), results.data(), 1, output.data());
+  return output;
+}
+
+double value(const OutputLayout& layout, const std::vector<std::byte>& record, const std::string& name) {
+  return value_of(layout.schema().fields[*layout.schema().find(name)], record.data());
+}
+
+TEST(OutputLayout, MovedPositionsGetTheTypeAskedForWhereTheyStandAndAllElsePasses) {
+  for (const Type from : {Type::f32, Type::f64, Type::i32}) {
+    for (const Type to : {Type::f32, Type::f64}) {
+      const Schema input = mixed_input(from);
+      const OutputLayout layout(input, {position_attribute(), normal_attribute()}, to);
+      const std::vector<std::byte> record = assembled(layout, input_record(input));
+      for (std::size_t f = 0; f < input.fields.size(); ++f)
+        EXPECT_EQ(layout.schema().fields[f].name, input.fields[f].name);
+      for (const auto& [name, expected] : kPassed) EXPECT_EQ(value(layout, record, name), expected) << name;
+      EXPECT_EQ(value_of(layout.schema().fields[*layout.schema().find("time")], record.data(), 1), -7.5);
+      const double third = to == Type::f64 ? 1.0 / 3 : double{1.0f / 3};
+      EXPECT_EQ(value(layout, record, "x"), third);
+      EXPECT_EQ(value(layout, record, "y"), to == Type::f64 ? 2.0 / 3 : double{float(2.0 / 3)});
+      EXPECT_EQ(value(layout, record, "z"), to == Type::f64 ? 4.0 / 3 : double{float(4.0 / 3)});
+      EXPECT_EQ(value(layout, record, "nz"), 1);
+      EXPECT_EQ(layout.schema().stride, input.stride + 3 * size_of(to) - 3 * size_of(from) + 12);
+    }
+  }
+}
+
+TEST(OutputLayout, PositionsThatDoNotMoveOrAreNotAskedForKeepTheirType) {
+  const Schema input = mixed_input(Type::f32);
+  const OutputLayout still(input, {normal_attribute()}, Type::f64), kept(input, {position_attribute()});
+  for (const char* axis : {"x", "y", "z"}) {
+    EXPECT_EQ(still.schema().fields[*input.find(axis)], input.fields[*input.find(axis)]);
+    EXPECT_EQ(kept.schema().fields[*input.find(axis)], input.fields[*input.find(axis)]);
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep
