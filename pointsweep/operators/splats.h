@@ -26,8 +26,8 @@ struct SplatsOptions {
 ///
 /// Scaled to fit N_i: it is grown until it holds eight neighbours (all, and in proportion, where there are fewer), each
 /// measured in the ellipse's own metric. Why eight: an ellipse that holds m points of a surface of even density has
-/// area m / density, and random ellipses of that area leave a share e^-m of the surface bare, 0.03 % for eight; splats
-/// that grow where points are sparse leave less. Points on a square grid get circles twice as wide as need be. Holding
+/// area m / density, and random ellipses of that area leave a share e^-m of the surface bare, 0.03 % for eight;
+/// measured are 0.00 % to 0.08 % (docs/paper.md). Points on a square grid get circles twice as wide as need be. Holding
 /// all of N_i instead would make splats grow with k. Neighbours on p_i itself do not count.
 ///
 /// Makes "splat_axis" (unit), "splat_length" (major semi-axis) and "splat_ratio" (minor over major, in [1/8, 1]). All
