@@ -40,7 +40,7 @@ RunOptions run_options(const CommonOptions& options) {
 Cloud open_inputs(InputsAndOutput paths, const CommonOptions& options) {
   for (const auto& path : {options.stats, options.report, options.half_way}) paths.other_outputs.push_back(path);
   require_named_files(paths);
-  return Cloud(paths.inputs());
+  return Cloud(paths.inputs(), {.ignore_crs = options.ignore_crs});
 }
 
 void complete(OutputFile& file, const std::string& text) {
@@ -115,6 +115,7 @@ void require_named_files(const InputsAndOutput& paths) {
 void add_run_options(CLI::App& verb, CommonOptions& options) {
   add_stream_options(verb, options);
   add_thread_option(verb, options);
+  add_crs_option(verb, options);
   add_force_option(verb, options);
   add_progress_options(verb, options);
 }

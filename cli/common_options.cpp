@@ -67,6 +67,11 @@ void add_force_option(CLI::App& verb, CommonOptions& options) {
   verb.add_flag("-f,--force", options.force, "Replace an output that exists");
 }
 
+void add_crs_option(CLI::App& verb, CommonOptions& options) {
+  verb.add_flag("--ignore-crs", options.ignore_crs,
+                "Merge inputs of different coordinate systems without a transformation");
+}
+
 void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meaning) {
   verb.add_option_function<std::string>(
           "--memory", [&options](const std::string& text) { options.memory = parse_size("--memory", text); }, meaning)

@@ -26,6 +26,7 @@ struct CommonOptions {
   std::filesystem::path report;         ///< HTML page; empty: none
   std::filesystem::path half_way;       ///< .npy file of the state of each point; empty: none
   bool quiet = false;
+  bool ignore_crs = false;       ///< inputs may have different coordinate reference systems
   bool force = false;            ///< an existing output may be replaced
   int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
 };
@@ -34,6 +35,8 @@ struct CommonOptions {
 void add_progress_options(CLI::App& verb, CommonOptions& options);
 /// --threads N
 void add_thread_option(CLI::App& verb, CommonOptions& options);
+/// --ignore-crs
+void add_crs_option(CLI::App& verb, CommonOptions& options);
 /// --force
 void add_force_option(CLI::App& verb, CommonOptions& options);
 /// --memory SIZE, --temp-dir DIR, --resume DIR, --axis, --stats FILE, --report FILE and, hidden, --half-way-states FILE

@@ -68,13 +68,14 @@ void render_picture(RenderCommand& command) {
   options.angles = parse_view(command.view);
   options.up = parse_up(command.up);
   OutputFile file(output, command.common.force);
-  Cloud cloud(command.paths.inputs());
+  Cloud cloud(command.paths.inputs(), {.ignore_crs = command.common.ignore_crs});
   ProgressDisplay display(command.common);
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
     stop_if_interrupted();
     display.report(phase, done, total);
   };
   const Rendering rendering = render(cloud, options);
+  for (const std::string& warning : cloud.warnings()) display.say(warning);
   file.append(to_png(rendering.picture));
   file.commit();
   if (!rendering.remark.empty()) display.say(rendering.remark);
@@ -109,6 +110,7 @@ void add_render_command(CLI::App& app) {
       ->type_name("COLOR");
   verb.add_flag_callback(
       "--no-legend", [command] { command->options.legend = false; }, "Leave out what the colours mean");
+  add_crs_option(verb, command->common);
   add_force_option(verb, command->common);
   add_progress_options(verb, command->common);
   verb.footer(

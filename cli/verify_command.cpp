@@ -178,7 +178,7 @@ Verdict checked(const VerifyCommand& command, Cloud& cloud, ProgressDisplay& dis
 
 void run_check(const VerifyCommand& command) {
   if (command.paths.files.size() < 2) fail_usage("IN... OUT: name what was read, and last what was written.");
-  Cloud cloud(command.paths.inputs());
+  Cloud cloud(command.paths.inputs(), {.ignore_crs = command.common.ignore_crs});
   ProgressDisplay display(command.common);
   const Verdict verdict = checked(command, cloud, display);
   if (!command.common.quiet) fmt::print("{}", to_text(verdict));
@@ -224,6 +224,7 @@ void add_verify_command(CLI::App& app) {
   add_check_options(verb, *command);
   add_memory_option(verb, command->common,
                     "Memory for the sample's neighbours; more are looked at in turns (default: 1G)");
+  add_crs_option(verb, command->common);
   add_progress_options(verb, command->common);
   verb.footer(
       "Every point of both files is compared; the made attributes are evaluated again for the sample, from neighbours\n"

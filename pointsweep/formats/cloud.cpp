@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/common_crs.h"
 
 namespace pointsweep {
 namespace {
@@ -28,16 +29,21 @@ std::vector<FileState> states_of(const std::vector<std::unique_ptr<Reader>>& rea
 
 }  // namespace
 
-Cloud::Cloud(const std::vector<std::filesystem::path>& paths) : states_(states_of(paths)), readers_(open_all(paths)) {
-  begin();
+Cloud::Cloud(const std::vector<std::filesystem::path>& paths, CloudOptions options)
+    : states_(states_of(paths)), readers_(open_all(paths)) {
+  begin(options);
 }
 
-Cloud::Cloud(std::vector<std::unique_ptr<Reader>> readers) : states_(states_of(readers)), readers_(std::move(readers)) {
-  begin();
+Cloud::Cloud(std::vector<std::unique_ptr<Reader>> readers, CloudOptions options)
+    : states_(states_of(readers)), readers_(std::move(readers)) {
+  begin(options);
 }
 
-void Cloud::begin() {
+void Cloud::begin(CloudOptions options) {
   if (readers_.empty()) fail_usage("no input was given; name at least one point file.");
+  CommonCrs crs = common_crs(readers_, options.ignore_crs);
+  crs_ = std::move(crs.crs);
+  warnings_ = std::move(crs.warnings);
   CommonSchema common = common_schema(readers_);
   schema_ = std::move(common.schema);
   mappings_ = std::move(common.mappings);

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pointsweep/formats/common_schema.h"
@@ -16,20 +18,30 @@
 
 namespace pointsweep {
 
+struct CloudOptions {
+  /// Merge inputs of different coordinate reference systems without a transformation, with a warning. Otherwise they
+  /// are a UsageError.
+  bool ignore_crs = false;
+};
+
 /// One schema serves all inputs: the common one where all agree bit for bit; otherwise the union of their fields by
 /// name, coordinates without loss (float64 unless all are float32, LAS integers where scale agrees and offsets
 /// differ by whole steps that fit), other fields in the smallest type that holds the values of all inputs, and a field
 /// that an input lacks is 0 there.
 class Cloud {
  public:
-  explicit Cloud(const std::vector<std::filesystem::path>& paths);
-  explicit Cloud(std::vector<std::unique_ptr<Reader>> readers);
+  explicit Cloud(const std::vector<std::filesystem::path>& paths, CloudOptions options = {});
+  explicit Cloud(std::vector<std::unique_ptr<Reader>> readers, CloudOptions options = {});
 
   const Schema& schema() const { return schema_; }
   std::uint64_t count() const { return count_; }
   const std::vector<std::unique_ptr<Reader>>& readers() const { return readers_; }
   /// Extras of the first input.
   std::shared_ptr<const FormatExtras> extras() const;
+  /// Coordinate reference system of the first input that states one.
+  const std::optional<Crs>& crs() const { return crs_; }
+  /// What was wrong but harmless where inputs meet, one sentence each; what concerns one input is in its FileInfo.
+  const std::vector<std::string>& warnings() const { return warnings_; }
   /// Bytes of all input files.
   std::uint64_t bytes() const;
 
@@ -42,7 +54,7 @@ class Cloud {
   void require_unchanged() const;
 
  private:
-  void begin();
+  void begin(CloudOptions options);
   std::size_t read_input(std::size_t input, std::uint64_t row, std::span<std::byte> records);
 
   std::vector<FileState> states_;  ///< of the inputs before they were opened
@@ -51,6 +63,8 @@ class Cloud {
   std::vector<InputMapping> mappings_;
   std::vector<std::byte> scratch_;
   Schema schema_;
+  std::optional<Crs> crs_;
+  std::vector<std::string> warnings_;
   std::uint64_t count_ = 0;
 };
 

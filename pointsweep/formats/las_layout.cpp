@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/las_crs.h"
 #include "pointsweep/formats/las_extra_bytes.h"
 #include "pointsweep/formats/las_point_formats.h"
 #include "pointsweep/formats/las_scale.h"
@@ -212,12 +213,17 @@ class Builder {
         replaced = true;
       }
     }
-    if (extended_) write_vlr();
-    if (extended_ || replaced) {
-      header.vlr_count = (input_ != nullptr ? input_->vlrs.count : 0) + (extended_ ? 1 : 0) - (replaced ? 1 : 0);
+    std::uint32_t added = 0;
+    if (extended_) {
+      add_extra_bytes_vlr();
+      ++added;
+    }
+    added += add_crs_vlrs();
+    if (added != 0 || replaced) {
+      header.vlr_count = (input_ != nullptr ? input_->vlrs.count : 0) + added - (replaced ? 1 : 0);
     }
     const std::uint64_t points =
-        header.header_size + layout_.before.size() + layout_.extra_bytes_vlr.size() + layout_.after.size();
+        header.header_size + layout_.before.size() + layout_.added_vlrs.size() + layout_.after.size();
     if (points > std::numeric_limits<std::uint32_t>::max()) {
       fail("{}: the header and VLRs would take {} bytes, and LAS allows 4294967295; write PLY.", plan_.path.string(),
            points);
@@ -233,20 +239,26 @@ class Builder {
     if (place >= input_->points_end) place = place - input_->points_end + layout_.points_end(plan_.count);
   }
 
-  void write_vlr() {
-    std::vector<std::byte>& bytes = layout_.extra_bytes_vlr;
-    bytes.resize(kLasVlrHeader);
-    if (input_ != nullptr && input_->vlrs.extra_bytes) {
-      input_->file->read_at(input_->vlrs.extra_bytes->start, bytes);
-    } else {
-      constexpr std::string_view kDescription = "Extra bytes";
-      std::memcpy(bytes.data() + 2, kLasSpecUser.data(), kLasSpecUser.size());
-      std::memcpy(bytes.data() + 18, &kExtraBytesRecord, sizeof kExtraBytesRecord);
-      std::memcpy(bytes.data() + 22, kDescription.data(), kDescription.size());
+  void add_extra_bytes_vlr() {
+    std::vector<std::byte> vlr = las_vlr(kLasSpecUser, kExtraBytesRecord, "Extra bytes", vlr_.bytes());
+    if (input_ != nullptr && input_->vlrs.extra_bytes) {  // under the header that the file had
+      input_->file->read_at(input_->vlrs.extra_bytes->start, std::span(vlr).first(kLasVlrHeader));
+      const auto length = static_cast<std::uint16_t>(vlr_.bytes().size());
+      std::memcpy(vlr.data() + 20, &length, sizeof length);
     }
-    const auto length = static_cast<std::uint16_t>(vlr_.bytes().size());
-    std::memcpy(bytes.data() + 20, &length, sizeof length);
-    bytes.insert(bytes.end(), vlr_.bytes().begin(), vlr_.bytes().end());
+    add_vlrs(vlr);
+  }
+
+  /// Adds the coordinate reference system if the LAS input, whose VLRs are kept, has none. Returns how many VLRs.
+  std::uint32_t add_crs_vlrs() {
+    if (!plan_.crs || (input_ != nullptr && input_->crs)) return 0;
+    const LasCrsVlrs vlrs = las_crs_vlrs(*plan_.crs);
+    add_vlrs(vlrs.bytes);
+    return vlrs.count;
+  }
+
+  void add_vlrs(const std::vector<std::byte>& vlrs) {
+    layout_.added_vlrs.insert(layout_.added_vlrs.end(), vlrs.begin(), vlrs.end());
   }
 
   const OutputPlan& plan_;

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "pointsweep/formats/las_crs.h"
 #include "pointsweep/formats/las_extra_bytes.h"
 #include "pointsweep/formats/las_point_formats.h"
 
@@ -70,6 +71,7 @@ std::shared_ptr<LasExtras> read_extras(const std::filesystem::path& path, std::v
   extras->vlrs = walk_las_vlrs(*extras->file, LasVlrKind::vlr, header.header_size, header.offset_to_points,
                                header.vlr_count, warnings);
   const LasVlrChain evlrs = walk_evlrs(*extras, warnings);
+  extras->crs = read_las_crs(*extras->file, header, extras->vlrs, evlrs);
   const std::optional<LasVlr> vlr = extras->vlrs.extra_bytes ? extras->vlrs.extra_bytes : evlrs.extra_bytes;
   if (vlr) read_extra_bytes(*extras, *vlr, warnings);
   extras->schema.stride = header.record_length;
@@ -95,6 +97,7 @@ class LasReader : public Reader {
       info_.bounds = box;
     }
     info_.extras = extras;
+    info_.crs = extras->crs;
   }
 
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override {

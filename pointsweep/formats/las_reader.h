@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "pointsweep/formats/input_file.h"
@@ -24,6 +25,7 @@ struct LasExtras : FormatExtras {
   LasVlrChain vlrs;                    ///< between header and points
   std::vector<std::byte> extra_bytes;  ///< descriptors that fit the records; empty if there are none
   std::uint64_t points_end = 0;        ///< byte behind the last point
+  std::optional<Crs> crs;              ///< what VLRs or extended VLRs state
 };
 
 /// Throws Error in one sentence for a file that is not LAS, compressed, truncated, or contradicts itself.

@@ -34,12 +34,19 @@ class Window {
   std::size_t held_ = 0;
 };
 
-bool is_extra_bytes(const std::byte* header) {
+/// The place in `chain` where a record of this kind is noted; null for kinds that are only walked past.
+std::optional<LasVlr>* place_of(LasVlrChain& chain, const std::byte* header) {
   char user[16];
   std::uint16_t record;
   std::memcpy(user, header + 2, sizeof user);
   std::memcpy(&record, header + 18, sizeof record);
-  return record == kExtraBytesRecord && std::string_view(user, std::find(user, user + 16, '\0')) == kLasSpecUser;
+  const std::string_view name(user, std::find(user, user + 16, '\0'));
+  if (name == kLasSpecUser && record == kExtraBytesRecord) return &chain.extra_bytes;
+  if (name != kLasProjectionUser) return nullptr;
+  if (record == kWktRecord) return &chain.wkt;
+  if (record == kGeoKeysRecord) return &chain.geo_keys;
+  if (record == kGeoDoublesRecord) return &chain.geo_doubles;
+  return record == kGeoAsciiRecord ? &chain.geo_ascii : nullptr;
 }
 
 /// Bytes behind the header: 16 bits in a VLR, 64 in an EVLR.
@@ -56,12 +63,13 @@ LasVlrChain walk_las_vlrs(const InputFile& file, LasVlrKind kind, std::uint64_t 
   const std::uint64_t header_bytes = kind == LasVlrKind::vlr ? kLasVlrHeader : kLasEvlrHeader;
   limit = std::min(limit, file.size());
   Window window(file);
-  LasVlrChain chain{start, start, 0, std::nullopt};
+  LasVlrChain chain;
+  chain.start = chain.end = start;
   while (chain.count < promised && chain.end <= limit && limit - chain.end >= header_bytes) {
     const std::byte* header = window.at(chain.end, static_cast<std::size_t>(header_bytes));
     const LasVlr vlr{chain.end, chain.end + header_bytes, content_length(header, kind)};
     if (vlr.length > limit - vlr.content) break;
-    if (!chain.extra_bytes && is_extra_bytes(header)) chain.extra_bytes = vlr;
+    if (std::optional<LasVlr>* place = place_of(chain, header); place != nullptr && !*place) *place = vlr;
     chain.end = vlr.end();
     ++chain.count;
   }

@@ -15,6 +15,9 @@ namespace pointsweep {
 inline constexpr std::uint64_t kLasVlrHeader = 54, kLasEvlrHeader = 60;
 inline constexpr std::string_view kLasSpecUser = "LASF_Spec";
 inline constexpr std::uint16_t kExtraBytesRecord = 4;
+inline constexpr std::string_view kLasProjectionUser = "LASF_Projection";
+inline constexpr std::uint16_t kWktRecord = 2112, kGeoKeysRecord = 34735, kGeoDoublesRecord = 34736,
+                               kGeoAsciiRecord = 34737;
 
 /// One record of the chain, as byte offsets in the file.
 struct LasVlr {
@@ -26,9 +29,10 @@ struct LasVlr {
 
 /// What walking the chain found. Records are not kept: there may be many, and a writer copies them from the file.
 struct LasVlrChain {
-  std::uint64_t start = 0, end = 0;   ///< bytes of the records that are whole
-  std::uint32_t count = 0;            ///< of the records that are whole
-  std::optional<LasVlr> extra_bytes;  ///< the first one
+  std::uint64_t start = 0, end = 0;                             ///< bytes of the records that are whole
+  std::uint32_t count = 0;                                      ///< of the records that are whole
+  std::optional<LasVlr> extra_bytes;                            ///< the first one
+  std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first of each: see las_crs.h
 };
 
 enum class LasVlrKind { vlr, evlr };

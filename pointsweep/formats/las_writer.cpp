@@ -32,8 +32,9 @@ class LasWriter : public Writer {
     const LasHeader& header = layout_.header;
     put(0, serialize(header));
     std::uint64_t at = copy(layout_.before, header.header_size);
-    put(at, layout_.extra_bytes_vlr);
-    copy(layout_.after, at + layout_.extra_bytes_vlr.size());
+    put(at, layout_.added_vlrs);
+    copy(layout_.after, at + layout_.added_vlrs.size());
+    warnings_ = layout_.warnings;
   }
 
   void write(std::span<const std::byte> records) override {

@@ -33,6 +33,7 @@ struct PlyElement {
 };
 
 /// The lines of the header that start with `comment` or `obj_info`, in their order; written again to PLY outputs.
+/// Without those that ply_comments.h understands.
 struct PlyExtras : FormatExtras {
   std::vector<std::string> lines;
 };

@@ -7,6 +7,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/input_file.h"
 #include "pointsweep/formats/number_text.h"
+#include "pointsweep/formats/ply_comments.h"
 #include "pointsweep/formats/ply_elements.h"
 #include "pointsweep/formats/ply_header.h"
 #include "pointsweep/formats/row_lines.h"
@@ -39,6 +40,7 @@ class PlyReader : public Reader {
     }
     auto extras = std::make_shared<PlyExtras>();
     extras->lines = header.remarks;
+    info_.crs = take_crs_comments(extras->lines);
     info_.extras = std::move(extras);
     position_fields(info_.schema, file_->path().string());
   }

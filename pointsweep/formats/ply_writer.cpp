@@ -6,6 +6,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/field_names.h"
+#include "pointsweep/formats/ply_comments.h"
 #include "pointsweep/formats/ply_header.h"
 #include "pointsweep/formats/record_writer.h"
 #include "pointsweep/points/with_type.h"
@@ -65,6 +66,9 @@ Schema ply_schema(const OutputPlan& plan) {
 
 std::string ply_header_text(const OutputPlan& plan) {
   std::string header = "ply\nformat binary_little_endian 1.0\n";
+  if (plan.crs) {
+    for (const std::string& line : crs_comments(*plan.crs)) header += line + "\n";
+  }
   if (const PlyExtras* extras = ply_extras(plan)) {
     for (const std::string& line : extras->lines) header += line + "\n";
   }

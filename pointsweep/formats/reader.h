@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/formats/crs.h"
 #include "pointsweep/math/box.h"
 #include "pointsweep/points/schema.h"
 
@@ -31,6 +32,7 @@ struct FileInfo {
   std::optional<Box> bounds;          ///< as a header states them: a hint, not to be trusted
   std::vector<std::string> warnings;  ///< what was wrong but harmless, one sentence each
   std::shared_ptr<const FormatExtras> extras;
+  std::optional<Crs> crs;  ///< the coordinate reference system, if the file states one
 };
 
 class Reader {

@@ -18,6 +18,7 @@ class WriteBehind {
  public:
   void add(std::unique_ptr<Writer> writer) { writers_.push_back(std::move(writer)); }
   bool empty() const { return writers_.empty(); }
+  const std::vector<std::unique_ptr<Writer>>& writers() const { return writers_; }
 
   /// Appends whole records: waits for those before, takes these and leaves memory for the next in their place.
   void write(std::vector<std::byte>& records);

@@ -8,6 +8,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "pointsweep/formats/reader.h"
 #include "pointsweep/math/box.h"
@@ -26,6 +28,8 @@ struct OutputPlan {
   /// Box of the finite coordinates. Formats that store integers (LAS) need it where the input is not of that format,
   /// for their scale has to be known before the first record.
   std::optional<Box> bounds = std::nullopt;
+  /// Coordinate reference system of the points. Not needed where `extras` have it for a writer of the same format.
+  std::optional<Crs> crs = std::nullopt;
 };
 
 /// The file grows under a hidden name beside its destination and is renamed by finish(); destruction without
@@ -47,9 +51,12 @@ class Writer {
   virtual void finish() = 0;
 
   std::uint64_t bytes_written() const { return bytes_written_; }
+  /// What the format cannot hold, one sentence each; known when the writer is made.
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
  protected:
   std::uint64_t bytes_written_ = 0;
+  std::vector<std::string> warnings_;
 };
 
 /// Chooses the format by the extension of the path (.ply, .las, .xyz, .txt, .csv, .pts, .asc). Throws Error before

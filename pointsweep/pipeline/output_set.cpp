@@ -31,7 +31,8 @@ OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, con
                         .count = cloud.count(),
                         .extras = cloud.extras(),
                         .overwrite = options.overwrite,
-                        .bounds = bounds};
+                        .bounds = bounds,
+                        .crs = cloud.crs()};
   if (!outputs.points.empty()) points_.add(create_writer(plan));
   if (outputs.writer) points_.add(outputs.writer(plan));
   for (const Attribute& attribute : made) {
@@ -98,6 +99,13 @@ void OutputSet::write_filled() {
   assembled_.resize(filled_);
   points_.write(assembled_);
   filled_ = 0;
+}
+
+std::vector<std::string> OutputSet::warnings() const {
+  std::vector<std::string> all;
+  for (const auto& writer : points_.writers())
+    all.insert(all.end(), writer->warnings().begin(), writer->warnings().end());
+  return all;
 }
 
 void OutputSet::finish(const Cloud& cloud) {

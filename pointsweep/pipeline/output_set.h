@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "pointsweep/formats/write_behind.h"
@@ -19,6 +20,8 @@ class OutputSet {
             std::optional<Box> bounds);
 
   const OutputLayout& layout() const { return layout_; }
+  /// What the formats of the files cannot hold, one sentence each.
+  std::vector<std::string> warnings() const;
   /// The next rows in input order: reads the same rows of the cloud and puts the results to them.
   void write_results(Cloud& cloud, std::uint64_t first_row, std::span<const std::byte> results);
   /// The next whole records of layout().

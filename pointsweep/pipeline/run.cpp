@@ -48,6 +48,7 @@ class Run {
       const auto& warnings = reader->info().warnings;
       statistics_.warnings.insert(statistics_.warnings.end(), warnings.begin(), warnings.end());
     }
+    statistics_.warnings.insert(statistics_.warnings.end(), cloud.warnings().begin(), cloud.warnings().end());
   }
 
   Statistics operators(const Chain& chain, const Outputs& outputs) {
@@ -350,6 +351,7 @@ class Run {
   }
 
   Statistics finish(OutputSet& files) {
+    for (const std::string& warning : files.warnings()) statistics_.warnings.push_back(warning);
     files.finish(cloud_);
     if (checkpoints_) checkpoints_->finish();
     statistics_.bytes_written = files.bytes_written();

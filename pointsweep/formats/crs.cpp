@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/crs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <initializer_list>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "pointsweep/formats/wkt.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kLongestName = 60;
+
+// Keys of GeoTIFF 1.1 (OGC 19-008).
+constexpr std::uint16_t kModelType = 1024, kCitation = 1026, kGeodeticCrs = 2048, kGeodeticCitation = 2049,
+                        kProjectedCrs = 3072, kProjectedCitation = 3073, kLinearUnit = 3076, kVerticalCrs = 4096;
+constexpr std::uint16_t kDoublesTag = 34736, kAsciiTag = 34737;
+constexpr double kUserDefined = 32767;
+
+/// The values of GeoTIFF keys by key.
+struct KeyValues {
+  std::map<std::uint16_t, std::vector<double>> numbers;
+  std::map<std::uint16_t, std::string> texts;
+
+  /// A code of the EPSG registry; 0 for none, for "undefined" and for "user-defined".
+  int code(std::uint16_t key) const {
+    const auto found = numbers.find(key);
+    if (found == numbers.end() || found->second.empty() || found->second[0] >= kUserDefined) return 0;
+    return static_cast<int>(found->second[0]);
+  }
+  std::string text(std::initializer_list<std::uint16_t> keys) const {
+    for (const std::uint16_t key : keys) {
+      const auto found = texts.find(key);
+      if (found != texts.end() && !found->second.empty()) return found->second;
+    }
+    return "";
+  }
+};
+
+/// The piece [first, first + count) of `all`, as far as it is there.
+template <class Range>
+Range piece(const Range& all, std::size_t first, std::size_t count) {
+  first = std::min(first, all.size());
+  const auto begin = all.begin() + static_cast<std::ptrdiff_t>(first);
+  return Range(begin, begin + static_cast<std::ptrdiff_t>(std::min(count, all.size() - first)));
+}
+
+std::string clean_citation(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  }
+  const std::size_t last = text.find_last_not_of(" |");
+  const std::size_t first = text.find_first_not_of(' ');
+  return last == std::string::npos ? "" : text.substr(first, last + 1 - first);
+}
+
+KeyValues values_of(const GeoTiffKeys& keys) {
+  KeyValues values;
+  const std::vector<std::uint16_t>& d = keys.directory;
+  if (keys.empty()) return values;
+  const std::size_t count = std::min<std::size_t>(d[3], d.size() / 4 - 1);
+  for (std::size_t i = 4; i < 4 + 4 * count; i += 4) {
+    const std::uint16_t key = d[i], place = d[i + 1], length = d[i + 2], value = d[i + 3];
+    if (place == 0) {
+      values.numbers[key] = {static_cast<double>(value)};
+    } else if (place == kDoublesTag) {
+      values.numbers[key] = piece(keys.doubles, value, length);
+    } else if (place == kAsciiTag) {
+      values.texts[key] = clean_citation(piece(keys.ascii, value, length));
+    }
+  }
+  return values;
+}
+
+bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+CrsKind kind_of(const WktNode& node) {
+  if (is_one_of(node.keyword, {"PROJCS", "PROJCRS", "PROJECTEDCRS"})) return CrsKind::projected;
+  if (is_one_of(node.keyword, {"GEOGCS", "GEOGCRS", "GEOGRAPHICCRS"})) return CrsKind::geographic;
+  if (is_one_of(node.keyword, {"GEOCCS"})) return CrsKind::geocentric;
+  if (!is_one_of(node.keyword, {"GEODCRS", "GEODETICCRS"})) return CrsKind::unknown;
+  // WKT 2 tells geocentric from geographic systems by the coordinate system: CS[Cartesian,3] or CS[ellipsoidal,2].
+  for (const WktNode& child : node.children) {
+    if (child.keyword != "CS" || child.children.empty()) continue;
+    return child.children[0].keyword == "CARTESIAN" ? CrsKind::geocentric : CrsKind::geographic;
+  }
+  return CrsKind::unknown;
+}
+
+bool is_vertical(const WktNode& node) { return is_one_of(node.keyword, {"VERT_CS", "VERTCRS", "VERTICALCRS"}); }
+
+/// The code of AUTHORITY["EPSG","26910"] or ID["EPSG",26910] directly inside `node`; 0 if there is none.
+int epsg_of(const WktNode& node) {
+  for (const WktNode& child : node.children) {
+    if (!is_one_of(child.keyword, {"AUTHORITY", "ID"}) || child.values.size() < 2) continue;
+    if (!is_one_of(child.values[0], {"EPSG", "epsg"})) continue;
+    int code = 0;
+    const std::string& digits = child.values[1];
+    std::from_chars(digits.data(), digits.data() + digits.size(), code);
+    return std::max(code, 0);
+  }
+  return 0;
+}
+
+/// The system that BOUNDCRS[SOURCECRS[...], ...] wraps.
+const WktNode& unwrapped(const WktNode& node) {
+  if (node.keyword != "BOUNDCRS") return node;
+  for (const WktNode& child : node.children) {
+    if (child.keyword == "SOURCECRS" && !child.children.empty()) return child.children[0];
+  }
+  return node;
+}
+
+void take_node(Crs& crs, const WktNode& wrapped) {
+  const WktNode& node = unwrapped(wrapped);
+  if (is_one_of(node.keyword, {"COMPD_CS", "COMPOUNDCRS"})) {
+    for (const WktNode& child : node.children) take_node(crs, child);
+  } else if (is_vertical(node)) {
+    crs.vertical_epsg = epsg_of(node);
+  } else if (kind_of(node) != CrsKind::unknown) {
+    crs.kind = kind_of(node);
+    crs.epsg = epsg_of(node);
+  }
+  if (!node.values.empty() && !is_vertical(node) && (crs.kind != CrsKind::unknown || crs.name.empty()))
+    crs.name = node.values[0];
+}
+
+/// Compares systems by the numbers of their keys: citations are words and may differ.
+CrsAgreement compare_numbers(const KeyValues& a, const KeyValues& b) {
+  if (a.numbers == b.numbers) return CrsAgreement::same;
+  for (const auto& [key, value] : a.numbers) {
+    const auto other = b.numbers.find(key);
+    if (other != b.numbers.end() && other->second != value) return CrsAgreement::different;
+  }
+  return CrsAgreement::undecided;
+}
+
+CrsAgreement compare_with_codes(const Crs& a, const Crs& b) {
+  if (a.vertical_epsg != b.vertical_epsg)
+    return a.vertical_epsg != 0 && b.vertical_epsg != 0 ? CrsAgreement::different : CrsAgreement::undecided;
+  // A GeoTIFF file may override the unit of the coded system.
+  const int unit = values_of(a.geotiff).code(kLinearUnit), other = values_of(b.geotiff).code(kLinearUnit);
+  return unit != 0 && other != 0 && unit != other ? CrsAgreement::different : CrsAgreement::same;
+}
+
+}  // namespace
+
+Crs crs_of_wkt(std::string_view wkt) {
+  Crs crs;
+  crs.wkt = wkt_in_one_line(wkt);
+  if (const std::optional<WktNode> root = parse_wkt(crs.wkt)) {
+    take_node(crs, *root);
+    const WktNode& node = unwrapped(*root);
+    if (!node.values.empty()) crs.name = node.values[0];
+  }
+  return crs;
+}
+
+Crs crs_of_geotiff(GeoTiffKeys keys) {
+  const KeyValues values = values_of(keys);
+  Crs crs;
+  const int model = values.code(kModelType);
+  const int projected = values.code(kProjectedCrs), geodetic = values.code(kGeodeticCrs);
+  if (model == 1 || (model == 0 && projected != 0)) {
+    crs.kind = CrsKind::projected;
+  } else if (model == 2 || (model == 0 && geodetic != 0)) {
+    crs.kind = CrsKind::geographic;
+  } else if (model == 3) {
+    crs.kind = CrsKind::geocentric;
+  }
+  crs.epsg = crs.kind == CrsKind::projected ? projected : crs.kind == CrsKind::unknown ? 0 : geodetic;
+  crs.vertical_epsg = values.code(kVerticalCrs);
+  crs.name = crs.kind == CrsKind::projected ? values.text({kProjectedCitation, kCitation})
+                                            : values.text({kCitation, kGeodeticCitation});
+  crs.geotiff = std::move(keys);
+  return crs;
+}
+
+std::string short_text(const Crs& crs) {
+  std::string name = crs.name.substr(0, kLongestName);
+  if (name.size() < crs.name.size()) name += "...";
+  std::string code = crs.epsg != 0 ? fmt::format("EPSG:{}", crs.epsg) : "";
+  if (!code.empty() && crs.vertical_epsg != 0) code += fmt::format("+{}", crs.vertical_epsg);
+  if (!code.empty()) return name.empty() ? code : fmt::format("{} ({})", code, name);
+  if (!name.empty()) return fmt::format("'{}'", name);
+  static constexpr const char* kKinds[] = {"an unnamed system", "an unnamed projected system",
+                                           "an unnamed geographic system", "an unnamed geocentric system"};
+  return kKinds[static_cast<std::size_t>(crs.kind)];
+}
+
+CrsAgreement compare(const Crs& a, const Crs& b) {
+  if (a.kind != b.kind && a.kind != CrsKind::unknown && b.kind != CrsKind::unknown) return CrsAgreement::different;
+  if (a.epsg != 0 && b.epsg != 0 && a.epsg != b.epsg) return CrsAgreement::different;
+  if (!a.wkt.empty() && a.wkt == b.wkt) return CrsAgreement::same;
+  if (!a.geotiff.empty() && a.geotiff == b.geotiff) return CrsAgreement::same;
+  if (a.epsg != 0 && b.epsg != 0) return compare_with_codes(a, b);
+  if (a.geotiff.empty() || b.geotiff.empty()) return CrsAgreement::undecided;
+  return compare_numbers(values_of(a.geotiff), values_of(b.geotiff));
+}
+
+}  // namespace pointsweep
