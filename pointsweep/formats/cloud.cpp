@@ -44,9 +44,14 @@ void Cloud::begin(CloudOptions options) {
   CommonCrs crs = common_crs(readers_, options.ignore_crs);
   crs_ = std::move(crs.crs);
   warnings_ = std::move(crs.warnings);
+  las_ = common_las_origin(readers_, warnings_);
   CommonSchema common = common_schema(readers_);
   schema_ = std::move(common.schema);
   mappings_ = std::move(common.mappings);
+  ranges_ = std::move(common.ranges);
+  const PositionFields p = position_fields(schema_, readers_.front()->info().path.string());
+  if (las_ && p.x.type == Type::i32)  // all on one grid, which may have another offset
+    las_->grid = {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
   for (const auto& reader : readers_) {
     first_row_.push_back(count_);
     count_ += reader->info().count;
@@ -54,6 +59,12 @@ void Cloud::begin(CloudOptions options) {
 }
 
 std::shared_ptr<const FormatExtras> Cloud::extras() const { return readers_.front()->info().extras; }
+
+std::vector<std::shared_ptr<const FormatExtras>> Cloud::other_extras() const {
+  std::vector<std::shared_ptr<const FormatExtras>> others;
+  for (std::size_t i = 1; i < readers_.size(); ++i) others.push_back(readers_[i]->info().extras);
+  return others;
+}
 
 std::uint64_t Cloud::bytes() const {
   std::uint64_t bytes = 0;

@@ -25,9 +25,9 @@ struct CloudOptions {
 };
 
 /// One schema serves all inputs: the common one where all agree bit for bit; otherwise the union of their fields by
-/// name, coordinates without loss (float64 unless all are float32, LAS integers where scale agrees and offsets
-/// differ by whole steps that fit), other fields in the smallest type that holds the values of all inputs, and a field
-/// that an input lacks is 0 there.
+/// name, coordinates without loss (float64 unless all are float32; LAS integers at the finest scale of all inputs where
+/// all lie on that grid, see common_grid.h), other fields in the smallest type that holds the values of all inputs, and
+/// a field that an input lacks is 0 there.
 class Cloud {
  public:
   explicit Cloud(const std::vector<std::filesystem::path>& paths, CloudOptions options = {});
@@ -38,8 +38,14 @@ class Cloud {
   const std::vector<std::unique_ptr<Reader>>& readers() const { return readers_; }
   /// Extras of the first input.
   std::shared_ptr<const FormatExtras> extras() const;
+  /// Extras of the inputs behind the first.
+  std::vector<std::shared_ptr<const FormatExtras>> other_extras() const;
   /// Coordinate reference system of the first input that states one.
   const std::optional<Crs>& crs() const { return crs_; }
+  /// What inputs that are LAS, or were, mean by their coordinates and times; none if none was.
+  const std::optional<LasOrigin>& las() const { return las_; }
+  /// Which values each field can have, as far as the types of the inputs tell.
+  const std::vector<ValueRange>& ranges() const { return ranges_; }
   /// What was wrong but harmless where inputs meet, one sentence each; what concerns one input is in its FileInfo.
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// Bytes of all input files.
@@ -64,6 +70,8 @@ class Cloud {
   std::vector<std::byte> scratch_;
   Schema schema_;
   std::optional<Crs> crs_;
+  std::optional<LasOrigin> las_;
+  std::vector<ValueRange> ranges_;
   std::vector<std::string> warnings_;
   std::uint64_t count_ = 0;
 };

@@ -12,7 +12,7 @@
 namespace pointsweep {
 
 struct CommonCrs {
-  std::optional<Crs> crs;             ///< of the first input that states one
+  std::optional<Crs> crs;             ///< of the first input that states one; its WKT may be another's
   std::vector<std::string> warnings;  ///< inputs without a system; systems that could not be compared, or differ
 };
 

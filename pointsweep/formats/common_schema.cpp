@@ -2,8 +2,8 @@
 #include "pointsweep/formats/common_schema.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 
@@ -15,39 +15,13 @@ namespace {
 using Readers = std::vector<std::unique_ptr<Reader>>;
 constexpr std::array kAxes{"x", "y", "z"};
 
-bool is_grid(const Field& field) {
-  return field.type == Type::i32 && field.count == 1 && field.bit_width == 0 && field.scale > 0;
-}
-
-/// Whole steps from the grid of `field` to that of `base`, if all coordinates within [lo, hi] stay in 32 bits.
-std::optional<std::int64_t> steps_between(const Field& field, const Field& base, double lo, double hi) {
-  if (!is_grid(field) || !is_grid(base) || field.scale != base.scale) return std::nullopt;
-  if (field.bias == base.bias) return 0;
-  const double steps = std::nearbyint((field.bias - base.bias) / base.scale);
-  if (!(std::abs(steps) < 4294967296.0)) return std::nullopt;
-  if (!(std::abs((field.bias - base.bias) / base.scale - steps) < 1e-6)) return std::nullopt;
-  const double first = (lo - base.bias) / base.scale, last = (hi - base.bias) / base.scale;
-  if (!(first > -2147483647.0 && last < 2147483646.0)) return std::nullopt;
-  return static_cast<std::int64_t>(steps);
-}
-
-/// The shift of a file to the grid of `base`; nothing where the grids do not agree or the file's bounds do not fit.
-std::optional<GridShift> shift_between(const FileInfo& info, const Schema& base) {
-  const Box box = info.bounds.value_or(Box{});
-  GridShift shift;
+/// The schema as it is once its coordinates are on `grid`.
+Schema on_grid(Schema schema, const LasQuantization& grid) {
   for (int axis = 0; axis < 3; ++axis) {
-    const Field& field = info.schema.fields[*info.schema.find(kAxes[axis])];
-    const auto steps = steps_between(field, base.fields[*base.find(kAxes[axis])], box.lo[axis], box.hi[axis]);
-    if (!steps) return std::nullopt;
-    shift.offsets[axis] = field.offset;
-    shift.steps[axis] = *steps;
+    Field& field = schema.fields[*schema.find(kAxes[static_cast<std::size_t>(axis)])];
+    field.scale = grid.scale[axis];
+    field.bias = grid.offset[axis];
   }
-  return shift;
-}
-
-/// The schema as it is once its coordinates are on the grid of `base`.
-Schema on_grid_of(Schema schema, const Schema& base) {
-  for (const char* axis : kAxes) schema.fields[*schema.find(axis)].bias = base.fields[*base.find(axis)].bias;
   return schema;
 }
 
@@ -133,16 +107,26 @@ class Union {
       while (i < fields_.size() && (taken[i] || keys_[i] != key)) ++i;
       if (i == fields_.size()) {
         fields_.push_back(unpacked(field));
+        ranges_.push_back(range_of_type(field));
+        if (schemas_ != 0) ranges_.back().include(0);
         keys_.push_back(key);
         taken.push_back(true);
       } else {
         widen(fields_[i], field);
+        ranges_[i].include(range_of_type(field));
         taken[i] = true;
       }
       field.name = fields_[i].name;
     }
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+      if (!taken[i]) ranges_[i].include(0);
+    }
+    ++schemas_;
     return schema;
   }
+
+  /// Of the values that the types of all inputs allow, 0 included where an input lacks the field.
+  const std::vector<ValueRange>& ranges() const { return ranges_; }
 
   Schema schema() const {
     Schema schema;
@@ -157,47 +141,32 @@ class Union {
  private:
   std::vector<Field> fields_;
   std::vector<std::string> keys_;
+  std::vector<ValueRange> ranges_;
+  std::size_t schemas_ = 0;
 };
 
 }  // namespace
 
-void GridShift::run(std::span<std::byte> records, std::size_t stride, const std::filesystem::path& path) const {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (steps[axis] == 0) continue;
-    for (std::size_t at = offsets[axis]; at < records.size(); at += stride) {
-      std::int32_t raw = 0;
-      std::memcpy(&raw, records.data() + at, sizeof raw);
-      const std::int64_t moved = raw + steps[axis];
-      if (moved != static_cast<std::int32_t>(moved)) {
-        fail("{}: has points far outside the bounds in its header; correct the header or process the file alone.",
-             path.string());
-      }
-      raw = static_cast<std::int32_t>(moved);
-      std::memcpy(records.data() + at, &raw, sizeof raw);
-    }
-  }
-}
-
 CommonSchema common_schema(const Readers& readers) {
   for (const auto& reader : readers) position_fields(reader->info().schema, reader->info().path.string());
-  const Schema& base = readers.front()->info().schema;
-  std::vector<std::optional<GridShift>> shifts;
-  for (const auto& reader : readers) shifts.push_back(shift_between(reader->info(), base));
-  const bool one_grid = std::all_of(shifts.begin(), shifts.end(), [](const auto& shift) { return shift.has_value(); });
-
+  const std::optional<CommonGrid> grid = common_grid(readers);
   CommonSchema common;
   std::vector<Schema> schemas;
   for (std::size_t i = 0; i < readers.size(); ++i) {
     const Schema& schema = readers[i]->info().schema;
-    common.mappings.push_back({one_grid ? *shifts[i] : GridShift{}, nullptr});
-    schemas.push_back(one_grid ? on_grid_of(schema, base) : schema);
+    common.mappings.push_back({grid ? grid->shifts[i] : GridShift{}, nullptr});
+    schemas.push_back(grid ? on_grid(schema, grid->grid) : schema);
   }
-  common.schema = base;
-  if (std::all_of(schemas.begin(), schemas.end(), [&](const Schema& s) { return s == base; })) return common;
+  common.schema = schemas.front();
+  if (std::all_of(schemas.begin(), schemas.end(), [&](const Schema& s) { return s == common.schema; })) {
+    for (const Field& field : common.schema.fields) common.ranges.push_back(range_of_type(field));
+    return common;
+  }
 
   Union all;
   for (Schema& schema : schemas) schema = all.add(std::move(schema));
   common.schema = all.schema();
+  common.ranges = all.ranges();
   for (std::size_t i = 0; i < readers.size(); ++i) {
     common.mappings[i].conversion = std::make_unique<RecordConversion>(schemas[i], common.schema);
   }

@@ -2,27 +2,15 @@
 /// One schema for inputs that differ.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
 #include <memory>
-#include <span>
 #include <vector>
 
+#include "pointsweep/formats/common_grid.h"
 #include "pointsweep/formats/reader.h"
+#include "pointsweep/formats/value_range.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
-
-/// Moves scaled 32-bit coordinates to the grid of another file of the same scale: raw += steps, nothing is rounded.
-struct GridShift {
-  std::array<std::uint32_t, 3> offsets{};  ///< of x, y and z in the record
-  std::array<std::int64_t, 3> steps{};
-  bool is_needed() const { return steps != std::array<std::int64_t, 3>{}; }
-  /// Throws Error naming `path` if a coordinate leaves the 32 bits.
-  void run(std::span<std::byte> records, std::size_t stride, const std::filesystem::path& path) const;
-};
 
 /// How the records of one input become those of the cloud: shifted, then converted.
 struct InputMapping {
@@ -33,6 +21,7 @@ struct InputMapping {
 struct CommonSchema {
   Schema schema;
   std::vector<InputMapping> mappings;  ///< one for each input
+  std::vector<ValueRange> ranges;      ///< of the values of each field, as far as the types of the inputs tell
 };
 
 /// As class Cloud documents it. Names that mean the same (`nx`, `NormalX`) are one field, under the first one's name.

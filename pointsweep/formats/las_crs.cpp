@@ -11,7 +11,6 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kLongestText = 1 << 20;
-constexpr std::size_t kLongestVlr = 65535;
 
 /// The content of a record as whole elements of T, empty if there is no record.
 template <class Content>

@@ -16,9 +16,6 @@
 
 namespace pointsweep {
 
-/// Bit of the global encoding: the file's system is its WKT. Point formats 6 to 10 must set it, with a system or not.
-inline constexpr std::uint16_t kLasWktBit = 1 << 4;
-
 /// What the VLRs, or else the extended VLRs, state; nothing if they state no system. WKT counts where the header says
 /// so or there are no GeoTIFF keys; the other statement is kept beside it. Texts of more than 1 MiB are not read.
 std::optional<Crs> read_las_crs(const InputFile& file, const LasHeader& header, const LasVlrChain& vlrs,
@@ -27,6 +24,9 @@ std::optional<Crs> read_las_crs(const InputFile& file, const LasHeader& header, 
 /// A VLR: its header of 54 bytes and `content`, at most 65,535 bytes.
 std::vector<std::byte> las_vlr(std::string_view user, std::uint16_t record, std::string_view description,
                                std::span<const std::byte> content);
+
+/// Bytes that a VLR can hold.
+inline constexpr std::size_t kLongestVlr = 65535;
 
 /// VLRs that state `crs` as it was read, one behind the other, and their number: the WKT, the GeoTIFF keys, or both.
 struct LasCrsVlrs {

@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::size_t kRowsAtOnce = 256;
 constexpr double kMaxSteps = 2147483647;
-/// Byte 14 of a point that is return 1 of 1, in point formats 6 to 10.
-constexpr std::byte kOnlyReturn{0x11};
+/// Byte 14 of a point that is return 1 of 1, in point formats 0 to 5 and 6 to 10.
+constexpr std::byte kOnlyLegacyReturn{0x09}, kOnlyReturn{0x11};
 
 }  // namespace
 
@@ -28,13 +28,14 @@ LasEncoder::LasEncoder(const LasLayout& layout, std::string path)
       stride_out_(layout.to.stride),
       positions_change_(layout.positions_change),
       returns_missing_(layout.returns_missing),
+      only_return_(layout.header.point_format >= 6 ? kOnlyReturn : kOnlyLegacyReturn),
       path_(std::move(path)) {}
 
 void LasEncoder::run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) const {
   if (positions_change_) check_positions(row, from, count);
   conversion_.run(from, to, count);
   if (!returns_missing_) return;
-  for (std::size_t i = 0; i < count; ++i) to[i * stride_out_ + kLasReturnByte] = kOnlyReturn;
+  for (std::size_t i = 0; i < count; ++i) to[i * stride_out_ + kLasReturnByte] = only_return_;
 }
 
 void LasEncoder::check_positions(std::uint64_t row, const std::byte* records, std::size_t count) const {

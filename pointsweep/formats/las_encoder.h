@@ -34,6 +34,7 @@ class LasEncoder {
   Vec3 scale_, offset_;
   std::size_t stride_in_, stride_out_;
   bool positions_change_, returns_missing_;
+  std::byte only_return_;
   std::string path_;
 };
 

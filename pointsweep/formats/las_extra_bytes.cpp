@@ -13,7 +13,7 @@ namespace pointsweep {
 namespace {
 
 /// Options of a descriptor that say which of its numbers count.
-constexpr std::uint8_t kHasScale = 1 << 3, kHasOffset = 1 << 4;
+constexpr std::uint8_t kHasLeast = 1 << 1, kHasMost = 1 << 2, kHasScale = 1 << 3, kHasOffset = 1 << 4;
 constexpr std::size_t kNameBytes = 32;
 
 /// A descriptor as it lies in the file.
@@ -88,6 +88,22 @@ double bias_of(const Descriptor& d, std::size_t component) {
   return (d.options & kHasOffset) != 0 && std::isfinite(bias) ? bias : 0;
 }
 
+/// The beginning of `text` in at most `most` bytes: whole, or up to a separator, or up to a word that can end it.
+std::string shortened(std::string_view text, std::size_t most) {
+  if (text.size() <= most) return std::string(text);
+  const std::size_t clause = text.find_first_of(";,");
+  if (clause <= most) return std::string(text.substr(0, clause));
+  constexpr std::string_view kNoEnd[] = {"a", "and", "of", "or", "over", "the", "to", "which", "with"};
+  std::string_view rest = text.substr(0, most + 1);
+  for (;;) {
+    const std::size_t end = rest.find_last_of(' ');
+    if (end == std::string_view::npos) return std::string(text.substr(0, most));
+    rest = rest.substr(0, end);
+    const std::string_view last = rest.substr(rest.find_last_of(' ') + 1);
+    if (std::find(std::begin(kNoEnd), std::end(kNoEnd), last) == std::end(kNoEnd)) return std::string(rest);
+  }
+}
+
 void append_fields(const Descriptor& d, Schema& schema) {
   const std::string name = name_of(d);
   if (d.type == 0) {
@@ -128,6 +144,30 @@ std::optional<std::string> append_extra_bytes(std::span<const std::byte> descrip
   return std::nullopt;
 }
 
+std::optional<std::span<const std::byte>> find_extra_bytes(std::span<const std::byte> descriptors, const Field& field) {
+  const std::vector<Descriptor> all = descriptors_of(descriptors);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Descriptor& d = all[i];
+    if (d.type < 1 || d.type > 10 || field.count != 1 || kTypes[d.type - 1] != field.type) continue;
+    if (name_of(d) == field.name && scale_of(d, 0) == field.scale && bias_of(d, 0) == field.bias)
+      return descriptors.subspan(i * sizeof(Descriptor), sizeof(Descriptor));
+  }
+  return std::nullopt;
+}
+
+std::string extra_bytes_description(const Attribute& attribute, std::size_t component) {
+  const std::string_view field = attribute.fields[component];
+  std::string suffix;
+  if (attribute.fields.size() > 1) {
+    suffix = fmt::format(", {}", field.back());
+  } else if (attribute.unit != "1" && !attribute.unit.empty()) {
+    suffix = fmt::format(" [{}]", attribute.unit);
+  }
+  const std::string meaning = shortened(attribute.meaning, kNameBytes);
+  if (meaning.size() + suffix.size() <= kNameBytes) return meaning + suffix;
+  return attribute.fields.size() > 1 ? shortened(attribute.meaning, kNameBytes - suffix.size()) + suffix : meaning;
+}
+
 bool ExtraBytesVlr::has(std::string_view name) const {
   const std::vector<Descriptor> all = descriptors_of(bytes_);
   return std::any_of(all.begin(), all.end(), [&](const Descriptor& d) { return same_word(name_of(d), name); });
@@ -153,10 +193,12 @@ void ExtraBytesVlr::make_way_for(std::string_view name) {
   }
 }
 
-void ExtraBytesVlr::append_one(std::string name, const Field& field) {
+void ExtraBytesVlr::append_one(std::string name, const Field& field, std::string_view description) {
   Descriptor d{};
+  std::memcpy(d.description, description.data(), std::min(description.size(), sizeof d.description));
   const auto words = std::find_if(std::begin(kWords), std::end(kWords), [&](const Words& w) { return w.ours == name; });
   if (words != std::end(kWords)) {
+    if (!words->description.empty()) std::memset(d.description, 0, sizeof d.description);
     std::memcpy(d.description, words->description.data(), words->description.size());
     name = words->las;
   }
@@ -174,11 +216,20 @@ void ExtraBytesVlr::append_one(std::string name, const Field& field) {
   bytes_.insert(bytes_.end(), bytes, bytes + sizeof d);
 }
 
-void ExtraBytesVlr::append(const Field& field) {
-  if (field.count == 1) return append_one(field.name, field);
+void ExtraBytesVlr::append_again(std::span<const std::byte> descriptor) {
+  Descriptor d;
+  std::memcpy(&d, descriptor.data(), sizeof d);
+  make_way_for(name_of(d));
+  d.options = static_cast<std::uint8_t>(d.options & ~(kHasLeast | kHasMost));
+  const auto* bytes = reinterpret_cast<const std::byte*>(&d);
+  bytes_.insert(bytes_.end(), bytes, bytes + sizeof d);
+}
+
+void ExtraBytesVlr::append(const Field& field, std::string_view description) {
+  if (field.count == 1) return append_one(field.name, field, description);
   for (std::uint32_t c = 0; c < field.count; ++c) {
     const std::string index = fmt::format("[{}]", c);
-    append_one(field.name.substr(0, kNameBytes - index.size()) + index, field);
+    append_one(field.name.substr(0, kNameBytes - index.size()) + index, field, description);
   }
 }
 

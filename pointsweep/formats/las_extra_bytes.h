@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pointsweep/points/attribute.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -26,6 +27,13 @@ inline constexpr std::size_t kMaxExtraBytes = 65535 / kExtraBytesDescriptor;
 std::optional<std::string> append_extra_bytes(std::span<const std::byte> descriptors, std::uint32_t record_length,
                                               Schema& schema);
 
+/// The one among `descriptors` that describes a single value as `field` stores it, under its name.
+std::optional<std::span<const std::byte>> find_extra_bytes(std::span<const std::byte> descriptors, const Field& field);
+
+/// What a descriptor says of component `component` of a made attribute, in at most 32 bytes: as much of its meaning as
+/// fits, then its unit, or the name of the axis.
+std::string extra_bytes_description(const Attribute& attribute, std::size_t component);
+
 /// Builds the content of the VLR.
 class ExtraBytesVlr {
  public:
@@ -36,7 +44,10 @@ class ExtraBytesVlr {
   /// Describes `field`, under the name LAS users expect (NormalX for nx, ...) or its own, cut to 32 bytes. An older
   /// attribute of that name is renamed to `<name>_input`; both stay in the file. A field of several values becomes
   /// `name[0]`, `name[1]`, ...
-  void append(const Field& field);
+  /// `description` (at most 32 bytes) says what it means.
+  void append(const Field& field, std::string_view description = {});
+  /// Repeats `descriptor`, which describes one value of another file, but for its smallest and largest value.
+  void append_again(std::span<const std::byte> descriptor);
   /// Describes `count` bytes of which nothing is known but that they are there.
   void append_undocumented(std::uint32_t count);
 
@@ -44,7 +55,7 @@ class ExtraBytesVlr {
   std::span<const std::byte> bytes() const { return bytes_; }
 
  private:
-  void append_one(std::string name, const Field& field);
+  void append_one(std::string name, const Field& field, std::string_view description);
   void make_way_for(std::string_view name);
   bool has(std::string_view name) const;
   std::string unused(std::string_view name) const;

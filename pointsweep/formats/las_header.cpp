@@ -17,7 +17,6 @@ static_assert(std::endian::native == std::endian::little, "LAS entries are copie
 
 constexpr std::uint16_t kSize10 = 227, kSize13 = 235, kSize14 = 375;
 constexpr std::size_t kMinorAt = 25;
-constexpr std::uint16_t kWktEncoding = 1 << 4;  // point formats 6 to 10 must claim it, whether there is a CRS or not
 constexpr std::uint64_t kMaxLegacyCount = std::numeric_limits<std::uint32_t>::max();
 
 /// Calls `at(byte offset, entry)` for every entry that a header of `size` bytes holds: the one table of places.
@@ -161,7 +160,7 @@ LasHeader parse_las_header(std::span<const std::byte> bytes, std::uint64_t file_
 LasHeader new_las_header() {
   LasHeader header;
   header.header_size = kSize14;
-  header.global_encoding = kWktEncoding;
+  header.global_encoding = kLasWktBit;
   header.bytes.resize(kSize14);
   const auto put = [&](std::size_t at, std::string_view text) {
     std::memcpy(header.bytes.data() + at, text.data(), text.size());
@@ -173,13 +172,14 @@ LasHeader new_las_header() {
   return header;
 }
 
-void upgrade_to_las_1_4(LasHeader& header) {
-  if (header.minor >= 4) return;
-  const std::uint16_t old = standard_header_size(header.minor);
+void upgrade_las_header(LasHeader& header, int minor) {
+  if (header.minor >= minor) return;
+  if (header.minor < 2) header.global_encoding = 0;  // these bytes were reserved
+  const std::uint16_t old = standard_header_size(header.minor), now = standard_header_size(minor);
   const auto behind = header.bytes.begin() + std::min<std::ptrdiff_t>(old, std::ssize(header.bytes));
-  header.bytes.insert(behind, kSize14 - old, std::byte{0});
-  header.header_size = static_cast<std::uint16_t>(header.header_size + kSize14 - old);
-  header.minor = 4;
+  header.bytes.insert(behind, now - old, std::byte{0});
+  header.header_size = static_cast<std::uint16_t>(header.header_size + now - old);
+  header.minor = static_cast<std::uint8_t>(minor);
 }
 
 void set_counts(LasHeader& header, std::uint64_t count, const std::array<std::uint64_t, 16>& by_return) {

@@ -15,6 +15,10 @@
 
 namespace pointsweep {
 
+/// Bits of the global encoding. The coordinate reference system is the WKT, which point formats 6 to 10 must claim with
+/// a system or without; GPS times are adjusted standard GPS time, not seconds of the GPS week.
+inline constexpr std::uint16_t kLasWktBit = 1 << 4, kLasStandardTimeBit = 1 << 0;
+
 /// The entries the library uses; all others (GUID, system identifier, dates, ...) stay in `bytes`.
 struct LasHeader {
   std::uint8_t minor = 4;  ///< LAS 1.`minor`
@@ -53,8 +57,9 @@ std::uint64_t point_count(const LasHeader& header);
 /// A header of LAS 1.4 without points, VLRs and dates (dates would make equal runs give different bytes).
 LasHeader new_las_header();
 
-/// Turns an older header into one of LAS 1.4, whose counts have 64 bits. User bytes behind it stay behind it.
-void upgrade_to_las_1_4(LasHeader& header);
+/// Turns an older header into one of LAS 1.`minor`; a newer one stays. The counts of LAS 1.4 have 64 bits. User bytes
+/// behind the header stay behind it.
+void upgrade_las_header(LasHeader& header, int minor);
 
 /// Sets the counts of the header by the rules of its version: legacy counts are 0 where LAS 1.4 asks for it.
 /// `by_return[r]` is the number of points with return number r (entry 0 is not used).

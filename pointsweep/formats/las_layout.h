@@ -41,9 +41,13 @@ struct LasLayout {
 
 /// Input LAS and records that begin with its records: everything of it is kept, made fields are appended as extra
 /// bytes; a made field that bears the name of one of the point format's (classification, ...) is stored there.
-/// Otherwise: LAS 1.4, point format 6, or 7 with colours, or 8 with near infrared; header, VLRs and EVLRs of a LAS
-/// input are kept, values whose type is not that of the LAS field are stored there rounded and as extra bytes exactly.
+/// Otherwise: the shortest point format that holds the fields (choose_las_point_format(); 6 to 10 only, unless an
+/// input is LAS or was); header, VLRs and EVLRs of a LAS input are kept, values that do not fit the LAS field are
+/// stored there rounded and as extra bytes exactly.
 LasLayout lay_out_las(const OutputPlan& plan);
+
+/// True if `schema` begins with the records of `input`, whose coordinates may have another scale and offset.
+bool las_begins_with_records_of(const LasExtras& input, const Schema& schema);
 
 /// True for coordinates that are LAS's own integers: they stay as they are, and no bounds are needed for a scale.
 bool las_keeps_scale(const PositionFields& p);

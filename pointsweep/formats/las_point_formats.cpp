@@ -85,6 +85,10 @@ void append_waveform(Schema& schema) {
 
 }  // namespace
 
+int las_minor_of(int point_format) { return point_format >= 6 ? 4 : point_format >= 4 ? 3 : point_format >= 2 ? 2 : 0; }
+
+bool las_has_waveforms(int point_format) { return kParts[point_format].waveform; }
+
 std::optional<std::uint16_t> las_record_length(int point_format) {
   if (point_format < 0 || point_format >= kLasPointFormats) return std::nullopt;
   const Parts& parts = kParts[point_format];

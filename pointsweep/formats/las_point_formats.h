@@ -19,6 +19,11 @@ std::optional<std::uint16_t> las_record_length(int point_format);
 /// int32 with the scale and offset given; scan_angle is in degrees in all formats.
 Schema las_point_schema(int point_format, Vec3 scale, Vec3 offset);
 
+/// The first version, LAS 1.`minor`, that has `point_format`.
+int las_minor_of(int point_format);
+/// Whether its records refer to waveforms.
+bool las_has_waveforms(int point_format);
+
 /// Where the return number of a record lies: the low bits of byte 14, under this mask.
 inline constexpr std::uint32_t kLasReturnByte = 14;
 inline std::uint8_t las_return_mask(int point_format) { return point_format >= 6 ? 0x0F : 0x07; }

@@ -79,6 +79,14 @@ std::shared_ptr<LasExtras> read_extras(const std::filesystem::path& path, std::v
   return extras;
 }
 
+LasOrigin origin_of(const LasHeader& header) {
+  const bool has_time = las_point_schema(header.point_format, header.scale, header.offset).find("gps_time").has_value();
+  // Before LAS 1.2 the bit was reserved, and times were seconds of the GPS week.
+  return {.grid = {header.scale, header.offset},
+          .has_time = has_time,
+          .standard_time = header.minor >= 2 && (header.global_encoding & kLasStandardTimeBit) != 0};
+}
+
 class LasReader : public Reader {
  public:
   explicit LasReader(const std::filesystem::path& path) {
@@ -98,6 +106,7 @@ class LasReader : public Reader {
     }
     info_.extras = extras;
     info_.crs = extras->crs;
+    info_.las = origin_of(header);
   }
 
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override {

@@ -50,6 +50,10 @@ void quantize_axis(double lo, double hi, double useful, double& scale, double& o
   scale = power_of_ten(exponent);
 }
 
+bool reaches(double lo, double hi, double scale, double offset) {
+  return (hi - offset) / scale <= kMaxSteps && (offset - lo) / scale <= kMaxSteps;
+}
+
 }  // namespace
 
 LasQuantization las_quantization(const Box& bounds) {
@@ -60,6 +64,23 @@ LasQuantization las_quantization(const Box& bounds) {
   const double useful = half > 0 ? half * 1e-12 : 1e-9;
   for (int axis = 0; axis < 3; ++axis) {
     quantize_axis(bounds.lo[axis], bounds.hi[axis], useful, q.scale[axis], q.offset[axis]);
+  }
+  return q;
+}
+
+LasQuantization las_grid_within(const LasQuantization& grid, const Box& bounds) {
+  LasQuantization q = grid;
+  if (bounds.empty()) return q;
+  constexpr double kRoundSteps = 1000;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double lo = bounds.lo[axis], hi = bounds.hi[axis], scale = grid.scale[axis];
+    if (reaches(lo, hi, scale, q.offset[axis])) continue;
+    const double steps = (0.5 * lo + 0.5 * hi - grid.offset[axis]) / scale;
+    q.offset[axis] = grid.offset[axis] + std::nearbyint(steps / kRoundSteps) * kRoundSteps * scale;
+    if (reaches(lo, hi, scale, q.offset[axis])) continue;
+    const LasQuantization coarse = las_quantization(bounds);
+    q.scale[axis] = coarse.scale[axis];
+    q.offset[axis] = coarse.offset[axis];
   }
   return q;
 }

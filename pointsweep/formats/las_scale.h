@@ -17,4 +17,8 @@ struct LasQuantization {
 /// steps of float32 coordinates of magnitude E.
 LasQuantization las_quantization(const Box& bounds);
 
+/// `grid` with its offsets moved by whole steps where `bounds` are too far away for 32 bits; an axis that is too long
+/// for its scale is as las_quantization() has it.
+LasQuantization las_grid_within(const LasQuantization& grid, const Box& bounds);
+
 }  // namespace pointsweep

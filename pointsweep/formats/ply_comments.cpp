@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <iterator>
@@ -19,7 +20,7 @@ namespace {
 /// The widespread reader rply refuses lines of 1,024 bytes.
 constexpr std::size_t kLongestPiece = 900;
 
-constexpr std::string_view kWkt = "comment crs ", kKeys = "comment crs_geotiff_keys ",
+constexpr std::string_view kLas = "comment las ", kWkt = "comment crs ", kKeys = "comment crs_geotiff_keys ",
                            kDoubles = "comment crs_geotiff_doubles ", kAscii = "comment crs_geotiff_ascii ";
 
 /// `text` in pieces, none of which begins or ends with a space: readers may trim lines.
@@ -121,7 +122,56 @@ GeoTiffKeys take_geotiff(std::vector<std::string>& lines) {
   return {*directory, *doubles, *ascii};
 }
 
+std::vector<std::string_view> comment_words(std::string_view text) {
+  std::vector<std::string_view> words;
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(' '));
+    if (!word.empty()) words.push_back(word);
+    text.remove_prefix(std::min(text.size(), word.size() + 1));
+  }
+  return words;
+}
+
+/// Three numbers from words[first] on.
+bool parse_vector(const std::vector<std::string_view>& words, std::size_t first, Vec3& v) {
+  return parse_number(words[first], v.x) && parse_number(words[first + 1], v.y) && parse_number(words[first + 2], v.z);
+}
+
+std::optional<LasOrigin> las_origin_in(std::string_view line) {
+  const std::vector<std::string_view> words = comment_words(line.substr(kLas.size()));
+  LasOrigin origin;
+  if (words.size() != 8 && words.size() != 10) return std::nullopt;
+  if (words[0] != "scale" || words[4] != "offset") return std::nullopt;
+  if (!parse_vector(words, 1, origin.grid.scale) || !parse_vector(words, 5, origin.grid.offset)) return std::nullopt;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(origin.grid.scale[axis] > 0) || !std::isfinite(origin.grid.scale[axis])) return std::nullopt;
+    if (!std::isfinite(origin.grid.offset[axis])) return std::nullopt;
+  }
+  if (words.size() == 8) return origin;
+  origin.has_time = true;
+  origin.standard_time = words[9] == "standard";
+  return words[8] == "gps_time" && (origin.standard_time || words[9] == "week") ? std::optional(origin) : std::nullopt;
+}
+
 }  // namespace
+
+std::string las_comment(const LasOrigin& origin) {
+  const Vec3 scale = origin.grid.scale, offset = origin.grid.offset;
+  std::string line =
+      fmt::format("{}scale {} {} {} offset {} {} {}", kLas, scale.x, scale.y, scale.z, offset.x, offset.y, offset.z);
+  if (origin.has_time) line += origin.standard_time ? " gps_time standard" : " gps_time week";
+  return line;
+}
+
+std::optional<LasOrigin> take_las_comment(std::vector<std::string>& lines) {
+  for (auto line = lines.begin(); line != lines.end(); ++line) {
+    if (!line->starts_with(kLas)) continue;
+    const std::optional<LasOrigin> origin = las_origin_in(*line);
+    if (origin) lines.erase(line);
+    return origin;
+  }
+  return std::nullopt;
+}
 
 std::vector<std::string> crs_comments(const Crs& crs) {
   std::vector<std::string> lines = in_pieces(kWkt, crs.wkt);

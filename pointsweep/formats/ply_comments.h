@@ -5,6 +5,8 @@
 ///     comment crs_geotiff_keys 1 1 0 3 1024 0 1 1 ...  GeoKeyDirectoryTag
 ///     comment crs_geotiff_doubles 6378137 298.25       GeoDoubleParamsTag
 ///     comment crs_geotiff_ascii NAD83|                 GeoAsciiParamsTag; all but visible characters as %XX
+///     comment las scale 0.01 0.01 0.01 offset 500000 0 0 gps_time standard
+///                                                      of a LAS input; gps_time standard or week, if there are times
 #pragma once
 
 #include <optional>
@@ -12,6 +14,7 @@
 #include <vector>
 
 #include "pointsweep/formats/crs.h"
+#include "pointsweep/formats/las_origin.h"
 
 namespace pointsweep {
 
@@ -20,5 +23,9 @@ std::vector<std::string> crs_comments(const Crs& crs);
 
 /// The system that such lines state; they are removed from `lines`. Lines that do not make sense stay.
 std::optional<Crs> take_crs_comments(std::vector<std::string>& lines);
+
+/// The same for what a LAS file means by coordinates and times.
+std::string las_comment(const LasOrigin& origin);
+std::optional<LasOrigin> take_las_comment(std::vector<std::string>& lines);
 
 }  // namespace pointsweep

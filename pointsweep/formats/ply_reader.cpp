@@ -41,6 +41,7 @@ class PlyReader : public Reader {
     auto extras = std::make_shared<PlyExtras>();
     extras->lines = header.remarks;
     info_.crs = take_crs_comments(extras->lines);
+    info_.las = take_las_comment(extras->lines);
     info_.extras = std::move(extras);
     position_fields(info_.schema, file_->path().string());
   }

@@ -69,6 +69,7 @@ std::string ply_header_text(const OutputPlan& plan) {
   if (plan.crs) {
     for (const std::string& line : crs_comments(*plan.crs)) header += line + "\n";
   }
+  if (plan.las) header += las_comment(*plan.las) + "\n";
   if (const PlyExtras* extras = ply_extras(plan)) {
     for (const std::string& line : extras->lines) header += line + "\n";
   }

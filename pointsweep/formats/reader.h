@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pointsweep/formats/crs.h"
+#include "pointsweep/formats/las_origin.h"
 #include "pointsweep/math/box.h"
 #include "pointsweep/points/schema.h"
 
@@ -32,7 +33,8 @@ struct FileInfo {
   std::optional<Box> bounds;          ///< as a header states them: a hint, not to be trusted
   std::vector<std::string> warnings;  ///< what was wrong but harmless, one sentence each
   std::shared_ptr<const FormatExtras> extras;
-  std::optional<Crs> crs;  ///< the coordinate reference system, if the file states one
+  std::optional<Crs> crs;        ///< the coordinate reference system, if the file states one
+  std::optional<LasOrigin> las;  ///< if the file is LAS, or its points once were
 };
 
 class Reader {

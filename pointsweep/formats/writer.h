@@ -13,9 +13,12 @@
 
 #include "pointsweep/formats/reader.h"
 #include "pointsweep/math/box.h"
+#include "pointsweep/points/attribute.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
+
+struct LasValues;
 
 /// What is to be written. Records come in `schema`: first the fields of the input in the input's own layout, then what
 /// operators made ("nx", "ny", "nz", ...). The writer maps them to the names and types its format can hold.
@@ -30,6 +33,14 @@ struct OutputPlan {
   std::optional<Box> bounds = std::nullopt;
   /// Coordinate reference system of the points. Not needed where `extras` have it for a writer of the same format.
   std::optional<Crs> crs = std::nullopt;
+  /// What an input that is LAS, or was, means by its coordinates and times.
+  std::optional<LasOrigin> las = std::nullopt;
+  /// For LAS: what is known of the values of the input's fields, which are the first of `schema`; null: their types.
+  std::shared_ptr<const LasValues> las_values = nullptr;
+  /// Of the inputs behind the first.
+  std::vector<std::shared_ptr<const FormatExtras>> other_extras = {};
+  /// The attributes in `schema` that operators made: formats that describe attributes take the meaning from here.
+  std::vector<Attribute> made = {};
 };
 
 /// The file grows under a hidden name beside its destination and is renamed by finish(); destruction without

@@ -23,7 +23,7 @@ std::optional<Type> type_of_moved_positions(const Schema& input, const std::file
 }
 
 OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const Outputs& outputs,
-                     const RunOptions& options, std::optional<Box> bounds)
+                     const RunOptions& options, std::optional<Box> bounds, std::shared_ptr<const LasValues> las_values)
     : layout_(cloud.schema(), made, type_of_moved_positions(cloud.schema(), outputs.points, options)),
       input_stride_(cloud.schema().stride) {
   const OutputPlan plan{.path = outputs.points,
@@ -32,7 +32,11 @@ OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, con
                         .extras = cloud.extras(),
                         .overwrite = options.overwrite,
                         .bounds = bounds,
-                        .crs = cloud.crs()};
+                        .crs = cloud.crs(),
+                        .las = cloud.las(),
+                        .las_values = std::move(las_values),
+                        .other_extras = cloud.other_extras(),
+                        .made = made};
   if (!outputs.points.empty()) points_.add(create_writer(plan));
   if (outputs.writer) points_.add(outputs.writer(plan));
   for (const Attribute& attribute : made) {

@@ -17,7 +17,7 @@ class OutputSet {
  public:
   /// Refuses before any work: unknown formats, existing files, missing folders, names of attributes nobody makes.
   OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const Outputs& outputs, const RunOptions& options,
-            std::optional<Box> bounds);
+            std::optional<Box> bounds, std::shared_ptr<const LasValues> las_values = nullptr);
 
   const OutputLayout& layout() const { return layout_; }
   /// What the formats of the files cannot hold, one sentence each.

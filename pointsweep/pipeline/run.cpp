@@ -9,6 +9,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/las_layout.h"
+#include "pointsweep/formats/las_values.h"
 #include "pointsweep/formats/same_file.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
@@ -64,7 +65,7 @@ class Run {
     open_checkpoints(planned, outputs);
     survey_cloud(in_stream_order || needs_bounds(outputs.points));
     require_distances(survey_.bounds);
-    OutputSet files(cloud_, planned.made, outputs, options_, bounds_if_exact());
+    OutputSet files(cloud_, planned.made, outputs, options_, bounds_if_exact(), values_for(outputs.points));
     const RunMemory memory = plan_run_memory(statistics_.memory_budget_bytes, planned, cloud_.count(), survey_,
                                              options_, files.layout().schema().stride);
     make_folder(memory.spills());
@@ -78,7 +79,7 @@ class Run {
     require_separate_outputs(outputs);
     open_checkpoints({}, outputs);
     survey_cloud(true);
-    OutputSet files(cloud_, {}, outputs, options_, bounds_if_exact());
+    OutputSet files(cloud_, {}, outputs, options_, bounds_if_exact(), values_for(outputs.points));
     const MemoryPlan memory = plan_ordering_memory(statistics_.memory_budget_bytes, cloud_.schema().stride,
                                                    cloud_.count(), survey_, options_);
     if (memory.needed_bytes != 0) fail_budget(statistics_.memory_budget_bytes, memory.needed_bytes);
@@ -105,6 +106,11 @@ class Run {
   /// A format that stores integers must know the bounds before the first record, unless these integers come.
   bool needs_bounds(const std::filesystem::path& output) const {
     return extension_of(output) == ".las" && !las_keeps_scale(position_fields(cloud_.schema(), name_of_cloud()));
+  }
+  /// What a LAS output has to know of all values before the first record.
+  std::shared_ptr<const LasValues> values_for(const std::filesystem::path& output) {
+    if (extension_of(output) != ".las") return nullptr;
+    return std::make_shared<LasValues>(las_values(cloud_, [this](std::uint64_t rows) { report("ordering", rows, 0); }));
   }
   std::optional<Box> bounds_if_exact() const {
     return survey_.exact && !survey_.bounds.empty() ? std::optional(survey_.bounds) : std::nullopt;

@@ -165,9 +165,11 @@ TEST(Cloud, IntegerGridsThatDoNotAgreeBecomeDouble) {
         .type;
   };
   EXPECT_EQ(type_with(0.01, 1, box), Type::i32);
-  EXPECT_EQ(type_with(0.001, 0, box), Type::f64);
+  EXPECT_EQ(type_with(0.001, 0, box), Type::i32);
+  EXPECT_EQ(type_with(0.003, 0, box), Type::f64);
   EXPECT_EQ(type_with(0.01, 0.005, box), Type::f64);
-  EXPECT_EQ(type_with(0.01, 3e7, Box{{3e7, 0, 0}, {3e7, 1, 1}}), Type::f64);
+  EXPECT_EQ(type_with(0.01, 3e7, Box{{3e7, 0, 0}, {3e7, 1, 1}}), Type::i32) << "from an offset in the middle";
+  EXPECT_EQ(type_with(0.01, 9e7, Box{{9e7, 0, 0}, {9e7, 1, 1}}), Type::f64);
 }
 
 TEST(Cloud, BoundsThatLieDoNotWrapCoordinatesAround) {

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+/// What the coordinates and times of a LAS file mean, kept where its points become another format.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/las_scale.h"
+
+namespace pointsweep {
+
+class Reader;
+
+struct LasOrigin {
+  LasQuantization grid;        ///< scale and offset of the integer coordinates
+  bool has_time = false;       ///< the points have a GPS time
+  bool standard_time = false;  ///< it is adjusted standard GPS time, not seconds of the GPS week
+};
+
+/// Of the inputs that are LAS, or were before: the finest scale of each axis with the offset of the first that has it;
+/// the time of the first with one. A warning names an input whose time is of the other kind.
+std::optional<LasOrigin> common_las_origin(const std::vector<std::unique_ptr<Reader>>& readers,
+                                           std::vector<std::string>& warnings);
+
+}  // namespace pointsweep

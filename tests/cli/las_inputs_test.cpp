@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+/// Several LAS files of different kinds as one cloud, by the tool.
+#include <string>
+#include <vector>
+
+#include "tests/cli/tool.h"
+#include "tests/formats/las_decode.h"
+
+namespace pointsweep {
+namespace {
+
+std::string geotiff_vlr_of(std::uint16_t code) {
+  const std::uint16_t keys[] = {1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, code};
+  return las_test::vlr("LASF_Projection", 34735, {reinterpret_cast<const char*>(keys), sizeof keys});
+}
+
+class LasInputs : public Tool {
+ protected:
+  /// 400 random points of about 10 m; the flags and numbers are random too.
+  void write_las(const std::string& name, int format, double scale, std::vector<std::string> vlrs = {}) {
+    las_test::File file;
+    file.format = format;
+    file.minor = format >= 6 ? 4 : 2;
+    file.count = 400;
+    file.seed = static_cast<unsigned>(format) + 1;
+    file.scale = {scale, scale, scale};
+    file.offset = {0, 0, 0};
+    file.vlrs = std::move(vlrs);
+    std::string bytes = file.bytes();
+    bytes[6] = static_cast<char>(format >= 6 ? 16 : 0);
+    bytes[7] = 0;
+    for (std::size_t i = 0; i < file.count; ++i) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        const std::size_t at = file.points_at() + i * file.record_length() + 4 * a;
+        const double meters = las_test::get<std::int32_t>(bytes, at) / 2147483648.0 * 5;
+        las_test::put(bytes, at, static_cast<std::int32_t>(meters / scale));
+      }
+    }
+    for (std::size_t a = 0; a < 3; ++a) {
+      las_test::put(bytes, 179 + 16 * a, 5.0);
+      las_test::put(bytes, 187 + 16 * a, -5.0);
+    }
+    write(name, bytes);
+  }
+};
+
+TEST_F(LasInputs, OfDifferentCoordinateSystemsAreRefusedUnlessToldOtherwise) {
+  write_las("a.las", 1, 0.01, {geotiff_vlr_of(26910)});
+  write_las("b.las", 1, 0.01, {geotiff_vlr_of(26911)});
+  for (const char* verb : {"normals a.las b.las -o out.las", "sort a.las b.las -o out.las",
+                           "run --pipeline 'knn(k=8) | normals' a.las b.las -o out.las --dry-run",
+                           "run --pipeline 'knn(k=8) | normals' a.las b.las -o out.las"})
+    refused(2, verb, "a.las is in EPSG:26910 and b.las in EPSG:26911");
+  EXPECT_FALSE(exists("out.las"));
+  const Result result = tool("normals a.las b.las -o out.las --ignore-crs");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.err.find("--ignore-crs: coordinates of b.las (EPSG:26911) are merged"), std::string::npos);
+  refused(2, "verify a.las b.las out.las", "EPSG:26911");
+  EXPECT_EQ(tool("verify a.las b.las out.las --ignore-crs").status, 0);
+}
+
+TEST_F(LasInputs, OfDifferentKindsPassTheirCheckInBothOrdersInMemoryAndSpilled) {
+  write_las("a.las", 1, 0.01);
+  write_las("b.las", 3, 0.001);
+  write_las("c.las", 6, 0.01);
+  for (const char* options : {"", "--order sweep", "--resume again"}) {
+    const Result run = tool(std::string("normals a.las b.las c.las -o out.las -f ") + options);
+    ASSERT_EQ(run.status, 0) << run.err;
+    const las_test::Decoded out{contents(folder_ / "out.las")};
+    EXPECT_EQ(out.format(), 7) << options;
+    EXPECT_EQ(out.scale(0), 0.001);
+    EXPECT_EQ(out.extra_names(), (std::vector<std::string>{"NormalX", "NormalY", "NormalZ"}));
+    const Result check = tool("verify a.las b.las c.las out.las");
+    EXPECT_EQ(check.status, 0) << options << check.out << check.err;
+  }
+}
+
+TEST_F(LasInputs, DescribeWhatWasMade) {
+  write_las("a.las", 1, 0.01);
+  const std::string run = "run --pipeline 'knn(k=8) | normals | curvature' a.las -o out.las";
+  const las_test::Decoded out{made(run, "out.las")};
+  const std::vector<std::string> names = out.extra_names();
+  const std::string vlr = out.vlr("LASF_Spec", 4);
+  ASSERT_GT(names.size(), 4u);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string description = vlr.substr(192 * i + 160, 32).c_str();
+    EXPECT_GT(description.size(), 3u) << names[i];
+    if (names[i] == "k1") {
+      EXPECT_EQ(description, "larger principal curvature");
+    } else if (names[i] == "NormalX") {
+      EXPECT_EQ(description, "unit surface normal, x");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep
