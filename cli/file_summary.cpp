@@ -2,17 +2,68 @@
 #include "cli/file_summary.h"
 
 #include <algorithm>
-#include <vector>
+#include <cmath>
 
-#include "cli/quantities.h"
+#include "cli/nearest_distances.h"
+#include "cli/plan_area.h"
 #include "pointsweep/error.h"
+#include "pointsweep/order/mix.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr std::size_t kPiece = 1 << 16;  // points
+constexpr std::uint64_t kSample = 1000;  // points whose nearest neighbours are found
 
-void add(FileSummary& summary, Vec3 previous, Vec3 p) {
+/// A piece of the file: records, and their positions.
+struct Piece {
+  std::uint64_t first_row = 0;
+  std::size_t count = 0;
+  const std::byte* records = nullptr;
+  const double *x = nullptr, *y = nullptr, *z = nullptr;
+  Vec3 position(std::size_t i) const { return {x[i], y[i], z[i]}; }
+};
+
+void for_each_piece(Reader& reader, const std::function<void(const Piece&)>& visit) {
+  const FileInfo& info = reader.info();
+  const PositionFields position = position_fields(info.schema, info.path.string());
+  std::vector<std::byte> records(kPiece * info.schema.stride);
+  std::vector<double> x(kPiece), y(kPiece), z(kPiece);
+  for (std::uint64_t row = 0; row < info.count;) {
+    const std::size_t count = reader.read(row, records);
+    if (count == 0)
+      fail("{}: ends at point {} of {}; it has changed while it was read.", info.path.string(), row, info.count);
+    decode_positions(position, records.data(), info.schema.stride, count, x.data(), y.data(), z.data());
+    visit({row, count, records.data(), x.data(), y.data(), z.data()});
+    row += count;
+  }
+}
+
+/// One row of each of kSample equal stretches: any of its rows, so that no period of the file meets that of the sample.
+class SampledRows {
+ public:
+  explicit SampledRows(std::uint64_t rows) : rows_(rows), stretches_(std::min(kSample, rows)) { advance(); }
+  /// To be asked for each row in turn.
+  bool contains(std::uint64_t row) {
+    if (row != next_row_) return false;
+    advance();
+    return true;
+  }
+
+ private:
+  std::uint64_t start(std::uint64_t s) const { return rows_ / stretches_ * s + rows_ % stretches_ * s / stretches_; }
+  void advance() {
+    if (next_ == stretches_) {
+      next_row_ = rows_;
+      return;
+    }
+    next_row_ = start(next_) + mix(next_) % (start(next_ + 1) - start(next_));
+    ++next_;
+  }
+  std::uint64_t rows_, stretches_, next_ = 0, next_row_ = 0;
+};
+
+void add_position(FileSummary& summary, Vec3 previous, Vec3 p) {
   for (int axis = 0; axis < 3; ++axis) {
     summary.ascending[static_cast<std::size_t>(axis)] &= p[axis] >= previous[axis];
     summary.descending[static_cast<std::size_t>(axis)] &= p[axis] <= previous[axis];
@@ -20,78 +71,94 @@ void add(FileSummary& summary, Vec3 previous, Vec3 p) {
   summary.bounds.include(p);
 }
 
-/// "ascending along x", "descending along y and z", "none". An axis along which nothing changes is in no order.
-std::string order_text(const FileSummary& summary) {
-  std::string text;
-  const Vec3 extent = summary.bounds.extent();
-  for (const bool up : {true, false}) {
-    std::string axes;
-    for (int axis = 0; axis < 3; ++axis) {
-      const bool ordered = (up ? summary.ascending : summary.descending)[static_cast<std::size_t>(axis)];
-      if (ordered && extent[axis] > 0)
-        axes += (axes.empty() ? "" : " and ") + std::string(1, static_cast<char>('x' + axis));
-    }
-    if (!axes.empty())
-      text += (text.empty() ? "" : ", ") + std::string(up ? "ascending along " : "descending along ") + axes;
+void add_value(FieldRange& range, double value) {
+  if (!std::isfinite(value)) {
+    ++range.nonfinite;
+    return;
   }
-  return text.empty() ? "none" : text;
+  range.lo = std::min(range.lo, value);
+  range.hi = std::max(range.hi, value);
 }
 
-/// "x y z float32, intensity uint16": runs of one type are named together.
-std::string attribute_text(const Schema& schema) {
-  std::string text;
+void add_ranges(FileSummary& summary, const Schema& schema, const Piece& piece) {
   for (std::size_t f = 0; f < schema.fields.size(); ++f) {
     const Field& field = schema.fields[f];
-    text += field.name + (field.count > 1 ? fmt::format("[{}]", field.count) : "") + " ";
-    const bool run_ends = f + 1 == schema.fields.size() || schema.fields[f + 1].type != field.type;
-    if (run_ends) text += std::string(name_of(field.type)) + (f + 1 == schema.fields.size() ? "" : ", ");
+    for (std::size_t i = 0; i < piece.count; ++i)
+      for (std::uint32_t c = 0; c < field.count; ++c)
+        add_value(summary.ranges[f], value_of(field, piece.records + i * schema.stride, c));
   }
-  return text;
+}
+
+/// Points of each value of a small whole number; values outside of the counts are left out.
+template <std::size_t N>
+void add_counts(std::array<std::uint64_t, N>& counts, const Field& field, const Schema& schema, const Piece& piece) {
+  for (std::size_t i = 0; i < piece.count; ++i) {
+    const double value = value_of(field, piece.records + i * schema.stride);
+    if (value >= 0 && value < static_cast<double>(N)) ++counts[static_cast<std::size_t>(value)];
+  }
+}
+
+std::vector<double> nearest_distances(Reader& reader, std::vector<NearestDistances::Sampled> sample,
+                                      const std::function<void(std::uint64_t)>& progress) {
+  NearestDistances nearest(std::move(sample));
+  for_each_piece(reader, [&](const Piece& piece) {
+    for (std::size_t i = 0; i < piece.count; ++i)
+      if (is_finite(piece.position(i))) nearest.add(piece.position(i), piece.first_row + i);
+    progress(piece.first_row + piece.count);
+  });
+  return nearest.distances();
 }
 
 }  // namespace
 
-FileSummary summarize(Reader& reader, const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+std::optional<double> FileSummary::density(std::uint64_t points) const {
+  if (!(area > 0)) return std::nullopt;
+  return static_cast<double>(points - nonfinite) / area;
+}
+
+std::optional<double> FileSummary::spacing() const {
+  if (nearest.empty()) return std::nullopt;
+  return nearest[(nearest.size() - 1) / 2];
+}
+
+FileSummary summarize(Reader& reader, Spacing spacing,
+                      const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   const FileInfo& info = reader.info();
-  const PositionFields position = position_fields(info.schema, info.path.string());
-  std::vector<std::byte> records(kPiece * info.schema.stride);
-  std::vector<double> x(kPiece), y(kPiece), z(kPiece);
+  const auto classes = info.schema.find("classification"), returns = info.schema.find("return_number");
+  const std::uint64_t work = spacing == Spacing::measure ? 2 * info.count : info.count;
   FileSummary summary;
+  summary.ranges.resize(info.schema.fields.size());
+  summary.has_classes = classes.has_value();
+  summary.has_returns = returns.has_value();
+  PlanArea plan(info.count);
+  SampledRows rows(info.count);
+  std::vector<NearestDistances::Sampled> sample;
   std::optional<Vec3> previous;
-  for (std::uint64_t row = 0; row < info.count;) {
-    const std::size_t count = reader.read(row, records);
-    if (count == 0)
-      fail("{}: ends at point {} of {}; it has changed while it was read.", info.path.string(), row, info.count);
-    decode_positions(position, records.data(), info.schema.stride, count, x.data(), y.data(), z.data());
-    for (std::size_t i = 0; i < count; ++i) {
-      const Vec3 p{x[i], y[i], z[i]};
+  for_each_piece(reader, [&](const Piece& piece) {
+    for (std::size_t i = 0; i < piece.count; ++i) {
+      const Vec3 p = piece.position(i);
+      const bool sampled = rows.contains(piece.first_row + i);
       if (!is_finite(p)) {
         ++summary.nonfinite;
         continue;
       }
-      add(summary, previous.value_or(p), p);
+      add_position(summary, previous.value_or(p), p);
+      plan.add(p.x, p.y);
+      if (sampled) sample.push_back({p, piece.first_row + i});
       previous = p;
     }
-    row += count;
-    progress(row, info.count);
+    add_ranges(summary, info.schema, piece);
+    if (classes) add_counts(summary.classes, info.schema.fields[*classes], info.schema, piece);
+    if (returns) add_counts(summary.returns, info.schema.fields[*returns], info.schema, piece);
+    progress(piece.first_row + piece.count, work);
+  });
+  summary.area = plan.area();
+  summary.cell_side = plan.cell_side();
+  if (spacing == Spacing::measure) {
+    summary.nearest =
+        nearest_distances(reader, std::move(sample), [&](std::uint64_t done) { progress(info.count + done, work); });
   }
   return summary;
-}
-
-std::string to_text(std::uint64_t points, const Box& bounds) {
-  std::string text = fmt::format("  points      {}\n", points);
-  if (bounds.empty()) return text;
-  for (int axis = 0; axis < 3; ++axis)
-    text += fmt::format("  {}           {:.15g} .. {:.15g}\n", "xyz"[axis], bounds.lo[axis], bounds.hi[axis]);
-  return text;
-}
-
-std::string to_text(const FileInfo& info, const FileSummary& summary) {
-  std::string text = fmt::format("{}\n  format      {}, {} bytes\n", info.path.string(), info.format, info.bytes);
-  text += to_text(info.count, summary.bounds);
-  if (summary.nonfinite > 0) text += fmt::format("  not finite  {} points, not in the bounds\n", summary.nonfinite);
-  text += fmt::format("  attributes  {}\n", attribute_text(info.schema));
-  return text + fmt::format("  order       {}\n", order_text(summary));
 }
 
 }  // namespace pointsweep

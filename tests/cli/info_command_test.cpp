@@ -1,5 +1,15 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "cli/nearest_distances.h"
+#include "cli/plan_area.h"
 #include "tests/cli/tool.h"
+#include "tests/formats/las_test_file.h"
 
 namespace pointsweep {
 namespace {
@@ -14,6 +24,12 @@ class Info : public Tool {
     const Result result = tool("info a.ply");
     EXPECT_EQ(result.status, 0) << result.err;
     return result.out;
+  }
+  /// What `info --json` of such files says.
+  nlohmann::ordered_json json_of(const std::string& files, int status = 0) {
+    const Result result = tool("info --json " + files);
+    EXPECT_EQ(result.status, status) << result.err;
+    return nlohmann::ordered_json::parse(result.out);
   }
   static void says(const std::string& text, const std::string& line) {
     EXPECT_NE(("\n" + text).find("\n  " + line + "\n"), std::string::npos) << text << "does not say: " << line;
@@ -62,10 +78,163 @@ TEST_F(Info, KnowsASortedFileFromAGeneratedOne) {
   says(tool("info b.ply").out, "order       ascending along y");
 }
 
+TEST_F(Info, GivesTheRangeOfEveryAttribute) {
+  const std::string text = info_of("1 20 -3 7\n3 5 0.25 8\n2 6 100000.125 9\n", 3);
+  says(text, "  red  7 .. 9");
+}
+
+TEST_F(Info, DensityAndSpacingOfAGridAreThoseOfTheGrid) {
+  // 100 × 100 points, 0.25 apart, over 25 × 25 units: 16 points on a unit, up to the edge of cells at the border.
+  std::string rows;
+  for (int i = 0; i < 100; ++i)
+    for (int j = 0; j < 100; ++j) rows += fmt::format("{} {} 0 0\n", 0.25 * i, 0.25 * j);
+  info_of(rows, 10000);
+  const auto json = json_of("a.ply").at("files").at(0);
+  EXPECT_DOUBLE_EQ(json.at("spacing"), 0.25);
+  EXPECT_EQ(json.at("spacing_sample"), 1000);
+  EXPECT_EQ(json.at("spacing_duplicates"), 0);
+  EXPECT_NEAR(json.at("density"), 16, 1.5);
+}
+
+TEST_F(Info, CountsDuplicatesInTheSample) {
+  const auto json = [this] {
+    info_of("1 1 1 0\n1 1 1 0\n5 5 5 0\n", 3);
+    return json_of("a.ply").at("files").at(0);
+  }();
+  EXPECT_EQ(json.at("spacing"), 0);
+  EXPECT_EQ(json.at("spacing_duplicates"), 2);
+}
+
+TEST_F(Info, APointAloneHasNoSpacing) {
+  info_of("1 1 1 0\n", 1);
+  EXPECT_TRUE(json_of("a.ply").at("files").at(0).at("spacing").is_null());
+  info_of("nan 1 1 0\n", 1);
+  const auto json = json_of("a.ply").at("files").at(0);
+  EXPECT_TRUE(json.at("bounds").is_null());
+  EXPECT_TRUE(json.at("density").is_null());
+  EXPECT_EQ(json.at("nonfinite"), 1);
+}
+
+TEST_F(Info, SpacingCanBeLeftOut) {
+  ASSERT_EQ(tool("generate plane a.ply -n 1000").status, 0);
+  const Result result = tool("info a.ply --no-spacing");
+  EXPECT_EQ(result.out.find("spacing"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("density"), std::string::npos) << result.out;
+}
+
+TEST_F(Info, TellsTheClassesReturnsScaleAndTimesOfALasFile) {
+  las_test::File file;
+  file.format = 1;
+  file.count = 3;
+  file.scale = {0.01, 0.001, 0.25};
+  file.offset = {100, 200, 0};
+  std::string bytes = file.bytes();
+  const auto set = [&](std::size_t point, int number, int of, int code, double time) {
+    const std::size_t at = file.points_at() + point * file.record_length();
+    las_test::put(bytes, at + 14, static_cast<std::uint8_t>(number | of << 3));
+    las_test::put(bytes, at + 15, static_cast<std::uint8_t>(code));
+    las_test::put(bytes, at + 20, time);
+  };
+  set(0, 1, 2, 2, 300.5);
+  set(1, 2, 2, 5, 300.25);
+  set(2, 1, 1, 2, 400);
+  las_test::put(bytes, 6, std::uint16_t{0});
+  write("a.las", bytes);
+  const std::string text = tool("info a.las").out;
+  says(text, "scale       0.01 0.001 0.25");
+  says(text, "offset      100 200 0");
+  says(text, "classes     2 Ground: 2, 5 High vegetation: 1");
+  says(text, "returns     1: 2, 2: 1");
+  says(text, "gps time    300.25 .. 400 (seconds of the GPS week)");
+  las_test::put(bytes, 6, std::uint16_t{1});
+  write("b.las", bytes);
+  says(tool("info b.las").out,
+       "gps time    300.25 .. 400 (adjusted standard: 2011-09-14T01:51:40 .. 2011-09-14T01:53:20)");
+  const auto json = json_of("b.las").at("files").at(0);
+  EXPECT_EQ(json.at("classes").dump(), R"({"2":2,"5":1})");
+  EXPECT_EQ(json.at("returns").dump(), R"({"1":2,"2":1})");
+  EXPECT_EQ(json.at("gps_time").at("clock"), "adjusted_standard");
+  EXPECT_EQ(json.at("scale").dump(), "[0.01,0.001,0.25]");
+}
+
+TEST_F(Info, JsonHasTheDocumentedKeys) {
+  ASSERT_EQ(tool("generate statue a.ply -n 500").status, 0);
+  const auto json = json_of("a.ply nothing.ply", 1);
+  std::string keys;
+  for (const auto& [key, value] : json.at("files").at(0).items()) keys += key + " ";
+  EXPECT_EQ(keys,
+            "path format bytes points nonfinite bounds scale offset density density_cell spacing spacing_sample "
+            "spacing_duplicates ascending descending classes returns gps_time attributes warnings ");
+  EXPECT_EQ(json.at("files").at(1).at("path"), "nothing.ply");
+  EXPECT_NE(json.at("files").at(1).at("error").get<std::string>().find("no such file"), std::string::npos);
+  EXPECT_EQ(json.at("all").at("unreadable"), 1);
+  EXPECT_EQ(json.at("all").at("points"), 500);
+  EXPECT_EQ(json.at("files").at(0).at("attributes").at(3).at("name"), "nx");
+  EXPECT_TRUE(json.at("files").at(0).at("classes").is_null());
+}
+
+TEST_F(Info, GoesOnAfterAFileThatCannotBeReadAndEndsWithStatus1) {
+  write("a.xyz", "0 0 0\n1 1 1\n");
+  write("noise.ply", "this is prose, not points");
+  const Result result = tool("info noise.ply missing.las a.xyz");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.out.find("a.xyz\n"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("1 of 3 files\n  points      2\n"), std::string::npos) << result.out;
+  for (const char* words : {"noise.ply", "missing.las", "2 of 3 files could not be read"})
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+  EXPECT_NE(tool("info -q noise.ply a.xyz").err.find("noise.ply"), std::string::npos) << "quiet is not silent";
+}
+
+TEST(PlanArea, TheResultDoesNotDependOnTheOrderOfPoints) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> in(-3e5, 5e6);
+  std::vector<std::pair<double, double>> points;
+  for (int i = 0; i < 20000; ++i) points.emplace_back(in(random), 1e-3 * in(random));
+  PlanArea there(points.size()), back(points.size());
+  for (const auto& [x, y] : points) there.add(x, y);
+  for (auto p = points.rbegin(); p != points.rend(); ++p) back.add(p->first, p->second);
+  EXPECT_EQ(there.area(), back.area());
+  EXPECT_EQ(there.cell_side(), back.cell_side());
+  EXPECT_GT(there.area(), 0.8 * 5.3e6 * 5.3e3);
+}
+
+TEST(PlanArea, AnyCoordinatesHaveAnArea) {
+  for (const double far : {0.0, 1e-300, 1e18, 1e300}) {
+    PlanArea plan(100);
+    plan.add(far, -far);
+    plan.add(-far, far);
+    EXPECT_GT(plan.area(), 0) << far;
+  }
+  EXPECT_EQ(PlanArea(100).area(), 0);
+}
+
+TEST(NearestDistances, AreThoseOfBruteForce) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> in(0, 1);
+  std::vector<Vec3> cloud;
+  for (int i = 0; i < 3000; ++i) cloud.push_back({in(random), in(random), i % 3 == 0 ? 0 : in(random)});
+  for (int i = 0; i < 50; ++i) cloud.push_back(cloud[static_cast<std::size_t>(7 * i)]);
+  std::vector<NearestDistances::Sampled> sample;
+  for (std::uint64_t row = 0; row < cloud.size(); row += 11) sample.push_back({cloud[row], row});
+  NearestDistances nearest(sample);
+  for (std::size_t row = 0; row < cloud.size(); ++row) nearest.add(cloud[row], row);
+  std::vector<double> expected;
+  for (const auto& s : sample) {
+    double least = INFINITY;
+    for (std::size_t row = 0; row < cloud.size(); ++row)
+      if (row != s.row) least = std::min(least, length(cloud[row] - s.position));
+    expected.push_back(least);
+  }
+  std::sort(expected.begin(), expected.end());
+  const std::vector<double> found = nearest.distances();
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_DOUBLE_EQ(found[i], expected[i]);
+}
+
 TEST_F(Info, ReportsProgressToPrograms) {
   ASSERT_EQ(tool("generate plane a.ply -n 1000").status, 0);
   EXPECT_EQ(tool("info a.ply --progress-fd 5 5>progress").status, 0);
-  EXPECT_NE(contents(folder_ / "progress").find(R"({"phase":"info","done":1000,"total":1000,)"), std::string::npos);
+  EXPECT_NE(contents(folder_ / "progress").find(R"({"phase":"info","done":2000,"total":2000,)"), std::string::npos);
 }
 
 TEST_F(Info, RefusesWhatIsMissingOrNoCloud) {

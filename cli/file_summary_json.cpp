@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "cli/file_summary.h"
+#include "cli/gps_time.h"
+
+namespace pointsweep {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vector_of(Vec3 v) { return {v.x + 0.0, v.y + 0.0, v.z + 0.0}; }  // + 0: not "-0"
+
+Json number_or_null(std::optional<double> value) { return value ? Json(*value) : Json(); }
+
+Json axes(const std::array<bool, 3>& ordered, Vec3 extent) {
+  Json names = Json::array();
+  for (int axis = 0; axis < 3; ++axis)
+    if (ordered[static_cast<std::size_t>(axis)] && extent[axis] > 0) names.push_back(std::string(1, "xyz"[axis]));
+  return names;
+}
+
+Json attributes(const Schema& schema, const FileSummary& summary) {
+  Json list = Json::array();
+  for (std::size_t f = 0; f < schema.fields.size(); ++f) {
+    const Field& field = schema.fields[f];
+    const FieldRange& range = summary.ranges[f];
+    const bool any = range.lo <= range.hi;
+    list.push_back({{"name", field.name},
+                    {"type", name_of(field.type)},
+                    {"count", field.count},
+                    {"scale", field.scale},
+                    {"offset", field.bias},
+                    {"min", any ? Json(range.lo) : Json()},
+                    {"max", any ? Json(range.hi) : Json()},
+                    {"nonfinite", range.nonfinite}});
+  }
+  return list;
+}
+
+template <std::size_t N>
+Json counts(const std::array<std::uint64_t, N>& points, bool there) {
+  if (!there) return {};
+  Json object = Json::object();
+  for (std::size_t value = 0; value < N; ++value)
+    if (points[value] > 0) object[std::to_string(value)] = points[value];
+  return object;
+}
+
+Json gps_time(const FileInfo& info, const FileSummary& summary) {
+  const auto times = gps_times(info, summary);
+  if (!times) return {};
+  constexpr const char* kClocks[] = {"week_seconds", "adjusted_standard", "unknown"};
+  const auto date = [&](double t) {
+    const std::string text = times->clock == GpsClock::adjusted_standard ? gps_date(t) : "";
+    return text.empty() ? Json() : Json(text);
+  };
+  return {{"min", times->lo},
+          {"max", times->hi},
+          {"clock", kClocks[static_cast<int>(times->clock)]},
+          {"from", date(times->lo)},
+          {"to", date(times->hi)}};
+}
+
+}  // namespace
+
+Json to_json(const Box& bounds) {
+  if (bounds.empty()) return {};
+  return {{"min", vector_of(bounds.lo)}, {"max", vector_of(bounds.hi)}};
+}
+
+Json to_json(const FileInfo& info, const FileSummary& s) {
+  const PositionFields p = position_fields(info.schema, info.path.string());
+  const auto equal = std::upper_bound(s.nearest.begin(), s.nearest.end(), 0.0) - s.nearest.begin();
+  const Vec3 extent = s.bounds.extent();
+  return {{"path", info.path.string()},
+          {"format", info.format},
+          {"bytes", info.bytes},
+          {"points", info.count},
+          {"nonfinite", s.nonfinite},
+          {"bounds", to_json(s.bounds)},
+          {"scale", vector_of({p.x.scale, p.y.scale, p.z.scale})},
+          {"offset", vector_of({p.x.bias, p.y.bias, p.z.bias})},
+          {"density", number_or_null(s.density(info.count))},
+          {"density_cell", s.area > 0 ? Json(s.cell_side) : Json()},
+          {"spacing", number_or_null(s.spacing())},
+          {"spacing_sample", s.nearest.size()},
+          {"spacing_duplicates", equal},
+          {"ascending", axes(s.ascending, extent)},
+          {"descending", axes(s.descending, extent)},
+          {"classes", counts(s.classes, s.has_classes)},
+          {"returns", counts(s.returns, s.has_returns)},
+          {"gps_time", gps_time(info, s)},
+          {"attributes", attributes(info.schema, s)},
+          {"warnings", info.warnings}};
+}
+
+}  // namespace pointsweep

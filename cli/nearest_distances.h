@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+/// Exact distances from some points of a cloud to their nearest neighbours, in one pass over the cloud.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/math/vec3.h"
+
+namespace pointsweep {
+
+/// A kd-tree over the sample in which every node knows the largest distance found so far below it: a point of the cloud
+/// descends only where it may be nearer than that. Memory follows the sample.
+class NearestDistances {
+ public:
+  struct Sampled {
+    Vec3 position;  ///< finite
+    std::uint64_t row;
+  };
+  explicit NearestDistances(std::vector<Sampled> sample);
+
+  /// Shows a finite point of the cloud. The sampled point of the same row is not its own neighbour; others at distance
+  /// 0 are.
+  void add(Vec3 position, std::uint64_t row);
+
+  /// Ascending; of the sampled points that have a neighbour.
+  std::vector<double> distances() const;
+
+ private:
+  struct Node {
+    Box box;
+    double farthest2;                 ///< largest squared distance so far of a sampled point below
+    std::uint32_t begin, end, above;  ///< points of the sample; `above`: second child, 0 in a leaf
+  };
+  void build(std::uint32_t begin, std::uint32_t end);
+  void visit(std::uint32_t node, Vec3 position, std::uint64_t row);
+
+  std::vector<Sampled> sample_;
+  std::vector<double> nearest2_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace pointsweep

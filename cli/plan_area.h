@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+/// How much of the plane points cover, seen from above.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace pointsweep {
+
+/// Counts the occupied cells of a square grid in x and y. The side of a cell is the smallest power of two for which at
+/// most `limit` cells are occupied, so the result does not depend on the order of the points. Memory: 32 bytes × limit.
+class PlanArea {
+ public:
+  /// For a cloud of `points` points: a limit of a sixteenth of them, but at least 16 and at most 65,536. So a cell
+  /// holds 16 to 64 points on average, or more.
+  explicit PlanArea(std::uint64_t points);
+
+  /// Finite coordinates.
+  void add(double x, double y);
+
+  double cell_side() const { return side_; }
+  /// Square of the coordinates' unit; 0 without points.
+  double area() const { return static_cast<double>(count_) * side_ * side_; }
+
+ private:
+  struct Cell {
+    std::int64_t x = 0, y = 0;
+    bool taken = false;
+  };
+  Cell cell_of(double x, double y) const;
+  bool insert(Cell cell);
+  void coarsen();
+
+  std::uint64_t limit_, count_ = 0;
+  double side_;
+  std::vector<Cell> table_;
+  Cell last_;
+};
+
+}  // namespace pointsweep
