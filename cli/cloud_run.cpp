@@ -6,7 +6,9 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <vector>
 
+#include "cli/command_line.h"
 #include "cli/help.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
@@ -15,6 +17,7 @@
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/output_file.h"
 #include "pointsweep/formats/same_file.h"
+#include "pointsweep/report/pictured_attribute.h"
 #include "pointsweep/report/run_report.h"
 
 namespace pointsweep {
@@ -50,13 +53,16 @@ void complete(OutputFile& file, const std::string& text) {
 
 /// The result, read again; none where the output is no point file or has no
 /// point to show.
-std::optional<Rendering> picture_of(const std::filesystem::path& output, const Statistics& statistics,
-                                    ProgressDisplay& display) {
+std::optional<Rendering> picture_of(const std::filesystem::path& output, const Schema& input,
+                                    const Statistics& statistics, ProgressDisplay& display) {
   if (extension_of(output) == ".npy" || statistics.nonfinite == statistics.points) return std::nullopt;
   Cloud cloud({output});
   RenderOptions options;
   options.width = 900;
   options.height = 640;
+  std::vector<std::string> operators;
+  for (const auto& [name, seconds] : statistics.operator_seconds) operators.push_back(name);
+  options.color = pictured_attribute(operators, input, cloud.schema());
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
     stop_if_interrupted();
     display.report(phase, done, total);
@@ -64,13 +70,16 @@ std::optional<Rendering> picture_of(const std::filesystem::path& output, const S
   return render(cloud, options);
 }
 
-RunSummary summary_of(const InputsAndOutput& paths, const Statistics& statistics, ProgressDisplay& display) {
-  RunSummary summary{paths.output().filename().string(),
-                     {},
-                     paths.output().string(),
-                     statistics,
-                     picture_of(paths.output(), statistics, display)};
-  for (const auto& input : paths.inputs()) summary.inputs += (summary.inputs.empty() ? "" : ", ") + input.string();
+RunSummary summary_of(const InputsAndOutput& paths, const Schema& input, const Statistics& statistics,
+                      ProgressDisplay& display) {
+  RunSummary summary;
+  summary.title = paths.output().filename().string();
+  summary.output = paths.output().string();
+  summary.command = command_line();
+  summary.version = kept_version();
+  summary.statistics = statistics;
+  summary.picture = picture_of(paths.output(), input, statistics, display);
+  for (const auto& path : paths.inputs()) summary.inputs += (summary.inputs.empty() ? "" : ", ") + path.string();
   return summary;
 }
 
@@ -135,7 +144,7 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
   };
   const Statistics statistics = work(cloud, run);
   if (stats) complete(*stats, to_json(statistics) + "\n");
-  if (report) complete(*report, report_of(summary_of(paths, statistics, display)));
+  if (report) complete(*report, report_of(summary_of(paths, cloud.schema(), statistics, display)));
   for (const std::string& warning : statistics.warnings) display.say(warning);
   display.say(conclusion(paths.output(), statistics));
 }

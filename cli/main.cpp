@@ -8,6 +8,7 @@
 #include <new>
 
 #include "cli/arguments.h"
+#include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/help.h"
 #include "cli/interrupt.h"
@@ -52,6 +53,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "pointsweep " POINTSWEEP_VERSION);
   app.require_subcommand(1);
   pointsweep::add_commands(app);
+  pointsweep::keep_command_line(argc, argv, POINTSWEEP_VERSION);
 
   pointsweep::catch_interrupts();
   // A reader that went away and a limit on file sizes are errors of writing, not a sudden death.

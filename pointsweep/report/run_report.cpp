@@ -78,6 +78,8 @@ std::vector<std::pair<std::string, std::string>> rows_of(const RunSummary& summa
   const Statistics& s = summary.statistics;
   const auto number = [](std::uint64_t value) { return fmt::format("{}", value); };
   std::vector<std::pair<std::string, std::string>> rows = {
+      {"command", summary.command},
+      {"version", summary.version},
       {"input", summary.inputs},
       {"output", summary.output},
       {"points", number(s.points)},
@@ -99,8 +101,7 @@ std::vector<std::pair<std::string, std::string>> rows_of(const RunSummary& summa
       {"threads", number(s.threads)},
       {"machine", s.machine},
   };
-  if (!s.neighbor_distances.empty())
-    rows.insert(rows.begin() + 8, {"points with an equal one", number(equal_points(s))});
+  if (!s.neighbor_distances.empty()) rows.insert(rows.begin() + 10, {"duplicate points", number(equal_points(s))});
   return rows;
 }
 

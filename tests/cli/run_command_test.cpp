@@ -144,8 +144,18 @@ TEST_F(RunVerb, AReportShowsTheRunAndItsResult) {
     EXPECT_NE(page.find(words), std::string::npos) << words;
   }
   EXPECT_EQ(made("curvature in.ply again.ply", "again.ply"), contents(folder_ / "out.ply"));
+  EXPECT_NE(page.find("<td>command</td><td>pointsweep curvature in.ply out.ply --report report.html</td>"), page.npos);
+  EXPECT_NE(page.find("<td>version</td><td>"), page.npos);
+  EXPECT_NE(page.find("coloured by rms_curvature"), page.npos) << "what was computed, not the height";
+  EXPECT_NE(made("normals in.ply 'an output.ply' --report a.html", "a.html").find("'an output.ply' --report"),
+            page.npos);
+  EXPECT_NE(contents(folder_ / "a.html").find("coloured by plain"), page.npos);
   refused(1, "curvature in.ply other.ply --report report.html", "report.html");
   EXPECT_FALSE(exists("other.ply"));
+  for (const char* name : {"report.pdf", "report", "report.ply"}) {
+    refused(2, "curvature in.ply late.ply --report " + std::string(name), "ends with .html");
+    EXPECT_FALSE(exists("late.ply")) << "refused before the work";
+  }
   made("neighbors in.ply graph.npy --report graph.html", "graph.html");
 }
 

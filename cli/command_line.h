@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+/// How the tool was called.
+#pragma once
+
+#include <string>
+
+namespace pointsweep {
+
+/// To be called once, at the start of main(), with the version, e.g. "0.1.0".
+void keep_command_line(int argc, const char* const* argv, std::string version);
+
+/// "pointsweep normals 'my scan.ply' out.ply": as a shell would take it; the program's name without its folder.
+const std::string& command_line();
+/// Of the program, as it was kept.
+const std::string& kept_version();
+
+}  // namespace pointsweep

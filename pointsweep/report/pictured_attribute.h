@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+/// Which result of a run its picture shows.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// The colouring, as PointColor takes it, that shows what the last operator of a chain computed: curvature, plain
+/// (light and shade by the normals) after normals and splats, for other operators the first attribute that the output
+/// has and the input has not and that is a number. Operators without a visible result are passed over. Empty: no
+/// operator has one in the output.
+std::string pictured_attribute(std::span<const std::string> operators, const Schema& input, const Schema& output);
+
+}  // namespace pointsweep
