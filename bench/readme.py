@@ -41,7 +41,7 @@ def comparison(results, names):
                    f"{row['angle_degrees']['median']:.2f}° | {over[0]} | {over[1]} |\n")
     left_out = sorted({name for result in results for name, reason in result["left_out"].items() if reason == "not installed"})
     yield ("\nThe others use all neighbours alike, pointsweep weights them by distance. CloudCompare takes a radius, so it stands against `--radius` with the "
-           "same radius; the time of Open3D contains the start of Python.")
+           "same radius; the time of Open3D includes starting Python.")
     if left_out:
         yield f" Not measured, because it could not be installed: {', '.join(left_out)}."
     yield f" Made by `script/compare`; runs in {', '.join(f'`{name}`' for name in names)}.\n"
