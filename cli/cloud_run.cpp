@@ -46,6 +46,13 @@ Cloud open_inputs(InputsAndOutput paths, const CommonOptions& options) {
   return Cloud(paths.inputs(), {.ignore_crs = options.ignore_crs});
 }
 
+/// The name of the report, refused if it is not that of a page.
+const std::filesystem::path& page_name(const std::filesystem::path& file) {
+  if (extension_of(file) != ".html")
+    fail_usage("--report: {}: the report is a page; give a name that ends with .html.", file.string());
+  return file;
+}
+
 void complete(OutputFile& file, const std::string& text) {
   file.append(std::as_bytes(std::span(text)));
   file.commit();
@@ -135,7 +142,7 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
   std::optional<OutputFile> stats;  // made first: a place that cannot be written is known before the work, not after
   if (!options.stats.empty()) stats.emplace(options.stats, options.force);
   std::optional<OutputFile> report;
-  if (!options.report.empty()) report.emplace(options.report, options.force);
+  if (!options.report.empty()) report.emplace(page_name(options.report), options.force);
   ProgressDisplay display(options);
   RunOptions run = run_options(options);
   run.progress = [&display](const Progress& p) {

@@ -8,7 +8,6 @@
 
 #include "cli/quantities.h"
 #include "pointsweep/error.h"
-#include "pointsweep/formats/extension.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -98,14 +97,7 @@ void add_stream_options(CLI::App& verb, CommonOptions& options) {
       ->type_name("DIR");
   add_axis_option(verb, options);
   verb.add_option("--stats", options.stats, "Write statistics of the run to this JSON file")->type_name("FILE");
-  verb.add_option_function<std::string>(
-          "--report",
-          [&options](const std::string& file) {
-            options.report = file;
-            if (extension_of(options.report) != ".html")
-              fail_usage("--report: {}: the report is a page; give a name that ends with .html.", file);
-          },
-          "Write a page about the run, with plots and a picture (.html)")
+  verb.add_option("--report", options.report, "Write a page about the run, with plots and a picture (.html)")
       ->type_name("FILE");
   // For figures of the sweep and for tests, not for users.
   verb.add_option("--half-way-states", options.half_way)->group("");

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep info FILE...`: what is in a point file, found by reading all of it.
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
@@ -48,7 +47,6 @@ class InfoReport {
           failures_ == 0 ? fmt::format("all {} files", files) : fmt::format("{} of {} files", files - failures_, files);
       fmt::print("{}\n{}", which, to_text(points_, bounds_));
     }
-    std::fflush(stdout);
   }
   std::size_t failures() const { return failures_; }
 
