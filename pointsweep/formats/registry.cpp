@@ -65,4 +65,10 @@ std::unique_ptr<Writer> create_writer(const OutputPlan& plan) {
              extension.empty() ? "a name without extension" : fmt::format("'{}'", extension), known);
 }
 
+std::vector<std::string_view> writable_extensions() {
+  std::vector<std::string_view> extensions;
+  for (const WriterOf& writer : kWriters) extensions.push_back(writer.extension);
+  return extensions;
+}
+
 }  // namespace pointsweep

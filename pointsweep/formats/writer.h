@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pointsweep/formats/reader.h"
@@ -73,5 +74,8 @@ class Writer {
 /// Chooses the format by the extension of the path (.ply, .las, .xyz, .txt, .csv, .pts, .asc). Throws Error before
 /// anything is written: unknown extension, output exists, folder missing or read-only.
 std::unique_ptr<Writer> create_writer(const OutputPlan& plan);
+
+/// The extensions that create_writer() knows, e.g. ".ply".
+std::vector<std::string_view> writable_extensions();
 
 }  // namespace pointsweep

@@ -64,6 +64,19 @@ void remove_abandoned_folders(const std::filesystem::path& parent) {
 
 }  // namespace
 
+void require_temp_parent(const std::filesystem::path& parent) {
+  struct stat status {};
+  const char* why = nullptr;
+  if (::stat(parent.c_str(), &status) != 0)
+    why = std::strerror(errno);
+  else if (!S_ISDIR(status.st_mode))
+    why = "it is not a folder";
+  else if (::faccessat(AT_FDCWD, parent.c_str(), W_OK | X_OK, AT_EACCESS) != 0)
+    why = std::strerror(errno);
+  if (why != nullptr)
+    fail("the temporary folder '{}' cannot be used: {}; name a writable folder with --temp-dir.", parent.string(), why);
+}
+
 TempFolder::TempFolder(const std::filesystem::path& parent) {
   remove_abandoned_folders(parent);
   std::string name = (parent / std::string(kPrefix)).string() + std::to_string(::getpid()) + "-" + std::string(kRandom);

@@ -6,6 +6,9 @@
 
 namespace pointsweep {
 
+/// Throws Error unless `parent` is an existing folder in which this process may create files.
+void require_temp_parent(const std::filesystem::path& parent);
+
 /// Made as `<parent>/pointsweep-<pid>-<random>`, mode 0700; removed with everything in it by the destructor. Creating
 /// one first removes the folders of the same parent whose process no longer lives (what kill -9 left behind).
 class TempFolder {

@@ -27,6 +27,8 @@ bool any_needs_diagonal(const std::vector<StageText>& stages) {
 
 Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
   const NeighborhoodDeclaration& knn = neighborhood_declaration();
+  for (const StageText& stage : stages)
+    if (stage.name != knn.name) find_operator(stage);  // an unknown one is worse than a wrong option
   Chain chain;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const StageText& stage = stages[i];

@@ -96,15 +96,9 @@ class Planner {
 
   void keep_only(const std::vector<std::string>& keep) {
     if (keep.empty()) return;
-    std::string names;
-    for (const Attribute& a : out_.made) names += (names.empty() ? "" : ", ") + a.name;
-    for (const std::string& name : keep) {
-      const auto bears_it = [&](const Attribute& a) { return a.name == name; };
-      if (std::none_of(out_.made.begin(), out_.made.end(), bears_it))
-        fail_usage("'{}' cannot be kept, since no stage makes it; what is made is {}.", name, names);
-    }
-    std::erase_if(out_.made,
-                  [&](const Attribute& a) { return std::find(keep.begin(), keep.end(), a.name) == keep.end(); });
+    out_.kept = kept_fields(keep, out_.made, input_);
+    const std::vector<std::string>& kept = out_.kept.attributes;
+    std::erase_if(out_.made, [&](const Attribute& a) { return std::ranges::find(kept, a.name) == kept.end(); });
   }
 
   std::uint16_t new_column(const Attribute& a) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pointsweep/operators/operator.h"
+#include "pointsweep/pipeline/kept_fields.h"
 #include "pointsweep/search/best_list.h"
 #include "pointsweep/sweep/plan.h"
 
@@ -16,7 +17,8 @@ namespace pointsweep {
 struct Chain {
   Neighborhood neighborhood;
   std::vector<std::shared_ptr<const Operator>> operators;
-  std::vector<std::string> keep = {};  ///< names of the made attributes to write; empty: all of them
+  /// What to write, of the made attributes and of the input's, by name (kept_fields.h); empty: everything.
+  std::vector<std::string> keep = {};
 };
 
 /// A plan whose file columns are still names, and the attributes that will be written.
@@ -27,6 +29,8 @@ struct PlannedChain {
   /// The last version of every attribute made and kept, in the order first made; result records hold them one after
   /// another.
   std::vector<Attribute> made;
+  /// What of these and of the input is written.
+  KeptFields kept;
 
   /// Indices of the input's fields that must travel with the points.
   std::vector<std::size_t> payload(const Schema& input) const;
@@ -36,7 +40,7 @@ struct PlannedChain {
 
 /// Throws UsageError in a sentence naming the stage when k is 0, a radius is negative, or an operator reads an
 /// attribute that neither the input nor an earlier stage has, a rule of neighbourhoods one that the input has not, and
-/// when an attribute to keep is made by no stage. `input` names the cloud's fields.
+/// when an attribute to keep is neither made nor the input's. `input` names the cloud's fields.
 PlannedChain plan_chain(const Chain& chain, const Schema& input);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The word of a pipeline that says what all stages take for neighbours.
+/// The stage of a pipeline that defines the neighbourhood of all others.
 #include "pointsweep/error.h"
 #include "pointsweep/operators/least_eigenentropy.h"
 #include "pointsweep/operators/limits_from_attributes.h"
@@ -11,35 +11,40 @@ namespace {
 NeighborhoodDeclaration declare_neighborhood() {
   return {
       .name = "knn",
-      .meaning = "neighbours for all stages: the k nearest, those within a radius, or the k nearest of these",
-      .options = {
-          {.name = "k",
-           .kind = OptionKind::whole,
-           .preset = "8",
-           .meaning = "how many, the point itself not counted; with a radius alone, all within it",
-           .least = 1},
-          {.name = "radius",
-           .kind = OptionKind::number,
-           .preset = "",
-           .meaning = "no farther than this, in the unit of the coordinates"},
-          {.name = "k_from",
-           .kind = OptionKind::attribute,
-           .preset = "",
-           .meaning = "as many as this attribute of the point says, at most k; needs k"},
-          {.name = "radius_from",
-           .kind = OptionKind::attribute,
-           .preset = "",
-           .meaning = "no farther than this attribute of the point says; needs k or radius as the most"},
-          {.name = "adaptive",
-           .kind = OptionKind::choice,
-           .preset = "none",
-           .meaning = "eigenentropy: as many, from k_min to k, as give the least eigenentropy (Weinmann 2014); needs k",
-           .choices = {"none", "eigenentropy"}},
-          {.name = "k_min",
-           .kind = OptionKind::whole,
-           .preset = "10",
-           .meaning = "the least k that adaptive=eigenentropy may choose",
-           .least = 3}}};
+      .meaning =
+          "neighbourhood for all stages: the k nearest points, all points within a radius, or the k nearest of these",
+      .options =
+          {{.name = "k",
+            .kind = OptionKind::whole,
+            .preset = "8",
+            .meaning = "number of neighbours, excluding the point; a radius without k means all points within it",
+            .least = 1},
+           {.name = "radius",
+            .kind = OptionKind::number,
+            .preset = "",
+            .meaning = "maximum distance of a neighbour, in the unit of the coordinates"},
+           {.name = "k_from",
+            .kind = OptionKind::attribute,
+            .preset = "",
+            .meaning =
+                "attribute of the input that holds the number of neighbours of each point, at most k; requires k"},
+           {.name = "radius_from",
+            .kind = OptionKind::attribute,
+            .preset = "",
+            .meaning = "attribute of the input that holds the maximum distance for each point; requires k or radius as "
+                       "a limit"},
+           {.name = "adaptive",
+            .kind = OptionKind::choice,
+            .preset = "none",
+            .meaning = "eigenentropy chooses for each point the number from k_min to k with the least eigenentropy "
+                       "(Weinmann 2014); requires k",
+            .choices = {"none", "eigenentropy"}},
+           {.name = "k_min",
+            .kind = OptionKind::whole,
+            .preset = "10",
+            .meaning = "smallest number that adaptive=eigenentropy may choose",
+            .least = 3}},
+      .example = "knn(k=100, adaptive=eigenentropy, k_min=10) | normals"};
 }
 
 /// The most that a rule may choose from must be said: the k that is taken where none is given is for points that are

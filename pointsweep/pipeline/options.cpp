@@ -56,14 +56,27 @@ std::string range_text(double least, double most) {
   return std::isfinite(most) ? fmt::format("{} to {}", least, most) : fmt::format("{} or more", least);
 }
 
+/// What is written without a name: a value, or the name of an option alone.
+[[noreturn]] void refuse_unnamed(const std::vector<OptionDeclaration>& declarations, const OptionText& option,
+                                 const std::string& stage) {
+  const auto named = std::ranges::find(declarations, option.value, &OptionDeclaration::name);
+  if (named != declarations.end())
+    fail_usage("{}: {}: the option '{}' has no value; write {}=VALUE ({}).", option.place, stage, option.value,
+               option.value, named->allowed());
+  if (declarations.empty()) fail_usage("{}: {} has no options; leave out '{}'.", option.place, stage, option.value);
+  fail_usage("{}: {}: '{}' has no name; write options as NAME=VALUE, e.g. {}={}.", option.place, stage, option.value,
+             declarations.front().name, option.value);
+}
+
 const OptionDeclaration& declared(const std::vector<OptionDeclaration>& declarations, const OptionText& option,
                                   const std::string& stage) {
+  if (option.name.empty()) refuse_unnamed(declarations, option, stage);
   std::vector<std::string> names;
   for (const OptionDeclaration& d : declarations) {
     if (d.name == option.name) return d;
     names.push_back(d.name);
   }
-  if (names.empty()) fail_usage("{}: {} has no options, so '{}' says nothing.", option.place, stage, option.name);
+  if (names.empty()) fail_usage("{}: {} has no options, so it has no '{}'.", option.place, stage, option.name);
   fail_usage("{}: {} has no option '{}'; the nearest it has {} {}.", option.place, stage, option.name,
              names.size() == 1 ? "is" : "are", nearest_names(option.name, names));
 }
@@ -76,7 +89,7 @@ std::string OptionDeclaration::allowed() const {
     case OptionKind::number:
       return range_text(least, most);
     case OptionKind::point:
-      return "X,Y,Z";
+      return "[X,Y,Z]";
     case OptionKind::attribute:
       return "the name of an attribute";
     case OptionKind::choice:

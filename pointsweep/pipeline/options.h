@@ -31,7 +31,7 @@ struct OptionDeclaration {
   double most = std::numeric_limits<double>::infinity();
   std::vector<std::string> choices = {};
 
-  /// "1 or more", "0 to 90", "none, up or input", "X,Y,Z": what may be given.
+  /// "1 or more", "0 to 90", "none, up or input", "[X,Y,Z]": what may be given.
   std::string allowed() const;
   /// Throws UsageError that begins with `where` unless `value` may be given.
   void check(std::string_view value, std::string_view where) const;

@@ -36,19 +36,18 @@ std::vector<std::byte> sorted_slab(const Stream& stream, std::size_t slab, std::
 
 }  // namespace
 
-void write_in_order(const Stream& stream, std::size_t bytes, OutputSet& files,
+void write_in_order(const Stream& stream, std::size_t bytes,
+                    const std::function<void(std::span<const std::byte>)>& write,
                     const std::function<void(std::uint64_t)>& report) {
   const std::size_t slabs = stream.slabs().size();
   MadeAhead<std::vector<std::byte>> sorted([&](std::size_t s) { return sorted_slab(stream, s, bytes); }, 0, slabs,
                                            thread_count());
   std::uint64_t done = 0;
   for (std::size_t s = 0; s < slabs; ++s) {
-    files.write_records(sorted.next());
+    write(sorted.next());
     report(done += stream.slabs()[s].count);
   }
-  for_each_nonfinite(stream, [&](std::uint64_t, const std::byte* record, std::uint64_t) {
-    files.write_records({record, bytes});
-  });
+  for_each_nonfinite(stream, [&](std::uint64_t, const std::byte* record, std::uint64_t) { write({record, bytes}); });
 }
 
 Reordering::Reordering(Cloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions)

@@ -12,9 +12,10 @@
 
 namespace pointsweep {
 
-/// Writes the first `bytes` of every working record, points without a place last. `report(points_written)` after each
-/// slab.
-void write_in_order(const Stream& stream, std::size_t bytes, OutputSet& files,
+/// Gives the first `bytes` of every working record to `write`, points without a place last.
+/// `report(points_written)` after each slab.
+void write_in_order(const Stream& stream, std::size_t bytes,
+                    const std::function<void(std::span<const std::byte>)>& write,
                     const std::function<void(std::uint64_t)>& report);
 
 /// Output records in the order of positions that no sweep went by: each is followed by the position that gives it its

@@ -20,17 +20,24 @@ void copy_pieces(const std::byte* from, std::size_t from_stride, std::byte* to, 
 
 }  // namespace
 
-OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& made, std::optional<Type> moved_positions)
+OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept,
+                           std::optional<Type> moved_positions)
     : schema_(input), input_stride_(input.stride), passed_{{0, 0, input.stride}} {
   const auto moves = [](const Attribute& a) { return a.name == position_attribute().name; };
-  if (moved_positions && std::any_of(made.begin(), made.end(), moves)) retype_positions(*moved_positions);
+  if (std::none_of(made.begin(), made.end(), moves)) moved_positions.reset();
+  if (kept.input)
+    keep_fields(input, *kept.input, moved_positions);
+  else if (moved_positions)
+    retype_positions(*moved_positions);
+  const Schema own = schema_;
   for (const Attribute& attribute : made) {
     for (const std::string& name : attribute.fields) {
       const Field from{.name = name, .type = attribute.type, .offset = result_stride_};
-      const auto known = input.find(name);
+      result_stride_ += static_cast<std::uint32_t>(size_of(attribute.type));
+      if (kept.left_out.contains(name)) continue;
+      const auto known = own.find(name);
       const std::size_t index = known ? *known : schema_.append(name, attribute.type);
       add(from, schema_.fields[index]);
-      result_stride_ += static_cast<std::uint32_t>(size_of(attribute.type));
     }
   }
 }
@@ -61,17 +68,35 @@ void OutputLayout::retype_positions(Type type) {
   std::copy_if(pieces.begin(), pieces.end(), std::back_inserter(passed_), [](const Copy& c) { return c.bytes > 0; });
 }
 
+/// Fields keep their storage, except moved positions: bit fields that share a byte each get a copy of it.
+void OutputLayout::keep_fields(const Schema& input, const std::vector<std::size_t>& kept,
+                               std::optional<Type> moved_positions) {
+  schema_ = {};
+  passed_.clear();
+  for (const std::size_t index : kept) {
+    Field field = input.fields[index];
+    const bool moved =
+        moved_positions && (input.find("x") == index || input.find("y") == index || input.find("z") == index);
+    if (moved) field = {.name = field.name, .type = *moved_positions};
+    const auto bytes = static_cast<std::uint32_t>(size_of(field.type)) * field.count;
+    if (!moved) append(passed_, {field.offset, schema_.stride, bytes});
+    field.offset = schema_.stride;
+    schema_.stride += bytes;
+    schema_.fields.push_back(std::move(field));
+  }
+}
+
+void OutputLayout::append(std::vector<Copy>& copies, const Copy& next) {
+  if (!copies.empty()) {
+    Copy& last = copies.back();
+    if (last.from + last.bytes == next.from && last.to + last.bytes == next.to) return void(last.bytes += next.bytes);
+  }
+  copies.push_back(next);
+}
+
 void OutputLayout::add(const Field& from, const Field& to) {
   if (!to.is_plain() || to.type != from.type) return conversions_.push_back({from, to});
-  const auto bytes = static_cast<std::uint32_t>(size_of(from.type));
-  if (!copies_.empty()) {
-    Copy& last = copies_.back();
-    if (last.from + last.bytes == from.offset && last.to + last.bytes == to.offset) {
-      last.bytes += bytes;
-      return;
-    }
-  }
-  copies_.push_back({from.offset, to.offset, bytes});
+  append(copies_, {from.offset, to.offset, static_cast<std::uint32_t>(size_of(from.type))});
 }
 
 void OutputLayout::assemble(const std::byte* inputs, const std::byte* results, std::size_t n,

@@ -8,17 +8,19 @@
 #include <utility>
 #include <vector>
 
+#include "pointsweep/pipeline/kept_fields.h"
 #include "pointsweep/points/attribute.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 
-/// The input's record unchanged, then the made values; one that the input already has is replaced where it stands.
+/// The input's record unchanged, or those of its fields that are kept, without gaps; then the made values. A made value
+/// that the input's part already has is replaced where it stands.
 class OutputLayout {
  public:
   /// `moved_positions`: the type that x, y and z get where they stand if `made` moves points; absent: that of the
   /// input.
-  OutputLayout(const Schema& input, const std::vector<Attribute>& made,
+  OutputLayout(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept = {},
                std::optional<Type> moved_positions = std::nullopt);
 
   const Schema& schema() const { return schema_; }
@@ -26,11 +28,13 @@ class OutputLayout {
   void assemble(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs) const;
 
  private:
-  /// Values that lie side by side in both records are one copy.
   struct Copy {
     std::uint32_t from, to, bytes;
   };
   void retype_positions(Type type);
+  /// Values that lie side by side in both records are one copy.
+  static void append(std::vector<Copy>& copies, const Copy& next);
+  void keep_fields(const Schema& input, const std::vector<std::size_t>& kept, std::optional<Type> moved_positions);
   void add(const Field& from, const Field& to);
   void assemble_block(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs) const;
 

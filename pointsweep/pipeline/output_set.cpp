@@ -22,9 +22,10 @@ std::optional<Type> type_of_moved_positions(const Schema& input, const std::file
   return on_grid && extension_of(output) == ".las" ? std::nullopt : std::optional(options.moved_positions);
 }
 
-OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const Outputs& outputs,
-                     const RunOptions& options, std::optional<Box> bounds, std::shared_ptr<const LasValues> las_values)
-    : layout_(cloud.schema(), made, type_of_moved_positions(cloud.schema(), outputs.points, options)),
+OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept,
+                     const Outputs& outputs, const RunOptions& options, std::optional<Box> bounds,
+                     std::shared_ptr<const LasValues> las_values)
+    : layout_(cloud.schema(), made, kept, type_of_moved_positions(cloud.schema(), outputs.points, options)),
       input_stride_(cloud.schema().stride) {
   const OutputPlan plan{.path = outputs.points,
                         .schema = layout_.schema(),
@@ -97,6 +98,13 @@ void OutputSet::write_records(std::span<const std::byte> records) {
     filled_ += fitting;
     if (filled_ == chunk) write_filled();
   }
+}
+
+void OutputSet::write_inputs(std::span<const std::byte> records) {
+  const std::size_t rows = records.size() / input_stride_;
+  inputs_.resize(rows * layout_.schema().stride);
+  layout_.assemble(records.data(), nullptr, rows, inputs_.data());
+  write_records(inputs_);
 }
 
 void OutputSet::write_filled() {

@@ -16,8 +16,9 @@ namespace pointsweep {
 class OutputSet {
  public:
   /// Refuses before any work: unknown formats, existing files, missing folders, names of attributes nobody makes.
-  OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const Outputs& outputs, const RunOptions& options,
-            std::optional<Box> bounds, std::shared_ptr<const LasValues> las_values = nullptr);
+  OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept, const Outputs& outputs,
+            const RunOptions& options, std::optional<Box> bounds,
+            std::shared_ptr<const LasValues> las_values = nullptr);
 
   const OutputLayout& layout() const { return layout_; }
   /// What the formats of the files cannot hold, one sentence each.
@@ -26,6 +27,8 @@ class OutputSet {
   void write_results(Cloud& cloud, std::uint64_t first_row, std::span<const std::byte> results);
   /// The next whole records of layout().
   void write_records(std::span<const std::byte> records);
+  /// The next records of the input, of which layout() says what is kept; nothing is made.
+  void write_inputs(std::span<const std::byte> records);
   /// Gives the files their names, unless the inputs have changed meanwhile.
   void finish(const Cloud& cloud);
   std::uint64_t bytes_written() const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "pointsweep/error.h"
 
@@ -22,7 +23,8 @@ bool is_bare(char c) { return is_name_character(c) || c == '+' || c == '%' || c 
 
 /// Recursive descent through
 ///   pipeline = stage {"|" stage}            stage = name ["(" [option {"," option}] ")"]
-///   option = name "=" value                 value = bare | quoted | "[" bare {"," bare} "]"
+///   option = [name "="] value               value = bare | quoted | "[" bare {"," bare} "]"
+/// An option without a name is an error, but one of its operator, which has to be known to say what is meant.
 class Parser {
  public:
   Parser(std::string_view text, std::string_view source) : text_(text), source_(source) {}
@@ -52,16 +54,16 @@ class Parser {
   OptionText option() {
     skip_space();
     OptionText option{{}, {}, place()};
-    option.name = name("the name of an option");
-    if (!take('=')) expected("'='");
-    option.value = value();
+    option.value = value("the name of an option");
+    if (!is_name(option.value) || !take('=')) return option;
+    option.name = std::exchange(option.value, value("a value"));
     return option;
   }
 
-  std::string value() {
+  std::string value(std::string_view what) {
     skip_space();
     if (at_ < text_.size() && (text_[at_] == '"' || text_[at_] == '\'')) return quoted();
-    if (!take('[')) return word(is_bare, "a value");
+    if (!take('[')) return word(is_bare, what);
     std::string list = word(is_bare, "a value");
     while (take(',')) list += "," + word(is_bare, "a value");
     if (!take(']')) expected("',' or ']'");
@@ -160,8 +162,10 @@ std::string to_text(const std::vector<StageText>& stages) {
   std::string text;
   for (const StageText& stage : stages) {
     text += (text.empty() ? "" : " | ") + stage.name;
-    for (std::size_t i = 0; i < stage.options.size(); ++i)
-      text += (i == 0 ? "(" : ", ") + stage.options[i].name + "=" + value_text(stage.options[i].value);
+    for (std::size_t i = 0; i < stage.options.size(); ++i) {
+      const OptionText& option = stage.options[i];
+      text += (i == 0 ? "(" : ", ") + (option.name.empty() ? "" : option.name + "=") + value_text(option.value);
+    }
     if (!stage.options.empty()) text += ")";
   }
   return text;

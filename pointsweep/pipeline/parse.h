@@ -11,7 +11,8 @@
 
 namespace pointsweep {
 
-/// What is said of an option. A list has become its elements with commas between, as "0,0,1.7".
+/// An option as it is written. A list has become its elements with commas between, as "0,0,1.7". The name is empty
+/// where only a value is written, as in thin(0.1), which no operator takes (OptionValues).
 struct OptionText {
   std::string name, value;
   std::string place;  ///< for messages, e.g. "pipeline, column 12" or "chain.json, stage 2"

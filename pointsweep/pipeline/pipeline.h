@@ -41,7 +41,7 @@ struct Progress {
 struct RunOptions {
   std::uint64_t memory_bytes = 0;     ///< budget; 0: half of what is available
   unsigned threads = 0;               ///< 0: one for each core
-  std::filesystem::path temp_folder;  ///< empty: the system's
+  std::filesystem::path temp_folder;  ///< must exist and be writable, even if nothing is spilled; empty: the system's
   std::optional<int> axis;            ///< 0, 1, 2; absent: the longest
   Order order = Order::input;
   Engine engine = Engine::exact;
@@ -90,7 +90,9 @@ Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs, const R
 std::optional<Type> type_of_moved_positions(const Schema& input, const std::filesystem::path& output,
                                             const RunOptions& options);
 
-/// Writes the cloud in canonical order along the axis, attributes unchanged.
-Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options = {});
+/// Writes the cloud in canonical order along the axis: the attributes that `keep` names (kept_fields.h), unchanged, or
+/// all of them if it is empty.
+Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options = {},
+                const std::vector<std::string>& keep = {});
 
 }  // namespace pointsweep

@@ -171,7 +171,9 @@ Schema with_carried(const Schema& input, const Attributes& carried) {
 
 PlannedSweeps plan_sweeps(const Chain& chain, const Schema& input, bool ordered) {
   PlannedSweeps out;
-  out.made = plan_chain(without_updates(chain), input).made;
+  PlannedChain whole = plan_chain(without_updates(chain), input);
+  out.made = std::move(whole.made);
+  out.kept = std::move(whole.kept);
   if (out.made.empty()) fail_usage("The pipeline makes nothing; add an operator, as in knn(k=8) | normals.");
   out.by_moved_positions = ordered && deciding_resort(chain.operators) != chain.operators.end();
   std::set<std::string> needed;

@@ -23,6 +23,8 @@ struct PlannedSweeps {
   std::vector<PlannedSweep> sweeps;  ///< at least one
   /// The last version of every attribute made and kept, in the order first made.
   std::vector<Attribute> made;
+  /// What of these and of the input is written.
+  KeptFields kept;
   /// Order::sweep asks for an order that is not the one of the (only) sweep.
   bool reorders = false;
   /// That order is the one of stream_position_attribute(), the last of what the last sweep carries; otherwise the

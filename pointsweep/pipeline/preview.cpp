@@ -6,6 +6,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/order/survey.h"
+#include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/output_layout.h"
 
 namespace pointsweep {
@@ -137,6 +138,7 @@ Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options, con
   if (options.engine == Engine::reference)
     fail_usage(
         "The reference has no plan to show: it reads point by point; leave out --dry-run or --engine reference.");
+  if (!options.temp_folder.empty()) require_temp_parent(options.temp_folder);
   Preview out;
   out.planned = plan_sweeps(chain, cloud.schema(), options.order == Order::sweep);
   std::size_t first_stage = 0;
@@ -151,7 +153,8 @@ Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options, con
   out.budget = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
-  const OutputLayout layout(cloud.schema(), out.planned.made, type_of_moved_positions(cloud.schema(), output, options));
+  const OutputLayout layout(cloud.schema(), out.planned.made, out.planned.kept,
+                            type_of_moved_positions(cloud.schema(), output, options));
   out.memory = plan_run_memory(out.budget, out.planned, out.points, survey(source, options.axis, false), options,
                                layout.schema().stride);
   return out;

@@ -76,53 +76,63 @@ OptionDeclaration width(std::string name, std::string meaning) {
 std::vector<OperatorDeclaration> declare_operators() {
   return {
       {.name = "normals",
-       .meaning = "unit normals of the surface, by the weighted covariance of the neighbours",
+       .meaning = "unit normals, from the weighted covariance of the neighbours (Equation 1 of the paper)",
        .options = {{.name = "orient",
                     .kind = OptionKind::choice,
                     .preset = "none",
-                    .meaning = "side to point to: any, upwards, to the viewpoint, or as normals already there",
+                    .meaning = "how to orient normals: none, up (towards +z), towards the viewpoint, or to the side of "
+                               "the normals in the input",
                     .choices = {"none", "up", "viewpoint", "input"}},
                    {.name = "viewpoint",
                     .kind = OptionKind::point,
                     .preset = "",
-                    .meaning = "where the scanner stood, in the coordinates of the cloud; with orient=viewpoint"}},
-       .make = make_normals},
+                    .meaning = "position of the scanner, in the coordinates of the cloud; requires orient=viewpoint"}},
+       .make = make_normals,
+       .example = "knn(k=12) | normals(orient=viewpoint, viewpoint=[0,0,1.7])"},
       {.name = "curvature",
-       .meaning = "principal curvatures and what follows from them, by the covariance of the neighbours' normals",
+       .meaning =
+           "principal curvatures and derived curvatures, from the covariance of the neighbours' normals (Equation 2)",
        .options = {},
-       .make = make_curvature},
+       .make = make_curvature,
+       .example = "knn(k=64) | normals | curvature"},
       {.name = "splats",
-       .meaning = "ellipses that cover the surface together",
+       .meaning = "elliptical splats that together cover the surface",
        .options = {{.name = "axes",
                     .kind = OptionKind::choice,
                     .preset = "auto",
-                    .meaning = "what turns and flattens them; auto: curvature where an earlier stage makes it",
+                    .meaning = "what determines direction and ratio of the ellipses; auto is curvature if an earlier "
+                               "stage makes it, else positions",
                     .choices = {"auto", "positions", "curvature"}}},
-       .make = make_splats},
+       .make = make_splats,
+       .example = "knn(k=12) | normals | splats(axes=positions)"},
       {.name = "fair",
-       .meaning = "moves points towards the tangent planes of their neighbours, sparing edges",
-       .options = {width(
-                       "f",
-                       "standard deviation of the Gaussian of the distance to a neighbour, % of the input's diagonal"),
+       .meaning = "edge-preserving smoothing: moves points towards the tangent planes of their neighbours (Equation 3)",
+       .options = {width("f",
+                         "standard deviation of the Gaussian of the distance to a neighbour, in % of the diagonal of "
+                         "the input's bounding box"),
                    width("g",
-                         "standard deviation of the Gaussian of the distance to its tangent plane, % of the input's "
+                         "standard deviation of the Gaussian of the distance to its tangent plane, in % of the same "
                          "diagonal")},
        .make = make_fair,
-       .needs_diagonal = true},
+       .needs_diagonal = true,
+       .example = "knn(k=64) | normals | splats | fair(f=0.3, g=0.3) | normals"},
       {.name = "neighborhood_size",
-       .meaning = "how many neighbours a point has and how far they reach",
+       .meaning = "number of neighbours and distance of the farthest",
        .options = {},
-       .make = make_neighborhood_size},
+       .make = make_neighborhood_size,
+       .example = "knn(radius=0.1) | neighborhood_size"},
       {.name = "reneighbor",
-       .meaning = "neighbourhoods from here on are those of the positions as they are now; options as of knn, without "
-                  "any what it said before",
+       .meaning =
+           "finds new neighbours at the moved positions, for all later stages; options as for knn (default: those "
+           "in effect so far)",
        .options = options_of_reneighbor(),
-       .make = make_reneighbor},
+       .make = make_reneighbor,
+       .example = "knn(k=64) | normals | splats | fair | reneighbor(k=12) | normals"},
       {.name = "resort",
-       .meaning = "the order from here on is that of the positions as they are now; it changes what --order sweep "
-                  "writes and no value",
+       .meaning = "makes --order sweep write the points in the order of the moved positions; changes no value",
        .options = {},
-       .make = make_resort},
+       .make = make_resort,
+       .example = "knn(k=64) | normals | splats | fair | resort | normals"},
   };
 }
 

@@ -29,16 +29,18 @@ struct OperatorDeclaration {
   std::vector<OptionDeclaration> options;
   std::function<std::shared_ptr<const Operator>(const OptionValues&, const Facts&)> make;
   bool needs_diagonal = false;
+  std::string example = {};  ///< a whole pipeline as one writes it
 };
 
 /// In the order of their presentation.
 const std::vector<OperatorDeclaration>& all_operators();
 
-/// The one word of a pipeline that is no operator: what all stages take for neighbours.
+/// The one stage of a pipeline that is no operator: it defines the neighbourhood of all others.
 struct NeighborhoodDeclaration {
   std::string name;
   std::string meaning;
   std::vector<OptionDeclaration> options;
+  std::string example;  ///< a whole pipeline as one writes it
 };
 const NeighborhoodDeclaration& neighborhood_declaration();
 Neighborhood make_neighborhood(const OptionValues& options);

@@ -44,6 +44,7 @@ class Run {
     statistics_.threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
     statistics_.memory_budget_bytes = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
     statistics_.machine = machine_description();
+    if (!options.temp_folder.empty()) require_temp_parent(options.temp_folder);
     if (cloud.count() == 0) fail("{}: has no points, so there is nothing to do.", name_of_cloud());
     for (const auto& reader : cloud.readers()) {
       const auto& warnings = reader->info().warnings;
@@ -65,7 +66,8 @@ class Run {
     open_checkpoints(planned, outputs);
     survey_cloud(in_stream_order || needs_bounds(outputs.points));
     require_distances(survey_.bounds);
-    OutputSet files(cloud_, planned.made, outputs, options_, bounds_if_exact(), values_for(outputs.points));
+    OutputSet files(cloud_, planned.made, planned.kept, outputs, options_, bounds_if_exact(),
+                    values_for(outputs.points));
     const RunMemory memory = plan_run_memory(statistics_.memory_budget_bytes, planned, cloud_.count(), survey_,
                                              options_, files.layout().schema().stride);
     make_folder(memory.spills());
@@ -74,19 +76,21 @@ class Run {
     return finish(files);
   }
 
-  Statistics sorted(const std::filesystem::path& output) {
+  Statistics sorted(const std::filesystem::path& output, const std::vector<std::string>& keep) {
     const Outputs outputs{.points = output, .arrays = {}, .writer = {}};
     require_separate_outputs(outputs);
-    open_checkpoints({}, outputs);
+    PlannedSweeps planned;
+    if (!keep.empty()) planned.kept = kept_fields(keep, {}, cloud_.schema());
+    open_checkpoints(planned, outputs);
     survey_cloud(true);
-    OutputSet files(cloud_, {}, outputs, options_, bounds_if_exact(), values_for(outputs.points));
+    OutputSet files(cloud_, {}, planned.kept, outputs, options_, bounds_if_exact(), values_for(outputs.points));
     const MemoryPlan memory = plan_ordering_memory(statistics_.memory_budget_bytes, cloud_.schema().stride,
                                                    cloud_.count(), survey_, options_);
     if (memory.needed_bytes != 0) fail_budget(statistics_.memory_budget_bytes, memory.needed_bytes);
     make_folder(memory.spill_stream);
     order(0, memory, true, {});
     if (checkpoints_) checkpoints_->in_order(*stream_, memory.slab_points, nullptr);
-    write_stream(cloud_.schema().stride, files);
+    write_stream(cloud_.schema().stride, [&](std::span<const std::byte> inputs) { files.write_inputs(inputs); });
     return finish(files);
   }
 
@@ -342,12 +346,13 @@ class Run {
     look(true);
     source_ = reordering.records();
     order(0, memory, true, {});
-    write_stream(files.layout().schema().stride, files);
+    write_stream(files.layout().schema().stride,
+                 [&](std::span<const std::byte> records) { files.write_records(records); });
   }
 
-  void write_stream(std::size_t bytes, OutputSet& files) {
+  void write_stream(std::size_t bytes, const std::function<void(std::span<const std::byte>)>& write_records) {
     const auto start = Clock::now();
-    write_in_order(*stream_, bytes, files, [this](std::uint64_t done) { report("writing", done, 0); });
+    write_in_order(*stream_, bytes, write_records, [this](std::uint64_t done) { report("writing", done, 0); });
     statistics_.bytes_spilled += stream_->spilled_bytes();
     statistics_.write_seconds += seconds_since(start);
   }
@@ -393,8 +398,9 @@ Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs, const R
   return on_threads(options, [&] { return Run(cloud, options).operators(chain, outputs); });
 }
 
-Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options) {
-  return on_threads(options, [&] { return Run(cloud, options).sorted(output); });
+Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options,
+                const std::vector<std::string>& keep) {
+  return on_threads(options, [&] { return Run(cloud, options).sorted(output, keep); });
 }
 
 }  // namespace pointsweep

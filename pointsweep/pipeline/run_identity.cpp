@@ -36,6 +36,15 @@ std::string outputs_text(const Outputs& outputs) {
   return text;
 }
 
+std::string kept_text(const KeptFields& kept, const Schema& input) {
+  std::string text;
+  if (kept.input) text += "of the input keeping";
+  for (const std::size_t f : kept.input.value_or(std::vector<std::size_t>())) text += " " + input.fields[f].name;
+  if (!kept.left_out.empty()) text += ", of what is made leaving out";
+  for (const std::string& field : kept.left_out) text += " " + field;
+  return text.empty() ? "" : text + "\n";
+}
+
 std::string sweep_text(const PlannedSweep& sweep) {
   const SweepPlan& plan = sweep.chain.plan;
   std::string text =
@@ -59,6 +68,7 @@ std::string run_identity(const Cloud& cloud, const PlannedSweeps& planned, const
     text += fmt::format("moved positions as {}\n", name_of(options.moved_positions));
   if (!options.resume_key.empty()) text += fmt::format("pipeline {}\n", options.resume_key);
   for (const PlannedSweep& sweep : planned.sweeps) text += sweep_text(sweep);
+  text += kept_text(planned.kept, cloud.schema());
   return text;
 }
 

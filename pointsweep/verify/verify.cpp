@@ -78,8 +78,11 @@ class Verification {
   void pair_made_attributes() {
     const Schema results = result_schema(chain_.made());
     replaced_.assign(in_.schema().fields.size(), !verdict_.attributes_compared);
+    for (std::size_t f = 0; f < replaced_.size(); ++f)
+      if (made_by_.left_out_input.contains(in_.schema().fields[f].name)) replaced_[f] = true;
     for (std::size_t f = 0; f < results.fields.size(); ++f) {
       const std::string& name = results.fields[f].name;
+      if (made_by_.left_out_made.contains(name)) continue;
       if (const auto old = in_.schema().find(name)) replaced_[*old] = true;
       if (auto pairs = pairs_of_field(results, f, out_.schema())) {
         made_pairs_.insert(made_pairs_.end(), pairs->begin(), pairs->end());

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,8 @@ struct MadeBy {
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
   /// Made too, but from neighbours of moved points, which no sample of the input tells: they are not checked.
   std::vector<Attribute> unchecked = {};
+  /// Fields that were not written: of kept made attributes, and of the input under the input's own names.
+  std::set<std::string> left_out_made = {}, left_out_input = {};
 };
 
 /// Whether `out` is what a run over `in` gives. Every point: the count, and each attribute by value, row by row or, in

@@ -86,7 +86,7 @@ TEST(Parse, MessagesNameTheColumn) {
   expect_told("| normals", "column 1:", "name of an operator");
   expect_told("knn(k=8) |", "column 11:", "the text ends");
   expect_told("knn(k=8) normals", "column 10:", "'|' or the end is expected, not 'n'");
-  expect_told("knn(8)", "column 6:", "'=' is expected");
+  expect_told("knn(8 9)", "column 7:", "',' or ')' is expected");
   expect_told("knn(k=)", "column 7:", "a value is expected");
   expect_told("knn(k=8", "column 8:", "the text ends");
   expect_told("knn(k=8,)", "column 9:", "name of an option");

@@ -192,7 +192,7 @@ TEST(Registry, ValuesOutOfRangeAreRefusedWithTheRange) {
   expect_refused("knn(radius=nan)", "not 'nan'");
   expect_refused("knn(radius=inf)", "not 'inf'");
   expect_refused("normals(orient=sideways)", "orient is none, up, viewpoint or input, not 'sideways'");
-  expect_refused("normals(orient=viewpoint, viewpoint=[1,2])", "viewpoint is three numbers X,Y,Z, not '1,2'");
+  expect_refused("normals(orient=viewpoint, viewpoint=[1,2])", "viewpoint is three numbers [X,Y,Z], not '1,2'");
   expect_refused("normals(orient=viewpoint, viewpoint=[1,2,3,4])", "not '1,2,3,4'");
   expect_refused("normals(orient=viewpoint, viewpoint=[1,2,inf])", "not '1,2,inf'");
 }
@@ -215,6 +215,18 @@ TEST(Registry, NearestNamesAreOrderedByEdits) {
   EXPECT_EQ(edit_distance("abc", "abc"), 0u);
   EXPECT_EQ(nearest_names("bat", {"dog", "cats", "bat", "cat"}), "'bat', 'cat' or 'cats'");
   EXPECT_EQ(nearest_names("x", {"only"}), "'only'");
+}
+
+TEST(Registry, AProbableNameDiffersInAThirdOfItsLettersAtMostOrIsBegun) {
+  const std::vector<std::string> verbs = {"normals", "neighbors", "run", "fair"};
+  EXPECT_EQ(probable_name("norml", verbs), "normals");
+  EXPECT_EQ(probable_name("NORMALS", verbs), "normals");
+  EXPECT_EQ(probable_name("neig", verbs), "neighbors");
+  EXPECT_EQ(probable_name("rnu", verbs), std::nullopt);
+  EXPECT_EQ(probable_name("ne", verbs), std::nullopt);
+  EXPECT_EQ(probable_name("triangulate", verbs), std::nullopt);
+  EXPECT_EQ(probable_name("", verbs), std::nullopt);
+  EXPECT_EQ(probable_name("a", {"b"}), std::nullopt) << "no letter would be the same";
 }
 
 TEST(Keep, WritesOnlyWhatItNames) {
@@ -257,7 +269,8 @@ TEST(Keep, UnknownNamesAreRefusedWithWhatIsMade) {
   Chain chain{{}, {std::make_shared<Normals>(), std::make_shared<Pair>()}};
   chain.keep = {"left", "centre"};
   const std::string sentence = refusal([&] { plan_chain(chain, schema_with_normals()); });
-  EXPECT_EQ(sentence, "'centre' cannot be kept, since no stage makes it; what is made is normal, left, right.");
+  EXPECT_EQ(sentence,
+            "'centre' cannot be kept; the input has x, y, z, nx, ny, nz, and what is made is normal, left, right.");
 }
 
 /// Looks at its neighbours' normals.

@@ -24,6 +24,7 @@ struct Work {
   std::string output = "out.ply";
   Order order = Order::input;
   std::vector<std::string> inputs = {"a.xyz", "b.xyz"};
+  std::vector<std::string> keep = {};
 };
 
 class Resume : public testing::Test {
@@ -71,9 +72,10 @@ class Resume : public testing::Test {
     std::vector<std::filesystem::path> inputs;
     for (const std::string& name : work.inputs) inputs.push_back(folder_ / name);
     Cloud cloud(inputs);
-    if (work.pipeline.empty()) return sort(cloud, folder_ / work.output, options);
+    if (work.pipeline.empty()) return sort(cloud, folder_ / work.output, options, work.keep);
     if (work.pipeline != "neighbors")
-      return run(cloud, build_chain(parse_pipeline(work.pipeline), cloud), {folder_ / work.output, {}, {}}, options);
+      return run(cloud, build_chain(parse_pipeline(work.pipeline), cloud, work.keep), {folder_ / work.output, {}, {}},
+                 options);
     const Chain graph{{.k = 9, .radius = 0.3}, {std::make_shared<NeighborRows>(9, cloud.count(), true)}};
     const Outputs arrays{{}, {{"neighbors", folder_ / work.output}, {"distances", folder_ / "distances.npy"}}, {}};
     return run(cloud, graph, arrays, options);
@@ -127,6 +129,7 @@ const std::vector<Work>& works() {
       {"fairing in sweep order", "normals | splats | fair(f=9, g=9) | resort | reneighbor | normals", "out.ply",
        Order::sweep},
       {"sort", "", "out.ply"},
+      {"a part of the normals in sweep order", "normals", "out.ply", Order::sweep, {"a.xyz", "b.xyz"}, {"nx"}},
   };
   return works;
 }
@@ -219,6 +222,12 @@ TEST_F(Refused, IfThePipelineIsAnother) {
   RunOptions options = resuming(work_);
   options.resume_key = "knn(k=8) | normals(orient=up)";
   EXPECT_NE(sentence(work_, options).find("orient=up"), std::string::npos) << sentence(work_, options);
+}
+
+TEST_F(Refused, IfOtherFieldsAreKept) {
+  Work other = work_;
+  other.keep = {"nx"};
+  EXPECT_NE(sentence(other).find("leaving out ny nz"), std::string::npos) << sentence(other);
 }
 
 TEST_F(Refused, IfOrderOrAxisAreOthers) {

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/kept_fields.h"
+
+#include <algorithm>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/field_names.h"
+#include "pointsweep/pipeline/nearest_names.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr const char* kAxes[] = {"x", "y", "z"};
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// Takes the names one by one.
+class Selection {
+ public:
+  Selection(const std::vector<Attribute>& made, const Schema& input) : made_(made), input_(input) {}
+
+  void add(const std::string& name) {
+    const std::string word = lower_case(name), library = library_name_of(word);
+    const auto is_name = [&](const std::string& field) { return field == name; };
+    const auto is_spelling = [&](const std::string& field) {
+      const std::vector<std::string> spellings = spellings_of(field);
+      return lower_case(field) == word || library_name_of(field) == library ||
+             std::ranges::find(spellings, word) != spellings.end();
+    };
+    const bool found =
+        add_made(name, is_name) || add_input(is_name) || add_made(word, is_spelling) || add_input(is_spelling);
+    const auto axis = std::ranges::find(kAxes, word);
+    if (axis != std::end(kAxes) && input_.find(*axis)) input_fields_.insert(*input_.find(*axis));
+    if (!found) refuse(name);
+  }
+
+  KeptFields result() const {
+    KeptFields kept;
+    std::set<std::size_t> input = input_indices();
+    for (const Attribute& a : made_) {
+      const auto is_named = [&](const std::string& field) { return made_fields_.contains(field); };
+      if (!made_fields_.empty() && std::ranges::none_of(a.fields, is_named)) continue;
+      kept.attributes.push_back(a.name);
+      for (const std::string& field : a.fields) {
+        if (made_fields_.empty() || is_named(field)) continue;
+        kept.left_out.insert(field);
+        if (const auto replaced = input_.find(field)) input.erase(*replaced);
+      }
+    }
+    if (input.size() < input_.fields.size()) kept.input.emplace(input.begin(), input.end());
+    return kept;
+  }
+
+ private:
+  /// Takes the made fields that `fits`, all of an attribute of the name `attribute`, and coordinates together; whether
+  /// there was one.
+  template <class Fits>
+  bool add_made(const std::string& attribute, Fits fits) {
+    bool any = false;
+    for (const Attribute& a : made_) {
+      const bool whole =
+          a.name == attribute || (a.name == position_attribute().name && std::ranges::any_of(a.fields, fits));
+      for (const std::string& field : a.fields)
+        if (whole || fits(field)) any = true, made_fields_.insert(field);
+    }
+    return any;
+  }
+
+  /// Takes the fields of the input of which the name or the column that an output gives them `fits`.
+  template <class Fits>
+  bool add_input(Fits fits) {
+    bool any = false;
+    const std::vector<std::string> columns = column_names(input_);
+    auto column = columns.begin();
+    for (std::size_t f = 0; f < input_.fields.size(); ++f) {
+      const auto end = column + input_.fields[f].count;
+      if (fits(input_.fields[f].name) || std::any_of(column, end, fits)) any = true, input_fields_.insert(f);
+      column = end;
+    }
+    return any;
+  }
+
+  /// Those named and the coordinates; all where none is named.
+  std::set<std::size_t> input_indices() const {
+    std::set<std::size_t> indices = input_fields_;
+    for (std::size_t f = 0; input_fields_.empty() && f < input_.fields.size(); ++f) indices.insert(f);
+    for (const char* axis : kAxes)
+      if (const auto at = input_.find(axis)) indices.insert(*at);
+    return indices;
+  }
+
+  [[noreturn]] void refuse(const std::string& name) const {
+    std::vector<std::string> made, all;
+    for (const Attribute& a : made_) made.push_back(a.name);
+    all = made;
+    for (const Attribute& a : made_) all.insert(all.end(), a.fields.begin(), a.fields.end());
+    const std::vector<std::string> columns = column_names(input_);
+    all.insert(all.end(), columns.begin(), columns.end());
+    const auto meant = probable_name(name, all);
+    fail_usage("'{}' cannot be kept{}; the input has {}{}.", name,
+               meant ? fmt::format(" (did you mean '{}'?)", *meant) : "", list_of(columns),
+               made.empty() ? "" : ", and what is made is " + list_of(made));
+  }
+
+  const std::vector<Attribute>& made_;
+  const Schema& input_;
+  std::set<std::string> made_fields_;   ///< empty: all
+  std::set<std::size_t> input_fields_;  ///< empty: all
+};
+
+}  // namespace
+
+KeptFields kept_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input) {
+  Selection selection(made, input);
+  for (const std::string& name : names) selection.add(name);
+  return selection.result();
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+/// Which attributes an output holds: Chain::keep, resolved against what the input has and the stages make.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "pointsweep/points/attribute.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+struct KeptFields {
+  std::vector<std::string> attributes;            ///< names of the made attributes of which a field is written
+  std::set<std::string> left_out;                 ///< fields of these that are not written
+  std::optional<std::vector<std::size_t>> input;  ///< indices of the input's fields, ascending; absent: all of them
+};
+
+/// What a name stands for, the first of these that fits: a made attribute ("normal") or a field of one ("nx"), a field
+/// of the input under its own name or that of its column in the output; then either in another spelling that files use
+/// ("NormalX", in any case). Of the made fields those that are named are kept, or all if none is; of the input's
+/// likewise. Coordinates are always kept; x, y and z name those of the input, and moved ones too, together. A field of
+/// the input is left out where a made attribute is kept in part without the field that would replace it. Throws
+/// UsageError for a name that fits nothing.
+KeptFields kept_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input);
+
+}  // namespace pointsweep

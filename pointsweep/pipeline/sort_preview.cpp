@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/sort_preview.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pointsweep/order/survey.h"
+#include "pointsweep/order/temp_folder.h"
+#include "pointsweep/pipeline/output_layout.h"
+#include "pointsweep/pipeline/run_memory.h"
+
+namespace pointsweep {
+
+SortPreview preview_sort(Cloud& cloud, const RunOptions& options, const std::vector<std::string>& keep) {
+  if (!options.temp_folder.empty()) require_temp_parent(options.temp_folder);
+  const KeptFields kept = keep.empty() ? KeptFields() : kept_fields(keep, {}, cloud.schema());
+  const PointSource source{cloud.schema(), cloud.count(),
+                           [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
+  const Survey seen = survey(source, options.axis, false);
+  SortPreview out;
+  out.points = cloud.count();
+  out.budget = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
+  out.axis = seen.axis;
+  out.record_bytes = cloud.schema().stride;
+  out.output_bytes = OutputLayout(cloud.schema(), {}, kept).schema().stride;
+  out.memory = plan_ordering_memory(out.budget, out.record_bytes, out.points, seen, options);
+  if (out.memory.needed_bytes != 0) fail_budget(out.budget, out.memory.needed_bytes);
+  return out;
+}
+
+std::string to_text(const SortPreview& p) {
+  const auto megabytes = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
+  const std::uint64_t slab_points = std::max<std::uint64_t>(p.memory.slab_points, 1);
+  std::string text = fmt::format("points        {}\n", p.points);
+  text += fmt::format("order         ascending along {}, ties by x, y, z, then input row\n", "xyz"[p.axis]);
+  text += fmt::format("slabs         about {} of {} points, {} bytes a point on the way, {}\n",
+                      (p.points + slab_points - 1) / slab_points, slab_points, p.record_bytes,
+                      p.memory.spill_stream ? "spilled" : "in memory");
+  text += fmt::format("results       {} bytes a point, unchanged\n", p.output_bytes);
+  return text + fmt::format("memory        {:.1f} MB expected of {:.1f} MB\n", megabytes(p.memory.expected_bytes),
+                            megabytes(p.budget));
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+/// What sort() would do, known without doing it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pointsweep/pipeline/memory_plan.h"
+#include "pointsweep/pipeline/pipeline.h"
+
+namespace pointsweep {
+
+struct SortPreview {
+  std::uint64_t points = 0;
+  std::uint64_t budget = 0;  ///< bytes
+  int axis = 0;
+  std::uint32_t record_bytes = 0, output_bytes = 0;  ///< of a point: of the input, of the output before its format
+  MemoryPlan memory;
+};
+
+/// Looks at a sample of the cloud and writes nothing. Throws what sort() would throw before the work.
+SortPreview preview_sort(Cloud& cloud, const RunOptions& options, const std::vector<std::string>& keep = {});
+
+/// Several lines: points, order, slabs, records, memory.
+std::string to_text(const SortPreview& preview);
+
+}  // namespace pointsweep
