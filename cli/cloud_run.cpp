@@ -95,7 +95,11 @@ std::string conclusion(const std::filesystem::path& output, const Statistics& s)
   std::string text = fmt::format("wrote {}: {} points in {:.1f} s", output.string(), s.points, s.total_seconds);
   if (s.total_seconds > 0) text += fmt::format(", {}/s", count_text(static_cast<double>(s.points) / s.total_seconds));
   text += fmt::format(", at most {} of memory", size_text(s.peak_rss_bytes));
-  if (s.degenerate > 0) text += fmt::format("; {} degenerate", s.degenerate);
+  if (s.degenerate > 0)
+    text += fmt::format(
+        "; {} undefined for want of neighbours (too few, or all on a line or in one place): there normals, curvatures "
+        "and splats are 0, and fair moves nothing",
+        s.degenerate == 1 ? "one result is" : fmt::format("{} results are", s.degenerate));
   if (s.nonfinite > 0) text += fmt::format("; {} with coordinates that are not finite", s.nonfinite);
   return text;
 }
@@ -103,18 +107,18 @@ std::string conclusion(const std::filesystem::path& output, const Statistics& s)
 }  // namespace
 
 void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning) {
-  verb.add_option(kInputsAndOutput, paths.files, fmt::format("Point files that are one cloud, and {}", output_meaning))
+  verb.add_option(kInputsAndOutput, paths.files, fmt::format("Input files (merged), then output {}", output_meaning))
       ->type_name("");
 }
 
 void add_output_option(CLI::App& verb, std::filesystem::path& output) {
-  verb.add_option("-o,--output", output, "The file to write; all files before and after are then inputs")
+  verb.add_option("-o,--output", output, "Output file; all other files are then inputs (default: the last file)")
       ->type_name("FILE");
 }
 
 void require_named_files(const InputsAndOutput& paths) {
   if (paths.inputs_named() == 0)
-    fail_usage("IN... OUT: name at least one file to read, and last (or with --output) the file to write.");
+    fail_usage("IN... OUT: name at least one input file, then the output file (or name it with -o FILE).");
   std::error_code error;
   const bool last_exists = std::filesystem::exists(std::filesystem::symlink_status(paths.output(), error));
   if (paths.named_output.empty() && paths.inputs_named() > 1 && last_exists)
@@ -129,6 +133,7 @@ void require_named_files(const InputsAndOutput& paths) {
 }
 
 void add_run_options(CLI::App& verb, CommonOptions& options) {
+  add_dry_run_option(verb, options);
   add_stream_options(verb, options);
   add_thread_option(verb, options);
   add_crs_option(verb, options);

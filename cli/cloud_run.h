@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// Positional arguments IN... OUT, the last being the output as with cp; with --output OUT all of them are inputs.
+/// Positional arguments IN... OUT: the last is the output, as with cp. With --output OUT all of them are inputs.
 struct InputsAndOutput {
   std::vector<std::filesystem::path> files;
   std::filesystem::path named_output;                ///< of --output; empty: the last of `files`
@@ -25,7 +25,7 @@ struct InputsAndOutput {
   }
   const std::filesystem::path& output() const { return named_output.empty() ? files.back() : named_output; }
 };
-/// IN... OUT
+/// IN... OUT. `output_meaning` goes on after "then output", e.g. "with the attributes of the input".
 void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning);
 /// -o, --output
 void add_output_option(CLI::App& verb, std::filesystem::path& output);
@@ -34,7 +34,7 @@ void add_output_option(CLI::App& verb, std::filesystem::path& output);
 /// (a pattern such as *.las with OUT forgotten), and where an output is an input or another output.
 void require_named_files(const InputsAndOutput& paths);
 
-/// All groups of common options but --order.
+/// --dry-run and all groups of common options but --order, --engine and --keep.
 void add_run_options(CLI::App& verb, CommonOptions& options);
 
 /// Opens the inputs as one cloud, lets `work` run over it, shows progress and warnings, writes --stats and says what

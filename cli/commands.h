@@ -7,16 +7,16 @@
 namespace pointsweep {
 
 /// Each adds its verb to the tool; the verb runs while the command line is parsed, and throws what goes wrong.
-void add_normals_command(CLI::App& app);
+void add_pipeline_commands(CLI::App& app);  // normals, curvature, splats, fair
 void add_neighbors_command(CLI::App& app);
 void add_sort_command(CLI::App& app);
-void add_paper_commands(CLI::App& app);  // curvature, splats, fair
 void add_run_command(CLI::App& app);
 void add_operators_command(CLI::App& app);
 void add_verify_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_generate_command(CLI::App& app);
 void add_render_command(CLI::App& app);
+void add_help_command(CLI::App& app);
 
 /// All of them, in the order of the help.
 void add_commands(CLI::App& app);

@@ -37,6 +37,14 @@ Type parse_position_type(std::string_view name) {
   return name == "float32" ? Type::f32 : Type::f64;
 }
 
+std::vector<std::string> parse_names(const std::string& text) {
+  std::vector<std::string> names(1);
+  for (const char c : text) c == ',' ? void(names.emplace_back()) : names.back().push_back(c);
+  for (const std::string& name : names)
+    if (name.empty()) fail_usage("--keep: '{}' is not a list of attributes such as normal,splat_length.", text);
+  return names;
+}
+
 }  // namespace
 
 Order parse_order(std::string_view name) {
@@ -45,26 +53,26 @@ Order parse_order(std::string_view name) {
 }
 
 void add_progress_options(CLI::App& verb, CommonOptions& options) {
-  verb.add_flag("-q,--quiet", options.quiet, "Say nothing but errors");
+  verb.add_flag("-q,--quiet", options.quiet, "Print errors only");
   verb.add_option_function<int>(
           "--progress-fd",
           [&options](int descriptor) {
             require_open(descriptor);
             options.progress_descriptor = descriptor;
           },
-          "Report progress to this open file descriptor, one JSON object per line")
+          "Write progress to this open file descriptor, one JSON object per line")
       ->type_name("N");
 }
 
 void add_thread_option(CLI::App& verb, CommonOptions& options) {
   options.threads = static_cast<int>(thread_count());
-  verb.add_option("--threads", options.threads, "Threads to work with (default: all processors)")
+  verb.add_option("--threads", options.threads, "Number of threads (default: one per processor)")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads).description(""));
 }
 
 void add_force_option(CLI::App& verb, CommonOptions& options) {
-  verb.add_flag("-f,--force", options.force, "Replace an output that exists");
+  verb.add_flag("-f,--force", options.force, "Overwrite existing outputs");
 }
 
 void add_crs_option(CLI::App& verb, CommonOptions& options) {
@@ -81,40 +89,53 @@ void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meani
 void add_axis_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
           "--axis", [&options](const std::string& name) { options.axis = parse_axis(name); },
-          "Sweep axis: auto (largest extent), x, y or z")
-      ->type_name("AXIS");
+          "Sweep axis; auto is the axis of the largest extent (default: auto)")
+      ->type_name("auto|x|y|z");
 }
 
 void add_stream_options(CLI::App& verb, CommonOptions& options) {
   add_memory_option(
       verb, options,
-      "Budget for the whole process, K M G T being powers of 1024 (default: half of the memory available now)");
-  verb.add_option("--temp-dir", options.temp_dir,
-                  "Where to spill what does not fit (default: the system's temporary folder)")
+      "Memory budget of the whole process, e.g. 800M or 2G; K, M, G and T are powers of 1024 (default: half of the "
+      "available memory)");
+  verb.add_option(
+          "--temp-dir", options.temp_dir,
+          "Existing folder for temporary files; they are needed where the cloud does not fit the budget (default: the "
+          "system's temporary folder)")
       ->type_name("DIR");
   verb.add_option("--resume", options.resume,
-                  "Spill here instead and note what is done; after a kill, the same command goes on")
+                  "Keep checkpoints in this folder. Rerun the command to resume after an interruption")
       ->type_name("DIR");
   add_axis_option(verb, options);
   verb.add_option("--stats", options.stats, "Write statistics of the run to this JSON file")->type_name("FILE");
-  verb.add_option("--report", options.report, "Write a page about the run, with plots and a picture (.html)")
+  verb.add_option("--report", options.report, "Write a page about the run to this HTML file, with plots and a picture")
       ->type_name("FILE");
   // For figures of the sweep and for tests, not for users.
   verb.add_option("--half-way-states", options.half_way)->group("");
   verb.add_option("--checkpoint-seconds", options.checkpoint_seconds)->group("")->check(CLI::NonNegativeNumber);
 }
 
+void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning) {
+  verb.add_option_function<std::string>(
+          "--keep", [&keep](const std::string& text) { keep = parse_names(text); }, meaning)
+      ->type_name("A,B,...");
+}
+
+void add_dry_run_option(CLI::App& verb, CommonOptions& options) {
+  verb.add_flag("--dry-run", options.dry_run, "Print the plan and the memory it takes; write nothing");
+}
+
 void add_order_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
           "--order", [&options](const std::string& name) { options.order = parse_order(name); },
-          "Rows of the output in the order of the input (default) or of the sweep")
+          "Order of the points in the output: as in the input, or ascending along the sweep axis (default: input)")
       ->type_name("input|sweep");
 }
 
 void add_engine_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
           "--engine", [&options](const std::string& name) { options.engine = parse_engine(name); },
-          "exact (default), or reference: the paper's algorithm point by point, slow and at times inexact")
+          "exact, or reference: the paper's own algorithm, slow and not always exact (default: exact)")
       ->type_name("exact|reference");
 }
 

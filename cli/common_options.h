@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "pointsweep/pipeline/pipeline.h"
 
@@ -25,6 +27,8 @@ struct CommonOptions {
   std::filesystem::path stats;          ///< JSON file; empty: none
   std::filesystem::path report;         ///< HTML page; empty: none
   std::filesystem::path half_way;       ///< .npy file of the state of each point; empty: none
+  std::vector<std::string> keep;        ///< names of attributes to write; empty: all
+  bool dry_run = false;                 ///< print the plan and write nothing
   bool quiet = false;
   bool ignore_crs = false;       ///< inputs may have different coordinate reference systems
   bool force = false;            ///< an existing output may be replaced
@@ -50,6 +54,14 @@ void add_engine_option(CLI::App& verb, CommonOptions& options);
 void add_positions_option(CLI::App& verb, CommonOptions& options);
 /// --memory SIZE
 void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meaning);
+/// --keep A,B,...
+inline constexpr const char* kKeepMeaning =
+    "Attributes to write, by the name of the attribute or of its column in the output, e.g. normal or "
+    "x,y,z,intensity,nx. Of the computed attributes those named are written, or all if none is named; of those of the "
+    "input likewise; x, y and z always are (default: all)";
+void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning);
+/// --dry-run
+void add_dry_run_option(CLI::App& verb, CommonOptions& options);
 /// --axis
 void add_axis_option(CLI::App& verb, CommonOptions& options);
 /// "input" or "sweep"; throws UsageError for anything else.

@@ -1,32 +1,36 @@
 // SPDX-License-Identifier: MIT
-/// How help looks: plain names, and IN... OUT where a verb takes files of which the last is the output.
+/// How help looks: at most 100 columns, plain names, and IN... OUT where the last of a verb's files is its output.
 #pragma once
 
 #include <CLI/App.hpp>
 #include <CLI/Formatter.hpp>
 #include <string>
+#include <string_view>
 
 namespace pointsweep {
 
 inline constexpr const char* kInputsAndOutput = "FILES";  ///< to the parser IN... OUT is one list of this name
+inline constexpr std::size_t kHelpColumns = 100;
 
+/// `text` broken at blanks into lines of at most `columns` characters. The first line begins at column `indent` of a
+/// line that the caller has begun; the others get `indent` blanks. A word longer than a line stays whole.
+std::string wrapped(std::string_view text, std::size_t indent, std::size_t columns = kHelpColumns);
+
+/// Lays help out. In footers, lines that begin with a blank (examples, tables) are kept; the others are wrapped.
 class HelpFormatter : public CLI::Formatter {
  public:
-  HelpFormatter() {
-    column_width(30);
-    label("SUBCOMMAND", "VERB");
-  }
-  std::string make_option_name(const CLI::Option* option, bool positional) const override {
-    const std::string name = option->get_name(positional, !positional);
-    return name == kInputsAndOutput ? "IN... OUT" : name;
-  }
-  std::string make_option_opts(const CLI::Option* option) const override {
-    return option->get_type_name().empty() ? "" : " " + option->get_type_name();
-  }
-  std::string make_option_usage(const CLI::Option* option) const override {
-    return make_option_name(option, true) +
-           (option->get_name(true) != kInputsAndOutput && option->get_expected_max() > 1 ? "..." : "");
-  }
+  HelpFormatter();
+  std::string make_description(const CLI::App* app) const override;
+  std::string make_option(const CLI::Option* option, bool positional) const override;
+  std::string make_option_name(const CLI::Option* option, bool positional) const override;
+  std::string make_option_opts(const CLI::Option* option) const override;
+  std::string make_option_usage(const CLI::Option* option) const override;
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
+  std::string make_subcommand(const CLI::App* verb) const override;
+  std::string make_footer(const CLI::App* app) const override;
+
+ private:
+  std::string row(const std::string& left, const std::string& right) const;
 };
 
 }  // namespace pointsweep

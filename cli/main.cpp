@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The tool `pointsweep`: one verb per file. Status 0: done; 1: a file or the machine is at fault; 2: the command line
-/// makes no sense; 128 + number: stopped by a signal.
+/// is wrong or names no verb; 128 + number: stopped by a signal.
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
@@ -12,6 +12,8 @@
 #include "cli/commands.h"
 #include "cli/help.h"
 #include "cli/interrupt.h"
+#include "cli/usage_errors.h"
+#include "cli/version.h"
 #include "pointsweep/error.h"
 
 namespace {
@@ -29,10 +31,7 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    const std::vector<std::string> unknown = app.remaining();
-    const bool no_verb = app.get_subcommands().empty() && !unknown.empty();
-    const std::string sentence = no_verb ? fmt::format("'{}' is not a verb", unknown.front()) : error.what();
-    return complain(2, fmt::format("{}\nRun 'pointsweep --help' or 'pointsweep VERB --help'.", sentence));
+    return complain(2, usage_sentence(app, error));
   } catch (const UsageError& error) {
     return complain(2, error.what());
   } catch (const Cancelled&) {
@@ -47,11 +46,19 @@ int run(CLI::App& app, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Streams local operators over point clouds of any size, exactly and within a memory budget.",
-               "pointsweep"};
+  CLI::App app{
+      "Computes normals, curvatures, splats and other local attributes of point clouds of any size, exactly and within "
+      "a memory budget.",
+      "pointsweep"};
   app.formatter(std::make_shared<pointsweep::HelpFormatter>());
-  app.set_version_flag("--version", "pointsweep " POINTSWEEP_VERSION);
+  app.set_help_flag("-h,--help", "Show this help");
+  app.set_version_flag("--version", pointsweep::version_text, "Show version, build, instruction set and formats");
   app.require_subcommand(1);
+  app.footer(
+      "'pointsweep help VERB' explains a verb. Exit status: 0 success; 1 an error of a file or of the machine; 2 an "
+      "error of the command line; 128 + N stopped by signal N.\n"
+      "\nExample:\n"
+      "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G");
   pointsweep::add_commands(app);
   pointsweep::keep_command_line(argc, argv, POINTSWEEP_VERSION);
 
@@ -59,6 +66,10 @@ int main(int argc, char** argv) {
   // A reader that went away and a limit on file sizes are errors of writing, not a sudden death.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
+  if (argc <= 1) {
+    fmt::print(stderr, "{}", app.help());
+    return 2;
+  }
   const int status = run(app, argc, argv);
   if (std::fflush(stdout) != 0 && status == 0) return complain(1, "standard output cannot be written");
   return status;

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep neighbors IN... OUT.npy`: the exact k-nearest-neighbour graph as a NumPy array.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <optional>
 
 #include "cli/cloud_run.h"
@@ -7,6 +10,7 @@
 #include "cli/quantities.h"
 #include "pointsweep/error.h"
 #include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/pipeline/preview.h"
 
 namespace pointsweep {
 namespace {
@@ -19,8 +23,39 @@ struct NeighborsCommand {
   std::filesystem::path distances;
 };
 
+using Arrays = std::vector<std::pair<std::string, std::filesystem::path>>;
+
 void require_npy(const std::filesystem::path& path) {
   if (path.extension() != ".npy") fail_usage("{}: the graph is a NumPy array; name a .npy file.", path.string());
+}
+
+/// The arrays to write: `neighbors`, or `distances` where these alone are kept, to OUT; distances to --distances.
+Arrays arrays_of(const NeighborsCommand& command) {
+  const std::vector<std::string>& keep = command.common.keep;
+  const auto kept = [&](const char* name) { return keep.empty() || std::ranges::find(keep, name) != keep.end(); };
+  for (const std::string& name : keep)
+    if (name != "neighbors" && name != "distances")
+      fail_usage("--keep: '{}' is not neighbors or distances, the arrays that this verb makes.", name);
+  if (!kept("neighbors") && !command.distances.empty())
+    fail_usage("--keep distances writes the distances to {}; leave out --distances.", command.paths.output().string());
+  if (!kept("neighbors")) return {{"distances", command.paths.output()}};
+  if (!keep.empty() && kept("distances") && command.distances.empty())
+    fail_usage("--keep: distances need a file of their own; name it with --distances.");
+  if (!kept("distances") && !command.distances.empty())
+    fail_usage("--keep: without distances nothing goes to --distances; leave one of them out.");
+  Arrays arrays = {{"neighbors", command.paths.output()}};
+  if (!command.distances.empty()) arrays.emplace_back("distances", command.distances);
+  return arrays;
+}
+
+Chain chain_of(const NeighborsCommand& command, const Arrays& arrays, std::uint64_t points) {
+  Neighborhood neighborhood;
+  neighborhood.k = command.k;
+  if (command.radius) neighborhood.radius = *command.radius;
+  const bool distances = arrays.back().first == "distances";
+  Chain chain{neighborhood, {std::make_shared<NeighborRows>(command.k, points, distances)}};
+  if (arrays.front().first == "distances") chain.keep = {"distances"};
+  return chain;
 }
 
 void neighbors(const NeighborsCommand& command) {
@@ -29,38 +64,42 @@ void neighbors(const NeighborsCommand& command) {
   require_named_files(paths);
   require_npy(paths.output());
   if (!command.distances.empty()) require_npy(command.distances);
+  if (command.common.dry_run) {
+    look_at_cloud(paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+      fmt::print("{}", to_text(preview(cloud, chain_of(command, arrays_of(command), cloud.count()), options)));
+    });
+    return;
+  }
   run_over_cloud(paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
-    const bool distances = !command.distances.empty();
-    Neighborhood neighborhood;
-    neighborhood.k = command.k;
-    if (command.radius) neighborhood.radius = *command.radius;
-    Outputs outputs{.points = {}, .arrays = {{"neighbors", command.paths.output()}}, .writer = {}};
-    if (distances) outputs.arrays.emplace_back("distances", command.distances);
-    const Chain chain{neighborhood, {std::make_shared<NeighborRows>(command.k, cloud.count(), distances)}};
-    return run(cloud, chain, outputs, options);
+    const Outputs outputs{.points = {}, .arrays = arrays_of(command), .writer = {}};
+    return run(cloud, chain_of(command, outputs.arrays, cloud.count()), outputs, options);
   });
 }
 
 }  // namespace
 
 void add_neighbors_command(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("neighbors", "Find the exact nearest neighbours of every point");
+  CLI::App& verb = *app.add_subcommand("neighbors", "Find the exact k nearest neighbours of every point");
   auto command = std::make_shared<NeighborsCommand>();
-  add_inputs_and_output(verb, command->paths, "the .npy file to write, n rows of k input rows, nearest first");
+  add_inputs_and_output(verb, command->paths, ".npy array: n rows of k input rows, nearest first");
   add_output_option(verb, command->paths.named_output);
   verb.add_option_function<std::string>(
           "-k", [command](const std::string& text) { command->k = parse_count("-k", text); },
-          "Neighbours of each point, itself not counted (default: 8)")
+          "Number of neighbours, excluding the point (default: 8)")
       ->type_name("N");
-  verb.add_option("--radius", command->radius, "Leave out neighbours farther than this")->type_name("D");
-  verb.add_option("--distances", command->distances, "Write the distances to them to this .npy file, float64")
+  verb.add_option("--radius", command->radius, "Maximum distance, in the unit of the coordinates (default: no limit)")
+      ->type_name("D");
+  verb.add_option("--distances", command->distances, "Write the distances, float64, to this .npy file")
       ->type_name("FILE");
+  add_keep_option(verb, command->common.keep,
+                  "Arrays to write: neighbors, distances or both; distances alone go to OUT (default: neighbors, and "
+                  "distances with --distances)");
   add_engine_option(verb, command->common);
   add_run_options(verb, command->common);
   verb.footer(
-      "Rows run through the inputs in the order given, from 0. Equal distances are ordered by x, y, z, then row. "
-      "Where\n"
-      "there are fewer than k neighbours the rest is the largest value of the type, and NaN among the distances.\n"
+      "Row numbers count through the inputs in the order given, from 0. Equal distances are ordered by x, y, z, then "
+      "by row. Where a point has fewer than k neighbours, the rest of its row is the largest value of the type, and "
+      "NaN in the distances.\n"
       "\nExample:\n"
       "  pointsweep neighbors scan.ply graph.npy -k 16 --distances distances.npy");
   verb.callback([command] { neighbors(*command); });

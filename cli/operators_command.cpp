@@ -4,16 +4,23 @@
 #include <vector>
 
 #include "cli/commands.h"
+#include "cli/help.h"
 #include "pointsweep/error.h"
 #include "pointsweep/pipeline/registry.h"
 
 namespace pointsweep {
 namespace {
 
+constexpr std::size_t kMeaningColumn = 17;  // of names, before what they mean
+
+void print_row(const std::string& name, const std::string& text) {
+  fmt::print("  {:<{}}{}\n", name, kMeaningColumn - 2, wrapped(text, kMeaningColumn));
+}
+
 void print_options(const std::vector<OptionDeclaration>& options) {
   for (const OptionDeclaration& o : options) {
     const std::string preset = o.preset.empty() ? "" : fmt::format(" (default: {})", o.preset);
-    fmt::print("  {:<12} {}: {}{}\n", o.name, o.allowed(), o.meaning, preset);
+    print_row(o.name, fmt::format("{}: {}{}", o.allowed(), o.meaning, preset));
   }
 }
 
@@ -30,23 +37,33 @@ std::string attribute_text(const std::vector<Attribute>& attributes) {
 }
 
 void print_attributes(const char* what, const std::vector<Attribute>& attributes) {
-  if (!attributes.empty()) fmt::print("  {:<12} {}\n", what, attribute_text(attributes));
+  if (!attributes.empty()) print_row(what, attribute_text(attributes));
+}
+
+void print_title(const std::string& name, const std::string& meaning) {
+  fmt::print("{}: {}\n", name, wrapped(meaning, name.size() + 2));
+}
+
+void print_example(const std::string& text) {
+  if (!text.empty()) print_row("example", text);
 }
 
 void print_neighborhood() {
   const NeighborhoodDeclaration& knn = neighborhood_declaration();
-  fmt::print("{}: {}; first, or left out\n", knn.name, knn.meaning);
+  print_title(knn.name, knn.meaning + "; the first stage of a pipeline, or left out");
   print_options(knn.options);
+  print_example(knn.example);
 }
 
 void print_operator(const OperatorDeclaration& declaration) {
-  fmt::print("{}: {}\n", declaration.name, declaration.meaning);
+  print_title(declaration.name, declaration.meaning);
   print_options(declaration.options);
   const OptionValues presets(declaration.options, {declaration.name, {}, "operators"});
   const Contract contract = declaration.make(presets, {})->contract();
   print_attributes("needs", contract.reads);
   print_attributes("of neighbours", contract.reads_neighbors);
   print_attributes("makes", contract.makes);
+  print_example(declaration.example);
 }
 
 void print_operators(const std::vector<std::string>& names) {
@@ -64,11 +81,11 @@ void print_operators(const std::vector<std::string>& names) {
 }  // namespace
 
 void add_operators_command(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("operators", "List the operators, their options, what they need and make");
+  CLI::App& verb = *app.add_subcommand("operators", "List the operators, their options, inputs and outputs");
   auto names = std::make_shared<std::vector<std::string>>();
-  verb.add_option("NAME", *names, "Those to list (default: all)")->type_name("");
+  verb.add_option("NAME", *names, "Operators to list (default: all)")->type_name("");
   verb.footer(
-      "Needs and makes are those of an operator without options.\n"
+      "'needs' and 'makes' are those of an operator without options. The examples are stages for 'pointsweep run'.\n"
       "\nExample:\n"
       "  pointsweep operators knn normals");
   verb.callback([names] { print_operators(*names); });

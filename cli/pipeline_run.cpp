@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "cli/quantities.h"
 #include "pointsweep/error.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/preview.h"
@@ -10,12 +11,29 @@
 namespace pointsweep {
 namespace {
 
-std::vector<std::string> parse_names(const std::string& text) {
-  std::vector<std::string> names(1);
-  for (const char c : text) c == ',' ? void(names.emplace_back()) : names.back().push_back(c);
-  for (const std::string& name : names)
-    if (name.empty()) fail_usage("--keep: '{}' is not a list of attributes such as normal,splat_length.", text);
-  return names;
+/// "none", "up", "input" or "viewpoint X,Y,Z" as options of the operator `normals`.
+std::vector<OptionText> parse_orientation(const std::string& text) {
+  const std::string place = "--orient", viewpoint = "viewpoint ";
+  if (text.starts_with(viewpoint)) {
+    const std::string point = text.substr(viewpoint.size());
+    parse_vector("--orient viewpoint", point);
+    return {{"orient", "viewpoint", place}, {"viewpoint", point, place}};
+  }
+  if (text != "none" && text != "up" && text != "input")
+    fail_usage("--orient: '{}' is not none, up, viewpoint X,Y,Z or input.", text);
+  return {{"orient", text, place}};
+}
+
+bool says_orient(const StageText& stage) {
+  return std::ranges::find(stage.options, "orient", &OptionText::name) != stage.options.end();
+}
+
+void add_orient_option(CLI::App& verb, PipelineRun& run) {
+  verb.add_option_function<std::string>(
+          "--orient", [&run](const std::string& text) { run.orientation = parse_orientation(text); },
+          "How to orient normals: none, up, viewpoint X,Y,Z (towards that point), or input (to the side of the normals "
+          "that the input has) (default: none)")
+      ->type_name("HOW");
 }
 
 /// An option that would change nothing is refused.
@@ -31,32 +49,41 @@ void require_a_mover(const Chain& chain, const CommonOptions& options) {
 
 }  // namespace
 
-void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning) {
-  verb.add_option_function<std::string>(
-          "--keep", [&keep](const std::string& text) { keep = parse_names(text); }, meaning)
-      ->type_name("A,B,...");
-}
-
 void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
-  add_keep_option(verb, run.keep, "Made attributes to write, e.g. normal (default: all)");
-  verb.add_flag("--dry-run", run.dry, "Say what would be done and how much memory it takes; write nothing");
+  add_orient_option(verb, run);
+  add_keep_option(verb, run.common.keep, kKeepMeaning);
   add_order_option(verb, run.common);
   add_engine_option(verb, run.common);
   add_positions_option(verb, run.common);
   add_run_options(verb, run.common);
 }
 
-void run_stages(const std::vector<StageText>& stages, const PipelineRun& command) {
-  if (command.dry) {
+void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation) {
+  if (orientation.empty()) return;
+  bool any = false;
+  for (StageText& stage : stages) {
+    if (stage.name != "normals") continue;
+    if (says_orient(stage))
+      fail_usage("{}: normals has an orientation in the pipeline; leave out --orient or that one.", stage.place);
+    stage.options.insert(stage.options.end(), orientation.begin(), orientation.end());
+    any = true;
+  }
+  if (!any) fail_usage("--orient: the pipeline makes no normals; add the stage normals, or leave out --orient.");
+}
+
+void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
+  orient_normals(stages, command.orientation);
+  build_chain(stages, Facts{});  // wrong names and options are refused before files are opened
+  if (command.common.dry_run) {
     look_at_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
-      const Chain chain = build_chain(stages, cloud, command.keep);
+      const Chain chain = build_chain(stages, cloud, command.common.keep);
       require_a_mover(chain, command.common);
       fmt::print("{}", to_text(preview(cloud, chain, options, command.paths.output())));
     });
     return;
   }
   run_over_cloud(command.paths, command.common, [&](Cloud& cloud, RunOptions options) {
-    const Chain chain = build_chain(stages, cloud, command.keep);
+    const Chain chain = build_chain(stages, cloud, command.common.keep);
     require_a_mover(chain, command.common);
     options.resume_key = to_text(stages);
     return run(cloud, chain, {.points = command.paths.output(), .arrays = {}, .writer = {}}, options);

@@ -2,7 +2,6 @@
 /// What the verbs that run a pipeline of named operators have in common.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "cli/cloud_run.h"
@@ -13,16 +12,16 @@ namespace pointsweep {
 struct PipelineRun {
   CommonOptions common;
   InputsAndOutput paths;
-  std::vector<std::string> keep;  ///< names of attributes; empty: all
-  bool dry = false;
+  std::vector<OptionText> orientation;  ///< options of the stages `normals`; empty: not given
 };
 
-/// --keep
-void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning);
-/// --keep, --dry-run, --order, --engine and all common options. `run` outlives the parsing.
+/// --orient, --keep, --dry-run, --order, --engine and all common options. `run` outlives the parsing.
 void add_pipeline_options(CLI::App& verb, PipelineRun& run);
 
-/// Builds the chain for the cloud and runs it, or says what would be done.
-void run_stages(const std::vector<StageText>& stages, const PipelineRun& run);
+/// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or one that has its own.
+void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation);
+
+/// Builds the chain for the cloud and runs it, or prints what would be done.
+void run_stages(std::vector<StageText> stages, const PipelineRun& run);
 
 }  // namespace pointsweep

@@ -87,7 +87,7 @@ void render_picture(RenderCommand& command) {
 void add_render_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("render", "Draw a cloud as a picture");
   auto command = std::make_shared<RenderCommand>();
-  add_inputs_and_output(verb, command->paths, "the picture to write (.png)");
+  add_inputs_and_output(verb, command->paths, "picture (.png)");
   add_output_option(verb, command->paths.named_output);
   verb.add_option("--color", command->options.color,
                   "rgb, normal, height, curvature, classification, plain or an attribute (default: rgb if it varies, "

@@ -16,19 +16,21 @@ struct RunCommand {
 }  // namespace
 
 void add_run_command(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("run", "Run a pipeline of operators over the points in one sweep");
+  CLI::App& verb = *app.add_subcommand("run", "Run a pipeline of operators over the points");
   auto command = std::make_shared<RunCommand>();
-  add_inputs_and_output(verb, command->run.paths, "the file to write: all attributes of the input, and what is made");
+  add_inputs_and_output(verb, command->run.paths, "with the attributes of the input, and the computed ones");
   add_output_option(verb, command->run.paths.named_output);
   verb.add_option("--pipeline", command->pipeline, "Stages such as 'knn(k=12) | normals', or a .json file of them")
       ->type_name("TEXT|FILE")
       ->required();
   add_pipeline_options(verb, command->run);
   verb.footer(
-      "'pointsweep operators' lists the stages there are. As JSON, a pipeline is an array of them:\n"
-      "  [{\"type\": \"knn\", \"k\": 12}, {\"type\": \"normals\", \"orient\": \"up\"}]\n"
-      "\nExample:\n"
-      "  pointsweep run scan.ply out.ply --pipeline 'knn(k=12) | normals(orient=up)' --memory 2G");
+      "'pointsweep operators' lists the operators and their options. As JSON, a pipeline is an array of stages:\n"
+      "  [{\"type\": \"knn\", \"k\": 12}, {\"type\": \"normals\", \"orient\": \"viewpoint\", \"viewpoint\": [0, 0, "
+      "1.7]}]\n"
+      "\nExamples:\n"
+      "  pointsweep run scan.ply out.ply --pipeline 'knn(k=12) | normals(orient=up)' --memory 2G\n"
+      "  pointsweep run scan.ply out.ply --pipeline 'normals(orient=viewpoint, viewpoint=[0,0,1.7])'");
   verb.callback([command] {
     if (command->pipeline.ends_with(".json")) command->run.paths.other_inputs.emplace_back(command->pipeline);
     run_stages(parse_pipeline_or_file(command->pipeline), command->run);

@@ -8,17 +8,42 @@
 namespace pointsweep {
 namespace {
 
+/// What stands for the value in the help.
+std::string value_name(const OptionDeclaration& option) {
+  switch (option.kind) {
+    case OptionKind::whole:
+      return "N";
+    case OptionKind::number:
+      return "NUMBER";
+    case OptionKind::point:
+      return "X,Y,Z";
+    case OptionKind::attribute:
+      return "NAME";
+    case OptionKind::choice:
+      break;
+  }
+  return fmt::format("{}", fmt::join(option.choices, "|"));
+}
+
+/// "Number of neighbours, excluding the point (1 or more; default: 8)"
+std::string help_of(const OptionDeclaration& option, const std::string& preset) {
+  std::string meaning = option.meaning, range;
+  if (!meaning.empty() && meaning[0] >= 'a' && meaning[0] <= 'z')
+    meaning[0] = static_cast<char>(meaning[0] - 'a' + 'A');
+  if (option.kind == OptionKind::whole || option.kind == OptionKind::number) range = option.allowed();
+  if (!preset.empty()) range += (range.empty() ? "default: " : "; default: ") + preset;
+  return range.empty() ? meaning : fmt::format("{} ({})", meaning, range);
+}
+
 void add_option(CLI::App& verb, const std::string& flag, const OptionDeclaration& option, const std::string& preset,
                 std::vector<OptionText>& into) {
-  const std::string help =
-      fmt::format("{}: {}{}", option.allowed(), option.meaning, preset.empty() ? "" : " (default: " + preset + ")");
   verb.add_option_function<std::string>(
           flag,
           [&into, flag, name = option.name](const std::string& value) {
             into.push_back({name, value, flag});
           },
-          help)
-      ->type_name("VALUE");
+          help_of(option, preset))
+      ->type_name(value_name(option));
 }
 
 std::string flag_of(std::string name) {

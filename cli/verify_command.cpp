@@ -16,6 +16,7 @@
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/planned_sweeps.h"
 #include "pointsweep/pipeline/update_operators.h"
 #include "pointsweep/verify/npy_reader.h"
 #include "pointsweep/verify/verify.h"
@@ -51,6 +52,14 @@ MadeBy made_by(const Chain& chain) {
   for (const Attribute& again : made.unchecked) std::erase(made.keep, again.name);
   if (made.keep.empty()) made.operators.clear();
   return made;
+}
+
+/// What --keep has left out of the output.
+void leave_out(const KeptFields& kept, const Schema& input, MadeBy& made) {
+  made.left_out_made = kept.left_out;
+  if (!kept.input) return;
+  for (std::size_t f = 0; f < input.fields.size(); ++f)
+    if (std::ranges::find(*kept.input, f) == kept.input->end()) made.left_out_input.insert(input.fields[f].name);
 }
 
 void refuse_resorted(const VerifyCommand& command, const Chain& chain) {
@@ -123,9 +132,12 @@ MadeBy made_by_pipeline(const VerifyCommand& command, Cloud& cloud, const Reader
     fail_usage("{}: the pipeline says in knn which neighbours it takes; leave the option out.",
                command.neighborhood.front().place);
   if (!knn) stages.insert(stages.begin(), knn_of(command));
-  const Chain chain = build_chain(stages, cloud, command.keep);
+  Chain chain = build_chain(stages, cloud, command.keep);
   refuse_resorted(command, chain);
+  const KeptFields kept = plan_sweeps(chain, cloud.schema()).kept;
+  if (!command.keep.empty()) chain.keep = kept.attributes;
   MadeBy made = made_by(chain);
+  leave_out(kept, cloud.schema(), made);
   if (!command.pipeline.empty() || !command.keep.empty()) return made;
   for (const auto& op : made.operators)
     for (const Attribute& a : op->contract().makes)
@@ -215,12 +227,12 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
 void add_verify_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("verify", "Check that an output is complete and right, by brute force");
   auto command = std::make_shared<VerifyCommand>();
-  add_inputs_and_output(verb, command->paths, "the file that a run has written from them");
+  add_inputs_and_output(verb, command->paths, "file that a run has written from them");
   add_neighborhood_options(verb, "8", command->neighborhood);
   verb.add_option("--pipeline", command->pipeline,
                   "The stages that made it (default: what adds the attributes found, in its usual form)")
       ->type_name("TEXT|FILE");
-  add_keep_option(verb, command->keep, "Made attributes that were written (default: all)");
+  add_keep_option(verb, command->keep, "The --keep of the run (default: everything was written)");
   add_check_options(verb, *command);
   add_memory_option(verb, command->common,
                     "Memory for the sample's neighbours; more are looked at in turns (default: 1G)");

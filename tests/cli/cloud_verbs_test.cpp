@@ -77,13 +77,6 @@ TEST_F(CloudVerbs, NothingThatExistsIsReplacedUnlessForced) {
   EXPECT_FALSE(exists("new.npy"));
 }
 
-TEST_F(CloudVerbs, AMissingTemporaryFolderMattersOnlyWhenSomethingIsSpilled) {
-  ASSERT_EQ(tool("generate statue big.ply -n 1M").status, 0);
-  EXPECT_EQ(tool("normals in.ply small.ply --temp-dir nowhere").status, 0);
-  refused(1, "sort big.ply out.ply --temp-dir nowhere --memory 48M", "nowhere");
-  EXPECT_FALSE(exists("out.ply"));
-}
-
 TEST_F(CloudVerbs, ProgressNamesThePhases) {
   ASSERT_EQ(tool("normals in.ply out.ply --progress-fd 9 9>progress").status, 0);
   const std::string progress = contents(folder_ / "progress");

@@ -56,7 +56,7 @@ TEST_F(Render, AnAirborneScanIsSeenFromAbove) {
 
 TEST_F(Render, RefusesInOneSentence) {
   refused(2, "render a.xyz a.ply", "pictures are PNG");
-  refused(2, "render a.xyz", "name at least one file to read");
+  refused(2, "render a.xyz", "name at least one input file");
   refused(2, "render a.xyz a.png --size 64", "WIDTHxHEIGHT");
   refused(2, "render a.xyz a.png --size 64x0", "no size of a picture");
   refused(2, "render a.xyz a.png --background pink", "RRGGBB");

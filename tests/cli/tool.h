@@ -41,11 +41,11 @@ class Tool : public testing::Test {
     return {WIFEXITED(state) ? WEXITSTATUS(state) : 128 + WTERMSIG(state), contents(folder_ / ".out"),
             contents(folder_ / ".err")};
   }
-  /// Expects success and gives what the file `name` then holds.
-  std::string made(const std::string& arguments, const std::string& name) {
+  /// Expects success and gives what the file `name` then holds; nothing without a name.
+  std::string made(const std::string& arguments, const std::string& name = "") {
     const Result result = tool(arguments);
     EXPECT_EQ(result.status, 0) << arguments << "\n" << result.err;
-    return contents(folder_ / name);
+    return name.empty() ? "" : contents(folder_ / name);
   }
   /// Expects the status and one sentence on standard error that contains `words`.
   void refused(int status, const std::string& arguments, const std::string& words) {

@@ -26,15 +26,7 @@ TEST_F(Usage, HelpOfEveryVerbEndsWithAnExample) {
   }
 }
 
-TEST_F(Usage, TheVersionIsOneLine) {
-  const Result result = tool("--version");
-  EXPECT_EQ(result.status, 0);
-  EXPECT_TRUE(result.out.starts_with("pointsweep ")) << result.out;
-  EXPECT_EQ(result.out.find('\n'), result.out.size() - 1);
-}
-
 TEST_F(Usage, NonsenseIsStatus2) {
-  refused(2, "", "required");
   refused(2, "norml a b", "'norml' is not a verb");
   refused(2, "normals a.ply", "IN... OUT");
   refused(2, "sort", "IN... OUT");

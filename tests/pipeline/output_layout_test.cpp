@@ -60,7 +60,7 @@ TEST(OutputLayout, MovedPositionsGetTheTypeAskedForWhereTheyStandAndAllElsePasse
   for (const Type from : {Type::f32, Type::f64, Type::i32}) {
     for (const Type to : {Type::f32, Type::f64}) {
       const Schema input = mixed_input(from);
-      const OutputLayout layout(input, {position_attribute(), normal_attribute()}, to);
+      const OutputLayout layout(input, {position_attribute(), normal_attribute()}, {}, to);
       const std::vector<std::byte> record = assembled(layout, input_record(input));
       for (std::size_t f = 0; f < input.fields.size(); ++f)
         EXPECT_EQ(layout.schema().fields[f].name, input.fields[f].name);
@@ -78,7 +78,7 @@ TEST(OutputLayout, MovedPositionsGetTheTypeAskedForWhereTheyStandAndAllElsePasse
 
 TEST(OutputLayout, PositionsThatDoNotMoveOrAreNotAskedForKeepTheirType) {
   const Schema input = mixed_input(Type::f32);
-  const OutputLayout still(input, {normal_attribute()}, Type::f64), kept(input, {position_attribute()});
+  const OutputLayout still(input, {normal_attribute()}, {}, Type::f64), kept(input, {position_attribute()});
   for (const char* axis : {"x", "y", "z"}) {
     EXPECT_EQ(still.schema().fields[*input.find(axis)], input.fields[*input.find(axis)]);
     EXPECT_EQ(kept.schema().fields[*input.find(axis)], input.fields[*input.find(axis)]);

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "cli/help.h"
+
+#include <sstream>
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kLeftColumns = 30;  // of names, before what they mean
+
+std::string rest_of_line(std::istream& text) {
+  std::string line;
+  std::getline(text, line);
+  return line;
+}
+
+}  // namespace
+
+std::string wrapped(std::string_view text, std::size_t indent, std::size_t columns) {
+  std::istringstream words{std::string(text)};
+  std::string out;
+  std::size_t at = indent;
+  for (std::string word; words >> word;) {
+    const bool first = out.empty();
+    if (!first && at + 1 + word.size() > columns) {
+      out += "\n" + std::string(indent, ' ');
+      at = indent;
+    } else if (!first) {
+      out += ' ', ++at;
+    }
+    out += word, at += word.size();
+  }
+  return out;
+}
+
+HelpFormatter::HelpFormatter() {
+  column_width(kLeftColumns);
+  label("SUBCOMMAND", "VERB");
+}
+
+std::string HelpFormatter::row(const std::string& left, const std::string& right) const {
+  std::string text = "  " + left;
+  if (right.empty()) return text + "\n";
+  if (text.size() + 2 > kLeftColumns) text += "\n", text += std::string(kLeftColumns, ' ');
+  text.resize(std::max(text.size(), kLeftColumns), ' ');
+  return text + wrapped(right, kLeftColumns) + "\n";
+}
+
+std::string HelpFormatter::make_description(const CLI::App* app) const {
+  return wrapped(app->get_description(), 0) + "\n\n";
+}
+
+std::string HelpFormatter::make_option(const CLI::Option* option, bool positional) const {
+  return row(make_option_name(option, positional) + make_option_opts(option), make_option_desc(option));
+}
+
+std::string HelpFormatter::make_option_name(const CLI::Option* option, bool positional) const {
+  std::string name = option->get_name(positional, !positional);
+  if (name == kInputsAndOutput) return "IN... OUT";
+  if (const std::size_t comma = name.find(','); comma != name.npos) name.insert(comma + 1, " ");
+  return name;
+}
+
+std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
+  return option->get_type_name().empty() ? "" : " " + option->get_type_name();
+}
+
+std::string HelpFormatter::make_option_usage(const CLI::Option* option) const {
+  const std::string name = make_option_name(option, true);
+  const bool several = option->get_name(true) != kInputsAndOutput && option->get_expected_max() > 1;
+  const bool optional = !option->get_required() && option->get_name(true) != kInputsAndOutput;
+  return (optional ? "[" : "") + name + (several ? "..." : "") + (optional ? "]" : "");
+}
+
+/// One empty line between groups, where the parser's own formatter leaves two.
+std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
+  std::string text = CLI::Formatter::make_help(app, std::move(name), mode);
+  while (text.ends_with("\n\n")) text.pop_back();
+  for (std::size_t at = 0; (at = text.find("\n\n\n", at)) != text.npos;) text.erase(at, 1);
+  return text;
+}
+
+std::string HelpFormatter::make_subcommand(const CLI::App* verb) const {
+  return row(verb->get_name(), verb->get_description());
+}
+
+std::string HelpFormatter::make_footer(const CLI::App* app) const {
+  std::istringstream footer(app->get_footer());
+  std::string text;
+  while (footer.peek() != std::istream::traits_type::eof()) {
+    const std::string line = rest_of_line(footer);
+    text += (line.starts_with(' ') ? line : wrapped(line, 0)) + "\n";
+  }
+  return text;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+/// `pointsweep normals|curvature|splats|fair IN... OUT`: the pipelines of the paper (its Section 4.3) by one word each.
+#include <memory>
+#include <string>
+
+#include "cli/commands.h"
+#include "cli/pipeline_run.h"
+#include "cli/stage_options.h"
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+namespace {
+
+struct ShortForm {
+  const char* verb;
+  const char* meaning;
+  const char* output;        ///< what OUT holds besides the input's attributes
+  const char* stages;        ///< after knn
+  const char* with_options;  ///< the stage whose options are those of the verb; empty: none
+  const char* neighbors;     ///< k where neither k nor a radius is given
+  const char* remark;
+  const char* example;
+};
+
+constexpr ShortForm kShortForms[] = {
+    {"normals", "Compute a unit normal for every point from its exact neighbours", "nx, ny, nz", "normals", "", "8",
+     "A point whose neighbours define no plane gets the normal 0 0 0.",
+     "Example: a scan of any size in 2 GB of memory, normals towards the scanner:\n"
+     "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G --orient viewpoint 0,0,1.7"},
+    {"curvature", "Compute normals and principal curvatures", "normals and curvatures", "normals | curvature", "", "8",
+     "'pointsweep operators curvature' lists the computed attributes.",
+     "Example: the principal curvatures alone, beside the attributes of the input:\n"
+     "  pointsweep curvature scan.ply curvature.ply -k 64 --keep k1,k2"},
+    {"splats", "Compute normals and elliptical splats that cover the surface", "normals and splats", "normals | splats",
+     "", "8", "'pointsweep operators splats' lists the computed attributes.",
+     "Example:\n"
+     "  pointsweep splats scan.ply splats.ply -k 12"},
+    {"fair", "Smooth the surface, edge-preserving: move the points, then compute normals and splats",
+     "normals and splats of the moved points", "normals | splats | fair | normals | splats", "fair", "64",
+     "The output has the moved coordinates.",
+     "Example:\n"
+     "  pointsweep fair scan.ply smooth.ply -k 96 --f 0.3"},
+};
+
+struct ShortFormCommand {
+  PipelineRun run;
+  std::vector<OptionText> neighborhood, options;
+};
+
+std::vector<StageText> stages_of(const ShortForm& form, const ShortFormCommand& command) {
+  std::vector<StageText> stages = parse_pipeline(form.stages, form.verb);
+  for (StageText& stage : stages)
+    if (stage.name == form.with_options) stage.options = command.options;
+  stages.insert(stages.begin(), neighborhood_stage(command.neighborhood, form.neighbors, form.verb));
+  return stages;
+}
+
+void add_short_form(CLI::App& app, const ShortForm& form) {
+  CLI::App& verb = *app.add_subcommand(form.verb, form.meaning);
+  auto command = std::make_shared<ShortFormCommand>();
+  const std::string output = fmt::format("with the attributes of the input, and {}", form.output);
+  add_inputs_and_output(verb, command->run.paths, output.c_str());
+  add_output_option(verb, command->run.paths.named_output);
+  add_neighborhood_options(verb, form.neighbors, command->neighborhood);
+  for (const OperatorDeclaration& declaration : all_operators())
+    if (declaration.name == form.with_options) add_stage_options(verb, declaration.options, command->options);
+  add_pipeline_options(verb, command->run);
+  verb.footer(fmt::format("Same as 'pointsweep run' with the pipeline 'knn(k={}) | {}'. {}\n\n{}", form.neighbors,
+                          form.stages, form.remark, form.example));
+  verb.callback([&form, command] { run_stages(stages_of(form, *command), command->run); });
+}
+
+}  // namespace
+
+void add_pipeline_commands(CLI::App& app) {
+  for (const ShortForm& form : kShortForms) add_short_form(app, form);
+}
+
+}  // namespace pointsweep

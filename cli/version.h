@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+/// What `pointsweep --version` tells.
+#pragma once
+
+#include <string>
+
+namespace pointsweep {
+
+/// Lines without a final line end: version, commit (where the build knows it), compiler and build type, instruction
+/// set, formats.
+std::string version_text();
+
+}  // namespace pointsweep

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+/// What the tool says to a new user: help, version, near names, and texts that work as they stand.
+#include <sstream>
+#include <vector>
+
+#include "pointsweep/formats/reader.h"
+#include "tests/cli/tool.h"
+
+namespace pointsweep {
+namespace {
+
+using Help = Tool;
+
+constexpr const char* kEveryVerb[] = {"normals", "curvature", "splats", "fair",     "neighbors", "sort", "run",
+                                      "verify",  "operators", "info",   "generate", "render",    "help"};
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+/// Number of characters, of which UTF-8 may take several bytes each.
+std::size_t columns_of(const std::string& line) {
+  std::size_t columns = 0;
+  for (const char c : line) columns += (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+  return columns;
+}
+
+/// The lines of `text` that begin with two blanks and `word`, without the word.
+std::vector<std::string> lines_after(const std::string& text, const std::string& word) {
+  std::vector<std::string> found;
+  for (const std::string& line : lines_of(text))
+    if (line.starts_with("  " + word + " ")) found.push_back(line.substr(line.find_first_not_of(' ', word.size() + 2)));
+  return found;
+}
+
+TEST_F(Help, OfEveryVerbFitsAHundredColumns) {
+  for (const std::string verb : kEveryVerb) {
+    const Result result = tool(verb + " --help");
+    EXPECT_EQ(result.status, 0);
+    for (const std::string& line : lines_of(result.out)) EXPECT_LE(columns_of(line), 100u) << verb << "\n" << line;
+  }
+  for (const char* command : {"--help", "operators"})
+    for (const std::string& line : lines_of(tool(command).out)) EXPECT_LE(columns_of(line), 100u) << line;
+}
+
+TEST_F(Help, IsTheSameByVerbAndByOption) {
+  EXPECT_EQ(tool("help").out, tool("--help").out);
+  for (const std::string verb : kEveryVerb) {
+    const Result result = tool("help " + verb);
+    EXPECT_EQ(result.status, 0);
+    EXPECT_EQ(result.out, tool(verb + " --help").out);
+    EXPECT_NE(result.out.find("Usage: pointsweep " + verb), std::string::npos) << result.out;
+  }
+  refused(2, "help nieghbors", "'nieghbors' is not a verb. Did you mean 'neighbors'?");
+}
+
+TEST_F(Help, IsShownWhereNoVerbIsGiven) {
+  const Result result = tool("");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(result.err, tool("--help").out);
+}
+
+TEST_F(Help, NamesTheVerbThatWasProbablyMeant) {
+  refused(2, "norml a b", "'norml' is not a verb. Did you mean 'normals'?");
+  refused(2, "Normals a b", "Did you mean 'normals'?");
+  refused(2, "neigh a b", "Did you mean 'neighbors'?");
+  const Result far = tool("triangulate a b");
+  EXPECT_NE(far.err.find("'triangulate' is not a verb.\nRun 'pointsweep help' for help."), std::string::npos)
+      << far.err;
+}
+
+TEST_F(Help, NamesTheOptionThatWasProbablyMeant) {
+  refused(2, "normals a.ply b.ply --theads 3", "'--theads' is not an option of this verb. Did you mean '--threads'?");
+  refused(2, "normals a.ply b.ply --mem=2G", "'--mem' is not an option of this verb. Did you mean '--memory'?");
+  refused(2, "sort a.ply b.ply --aixs x", "Did you mean '--axis'?");
+  refused(2, "fair a.ply b.ply --orientation up", "fair: '--orientation'");
+  const Result far = tool("normals a.ply b.ply --transparency 3");
+  EXPECT_EQ(far.err.find("Did you mean"), std::string::npos) << far.err;
+  EXPECT_NE(far.err.find("Run 'pointsweep help normals' for help."), std::string::npos) << far.err;
+  refused(2, "--quiet normals a.ply b.ply", "'--quiet' comes before the verb");
+  refused(2, "generate sphere a.ply b.ply -n 3", "'b.ply' is one argument too many");
+  refused(2, "normals a.ply b.ply --radius", "--radius needs a value");
+}
+
+TEST_F(Help, VersionTellsBuildInstructionSetAndFormats) {
+  const Result result = tool("--version");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_TRUE(result.out.starts_with("pointsweep ")) << result.out;
+  for (const char* words :
+       {"\n  build ", "\n  instruction set ", "\n  reads ", "PLY, LAS", "\n  writes ", ".ply, .las", "\n  codecs "})
+    EXPECT_NE(result.out.find(words), std::string::npos) << words << "\n" << result.out;
+  EXPECT_NE(result.out.find("GCC") + result.out.find("Clang"), 2 * std::string::npos);
+}
+
+TEST_F(Help, ExamplesRunAsPasted) {
+  made("generate statue scan.ply -n 4000 --noise 0.002", "scan.ply");
+  for (const char* tile : {"tile_1", "tile_2"}) made(std::string("generate sphere -n 900 -o ") + tile + ".las");
+  for (const std::string verb :
+       {"normals", "curvature", "splats", "fair", "neighbors", "sort", "run", "operators", "help"}) {
+    const auto examples = lines_after(tool("help " + verb).out, "pointsweep");
+    EXPECT_FALSE(examples.empty()) << verb;
+    for (const std::string& example : examples) {
+      const Result result = tool(example + (verb == "operators" || verb == "help" ? "" : " --force"));
+      EXPECT_EQ(result.status, 0) << example << "\n" << result.err;
+    }
+  }
+  for (const std::string& example : lines_after(tool("help").out, "pointsweep"))
+    EXPECT_EQ(tool(example + " --force").status, 0) << example;
+}
+
+TEST_F(Help, ExamplesOfOperatorsArePipelinesThatRun) {
+  made("generate statue in.ply -n 3000 --noise 0.002", "in.ply");
+  const auto examples = lines_after(tool("operators").out, "example");
+  EXPECT_EQ(examples.size(), 8u);
+  for (const std::string& example : examples)
+    EXPECT_EQ(tool("run in.ply out.ply --force --pipeline '" + example + "'").status, 0) << example;
+}
+
+TEST_F(Help, AViewpointIsDocumentedAsItIsParsed) {
+  made("generate statue in.ply -n 1000", "in.ply");
+  const std::string listing = tool("operators normals").out;
+  EXPECT_NE(listing.find("viewpoint      [X,Y,Z]: "), std::string::npos) << listing;
+  EXPECT_EQ(made("run in.ply a.ply --pipeline 'normals(orient=viewpoint, viewpoint=[3,0,0.5])'", "a.ply"),
+            made("normals in.ply b.ply --orient viewpoint 3,0,0.5", "b.ply"));
+  refused(2, "run in.ply c.ply --pipeline 'normals(orient=viewpoint, viewpoint=3)'", "three numbers [X,Y,Z], not '3'");
+}
+
+TEST_F(Help, AnUnknownOperatorIsNamedBeforeItsOptions) {
+  made("generate statue in.ply -n 1000", "in.ply");
+  refused(2, "run in.ply c.ply --pipeline 'normals | spalts(0.1)'", "column 11: no operator is called 'spalts'");
+  refused(2, "run in.ply c.ply --pipeline 'normals | spalts(0.1)'", "the nearest are 'splats'");
+  refused(2, "run in.ply c.ply --pipeline 'thin(0.1)'", "no operator is called 'thin'; the nearest are");
+  refused(2, "run in.ply c.ply --pipeline 'knn(8) | thin([1,2])'", "no operator is called 'thin'");
+  refused(2, "run in.ply c.ply --pipeline 'knn(8) | normals'",
+          "column 5: knn: '8' has no name; write options as "
+          "NAME=VALUE, e.g. k=8");
+  refused(2, "run in.ply c.ply --pipeline 'normals(orient)'", "the option 'orient' has no value; write orient=VALUE");
+  refused(2, "run in.ply c.ply --pipeline 'curvature(3)'", "curvature has no options");
+  refused(2, "run in.ply c.ply --pipeline 'normals(oreint=up)'", "normals has no option 'oreint'; the nearest");
+}
+
+TEST_F(Help, UsesTheWordsOfANewUser) {
+  const std::string normals = tool("help normals").out, fair = tool("help fair").out;
+  for (const char* words : {"Number of neighbours, excluding the point", "How to orient normals",
+                            "Rerun the command to resume", "Print errors only", "Input files (merged), then output"})
+    EXPECT_NE(normals.find(words), std::string::npos) << words;
+  EXPECT_NE(fair.find("edge-preserving"), std::string::npos);
+}
+
+TEST_F(Help, TheLastSentenceExplainsResultsThatAreUndefined) {
+  write("line.xyz", "0 0 0\n1 0 0\n2 0 0\n3 0 0\n");
+  const Result result = tool("normals line.xyz out.ply");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_NE(result.err.find("4 results are undefined for want of neighbours (too few, or all on a line"),
+            std::string::npos)
+      << result.err;
+}
+
+}  // namespace
+}  // namespace pointsweep
