@@ -6,6 +6,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
+#include "pointsweep/formats/las_values.h"
 #include "pointsweep/formats/npy_writer.h"
 
 namespace pointsweep {
@@ -13,6 +14,16 @@ namespace pointsweep {
 namespace {
 constexpr std::size_t kChunkBytes = 4 << 20;
 constexpr std::size_t kTaskRows = 8192;
+
+/// The ranges of the fields that are kept, in their order.
+std::shared_ptr<const LasValues> of_kept_fields(std::shared_ptr<const LasValues> values, const KeptFields& kept) {
+  if (!values || !kept.input) return values;
+  auto some = std::make_shared<LasValues>(*values);
+  some->ranges.clear();
+  for (const std::size_t field : *kept.input) some->ranges.push_back(values->ranges[field]);
+  return some;
+}
+
 }  // namespace
 
 std::optional<Type> type_of_moved_positions(const Schema& input, const std::filesystem::path& output,
@@ -35,7 +46,7 @@ OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, con
                         .bounds = bounds,
                         .crs = cloud.crs(),
                         .las = cloud.las(),
-                        .las_values = std::move(las_values),
+                        .las_values = of_kept_fields(std::move(las_values), kept),
                         .other_extras = cloud.other_extras(),
                         .made = made};
   if (!outputs.points.empty()) points_.add(create_writer(plan));
