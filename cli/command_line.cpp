@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-std::string kept, version_of_program;
+std::string line_as_typed, version_of_program;
 
 bool is_safe(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
@@ -27,11 +27,11 @@ std::string quoted(std::string_view word) {
 
 void keep_command_line(int argc, const char* const* argv, std::string version) {
   version_of_program = std::move(version);
-  kept = "pointsweep";
-  for (int i = 1; i < argc; ++i) kept += " " + quoted(argv[i]);
+  line_as_typed = "pointsweep";
+  for (int i = 1; i < argc; ++i) line_as_typed += " " + quoted(argv[i]);
 }
 
-const std::string& command_line() { return kept; }
+const std::string& command_line() { return line_as_typed; }
 
 const std::string& kept_version() { return version_of_program; }
 
