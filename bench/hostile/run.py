@@ -63,7 +63,7 @@ class Bench:
     def run(self, verb, cloud, output):
         """Status, CPU seconds and statistics of one run under the limit."""
         statistics = self.options.work / "statistics.json"
-        command = ["prlimit", f"--data={self.limit}", self.tool, verb, *self.inputs(cloud), output, "--memory", f"{self.memory}M",
+        command = ["prlimit", f"--data={self.limit}", self.tool, verb, *self.inputs(cloud), "--output", output, "--memory", f"{self.memory}M",
                    "--temp-dir", self.options.work, "--stats", statistics, "--quiet", "--force", *cloud.options]
         process = subprocess.Popen([str(word) for word in command], stderr=subprocess.PIPE, text=True)
         error = process.stderr.read().strip()
