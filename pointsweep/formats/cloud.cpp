@@ -52,10 +52,42 @@ void Cloud::begin(CloudOptions options) {
   const PositionFields p = position_fields(schema_, readers_.front()->info().path.string());
   if (las_ && p.x.type == Type::i32)  // all on one grid, which may have another offset
     las_->grid = {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
+  number_rows();
+}
+
+void Cloud::number_rows() {
+  count_ = 0;
+  first_row_.clear();
   for (const auto& reader : readers_) {
     first_row_.push_back(count_);
     count_ += reader->info().count;
   }
+}
+
+NonfiniteRows Cloud::drop_nonfinite(const std::function<void(std::uint64_t)>& progress) {
+  keep_all();
+  NonfiniteRows found;
+  bool all_bounded = true;
+  for (std::size_t i = 0; i < readers_.size(); ++i) {
+    const FileInfo& info = readers_[i]->info();
+    if (!can_be_nonfinite(info.schema, info.path)) {
+      all_bounded &= info.count == 0;
+      continue;
+    }
+    FiniteRowIndex index(*readers_[i], first_row_[i], found, [&](std::uint64_t rows) {
+      if (progress) progress(first_row_[i] + rows);
+    });
+    if (!index.has_all()) readers_[i] = std::make_unique<FiniteRows>(std::move(readers_[i]), std::move(index));
+  }
+  if (!all_bounded) found.bounds = {};
+  number_rows();
+  return found;
+}
+
+void Cloud::keep_all() {
+  for (auto& reader : readers_)
+    if (auto* finite = dynamic_cast<FiniteRows*>(reader.get())) reader = finite->release();
+  number_rows();
 }
 
 std::shared_ptr<const FormatExtras> Cloud::extras() const { return readers_.front()->info().extras; }

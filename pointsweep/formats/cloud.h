@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -13,6 +14,7 @@
 
 #include "pointsweep/formats/common_schema.h"
 #include "pointsweep/formats/file_state.h"
+#include "pointsweep/formats/finite_rows.h"
 #include "pointsweep/formats/reader.h"
 #include "pointsweep/points/schema.h"
 
@@ -54,6 +56,13 @@ class Cloud {
   /// As Reader::read, over all inputs. Not thread-safe.
   std::size_t read(std::uint64_t row, std::span<std::byte> records);
 
+  /// Leaves out the rows with NaN or infinite coordinates until keep_all() is called: all other rows follow each other,
+  /// numbered from 0. Reads every input that can have such rows once; `progress` is told the rows read so far. What was
+  /// found has rows numbered as before, and bounds unless some input was not read.
+  NonfiniteRows drop_nonfinite(const std::function<void(std::uint64_t rows)>& progress = {});
+  /// All rows are there again.
+  void keep_all();
+
   /// Of each input, before it was opened.
   const std::vector<FileState>& states() const { return states_; }
   /// Throws Error if an input was written to since it was opened: what was read may be a mixture of old and new.
@@ -61,6 +70,7 @@ class Cloud {
 
  private:
   void begin(CloudOptions options);
+  void number_rows();
   std::size_t read_input(std::size_t input, std::uint64_t row, std::span<std::byte> records);
 
   std::vector<FileState> states_;  ///< of the inputs before they were opened

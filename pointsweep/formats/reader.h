@@ -29,12 +29,14 @@ struct FileInfo {
   std::string format;  ///< for people: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
   Schema schema;
   std::uint64_t count = 0;            ///< points really in the file, never merely what a header claims
+  std::uint64_t left_out = 0;         ///< points of the file that `count` and read() leave out (FiniteRows)
   std::uint64_t bytes = 0;            ///< size of the file
   std::optional<Box> bounds;          ///< as a header states them: a hint, not to be trusted
   std::vector<std::string> warnings;  ///< what was wrong but harmless, one sentence each
   std::shared_ptr<const FormatExtras> extras;
   std::optional<Crs> crs;        ///< the coordinate reference system, if the file states one
   std::optional<LasOrigin> las;  ///< if the file is LAS, or its points once were
+  std::vector<std::string> provenance;  ///< lines that say how the file was made (formats/provenance.h); may be empty
 };
 
 class Reader {

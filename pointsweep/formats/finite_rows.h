@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+/// The rows of an input whose coordinates are finite, as an input of its own.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/reader.h"
+#include "pointsweep/math/box.h"
+
+namespace pointsweep {
+
+/// Points with NaN or infinite coordinates.
+struct NonfiniteRows {
+  static constexpr std::size_t kMostListed = 1000;
+  std::uint64_t count = 0;
+  std::vector<std::uint64_t> rows;  ///< the first of them, ascending, at most kMostListed
+  std::string first;                ///< "row 17 of scan.ply"; empty if there are none
+  Box bounds;                       ///< of all other points
+};
+
+/// Whether a coordinate of these fields may be NaN or infinite: true unless all are integers, scaled or not.
+bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path);
+
+/// For every 4,096 rows of an input, how many finite ones are before them.
+class FiniteRowIndex {
+ public:
+  static constexpr std::uint64_t kBlock = 4096;
+  /// Reads all of `reader`, 1 MB at a time, and adds its nonfinite rows to `found`, numbered from `first_row` on.
+  FiniteRowIndex(Reader& reader, std::uint64_t first_row, NonfiniteRows& found,
+                 const std::function<void(std::uint64_t rows)>& progress);
+  std::uint64_t count() const { return before_.back(); }  ///< of finite rows
+  bool has_all() const { return count() == rows_; }
+
+  /// The block that holds finite row `row`.
+  std::size_t block_of(std::uint64_t row) const;
+  std::uint64_t before(std::size_t block) const { return before_[block]; }
+  std::uint64_t rows_in(std::size_t block) const { return std::min(kBlock, rows_ - block * kBlock); }
+  bool is_whole(std::size_t block) const { return before_[block + 1] - before_[block] == rows_in(block); }
+
+ private:
+  std::uint64_t rows_;
+  std::vector<std::uint64_t> before_;  ///< one more than there are blocks
+};
+
+/// Row i is the i-th finite row of `all`.
+class FiniteRows final : public Reader {
+ public:
+  FiniteRows(std::unique_ptr<Reader> all, FiniteRowIndex index);
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
+  /// The reader of all rows; this one is of no use afterwards.
+  std::unique_ptr<Reader> release() { return std::move(all_); }
+
+ private:
+  void load(std::size_t block);
+
+  std::unique_ptr<Reader> all_;
+  FiniteRowIndex index_;
+  PositionFields position_;
+  std::size_t loaded_;  ///< block whose finite rows `block_` holds
+  std::vector<std::byte> block_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "pointsweep/formats/arrays.h"
+#include "pointsweep/formats/cloud.h"
+
+namespace pointsweep {
+namespace {
+
+using Rows = std::vector<std::array<float, 3>>;
+
+/// n points (i, 0, 0), some of which have no place.
+Rows rows_with_gaps(std::size_t n, double share, std::mt19937& random) {
+  Rows rows;
+  std::uniform_real_distribution<double> uniform;
+  for (std::size_t i = 0; i < n; ++i) {
+    rows.push_back({static_cast<float>(i), 0, 0});
+    if (uniform(random) < share)
+      rows.back()[random() % 3] = random() % 2 == 0 ? std::nanf("") : std::numeric_limits<float>::infinity();
+  }
+  return rows;
+}
+
+Rows finite_ones(const Rows& rows) {
+  Rows out;
+  for (const auto& row : rows)
+    if (std::isfinite(row[0]) && std::isfinite(row[1]) && std::isfinite(row[2])) out.push_back(row);
+  return out;
+}
+
+std::unique_ptr<Reader> reader_of(const Rows& rows) {
+  return std::make_unique<ArrayReader>(std::span(rows.empty() ? nullptr : rows.front().data(), 3 * rows.size()));
+}
+
+Rows read(Cloud& cloud, std::uint64_t first, std::size_t n) {
+  Rows rows(n);
+  rows.resize(cloud.read(first, std::as_writable_bytes(std::span(rows))));
+  return rows;
+}
+
+TEST(FiniteRows, AreThoseOfAllInputsInAnyPieceAndNothingElse) {
+  std::mt19937 random(1);
+  for (const double share : {0.0, 0.0002, 0.01, 0.5, 0.999, 1.0}) {
+    const Rows a = rows_with_gaps(9000, share, random), b = rows_with_gaps(4096, share / 2, random),
+               c = rows_with_gaps(17, share, random);
+    std::vector<std::unique_ptr<Reader>> readers;
+    for (const Rows* rows : {&a, &b, &c}) readers.push_back(reader_of(*rows));
+    Cloud cloud(std::move(readers));
+    Rows expected;
+    for (const Rows* rows : {&a, &b, &c})
+      for (const auto& row : finite_ones(*rows)) expected.push_back(row);
+    const NonfiniteRows found = cloud.drop_nonfinite();
+    EXPECT_EQ(found.count, a.size() + b.size() + c.size() - expected.size());
+    EXPECT_EQ(cloud.count(), expected.size());
+    EXPECT_EQ(read(cloud, 0, 20000), expected);
+    for (int piece = 0; piece < 200 && !expected.empty(); ++piece) {
+      const std::size_t first = random() % expected.size(), n = random() % (piece % 2 == 0 ? 20 : 6000);
+      const std::size_t last = std::min(expected.size(), first + n);
+      EXPECT_EQ(read(cloud, first, n), Rows(expected.begin() + first, expected.begin() + last)) << first << " " << n;
+    }
+    cloud.keep_all();
+    EXPECT_EQ(cloud.count(), a.size() + b.size() + c.size());
+    EXPECT_EQ(std::memcmp(read(cloud, 9000, 1).data(), b.data(), sizeof b[0]), 0);
+  }
+}
+
+TEST(FiniteRows, TheOthersAreCountedWithTheBoundsOfTheRest) {
+  const float nan = std::nanf("");
+  const Rows rows = {{nan, 9, 9}, {1, 2, 3}, {4, nan, 0}, {-1, 5, 2}};
+  std::vector<std::unique_ptr<Reader>> readers;
+  readers.push_back(reader_of(rows));
+  Cloud cloud(std::move(readers));
+  const NonfiniteRows found = cloud.drop_nonfinite();
+  EXPECT_EQ(found.rows, (std::vector<std::uint64_t>{0, 2}));
+  EXPECT_EQ(found.bounds, (Box{{-1, 2, 2}, {1, 5, 3}}));
+  EXPECT_EQ(found.first, "row 0 of array");
+}
+
+}  // namespace
+}  // namespace pointsweep
