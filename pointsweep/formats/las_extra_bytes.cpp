@@ -14,14 +14,13 @@ namespace {
 
 /// Options of a descriptor that say which of its numbers count.
 constexpr std::uint8_t kHasLeast = 1 << 1, kHasMost = 1 << 2, kHasScale = 1 << 3, kHasOffset = 1 << 4;
-constexpr std::size_t kNameBytes = 32;
 
 /// A descriptor as it lies in the file.
 struct Descriptor {
   std::uint8_t reserved[2];
   std::uint8_t type;
   std::uint8_t options;  ///< of type 0: the number of bytes
-  char name[kNameBytes];
+  char name[kLasNameBytes];
   std::uint8_t unused[4];
   std::uint8_t no_data[24], lo[24], hi[24];
   double scale[3], offset[3];
@@ -45,6 +44,11 @@ constexpr Words kWords[] = {
     {"curvature", "Curvature", ""},
 };
 
+const Words* words_of(std::string_view name) {
+  const auto words = std::find_if(std::begin(kWords), std::end(kWords), [&](const Words& w) { return w.ours == name; });
+  return words == std::end(kWords) ? nullptr : words;
+}
+
 std::vector<Descriptor> descriptors_of(std::span<const std::byte> bytes) {
   std::vector<Descriptor> all(bytes.size() / sizeof(Descriptor));
   if (!all.empty()) std::memcpy(all.data(), bytes.data(), all.size() * sizeof(Descriptor));
@@ -58,7 +62,7 @@ bool same_word(std::string_view a, std::string_view b) {
 
 /// The name up to its first NUL without blanks around it; control characters would break the headers of other formats.
 std::string name_of(const Descriptor& d) {
-  std::string name(d.name, std::find(d.name, d.name + kNameBytes, '\0'));
+  std::string name(d.name, std::find(d.name, d.name + kLasNameBytes, '\0'));
   const auto first = name.find_first_not_of(' ');
   name = first == std::string::npos ? "" : name.substr(first, name.find_last_not_of(' ') - first + 1);
   for (char& c : name) {
@@ -126,6 +130,11 @@ void append_fields(const Descriptor& d, Schema& schema) {
 
 }  // namespace
 
+std::string las_dimension_name(const std::string& name) {
+  const Words* words = words_of(name);
+  return words != nullptr ? std::string(words->las) : name.substr(0, kLasNameBytes);
+}
+
 std::optional<std::string> append_extra_bytes(std::span<const std::byte> descriptors, std::uint32_t record_length,
                                               Schema& schema) {
   if (descriptors.size() % kExtraBytesDescriptor != 0) {
@@ -163,9 +172,9 @@ std::string extra_bytes_description(const Attribute& attribute, std::size_t comp
   } else if (attribute.unit != "1" && !attribute.unit.empty()) {
     suffix = fmt::format(" [{}]", attribute.unit);
   }
-  const std::string meaning = shortened(attribute.meaning, kNameBytes);
-  if (meaning.size() + suffix.size() <= kNameBytes) return meaning + suffix;
-  return attribute.fields.size() > 1 ? shortened(attribute.meaning, kNameBytes - suffix.size()) + suffix : meaning;
+  const std::string meaning = shortened(attribute.meaning, kLasNameBytes);
+  if (meaning.size() + suffix.size() <= kLasNameBytes) return meaning + suffix;
+  return attribute.fields.size() > 1 ? shortened(attribute.meaning, kLasNameBytes - suffix.size()) + suffix : meaning;
 }
 
 bool ExtraBytesVlr::has(std::string_view name) const {
@@ -174,10 +183,10 @@ bool ExtraBytesVlr::has(std::string_view name) const {
 }
 
 std::string ExtraBytesVlr::unused(std::string_view name) const {
-  std::string candidate(name.substr(0, kNameBytes));
+  std::string candidate(name.substr(0, kLasNameBytes));
   for (int number = 2; has(candidate); ++number) {
     const std::string suffix = fmt::format("_{}", number);
-    candidate = fmt::format("{}{}", name.substr(0, kNameBytes - suffix.size()), suffix);
+    candidate = fmt::format("{}{}", name.substr(0, kLasNameBytes - suffix.size()), suffix);
   }
   return candidate;
 }
@@ -186,8 +195,8 @@ void ExtraBytesVlr::make_way_for(std::string_view name) {
   std::vector<Descriptor> all = descriptors_of(bytes_);
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!same_word(name_of(all[i]), name)) continue;
-    const std::string other = unused(fmt::format("{}_input", name.substr(0, kNameBytes - 6)));
-    std::memset(all[i].name, 0, kNameBytes);
+    const std::string other = unused(fmt::format("{}_input", name.substr(0, kLasNameBytes - 6)));
+    std::memset(all[i].name, 0, kLasNameBytes);
     std::memcpy(all[i].name, other.data(), other.size());
     std::memcpy(bytes_.data() + i * sizeof(Descriptor), &all[i], sizeof(Descriptor));
   }
@@ -196,13 +205,11 @@ void ExtraBytesVlr::make_way_for(std::string_view name) {
 void ExtraBytesVlr::append_one(std::string name, const Field& field, std::string_view description) {
   Descriptor d{};
   std::memcpy(d.description, description.data(), std::min(description.size(), sizeof d.description));
-  const auto words = std::find_if(std::begin(kWords), std::end(kWords), [&](const Words& w) { return w.ours == name; });
-  if (words != std::end(kWords)) {
-    if (!words->description.empty()) std::memset(d.description, 0, sizeof d.description);
+  if (const Words* words = words_of(name); words != nullptr && !words->description.empty()) {
+    std::memset(d.description, 0, sizeof d.description);
     std::memcpy(d.description, words->description.data(), words->description.size());
-    name = words->las;
   }
-  name = name.substr(0, kNameBytes);
+  name = las_dimension_name(name);
   make_way_for(name);
   std::memcpy(d.name, name.data(), name.size());
   const auto type = std::find(std::begin(kTypes), std::end(kTypes), field.type);
@@ -229,7 +236,7 @@ void ExtraBytesVlr::append(const Field& field, std::string_view description) {
   if (field.count == 1) return append_one(field.name, field, description);
   for (std::uint32_t c = 0; c < field.count; ++c) {
     const std::string index = fmt::format("[{}]", c);
-    append_one(field.name.substr(0, kNameBytes - index.size()) + index, field, description);
+    append_one(field.name.substr(0, kLasNameBytes - index.size()) + index, field, description);
   }
 }
 

@@ -19,6 +19,11 @@ namespace pointsweep {
 inline constexpr std::size_t kExtraBytesDescriptor = 192;
 inline constexpr std::size_t kMaxExtraBytes = 65535 / kExtraBytesDescriptor;
 
+/// Bytes of an attribute's name.
+inline constexpr std::size_t kLasNameBytes = 32;
+/// Under which name LAS outputs hold an attribute: NormalX for nx, ..., else its own, cut to kLasNameBytes.
+std::string las_dimension_name(const std::string& name);
+
 /// Appends the attributes that `descriptors` (the content of the VLR) describe to `schema`, the fields of the point
 /// format. Types 1 to 10 are one field each, the deprecated arrays 11 to 30 a field of count 2 or 3 (several fields
 /// `name[0]`, ... where scale or offset differ), type 0 is that many uint8. A name already taken gets a number behind

@@ -16,6 +16,7 @@
 #include "pointsweep/formats/las_point_formats.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/las_values.h"
+#include "pointsweep/formats/provenance.h"
 
 namespace pointsweep {
 namespace {
@@ -301,7 +302,7 @@ class Builder {
       layout_.tail = {input_->points_end, input_->file->size()};
       if (stale) {
         layout_.before.end = vlrs.extra_bytes->start;
-        layout_.after.begin = vlrs.extra_bytes->end();
+        layout_.between = {vlrs.extra_bytes->end(), vlrs.end};
         replaced = true;
       }
     }
@@ -311,11 +312,12 @@ class Builder {
       ++added;
     }
     added += add_crs_vlrs();
+    added += add_provenance_vlrs();
     if (added != 0 || replaced) {
       header.vlr_count = (input_ != nullptr ? input_->vlrs.count : 0) + added - (replaced ? 1 : 0);
     }
-    const std::uint64_t points =
-        header.header_size + layout_.before.size() + layout_.added_vlrs.size() + layout_.after.size();
+    const std::uint64_t points = header.header_size + layout_.before.size() + layout_.added_vlrs.size() +
+                                 layout_.between.size() + layout_.provenance_vlrs.size() + layout_.after.size();
     if (points > std::numeric_limits<std::uint32_t>::max()) {
       fail("{}: the header and VLRs would take {} bytes, and LAS allows 4294967295; write PLY.", plan_.path.string(),
            points);
@@ -338,13 +340,13 @@ class Builder {
       const auto length = static_cast<std::uint16_t>(vlr_.bytes().size());
       std::memcpy(vlr.data() + 20, &length, sizeof length);
     }
-    add_vlrs(vlr);
+    append(layout_.added_vlrs, vlr);
   }
 
   /// Returns how many VLRs state the coordinate reference system beside those of the input.
   std::uint32_t add_crs_vlrs() {
     const LasCrsVlrs vlrs = las_crs_vlrs(added_crs_);
-    add_vlrs(vlrs.bytes);
+    append(layout_.added_vlrs, vlrs.bytes);
     if (!added_crs_.wkt.empty() && added_crs_.wkt.size() >= kLongestVlr)
       layout_.warnings.push_back(fmt::format(
           "{}: the WKT of the coordinate reference system has {} bytes, more than a VLR can hold; it is left "
@@ -353,8 +355,28 @@ class Builder {
     return vlrs.count;
   }
 
-  void add_vlrs(const std::vector<std::byte>& vlrs) {
-    layout_.added_vlrs.insert(layout_.added_vlrs.end(), vlrs.begin(), vlrs.end());
+  /// As many VLRs as the lines need that the input does not have; returns their number.
+  std::uint32_t add_provenance_vlrs() {
+    const std::span<const std::string> all = plan_.provenance;
+    std::uint32_t count = 0;
+    std::string text;
+    const auto flush = [&] {
+      if (text.empty()) return;
+      append(layout_.provenance_vlrs,
+             las_vlr(kProvenanceUser, kProvenanceRecord, "how this file was made", std::as_bytes(std::span(text))));
+      text.clear();
+      ++count;
+    };
+    for (const std::string& line : input_ == nullptr ? all : provenance_beyond(all, input_->provenance)) {
+      if (text.size() + line.size() + 1 > kLongestVlr) flush();
+      text += line + "\n";
+    }
+    flush();
+    return count;
+  }
+
+  static void append(std::vector<std::byte>& to, const std::vector<std::byte>& vlrs) {
+    to.insert(to.end(), vlrs.begin(), vlrs.end());
   }
 
   const OutputPlan& plan_;

@@ -22,13 +22,15 @@ struct LasPiece {
   std::uint64_t size() const { return end - begin; }
 };
 
-/// The file is: header, `before` of the input, `added_vlrs`, `after` of the input, points, `tail` of the input.
+/// The file is: header, `before` of the input, `added_vlrs`, `between` of the input, `provenance_vlrs`, `after` of the
+/// input, points, `tail` of the input.
 struct LasLayout {
   LasHeader header;                        ///< all but counts and bounds
   std::shared_ptr<const InputFile> input;  ///< null if the input is not LAS
-  LasPiece before, after, tail;
-  std::vector<std::byte> added_vlrs;  ///< with their headers; empty if `before` and `after` have all
-  std::vector<std::string> warnings;  ///< what the file cannot hold
+  LasPiece before, between, after, tail;
+  std::vector<std::byte> added_vlrs;       ///< with their headers; empty if the pieces of the input have all
+  std::vector<std::byte> provenance_vlrs;  ///< likewise; those of the input are in its pieces
+  std::vector<std::string> warnings;       ///< what the file cannot hold
 
   /// Two schemas with fields paired by name: what comes, and the records of the file.
   Schema from, to;

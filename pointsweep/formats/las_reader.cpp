@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <sstream>
 #include <string>
 #include <utility>
 
 #include "pointsweep/formats/las_crs.h"
 #include "pointsweep/formats/las_extra_bytes.h"
 #include "pointsweep/formats/las_point_formats.h"
+#include "pointsweep/formats/provenance.h"
 
 namespace pointsweep {
 namespace {
@@ -52,6 +54,14 @@ void read_extra_bytes(LasExtras& extras, const LasVlr& vlr, std::vector<std::str
   warnings.push_back(fmt::format("the extra-bytes VLR at byte {} was ignored: {}.", vlr.start, *reason));
 }
 
+void read_provenance(LasExtras& extras, const LasVlr& vlr) {
+  std::string text(static_cast<std::size_t>(vlr.length), '\0');
+  extras.file->read_at(vlr.content, std::as_writable_bytes(std::span(text)));
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (auto found = provenance_line(line)) extras.provenance.push_back(std::move(*found));
+}
+
 void warn_of_bytes_behind(const LasExtras& extras, std::vector<std::string>& warnings) {
   const std::uint64_t behind = extras.file->size() - extras.points_end;
   const LasHeader& header = extras.header;
@@ -74,6 +84,7 @@ std::shared_ptr<LasExtras> read_extras(const std::filesystem::path& path, std::v
   extras->crs = read_las_crs(*extras->file, header, extras->vlrs, evlrs);
   const std::optional<LasVlr> vlr = extras->vlrs.extra_bytes ? extras->vlrs.extra_bytes : evlrs.extra_bytes;
   if (vlr) read_extra_bytes(*extras, *vlr, warnings);
+  for (const LasVlr& record : extras->vlrs.provenance) read_provenance(*extras, record);
   extras->schema.stride = header.record_length;
   warn_of_bytes_behind(*extras, warnings);
   return extras;
@@ -107,6 +118,7 @@ class LasReader : public Reader {
     info_.extras = extras;
     info_.crs = extras->crs;
     info_.las = origin_of(header);
+    info_.provenance = extras->provenance;
   }
 
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override {

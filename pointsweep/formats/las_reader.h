@@ -21,11 +21,12 @@ namespace pointsweep {
 struct LasExtras : FormatExtras {
   std::shared_ptr<const InputFile> file;
   LasHeader header;
-  Schema schema;                       ///< of the point records
-  LasVlrChain vlrs;                    ///< between header and points
-  std::vector<std::byte> extra_bytes;  ///< descriptors that fit the records; empty if there are none
-  std::uint64_t points_end = 0;        ///< byte behind the last point
-  std::optional<Crs> crs;              ///< what VLRs or extended VLRs state
+  Schema schema;                        ///< of the point records
+  LasVlrChain vlrs;                     ///< between header and points
+  std::vector<std::byte> extra_bytes;   ///< descriptors that fit the records; empty if there are none
+  std::uint64_t points_end = 0;         ///< byte behind the last point
+  std::optional<Crs> crs;               ///< what VLRs or extended VLRs state
+  std::vector<std::string> provenance;  ///< lines of its VLRs that say how the file was made
 };
 
 /// Throws Error in one sentence for a file that is not LAS, compressed, truncated, or contradicts itself.

@@ -34,19 +34,29 @@ class Window {
   std::size_t held_ = 0;
 };
 
-/// The place in `chain` where a record of this kind is noted; null for kinds that are only walked past.
-std::optional<LasVlr>* place_of(LasVlrChain& chain, const std::byte* header) {
+constexpr std::size_t kMostProvenance = 256;
+
+/// The place in `chain` where a record of this kind is noted; null for all others.
+std::optional<LasVlr>* place_of(LasVlrChain& chain, std::string_view user, std::uint16_t record) {
+  if (user == kLasSpecUser && record == kExtraBytesRecord) return &chain.extra_bytes;
+  if (user != kLasProjectionUser) return nullptr;
+  if (record == kWktRecord) return &chain.wkt;
+  if (record == kGeoKeysRecord) return &chain.geo_keys;
+  if (record == kGeoDoublesRecord) return &chain.geo_doubles;
+  return record == kGeoAsciiRecord ? &chain.geo_ascii : nullptr;
+}
+
+/// Notes the place of a record in `chain` if it is of a kind that readers look at.
+void note(LasVlrChain& chain, const std::byte* header, const LasVlr& vlr) {
   char user[16];
   std::uint16_t record;
   std::memcpy(user, header + 2, sizeof user);
   std::memcpy(&record, header + 18, sizeof record);
   const std::string_view name(user, std::find(user, user + 16, '\0'));
-  if (name == kLasSpecUser && record == kExtraBytesRecord) return &chain.extra_bytes;
-  if (name != kLasProjectionUser) return nullptr;
-  if (record == kWktRecord) return &chain.wkt;
-  if (record == kGeoKeysRecord) return &chain.geo_keys;
-  if (record == kGeoDoublesRecord) return &chain.geo_doubles;
-  return record == kGeoAsciiRecord ? &chain.geo_ascii : nullptr;
+  const bool tells = name == kProvenanceUser && record == kProvenanceRecord;
+  if (tells && chain.provenance.size() < kMostProvenance) chain.provenance.push_back(vlr);
+  std::optional<LasVlr>* const place = place_of(chain, name, record);
+  if (place != nullptr && !*place) *place = vlr;
 }
 
 /// Bytes behind the header: 16 bits in a VLR, 64 in an EVLR.
@@ -69,7 +79,7 @@ LasVlrChain walk_las_vlrs(const InputFile& file, LasVlrKind kind, std::uint64_t 
     const std::byte* header = window.at(chain.end, static_cast<std::size_t>(header_bytes));
     const LasVlr vlr{chain.end, chain.end + header_bytes, content_length(header, kind)};
     if (vlr.length > limit - vlr.content) break;
-    if (std::optional<LasVlr>* place = place_of(chain, header); place != nullptr && !*place) *place = vlr;
+    note(chain, header, vlr);
     chain.end = vlr.end();
     ++chain.count;
   }

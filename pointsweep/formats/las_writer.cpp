@@ -33,7 +33,9 @@ class LasWriter : public Writer {
     put(0, serialize(header));
     std::uint64_t at = copy(layout_.before, header.header_size);
     put(at, layout_.added_vlrs);
-    copy(layout_.after, at + layout_.added_vlrs.size());
+    at = copy(layout_.between, at + layout_.added_vlrs.size());
+    put(at, layout_.provenance_vlrs);
+    copy(layout_.after, at + layout_.provenance_vlrs.size());
     warnings_ = layout_.warnings;
   }
 

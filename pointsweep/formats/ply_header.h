@@ -36,6 +36,7 @@ struct PlyElement {
 /// Without those that ply_comments.h understands.
 struct PlyExtras : FormatExtras {
   std::vector<std::string> lines;
+  std::vector<std::string> provenance;  ///< what of them says how the file was made
 };
 
 struct PlyHeader {

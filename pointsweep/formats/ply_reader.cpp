@@ -10,6 +10,7 @@
 #include "pointsweep/formats/ply_comments.h"
 #include "pointsweep/formats/ply_elements.h"
 #include "pointsweep/formats/ply_header.h"
+#include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/row_lines.h"
 #include "pointsweep/points/with_type.h"
 
@@ -42,6 +43,10 @@ class PlyReader : public Reader {
     extras->lines = header.remarks;
     info_.crs = take_crs_comments(extras->lines);
     info_.las = take_las_comment(extras->lines);
+    for (const std::string& line : extras->lines)
+      if (line.starts_with("comment"))
+        if (auto found = provenance_line(line.substr(7))) extras->provenance.push_back(std::move(*found));
+    info_.provenance = extras->provenance;
     info_.extras = std::move(extras);
     position_fields(info_.schema, file_->path().string());
   }

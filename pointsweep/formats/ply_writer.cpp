@@ -8,6 +8,7 @@
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/ply_comments.h"
 #include "pointsweep/formats/ply_header.h"
+#include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/record_writer.h"
 #include "pointsweep/points/with_type.h"
 
@@ -70,9 +71,12 @@ std::string ply_header_text(const OutputPlan& plan) {
     for (const std::string& line : crs_comments(*plan.crs)) header += line + "\n";
   }
   if (plan.las) header += las_comment(*plan.las) + "\n";
+  std::span<const std::string> provenance = plan.provenance;
   if (const PlyExtras* extras = ply_extras(plan)) {
     for (const std::string& line : extras->lines) header += line + "\n";
+    provenance = provenance_beyond(provenance, extras->provenance);
   }
+  for (const std::string& line : provenance) header += "comment " + line + "\n";
   header += fmt::format("element vertex {}\n", plan.count);
   const auto names = column_names(plan.schema);
   std::size_t column = 0;

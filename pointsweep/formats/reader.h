@@ -34,8 +34,8 @@ struct FileInfo {
   std::optional<Box> bounds;          ///< as a header states them: a hint, not to be trusted
   std::vector<std::string> warnings;  ///< what was wrong but harmless, one sentence each
   std::shared_ptr<const FormatExtras> extras;
-  std::optional<Crs> crs;        ///< the coordinate reference system, if the file states one
-  std::optional<LasOrigin> las;  ///< if the file is LAS, or its points once were
+  std::optional<Crs> crs;               ///< the coordinate reference system, if the file states one
+  std::optional<LasOrigin> las;         ///< if the file is LAS, or its points once were
   std::vector<std::string> provenance;  ///< lines that say how the file was made (formats/provenance.h); may be empty
 };
 

@@ -7,6 +7,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/line_reader.h"
 #include "pointsweep/formats/number_text.h"
+#include "pointsweep/formats/provenance.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -85,6 +86,7 @@ class LayoutFinder {
 
   void look_at_comment(std::string_view line) {
     const std::string_view comment = comment_of(line);
+    if (auto provenance = provenance_line(comment)) return layout_.provenance.push_back(std::move(*provenance));
     split_cells(comment, separator_of(comment), cells_);
     if (names_a_point(cells_)) comment_names_ = copies_of(cells_);
   }
@@ -114,7 +116,7 @@ class LayoutFinder {
       const auto line = lines_.next();
       if (!line) break;
       if (!is_text_row(*line)) {
-        if (rows.empty() && !layout_.has_header) look_at_comment(*line);
+        if (rows.empty()) look_at_comment(*line);
         continue;
       }
       if (rows.empty()) layout_.separator = separator_of(*line);

@@ -16,6 +16,7 @@ struct TextLayout {
   std::vector<std::string> names;          ///< one for each column
   Separator separator = Separator::space;  ///< of the rows; that of the header may differ
   bool has_header = false;
+  std::vector<std::string> provenance;     ///< comments before the rows that say how the file was made
   std::optional<std::uint64_t> announced;  ///< rows, as a first line that is nothing but an integer says (.pts)
   std::uint64_t body_offset = 0;           ///< where the rows start
   std::uint64_t body_line = 1;

@@ -33,6 +33,7 @@ class TextReader final : public Reader {
                                layout_.has_header ? "with header" : "without header");
     info_.bytes = file_->size();
     info_.count = rows_.count();
+    info_.provenance = layout_.provenance;
     for (const std::string& name : layout_.names) info_.schema.append(name, Type::f64);
     if (layout_.announced && *layout_.announced != info_.count) {
       info_.warnings.push_back(fmt::format("{}: announces {} points but holds {}; all of them are read.",

@@ -34,9 +34,13 @@ class TextWriter final : public Writer {
     const auto names = column_names(plan.schema);
     const std::string extension = extension_of(plan.path);
     if (extension == ".pts") append(fmt::format("{}\n", plan.count));
-    if (extension == ".pts" && are_usual_pts_columns(names)) return;
-    if (extension != ".csv") append("# ");
-    append(fmt::format("{}\n", fmt::join(names, std::string_view(&separator_, 1))));
+    if (extension != ".pts" || !are_usual_pts_columns(names)) {
+      if (extension != ".csv") append("# ");
+      append(fmt::format("{}\n", fmt::join(names, std::string_view(&separator_, 1))));
+    }
+    // Programs that read .csv take the first line for names and all others for rows.
+    if (extension == ".csv") return;
+    for (const std::string& line : plan.provenance) append("# " + line + "\n");
   }
 
   void write(std::span<const std::byte> records) override {

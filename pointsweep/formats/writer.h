@@ -42,6 +42,9 @@ struct OutputPlan {
   std::vector<std::shared_ptr<const FormatExtras>> other_extras = {};
   /// The attributes in `schema` that operators made: formats that describe attributes take the meaning from here.
   std::vector<Attribute> made = {};
+  /// All that the file is to say of how it was made, that of `extras` first (formats/provenance.h). Written by formats
+  /// that have a place for it: PLY, LAS and text, but not .csv and .npy.
+  std::vector<std::string> provenance = {};
 };
 
 /// The file grows under a hidden name beside its destination and is renamed by finish(); destruction without

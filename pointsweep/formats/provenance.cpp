@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/provenance.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kLongestLine = 999;  ///< rply, which Open3D and CloudCompare read with, allows 1,023
+constexpr std::size_t kMostBytes = 256 << 10;
+constexpr std::size_t kMostInputBytes = 32 << 10;  ///< for the names of one record
+
+bool is_printable(char c) { return c >= 0x20 && c < 0x7f; }
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool end = i == 0 || i + 1 == text.size();
+    if (is_printable(text[i]) && text[i] != '%' && !(end && text[i] == ' '))
+      out += text[i];
+    else
+      out += fmt::format("%{:02X}", static_cast<unsigned char>(text[i]));
+  }
+  return out;
+}
+
+template <class Number>
+bool take_number(std::string_view& text, Number& number, int base = 10) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, base);
+  if (error != std::errc()) return false;
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return true;
+}
+
+bool take_word(std::string_view& text, std::string_view word) {
+  if (!text.starts_with(word)) return false;
+  text.remove_prefix(word.size());
+  return true;
+}
+
+std::string unescaped(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    std::string_view digits = text.substr(0, 3);
+    unsigned value = 0;
+    if (take_word(digits, "%") && digits.size() == 2 && take_number(digits, value, 16) && digits.empty()) {
+      out += static_cast<char>(value);
+      text.remove_prefix(3);
+    } else {
+      out += text.front();
+      text.remove_prefix(1);
+    }
+  }
+  return out;
+}
+
+std::string line_of(const ProvenanceInput& input) {
+  const std::string counts = fmt::format("{}input {} points, {} bytes: ", kProvenanceMark, input.points, input.bytes);
+  const std::string name = escaped(input.name);
+  if (counts.size() + name.size() <= kLongestLine) return counts + name;
+  return counts + escaped(std::string_view(input.name).substr(input.name.rfind('/') + 1));
+}
+
+std::optional<ProvenanceInput> input_of(std::string_view text) {
+  ProvenanceInput input;
+  const bool counts = take_number(text, input.points) && take_word(text, " points, ") &&
+                      take_number(text, input.bytes) && take_word(text, " bytes: ");
+  if (!counts || text.empty()) return std::nullopt;
+  input.name = unescaped(text);
+  return input;
+}
+
+void read_line(std::string_view line, ProvenanceRecord& record) {
+  if (take_word(line, "stage ")) return record.stages.emplace_back(line), void();
+  if (take_word(line, "input ")) {
+    if (auto input = input_of(line)) record.inputs.push_back(std::move(*input));
+    return;
+  }
+  if (take_word(line, "more-inputs ")) return void(take_number(line, record.more_inputs));
+  const std::size_t space = line.find(' ');
+  if (space != line.npos) record.settings.emplace_back(line.substr(0, space), line.substr(space + 1));
+}
+
+/// Where records begin; behind them the end of `lines`.
+std::vector<std::size_t> record_starts(std::span<const std::string> lines) {
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::string_view rest = std::string_view(lines[i]).substr(kProvenanceMark.size());
+    if (starts.empty() || (!rest.empty() && rest[0] >= '0' && rest[0] <= '9')) starts.push_back(i);
+  }
+  starts.push_back(lines.size());
+  return starts;
+}
+
+std::size_t bytes_of(std::span<const std::string> lines) {
+  std::size_t bytes = 0;
+  for (const std::string& line : lines) bytes += line.size() + 1;
+  return bytes;
+}
+
+}  // namespace
+
+std::optional<std::string> ProvenanceRecord::setting(std::string_view name) const {
+  for (const auto& [key, value] : settings)
+    if (key == name) return value;
+  return std::nullopt;
+}
+
+std::vector<std::string> lines_of(const ProvenanceRecord& record) {
+  const std::string mark(kProvenanceMark);
+  std::vector<std::string> lines = {mark + record.version};
+  for (const std::string& stage : record.stages) lines.push_back(mark + "stage " + escaped(stage));
+  for (const auto& [name, value] : record.settings) lines.push_back(mark + name + " " + escaped(value));
+  std::uint64_t left_out = record.more_inputs;
+  std::size_t bytes = 0;
+  for (const ProvenanceInput& input : record.inputs) {
+    std::string line = line_of(input);
+    if (bytes += line.size(); bytes > kMostInputBytes)
+      ++left_out;
+    else
+      lines.push_back(std::move(line));
+  }
+  if (left_out > 0) lines.push_back(fmt::format("{}more-inputs {}", mark, left_out));
+  return lines;
+}
+
+std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines) {
+  std::vector<ProvenanceRecord> records;
+  const std::vector<std::size_t> starts = record_starts(lines);
+  for (std::size_t r = 0; r + 1 < starts.size(); ++r) {
+    ProvenanceRecord record;
+    record.version = lines[starts[r]].substr(kProvenanceMark.size());
+    for (std::size_t i = starts[r] + 1; i < starts[r + 1]; ++i)
+      read_line(std::string_view(lines[i]).substr(kProvenanceMark.size()), record);
+    for (std::string& stage : record.stages) stage = unescaped(stage);
+    for (auto& [name, value] : record.settings) value = unescaped(value);
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+std::string to_text(const ProvenanceRecord& record) {
+  std::string text = std::string(kProvenanceMark) + record.version;
+  for (std::size_t i = 0; i < record.stages.size(); ++i) text += (i == 0 ? ": " : " | ") + record.stages[i];
+  for (const auto& [name, value] : record.settings) text += "; " + name + " " + value;
+  for (std::size_t i = 0; i < record.inputs.size() && i < 3; ++i)
+    text += (i == 0 ? "; from " : ", ") + escaped(record.inputs[i].name);
+  const std::uint64_t others =
+      record.more_inputs + record.inputs.size() - std::min<std::size_t>(3, record.inputs.size());
+  return others == 0 ? text : text + fmt::format(" and {} more", others);
+}
+
+void add_provenance(std::vector<std::string>& lines, std::span<const std::string> more) {
+  const std::vector<std::size_t> starts = record_starts(more);
+  for (std::size_t r = 0; r + 1 < starts.size(); ++r) {
+    const auto record = more.subspan(starts[r], starts[r + 1] - starts[r]);
+    if (std::search(lines.begin(), lines.end(), record.begin(), record.end()) != lines.end()) continue;
+    if (bytes_of(lines) + bytes_of(record) > kMostBytes) {
+      const std::string note = std::string(kProvenanceMark) + "note more records are left out";
+      if (lines.empty() || lines.back() != note) lines.push_back(note);
+      return;
+    }
+    lines.insert(lines.end(), record.begin(), record.end());
+  }
+}
+
+std::span<const std::string> provenance_beyond(std::span<const std::string> all, std::span<const std::string> present) {
+  const bool begins = present.size() <= all.size() &&
+                      std::equal(present.begin(), present.end(), all.begin(), all.begin() + std::ssize(present));
+  return begins ? all.subspan(present.size()) : all;
+}
+
+std::optional<std::string> provenance_line(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == text.npos) return std::nullopt;
+  text = text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+  if (!text.starts_with(kProvenanceMark) || !std::all_of(text.begin(), text.end(), is_printable)) return std::nullopt;
+  return std::string(text);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+/// What a file says of the runs that made it: lines that point files carry in comments (docs/formats.md).
+///
+///   pointsweep 0.1.0
+///   pointsweep stage knn(k=12)
+///   pointsweep stage normals
+///   pointsweep order sweep
+///   pointsweep input 4000 points, 48211 bytes: scan.ply
+///
+/// The line with the version begins a record; the newest record is the last. There is no date, no machine and, unless
+/// it is asked for, no folder, so that equal runs give equal bytes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace pointsweep {
+
+/// With which every line begins.
+inline constexpr std::string_view kProvenanceMark = "pointsweep ";
+
+struct ProvenanceInput {
+  std::string name;  ///< file name without folder, or the absolute path if that was asked for
+  std::uint64_t points = 0, bytes = 0;
+};
+
+/// One run.
+struct ProvenanceRecord {
+  std::string version;
+  std::vector<std::string> stages;                            ///< in the language of pipelines, or "sort"
+  std::vector<std::pair<std::string, std::string>> settings;  ///< "order", "keep", ... and their values
+  std::vector<ProvenanceInput> inputs;
+  std::uint64_t more_inputs = 0;  ///< inputs whose names are left out, since there are too many
+
+  /// The value of a setting, or nothing.
+  std::optional<std::string> setting(std::string_view name) const;
+};
+
+/// Printable ASCII only, each line under 1,000 bytes. Other bytes of a name are written as %XX.
+std::vector<std::string> lines_of(const ProvenanceRecord& record);
+/// Oldest first. Lines that are not understood are ignored.
+std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines);
+/// "pointsweep 0.1.0: knn(k=12) | normals; order sweep; from scan.ply"
+std::string to_text(const ProvenanceRecord& record);
+
+/// Appends those records of `more` that `lines` does not have yet. Beyond 256 KiB, records are left out and one line
+/// says so, since headers must stay readable.
+void add_provenance(std::vector<std::string>& lines, std::span<const std::string> more);
+/// What is left of `all` behind `present`, if it begins with that; all of it otherwise.
+std::span<const std::string> provenance_beyond(std::span<const std::string> all, std::span<const std::string> present);
+
+/// The line without spaces and line ends around it if it begins with the mark and is printable; otherwise nothing.
+std::optional<std::string> provenance_line(std::string_view text);
+
+}  // namespace pointsweep
