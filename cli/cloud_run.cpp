@@ -37,6 +37,10 @@ RunOptions run_options(const CommonOptions& options) {
   run.half_way_states = options.half_way;
   run.resume_folder = options.resume;
   run.checkpoint_seconds = options.checkpoint_seconds;
+  run.nonfinite = options.nonfinite;
+  run.replace = options.replace;
+  run.prefix = options.prefix;
+  run.input_paths = options.provenance_paths;
   return run;
 }
 
@@ -62,7 +66,8 @@ void complete(OutputFile& file, const std::string& text) {
 /// point to show.
 std::optional<Rendering> picture_of(const std::filesystem::path& output, const Schema& input,
                                     const Statistics& statistics, ProgressDisplay& display) {
-  if (extension_of(output) == ".npy" || statistics.nonfinite == statistics.points) return std::nullopt;
+  if (extension_of(output) == ".npy" || statistics.nonfinite - statistics.dropped == statistics.points)
+    return std::nullopt;
   Cloud cloud({output});
   RenderOptions options;
   options.width = 900;
@@ -100,7 +105,8 @@ std::string conclusion(const std::filesystem::path& output, const Statistics& s)
         "; {} undefined for want of neighbours (too few, or all on a line or in one place): there normals, curvatures "
         "and splats are 0, and fair moves nothing",
         s.degenerate == 1 ? "one result is" : fmt::format("{} results are", s.degenerate));
-  if (s.nonfinite > 0) text += fmt::format("; {} with coordinates that are not finite", s.nonfinite);
+  const std::uint64_t kept = s.nonfinite - s.dropped;
+  if (kept > 0) text += fmt::format("; {} with coordinates that are not finite", kept);
   return text;
 }
 
@@ -135,6 +141,7 @@ void require_named_files(const InputsAndOutput& paths) {
 void add_run_options(CLI::App& verb, CommonOptions& options) {
   add_dry_run_option(verb, options);
   add_stream_options(verb, options);
+  add_nonfinite_option(verb, options);
   add_thread_option(verb, options);
   add_crs_option(verb, options);
   add_force_option(verb, options);

@@ -37,6 +37,15 @@ Type parse_position_type(std::string_view name) {
   return name == "float32" ? Type::f32 : Type::f64;
 }
 
+Nonfinite parse_nonfinite(std::string_view name) {
+  if (name == "keep") return Nonfinite::keep;
+  if (name == "drop") return Nonfinite::drop;
+  if (name == "refuse") return Nonfinite::refuse;
+  fail_usage("--nonfinite: '{}' is not keep, drop or refuse.", name);
+}
+
+}  // namespace
+
 std::vector<std::string> parse_names(const std::string& text) {
   std::vector<std::string> names(1);
   for (const char c : text) c == ',' ? void(names.emplace_back()) : names.back().push_back(c);
@@ -44,8 +53,6 @@ std::vector<std::string> parse_names(const std::string& text) {
     if (name.empty()) fail_usage("--keep: '{}' is not a list of attributes such as normal,splat_length.", text);
   return names;
 }
-
-}  // namespace
 
 Order parse_order(std::string_view name) {
   if (name != "input" && name != "sweep") fail_usage("--order: '{}' is not input or sweep.", name);
@@ -130,6 +137,35 @@ void add_order_option(CLI::App& verb, CommonOptions& options) {
           "--order", [&options](const std::string& name) { options.order = parse_order(name); },
           "Order of the points in the output: as in the input, or ascending along the sweep axis (default: input)")
       ->type_name("input|sweep");
+}
+
+void add_nonfinite_option(CLI::App& verb, CommonOptions& options) {
+  verb.add_option_function<std::string>(
+          "--nonfinite", [&options](const std::string& name) { options.nonfinite = parse_nonfinite(name); },
+          "Points with NaN or infinite coordinates: keep (default), drop (default for LAS) or refuse")
+      ->type_name("WHAT");
+}
+
+void add_naming_options(CLI::App& verb, CommonOptions& options) {
+  verb.add_option("--replace", options.replace, "Attributes of the input that may be overwritten, e.g. curvature")
+      ->delimiter(',')
+      ->type_name("A,B,...");
+  verb.add_option("--prefix", options.prefix, "Write the made attributes with this before their names")
+      ->type_name("NAME");
+}
+
+void add_provenance_options(CLI::App& verb, CommonOptions& options) {
+  verb.add_option_function<std::string>(
+          "--provenance",
+          [&options](const std::string& what) {
+            if (what != "names" && what != "paths") fail_usage("--provenance: '{}' is not names or paths.", what);
+            options.provenance_paths = what == "paths";
+          },
+          "The output says how it was made, with the names (default) or the absolute paths of its inputs")
+      ->type_name("names|paths");
+  verb.add_flag_function(
+      "--no-provenance", [&options](std::int64_t) { options.provenance = false; },
+      "The output does not say how it was made");
 }
 
 void add_engine_option(CLI::App& verb, CommonOptions& options) {

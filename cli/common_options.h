@@ -33,6 +33,11 @@ struct CommonOptions {
   bool ignore_crs = false;       ///< inputs may have different coordinate reference systems
   bool force = false;            ///< an existing output may be replaced
   int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
+  Nonfinite nonfinite = Nonfinite::by_format;
+  std::vector<std::string> replace;  ///< attributes of the input that may be overwritten
+  std::string prefix;                ///< of the names of made attributes
+  bool provenance = true;            ///< outputs say how they were made
+  bool provenance_paths = false;     ///< with the absolute paths of the inputs
 };
 
 /// --quiet, --progress-fd N
@@ -54,6 +59,8 @@ void add_engine_option(CLI::App& verb, CommonOptions& options);
 void add_positions_option(CLI::App& verb, CommonOptions& options);
 /// --memory SIZE
 void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meaning);
+/// The names of a list "a,b,c". Throws UsageError for an empty one.
+std::vector<std::string> parse_names(const std::string& text);
 /// --keep A,B,...
 inline constexpr const char* kKeepMeaning =
     "Attributes to write, by the name of the attribute or of its column in the output, e.g. normal or "
@@ -62,6 +69,12 @@ inline constexpr const char* kKeepMeaning =
 void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning);
 /// --dry-run
 void add_dry_run_option(CLI::App& verb, CommonOptions& options);
+/// --nonfinite
+void add_nonfinite_option(CLI::App& verb, CommonOptions& options);
+/// --replace A,B,... and --prefix NAME
+void add_naming_options(CLI::App& verb, CommonOptions& options);
+/// --provenance names|paths and --no-provenance
+void add_provenance_options(CLI::App& verb, CommonOptions& options);
 /// --axis
 void add_axis_option(CLI::App& verb, CommonOptions& options);
 /// "input" or "sweep"; throws UsageError for anything else.

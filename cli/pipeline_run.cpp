@@ -7,6 +7,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/preview.h"
+#include "pointsweep/pipeline/provenance_record.h"
 
 namespace pointsweep {
 namespace {
@@ -55,6 +56,8 @@ void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
   add_order_option(verb, run.common);
   add_engine_option(verb, run.common);
   add_positions_option(verb, run.common);
+  add_naming_options(verb, run.common);
+  add_provenance_options(verb, run.common);
   add_run_options(verb, run.common);
 }
 
@@ -86,6 +89,7 @@ void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
     const Chain chain = build_chain(stages, cloud, command.common.keep);
     require_a_mover(chain, command.common);
     options.resume_key = to_text(stages);
+    if (command.common.provenance) options.stages = canonical_stages(stages);
     return run(cloud, chain, {.points = command.paths.output(), .arrays = {}, .writer = {}}, options);
   });
 }

@@ -22,7 +22,8 @@ void sort_points(const SortCommand& command) {
     });
     return;
   }
-  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, RunOptions options) {
+    if (command.common.provenance) options.stages = {"sort"};
     return sort(cloud, command.paths.output(), options, keep);
   });
 }
@@ -36,6 +37,7 @@ void add_sort_command(CLI::App& app) {
   add_output_option(verb, command->paths.named_output);
   add_keep_option(verb, command->common.keep,
                   "Attributes to write, e.g. intensity,classification; x, y and z always are (default: all)");
+  add_provenance_options(verb, command->common);
   add_run_options(verb, command->common);
   verb.footer(
       "Equal coordinates are ordered by x, y, z, then by input row. Points with NaN or infinite coordinates come "

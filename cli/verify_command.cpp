@@ -11,6 +11,7 @@
 #include "cli/pipeline_run.h"
 #include "cli/progress.h"
 #include "cli/quantities.h"
+#include "cli/recorded_run.h"
 #include "cli/stage_options.h"
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
@@ -31,7 +32,50 @@ struct VerifyCommand {
   std::vector<OptionText> neighborhood;
   std::vector<std::string> keep;
   VerifyOptions check;
+
+  bool says_how() const { return !pipeline.empty() || !neighborhood.empty() || !keep.empty(); }
 };
+
+/// What the output says of its run, where the command does not say it.
+void take_record(VerifyCommand& command, const ProvenanceRecord& record) {
+  const auto setting = [&](const char* name) { return record.setting(name).value_or(""); };
+  if (command.common.prefix.empty()) command.common.prefix = setting("prefix");
+  if (command.common.nonfinite == Nonfinite::by_format && setting("nonfinite") == "drop")
+    command.common.nonfinite = Nonfinite::drop;
+  if (command.says_how()) return;
+  const bool sorted = record.stages == std::vector<std::string>{"sort"};
+  if (!sorted) command.pipeline = fmt::format("{}", fmt::join(record.stages, " | "));
+  if (!sorted && record.setting("keep")) command.keep = parse_names(setting("keep"));
+  if (!command.check.order)
+    command.check.order = setting("order") == "sweep" || sorted ? RowOrder::sweep : RowOrder::input;
+  const std::string axis = setting("axis");
+  if (!command.common.axis && axis.size() == 1 && axis >= "x" && axis <= "z") command.common.axis = axis[0] - 'x';
+}
+
+/// The command with its inputs and the record of the output.
+VerifyCommand completed(VerifyCommand command) {
+  if (command.paths.files.empty()) fail_usage("IN... OUT: name what was read, and last what was written.");
+  const std::filesystem::path output = command.paths.output();
+  const std::optional<ProvenanceRecord> record = recorded_run(output);
+  if (record) take_record(command, *record);
+  if (command.paths.files.size() > 1) return command;
+  if (!record)
+    fail_usage("{}: does not say how it was made; name what was read, and last what was written: IN... OUT.",
+               output.string());
+  command.paths.files = recorded_inputs(*record, output);
+  command.paths.files.push_back(output);
+  return command;
+}
+
+/// Leaves out the points that the run has left out.
+void drop_nonfinite(const VerifyCommand& command, Cloud& cloud) {
+  const bool las = extension_of(command.paths.output()) == ".las";
+  if (command.common.nonfinite != Nonfinite::drop && !(las && command.common.nonfinite == Nonfinite::by_format)) return;
+  const NonfiniteRows dropped = cloud.drop_nonfinite();
+  if (dropped.count > 0 && !command.common.quiet)
+    fmt::print("left out     {} points of the input whose coordinates are not finite; rows count the others\n",
+               dropped.count);
+}
 
 /// What is made after points got new neighbours cannot be told from a sample of the input, so that part is left out.
 MadeBy made_by(const Chain& chain) {
@@ -156,6 +200,7 @@ std::vector<std::uint64_t> rows_named_in(const std::string& path) {
 VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& display) {
   VerifyOptions options = command.check;
   options.axis = command.common.axis;
+  options.prefix = command.common.prefix;
   if (command.common.memory != 0) options.memory_bytes = command.common.memory;
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
     stop_if_interrupted();
@@ -188,9 +233,10 @@ Verdict checked(const VerifyCommand& command, Cloud& cloud, ProgressDisplay& dis
   return anew.keep == made.keep ? verdict : verify(cloud, *out, false, anew, options);
 }
 
-void run_check(const VerifyCommand& command) {
-  if (command.paths.files.size() < 2) fail_usage("IN... OUT: name what was read, and last what was written.");
+void run_check(const VerifyCommand& given) {
+  const VerifyCommand command = completed(given);
   Cloud cloud(command.paths.inputs(), {.ignore_crs = command.common.ignore_crs});
+  drop_nonfinite(command, cloud);
   ProgressDisplay display(command.common);
   const Verdict verdict = checked(command, cloud, display);
   if (!command.common.quiet) fmt::print("{}", to_text(verdict));
@@ -220,6 +266,9 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
           "Order of the output's rows (default: found out)")
       ->type_name("input|sweep");
   add_axis_option(verb, command.common);
+  add_nonfinite_option(verb, command.common);
+  verb.add_option("--prefix", command.common.prefix, "Of the names of made attributes, as in the run")
+      ->type_name("NAME");
 }
 
 }  // namespace
@@ -240,11 +289,12 @@ void add_verify_command(CLI::App& app) {
   add_progress_options(verb, command->common);
   verb.footer(
       "Every point of both files is compared; the made attributes are evaluated again for the sample, from neighbours\n"
-      "found by reading the whole input against it, without the search that made them. Say the options of the run, or\n"
-      "its pipeline where normals were oriented, points moved, or attributes replaced that the input had. Status 0: "
-      "the\n"
-      "same; 1: different.\n"
+      "found by reading the whole input against it, without the search that made them. An output that says how it was\n"
+      "made needs neither options nor inputs, if these are in its folder or in the current one. Otherwise give the\n"
+      "options of the run, or its pipeline where normals were oriented, points moved, or attributes replaced.\n"
+      "Status 0: the same; 1: different.\n"
       "\nExample:\n"
+      "  pointsweep verify normals.ply\n"
       "  pointsweep verify scan.ply normals.ply -k 12\n"
       "  pointsweep verify scan.ply out.las --pipeline 'knn(k=12) | normals(orient=up)' --sample 1000");
   verb.callback([command] { run_check(*command); });

@@ -25,6 +25,16 @@ void for_each_nonfinite(const Stream& stream,
   }
 }
 
+std::vector<std::uint64_t> first_nonfinite_rows(const Stream& stream, std::size_t most) {
+  const Schema& schema = stream.record_schema();
+  std::vector<std::byte> records(std::min<std::uint64_t>(most, stream.nonfinite_count()) * schema.stride);
+  stream.read_nonfinite(0, records);
+  std::vector<std::uint64_t> rows;
+  for (std::size_t at = 0; at < records.size(); at += schema.stride)
+    rows.push_back(row_of(schema, records.data() + at));
+  return rows;
+}
+
 NonfiniteResult::NonfiniteResult(const std::vector<Attribute>& made, const Schema& working_record)
     : position_(position_fields(working_record, "the working record")) {
   for (const Attribute& a : made) {

@@ -16,6 +16,9 @@ namespace pointsweep {
 void for_each_nonfinite(const Stream& stream,
                         const std::function<void(std::uint64_t i, const std::byte* record, std::uint64_t row)>& use);
 
+/// Numbers of the first of these rows, ascending, at most `most`.
+std::vector<std::uint64_t> first_nonfinite_rows(const Stream& stream, std::size_t most);
+
 /// The result records of such points.
 class NonfiniteResult {
  public:

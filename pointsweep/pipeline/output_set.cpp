@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
@@ -35,7 +36,7 @@ std::optional<Type> type_of_moved_positions(const Schema& input, const std::file
 
 OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept,
                      const Outputs& outputs, const RunOptions& options, std::optional<Box> bounds,
-                     std::shared_ptr<const LasValues> las_values)
+                     std::vector<std::string> provenance, std::shared_ptr<const LasValues> las_values)
     : layout_(cloud.schema(), made, kept, type_of_moved_positions(cloud.schema(), outputs.points, options)),
       input_stride_(cloud.schema().stride) {
   const OutputPlan plan{.path = outputs.points,
@@ -48,7 +49,8 @@ OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, con
                         .las = cloud.las(),
                         .las_values = of_kept_fields(std::move(las_values), kept),
                         .other_extras = cloud.other_extras(),
-                        .made = made};
+                        .made = made,
+                        .provenance = std::move(provenance)};
   if (!outputs.points.empty()) points_.add(create_writer(plan));
   if (outputs.writer) points_.add(outputs.writer(plan));
   for (const Attribute& attribute : made) {

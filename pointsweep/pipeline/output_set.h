@@ -15,9 +15,10 @@ namespace pointsweep {
 
 class OutputSet {
  public:
-  /// Refuses before any work: unknown formats, existing files, missing folders, names of attributes nobody makes.
+  /// Refuses before any work: unknown formats, existing files, missing folders, names of attributes no operator makes.
+  /// `made` and `kept` under the names they have in outputs (output_names.h); `provenance` as in OutputPlan.
   OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept, const Outputs& outputs,
-            const RunOptions& options, std::optional<Box> bounds,
+            const RunOptions& options, std::optional<Box> bounds, std::vector<std::string> provenance = {},
             std::shared_ptr<const LasValues> las_values = nullptr);
 
   const OutputLayout& layout() const { return layout_; }

@@ -31,8 +31,17 @@ enum class Engine : std::uint8_t {
               ///< of these are in Statistics::reference. Error if its active set outgrows the budget on the way.
 };
 
+/// What happens to points whose coordinates are NaN or infinite. They are neighbours of no other point in any case.
+enum class Nonfinite : std::uint8_t {
+  by_format,  ///< `drop` for LAS, which cannot hold them, `keep` for all other formats
+  keep,       ///< they are written with all their attributes, and what is made has the value of points that have none
+  drop,       ///< their rows are left out of all outputs; numbers of rows (Order::input, neighbours) count the others
+  refuse,     ///< the first one ends the run
+};
+
 struct Progress {
-  const char* phase;   ///< "ordering", "sweeping", "updating" (from one sweep to the next) or "writing"
+  const char* phase;   ///< "checking" (for nonfinite points), "ordering", "sweeping", "updating" (from one sweep to the
+                       ///< next) or "writing"
   std::uint64_t done;  ///< points
   std::uint64_t total;
   std::uint64_t active;  ///< points in the window, while sweeping
@@ -50,6 +59,15 @@ struct RunOptions {
   /// Type::f32, to which moved positions are then rounded while normals and all else describe the unrounded ones.
   /// A LAS file keeps the integer grid of a LAS input.
   Type moved_positions = Type::f64;
+  Nonfinite nonfinite = Nonfinite::by_format;
+  /// Attributes of the input that made ones may overwrite, although they only bear one of their names
+  /// (output_names.h).
+  std::vector<std::string> replace = {};
+  std::string prefix = {};  ///< before the names of made attributes in outputs, except positions
+  /// The pipeline as canonical_stages() gives it, for the record of this run in its outputs (formats/provenance.h);
+  /// {"sort"} for sort(). Empty: outputs hold only the records of their inputs.
+  std::vector<std::string> stages = {};
+  bool input_paths = false;  ///< that record holds the absolute paths of the inputs instead of their file names
   /// Called from one thread at a time, a few times a second at most on average; may throw to end the run, leaving
   /// nothing behind.
   std::function<void(const Progress&)> progress;

@@ -149,11 +149,14 @@ Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options, con
     first_stage += sweep.chain.plan.stages.size();
     carried = &sweep.carried;
   }
+  const std::string name = cloud.readers().empty() ? "The input" : cloud.readers().front()->info().path.string();
+  out.names =
+      name_outputs(cloud.schema(), name, out.planned.made, out.planned.kept, output, {options.prefix, options.replace});
   out.points = cloud.count();
   out.budget = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
-  const OutputLayout layout(cloud.schema(), out.planned.made, out.planned.kept,
+  const OutputLayout layout(cloud.schema(), out.names.made, out.names.kept,
                             type_of_moved_positions(cloud.schema(), output, options));
   out.memory = plan_run_memory(out.budget, out.planned, out.points, survey(source, options.axis, false), options,
                                layout.schema().stride);
@@ -167,7 +170,8 @@ std::string to_text(const Preview& p) {
     text += sweep_text(p, s, first_stage);
     first_stage += p.planned.sweeps[s].chain.plan.stages.size();
   }
-  text += "results       " + attributes_text(p.planned.made);
+  text += "results       " + attributes_text(p.names.made);
+  if (!p.names.replaced.empty()) text += "note          " + p.names.warning() + "\n";
   if (p.planned.reorders)
     text += fmt::format("order         of the {} positions: the output is put in order once more, {}\n",
                         p.planned.by_moved_positions ? "moved" : "input's",

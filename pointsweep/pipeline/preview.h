@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
+#include "pointsweep/pipeline/output_names.h"
 #include "pointsweep/pipeline/pipeline.h"
 #include "pointsweep/pipeline/planned_sweeps.h"
 #include "pointsweep/pipeline/run_memory.h"
@@ -22,6 +24,7 @@ struct ColumnPlan {
 
 struct Preview {
   PlannedSweeps planned;
+  OutputNames names;
   std::vector<std::vector<ColumnPlan>> columns;  ///< by sweep and column number
   std::uint64_t points = 0;
   std::uint64_t budget = 0;
@@ -29,7 +32,7 @@ struct Preview {
 };
 
 /// Looks at a sample of the cloud and writes nothing. Throws what run() would throw before the work.
-/// `output`: the file to write, as far as its format decides how large a record is.
+/// `output`: the file to write, as far as its format decides names and how large a record is; it need not exist.
 Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options = {},
                 const std::filesystem::path& output = {});
 

@@ -15,12 +15,15 @@
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/checkpoints.h"
+#include "pointsweep/pipeline/finite_input.h"
 #include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/observation.h"
 #include "pointsweep/pipeline/ordered_output.h"
+#include "pointsweep/pipeline/output_names.h"
 #include "pointsweep/pipeline/output_set.h"
 #include "pointsweep/pipeline/pipeline.h"
 #include "pointsweep/pipeline/planned_sweeps.h"
+#include "pointsweep/pipeline/provenance_record.h"
 #include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/result_sinks.h"
 #include "pointsweep/pipeline/run_identity.h"
@@ -39,7 +42,12 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 /// One run from survey to finished files; the members live through all its phases.
 class Run {
  public:
-  Run(Cloud& cloud, const RunOptions& options) : cloud_(cloud), options_(options), started_(Clock::now()) {
+  Run(Cloud& cloud, const Outputs& outputs, const RunOptions& options)
+      : cloud_(cloud),
+        outputs_(with_own_files(cloud, outputs, options)),
+        options_(options),
+        started_(Clock::now()),
+        input_(cloud, outputs, options) {
     statistics_.points = cloud.count();
     statistics_.threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
     statistics_.memory_budget_bytes = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
@@ -51,23 +59,27 @@ class Run {
       statistics_.warnings.insert(statistics_.warnings.end(), warnings.begin(), warnings.end());
     }
     statistics_.warnings.insert(statistics_.warnings.end(), cloud.warnings().begin(), cloud.warnings().end());
+    statistics_.dropped = statistics_.nonfinite = input_.dropped().count;
+    statistics_.nonfinite_rows = input_.dropped().rows;
+    warn(input_.warning());
   }
 
-  Statistics operators(const Chain& chain, const Outputs& outputs) {
-    require_separate_outputs(outputs);
+  Statistics operators(const Chain& chain) {
     const bool in_stream_order = options_.order == Order::sweep;
-    if (in_stream_order && !outputs.arrays.empty()) {
+    if (in_stream_order && !outputs_.arrays.empty()) {
       fail_usage("Arrays have their rows in input order: leave out --order sweep.");
     }
     PlannedSweeps planned = plan_sweeps(chain, cloud_.schema(), in_stream_order);
+    const OutputNames names = named(planned);
+    warn(names.warning());
     if (options_.engine == Engine::reference)
       for (const PlannedSweep& sweep : planned.sweeps) require_reference_can(sweep.chain, options_);
     note_neighborhoods(planned);
-    open_checkpoints(planned, outputs);
-    survey_cloud(in_stream_order || needs_bounds(outputs.points));
+    open_checkpoints(planned);
+    survey_cloud(in_stream_order || needs_bounds());
     require_distances(survey_.bounds);
-    OutputSet files(cloud_, planned.made, planned.kept, outputs, options_, bounds_if_exact(),
-                    values_for(outputs.points));
+    OutputSet files(cloud_, names.made, names.kept, outputs_, options_, bounds_if_known(), provenance(chain),
+                    values_if_las());
     const RunMemory memory = plan_run_memory(statistics_.memory_budget_bytes, planned, cloud_.count(), survey_,
                                              options_, files.layout().schema().stride);
     make_folder(memory.spills());
@@ -76,14 +88,14 @@ class Run {
     return finish(files);
   }
 
-  Statistics sorted(const std::filesystem::path& output, const std::vector<std::string>& keep) {
-    const Outputs outputs{.points = output, .arrays = {}, .writer = {}};
-    require_separate_outputs(outputs);
+  Statistics sorted(const std::vector<std::string>& keep) {
     PlannedSweeps planned;
     if (!keep.empty()) planned.kept = kept_fields(keep, {}, cloud_.schema());
-    open_checkpoints(planned, outputs);
+    open_checkpoints(planned);
     survey_cloud(true);
-    OutputSet files(cloud_, {}, planned.kept, outputs, options_, bounds_if_exact(), values_for(outputs.points));
+    Chain kept;
+    kept.keep = keep;
+    OutputSet files(cloud_, {}, planned.kept, outputs_, options_, bounds_if_known(), provenance(kept), values_if_las());
     const MemoryPlan memory = plan_ordering_memory(statistics_.memory_budget_bytes, cloud_.schema().stride,
                                                    cloud_.count(), survey_, options_);
     if (memory.needed_bytes != 0) fail_budget(statistics_.memory_budget_bytes, memory.needed_bytes);
@@ -99,24 +111,42 @@ class Run {
     return cloud_.readers().empty() ? "The input" : cloud_.readers().front()->info().path.string();
   }
 
-  void require_separate_outputs(const Outputs& outputs) const {
-    std::vector<std::filesystem::path> read, written = {outputs.points, options_.half_way_states};
-    for (std::size_t i = 0; i < cloud_.readers().size(); ++i)
-      if (cloud_.states()[i].is_known()) read.push_back(cloud_.readers()[i]->info().path);
+  /// Throws UsageError where an output is an input or another output.
+  static const Outputs& with_own_files(const Cloud& cloud, const Outputs& outputs, const RunOptions& options) {
+    std::vector<std::filesystem::path> read, written = {outputs.points, options.half_way_states};
+    for (std::size_t i = 0; i < cloud.readers().size(); ++i)
+      if (cloud.states()[i].is_known()) read.push_back(cloud.readers()[i]->info().path);
     for (const auto& [name, path] : outputs.arrays) written.push_back(path);
     require_separate_files(read, written);
+    return outputs;
+  }
+
+  void warn(const std::string& sentence) {
+    if (!sentence.empty()) statistics_.warnings.push_back(sentence);
+  }
+
+  OutputNames named(const PlannedSweeps& planned) const {
+    if (outputs_.points.empty() && !outputs_.writer) return {planned.made, planned.kept, {}};
+    return name_outputs(cloud_.schema(), name_of_cloud(), planned.made, planned.kept, outputs_.points,
+                        {options_.prefix, options_.replace});
+  }
+
+  std::vector<std::string> provenance(const Chain& chain) const {
+    return provenance_of(cloud_, chain, options_, survey_.axis, statistics_.dropped > 0);
   }
 
   /// A format that stores integers must know the bounds before the first record, unless these integers come.
-  bool needs_bounds(const std::filesystem::path& output) const {
-    return extension_of(output) == ".las" && !las_keeps_scale(position_fields(cloud_.schema(), name_of_cloud()));
+  bool needs_bounds() const {
+    return extension_of(outputs_.points) == ".las" && input_.dropped().bounds.empty() &&
+           !las_keeps_scale(position_fields(cloud_.schema(), name_of_cloud()));
   }
   /// What a LAS output has to know of all values before the first record.
-  std::shared_ptr<const LasValues> values_for(const std::filesystem::path& output) {
-    if (extension_of(output) != ".las") return nullptr;
+  std::shared_ptr<const LasValues> values_if_las() {
+    if (extension_of(outputs_.points) != ".las") return nullptr;
     return std::make_shared<LasValues>(las_values(cloud_, [this](std::uint64_t rows) { report("ordering", rows, 0); }));
   }
-  std::optional<Box> bounds_if_exact() const {
+  std::optional<Box> bounds_if_known() const {
+    if (const Box& box = input_.dropped().bounds; !box.empty()) return box;
     return survey_.exact && !survey_.bounds.empty() ? std::optional(survey_.bounds) : std::nullopt;
   }
 
@@ -133,11 +163,11 @@ class Run {
     }
   }
 
-  void open_checkpoints(const PlannedSweeps& planned, const Outputs& outputs) {
+  void open_checkpoints(const PlannedSweeps& planned) {
     if (options_.resume_folder.empty()) return;
     if (options_.engine == Engine::reference || !options_.half_way_states.empty())
       fail_usage("A run of the reference engine, or one that notes half-way states, cannot be resumed.");
-    checkpoints_.emplace(options_, run_identity(cloud_, planned, outputs, options_));
+    checkpoints_.emplace(options_, run_identity(cloud_, planned, outputs_, options_));
     if (!checkpoints_->found()) return;
     take_counts(statistics_, checkpoints_->last().counts);
     statistics_.warnings.push_back(
@@ -189,8 +219,14 @@ class Run {
       stream_.emplace(source_, survey_, options);
     }
     survey_.sample = {};
-    statistics_.nonfinite = std::max(statistics_.nonfinite, stream_->nonfinite_count());
+    note_nonfinite();
     statistics_.order_seconds += seconds_since(start);
+  }
+
+  void note_nonfinite() {
+    if (statistics_.nonfinite_rows.empty() && stream_->nonfinite_count() > 0)
+      statistics_.nonfinite_rows = first_nonfinite_rows(*stream_, NonfiniteRows::kMostListed);
+    statistics_.nonfinite = std::max(statistics_.nonfinite, statistics_.dropped + stream_->nonfinite_count());
   }
 
   /// One sweep, from the rows as they are (sweep 0: the input) to the rows as it leaves them, or to the files.
@@ -372,8 +408,10 @@ class Run {
   }
 
   Cloud& cloud_;
+  const Outputs& outputs_;
   const RunOptions& options_;
   Clock::time_point started_;
+  FiniteInput input_;  ///< made before the rows of the cloud are counted
   Statistics statistics_;
   PointSource source_;
   Survey survey_;
@@ -395,12 +433,13 @@ Statistics on_threads(const RunOptions& options, Work work) {
 }  // namespace
 
 Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs, const RunOptions& options) {
-  return on_threads(options, [&] { return Run(cloud, options).operators(chain, outputs); });
+  return on_threads(options, [&] { return Run(cloud, outputs, options).operators(chain); });
 }
 
 Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options,
                 const std::vector<std::string>& keep) {
-  return on_threads(options, [&] { return Run(cloud, options).sorted(output, keep); });
+  const Outputs outputs{.points = output, .arrays = {}, .writer = {}};
+  return on_threads(options, [&] { return Run(cloud, outputs, options).sorted(keep); });
 }
 
 }  // namespace pointsweep

@@ -66,6 +66,9 @@ std::string run_identity(const Cloud& cloud, const PlannedSweeps& planned, const
                       options.axis ? "xyz"[*options.axis] : '-', options.cell_points);
   if (options.moved_positions != Type::f64)
     text += fmt::format("moved positions as {}\n", name_of(options.moved_positions));
+  text += fmt::format("outputs named with prefix '{}', replacing '{}', nonfinite points {}, saying '{}'{}\n",
+                      options.prefix, fmt::join(options.replace, ","), static_cast<int>(options.nonfinite),
+                      fmt::join(options.stages, " | "), options.input_paths ? " with paths" : "");
   if (!options.resume_key.empty()) text += fmt::format("pipeline {}\n", options.resume_key);
   for (const PlannedSweep& sweep : planned.sweeps) text += sweep_text(sweep);
   text += kept_text(planned.kept, cloud.schema());

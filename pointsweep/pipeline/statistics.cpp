@@ -88,6 +88,8 @@ std::string to_json(const Statistics& s) {
       {"recalled", s.recalled},
       {"degenerate", s.degenerate},
       {"nonfinite", s.nonfinite},
+      {"nonfinite_dropped", s.dropped},
+      {"nonfinite_rows", s.nonfinite_rows},
       {"seconds",
        {{"total", s.total_seconds},
         {"order", s.order_seconds},

@@ -39,11 +39,13 @@ struct Statistics {
   std::uint64_t recalled = 0;    ///< neighbourhoods proven by reading a part of the stream again
   std::uint64_t degenerate = 0;  ///< results that got the documented value for want of data
   std::uint64_t nonfinite = 0;   ///< points whose coordinates are NaN or infinite, in the input or when a sweep begins
-  double total_seconds = 0;      ///< wall
-  double order_seconds = 0;      ///< wall: survey and distribution
-  double read_seconds = 0;       ///< loading and cutting slabs, summed over threads
-  double search_seconds = 0;     ///< summed over threads
-  double write_seconds = 0;      ///< wall: bringing the results into the output, or to the next sweep
+  std::uint64_t dropped = 0;     ///< of the nonfinite ones, those that are left out; `points` does not count them
+  std::vector<std::uint64_t> nonfinite_rows;  ///< of the input, ascending, at most the first 1,000; from 0
+  double total_seconds = 0;                   ///< wall
+  double order_seconds = 0;                   ///< wall: survey and distribution
+  double read_seconds = 0;                    ///< loading and cutting slabs, summed over threads
+  double search_seconds = 0;                  ///< summed over threads
+  double write_seconds = 0;                   ///< wall: bringing the results into the output, or to the next sweep
   std::vector<std::pair<std::string, double>> operator_seconds;  ///< summed over threads
   std::uint64_t bytes_read = 0, bytes_spilled = 0, bytes_written = 0;
   std::uint64_t peak_rss_bytes = 0, memory_budget_bytes = 0;

@@ -17,11 +17,12 @@ namespace {
 constexpr std::uint64_t kSubset = 65536;
 constexpr std::size_t kDifferencesShown = 10;
 
-/// Rows of `made` values as the chain gives them.
-Schema result_schema(const std::vector<Attribute>& made) {
+/// Rows of `made` values as the chain gives them, under the names that the output has for them.
+Schema result_schema(const std::vector<Attribute>& made, const std::string& prefix) {
   Schema schema;
   for (const Attribute& a : made)
-    for (const std::string& field : a.fields) schema.append(field, a.type);
+    for (const std::string& field : a.fields)
+      schema.append(a.name == position_attribute().name ? field : prefix + field, a.type);
   return schema;
 }
 
@@ -76,7 +77,7 @@ class Verification {
   }
 
   void pair_made_attributes() {
-    const Schema results = result_schema(chain_.made());
+    const Schema results = result_schema(chain_.made(), options_.prefix);
     replaced_.assign(in_.schema().fields.size(), !verdict_.attributes_compared);
     for (std::size_t f = 0; f < replaced_.size(); ++f)
       if (made_by_.left_out_input.contains(in_.schema().fields[f].name)) replaced_[f] = true;

@@ -26,6 +26,7 @@ struct VerifyOptions {
   std::vector<std::uint64_t> rows = {};                 ///< these besides, in any order
   std::optional<RowOrder> order = {};                   ///< of the output's rows; absent: found out
   std::optional<int> axis = {};                         ///< of the sweep: 0, 1, 2; absent: the longest
+  std::string prefix = {};                              ///< of the names of made attributes in the output
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< for neighbourhoods; what does not fit is done in turns
   PhaseProgress progress = {};
 };

@@ -68,15 +68,18 @@ TEST_F(RunVerb, ShortFormsAreTheirPipelines) {
 
 TEST_F(RunVerb, UpdateOperatorsWorkInTextAndJson) {
   const std::string before = "normals | splats | fair(f=2, g=2) | ";
-  const std::string updated = made("run in.ply a.ply --pipeline '" + before + "reneighbor | normals'", "a.ply");
-  EXPECT_NE(updated, made("run in.ply b.ply --pipeline '" + before + "normals'", "b.ply"));
-  EXPECT_EQ(updated, made("run in.ply c.ply --pipeline '[{\"type\": \"normals\"}, {\"type\": \"splats\"}, {\"type\": "
-                          "\"fair\", \"f\": 2, "
-                          "\"g\": 2}, {\"type\": \"reneighbor\", \"k\": 8}, {\"type\": \"normals\"}]'",
-                          "c.ply"));
-  const std::string stats =
-      made("run in.ply d.ply --order sweep --stats d.json --pipeline '" + before + "resort | reneighbor | normals'",
-           "d.json");
+  const std::string updated =
+      made("run in.ply a.ply --no-provenance --pipeline '" + before + "reneighbor | normals'", "a.ply");
+  EXPECT_NE(updated, made("run in.ply b.ply --no-provenance --pipeline '" + before + "normals'", "b.ply"));
+  EXPECT_EQ(
+      updated,
+      made("run in.ply c.ply --no-provenance --pipeline '[{\"type\": \"normals\"}, {\"type\": \"splats\"}, {\"type\": "
+           "\"fair\", \"f\": 2, "
+           "\"g\": 2}, {\"type\": \"reneighbor\", \"k\": 8}, {\"type\": \"normals\"}]'",
+           "c.ply"));
+  const std::string stats = made("run in.ply d.ply --no-provenance --order sweep --stats d.json --pipeline '" + before +
+                                     "resort | reneighbor | normals'",
+                                 "d.json");
   EXPECT_NE(stats.find("\"sweeps\": 2"), std::string::npos) << stats;
   EXPECT_NE(stats.find("\"certified\": 4000"), std::string::npos) << stats;
   const Result dry = tool("run in.ply e.ply --dry-run --pipeline '" + before + "reneighbor(k=5) | normals'");
@@ -120,12 +123,14 @@ TEST_F(RunVerb, MovedPositionsAreFloat64UnlessAskedOtherwise) {
 TEST_F(RunVerb, NeighborhoodsOfTheirOwnSizeCanBeKeptAndUsedAgain) {
   const std::string adaptive = "'knn(k=40, adaptive=eigenentropy) | ";
   made("run in.ply sizes.ply --pipeline " + adaptive + "neighborhood_size'", "sizes.ply");
-  const std::string normals = made("run in.ply a.ply --keep normal --pipeline " + adaptive + "normals'", "a.ply");
-  EXPECT_EQ(made("normals in.ply b.ply -k 40 --adaptive eigenentropy", "b.ply"), normals);
-  EXPECT_NE(made("normals in.ply c.ply -k 40", "c.ply"), normals);
-  const std::string again = made("normals sizes.ply d.ply -k 40 --k-from neighbor_count", "d.ply");
-  EXPECT_EQ(made("run sizes.ply e.ply --pipeline " + adaptive + "normals'", "e.ply"), again);
-  EXPECT_EQ(made("run sizes.ply f.ply --pipeline '[{\"type\": \"knn\", \"k\": 40, \"k_from\": \"neighbor_count\"}, "
+  const std::string normals =
+      made("run in.ply a.ply --no-provenance --keep normal --pipeline " + adaptive + "normals'", "a.ply");
+  EXPECT_EQ(made("normals in.ply b.ply --no-provenance -k 40 --adaptive eigenentropy", "b.ply"), normals);
+  EXPECT_NE(made("normals in.ply c.ply --no-provenance -k 40", "c.ply"), normals);
+  const std::string again = made("normals sizes.ply d.ply --no-provenance -k 40 --k-from neighbor_count", "d.ply");
+  EXPECT_EQ(made("run sizes.ply e.ply --no-provenance --pipeline " + adaptive + "normals'", "e.ply"), again);
+  EXPECT_EQ(made("run sizes.ply f.ply --no-provenance --pipeline '[{\"type\": \"knn\", \"k\": 40, \"k_from\": "
+                 "\"neighbor_count\"}, "
                  "{\"type\": \"normals\"}]'",
                  "f.ply"),
             again);

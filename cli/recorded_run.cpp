@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "cli/recorded_run.h"
+
+#include <system_error>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/extension.h"
+#include "pointsweep/formats/reader.h"
+
+namespace pointsweep {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path found_input(const ProvenanceInput& input, const fs::path& file) {
+  const fs::path name = fs::path(input.name).filename();
+  std::error_code error;
+  std::optional<fs::path> other;  // of the name, but not of the size
+  for (const fs::path& place :
+       {fs::path(input.name).is_absolute() ? fs::path(input.name) : fs::path(), file.parent_path() / name, name}) {
+    if (place.empty() || !fs::is_regular_file(place, error)) continue;
+    if (fs::file_size(place, error) == input.bytes) return place;
+    other = place;
+  }
+  if (other)
+    fail("{}: has changed since {} was made from it: it had {} bytes and has {}; name the inputs: IN... OUT.",
+         other->string(), file.string(), input.bytes, fs::file_size(*other, error));
+  fail("{}: was made from '{}', which is neither in its folder nor in this one; name the inputs: IN... OUT.",
+       file.string(), input.name);
+}
+
+}  // namespace
+
+std::optional<ProvenanceRecord> recorded_run(const fs::path& file) {
+  if (extension_of(file) == ".npy") return std::nullopt;
+  std::vector<ProvenanceRecord> records = records_of(open_reader(file)->info().provenance);
+  if (records.empty() || records.back().stages.empty()) return std::nullopt;
+  return std::move(records.back());
+}
+
+std::vector<fs::path> recorded_inputs(const ProvenanceRecord& record, const fs::path& file) {
+  if (record.more_inputs > 0 || record.inputs.empty())
+    fail_usage("{}: does not name all the files it was made from; name them: IN... OUT.", file.string());
+  std::vector<fs::path> inputs;
+  for (const ProvenanceInput& input : record.inputs) inputs.push_back(found_input(input, file));
+  return inputs;
+}
+
+}  // namespace pointsweep

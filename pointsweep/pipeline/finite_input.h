@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/// What a run does with points whose coordinates are NaN or infinite: RunOptions::nonfinite.
+#pragma once
+
+#include "pointsweep/formats/cloud.h"
+#include "pointsweep/pipeline/pipeline.h"
+
+namespace pointsweep {
+
+/// The rule for these outputs: where the options leave it open, `drop` for LAS and `keep` for all other formats.
+Nonfinite nonfinite_rule(const Outputs& outputs, const RunOptions& options);
+
+/// While it lives, the cloud has the rows that the run is to see. Reads the cloud once where rows may be dropped or
+/// refused and its coordinates are no integers.
+class FiniteInput {
+ public:
+  /// Throws Error naming the first row where nonfinite points are refused, where the output cannot hold them although
+  /// they are to be kept, and where no other points are left.
+  FiniteInput(Cloud& cloud, const Outputs& outputs, const RunOptions& options);
+  ~FiniteInput();
+  FiniteInput(const FiniteInput&) = delete;
+  FiniteInput& operator=(const FiniteInput&) = delete;
+
+  /// Nothing was looked for, or nothing found, if its count is 0.
+  const NonfiniteRows& dropped() const { return dropped_; }
+  /// "Dropped 3 points whose coordinates are not finite ..."; empty if none were.
+  std::string warning() const;
+
+ private:
+  Cloud& cloud_;
+  NonfiniteRows dropped_;
+};
+
+}  // namespace pointsweep

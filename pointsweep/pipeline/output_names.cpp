@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/output_names.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/extension.h"
+#include "pointsweep/formats/field_names.h"
+#include "pointsweep/formats/las_extra_bytes.h"
+#include "pointsweep/pipeline/parse.h"
+#include "pointsweep/pipeline/planned_sweeps.h"
+
+namespace pointsweep {
+namespace {
+
+std::string in_lower_case(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
+}
+
+/// Whether the input's `spelling` is a name of the made attribute `name` and of no other. "curvature" is one of the
+/// surface variation (PCL), but other programs mean other curvatures by it.
+bool means_only(const std::string& spelling, const std::string& name) {
+  const std::string word = in_lower_case(spelling);
+  if (word == name) return true;
+  return library_name_of(word) == name && spellings_of(word).size() == 1;
+}
+
+bool moves(const Attribute& a) {
+  return a.name == position_attribute().name || a.name == stream_position_attribute().name;
+}
+
+class Naming {
+ public:
+  Naming(const Schema& input, const std::string& input_name, const std::filesystem::path& output,
+         const NamingRules& rules)
+      : input_(input), input_name_(input_name), las_(extension_of(output) == ".las"), rules_(rules) {
+    if (!rules.prefix.empty() && !is_name(rules.prefix))
+      fail_usage("--prefix: '{}' is not made of letters, digits, _ . and -.", rules.prefix);
+    for (const std::string& column : column_names(input)) columns_.push_back(stored_name(column));
+    for (const std::string& name : rules.replace) unused_.insert(in_lower_case(name));
+  }
+
+  OutputNames run(const std::vector<Attribute>& made, const KeptFields& kept) {
+    out_.made = made;
+    out_.kept = kept;
+    out_.kept.left_out.clear();
+    for (Attribute& a : out_.made)
+      for (std::string& field : a.fields) {
+        if (kept.left_out.contains(field))
+          out_.kept.left_out.insert(field = (moves(a) ? "" : rules_.prefix) + field);
+        else if (!moves(a))
+          name(a.name, field);
+      }
+    if (!unused_.empty())
+      fail_usage("--replace: '{}' is no attribute of {} whose name a made attribute takes; leave it out.",
+                 *unused_.begin(), input_name_);
+    return std::move(out_);
+  }
+
+ private:
+  /// As the file will have it, in lower case.
+  std::string stored_name(const std::string& name) const {
+    return in_lower_case(las_ ? las_dimension_name(name) : name);
+  }
+
+  void name(const std::string& attribute, std::string& field) {
+    const std::string own = field;
+    field = rules_.prefix + field;
+    const std::string stored = stored_name(field);
+    if (!taken_.insert(stored).second || (las_ && !rules_.prefix.empty() && field.size() > kLasNameBytes))
+      fail_usage("--prefix: '{}' is too long, since LAS keeps {} bytes of a name; choose a shorter prefix.", field,
+                 kLasNameBytes);
+    if (const auto at = input_.find(field)) return meet(attribute, own, field, input_.fields[*at]);
+    const auto column = std::find(columns_.begin(), columns_.end(), stored);
+    if (column != columns_.end())
+      refuse(field, column_names(input_)[static_cast<std::size_t>(column - columns_.begin())], false);
+  }
+
+  /// The input has `old`, which the output would hold under the name of `field`.
+  void meet(const std::string& attribute, const std::string& own, const std::string& field, const Field& old) {
+    if (old.count != 1) refuse(field, old.name, false);
+    if (asked_to_replace({attribute, own, old.name, library_name_of(old.name)})) return;
+    if (!rules_.prefix.empty() || !means_only(old.name, own)) refuse(field, old.name, true);
+    out_.replaced.push_back(old.name);
+  }
+
+  bool asked_to_replace(std::initializer_list<std::string> names) {
+    bool asked = false;
+    for (const std::string& name : names)
+      for (const std::string& wanted : rules_.replace)
+        if (in_lower_case(wanted) == in_lower_case(name)) asked = true, unused_.erase(in_lower_case(wanted));
+    return asked;
+  }
+
+  [[noreturn]] void refuse(const std::string& field, const std::string& old, bool replaceable) const {
+    const std::string overwrite = replaceable ? fmt::format("overwrite it with --replace {}, or ", old) : "";
+    const std::string other =
+        rules_.prefix.empty() ? "write what is made under other names with --prefix NAME" : "choose another prefix";
+    fail_usage("{}: its attribute '{}' would be overwritten by '{}', which is made; {}{}.", input_name_, old, field,
+               overwrite, other);
+  }
+
+  const Schema& input_;
+  const std::string& input_name_;
+  bool las_;
+  const NamingRules& rules_;
+  std::vector<std::string> columns_;  ///< of the input as they are stored, in lower case
+  std::set<std::string> taken_;       ///< by made attributes
+  std::set<std::string> unused_;      ///< of what may be replaced
+  OutputNames out_;
+};
+
+}  // namespace
+
+std::string OutputNames::warning() const {
+  if (replaced.empty()) return "";
+  std::string names;
+  for (const std::string& name : replaced) names += (names.empty() ? "" : " ") + name;
+  return fmt::format("The input's {} {} replaced by what is made; --prefix NAME keeps both.", names,
+                     replaced.size() == 1 ? "is" : "are");
+}
+
+OutputNames name_outputs(const Schema& input, const std::string& input_name, const std::vector<Attribute>& made,
+                         const KeptFields& kept, const std::filesystem::path& output, const NamingRules& rules) {
+  Schema written = input;  // that part of it
+  if (kept.input) {
+    written.fields.clear();
+    for (const std::size_t f : *kept.input) written.fields.push_back(input.fields[f]);
+  }
+  return Naming(written, input_name, output, rules).run(made, kept);
+}
+
+}  // namespace pointsweep
