@@ -44,7 +44,7 @@ constexpr Words kWords[] = {
     {"curvature", "Curvature", ""},
 };
 
-const Words* words_of(std::string_view name) {
+const Words* las_words_of(std::string_view name) {
   const auto words = std::find_if(std::begin(kWords), std::end(kWords), [&](const Words& w) { return w.ours == name; });
   return words == std::end(kWords) ? nullptr : words;
 }
@@ -131,7 +131,7 @@ void append_fields(const Descriptor& d, Schema& schema) {
 }  // namespace
 
 std::string las_dimension_name(const std::string& name) {
-  const Words* words = words_of(name);
+  const Words* words = las_words_of(name);
   return words != nullptr ? std::string(words->las) : name.substr(0, kLasNameBytes);
 }
 
@@ -205,7 +205,7 @@ void ExtraBytesVlr::make_way_for(std::string_view name) {
 void ExtraBytesVlr::append_one(std::string name, const Field& field, std::string_view description) {
   Descriptor d{};
   std::memcpy(d.description, description.data(), std::min(description.size(), sizeof d.description));
-  if (const Words* words = words_of(name); words != nullptr && !words->description.empty()) {
+  if (const Words* words = las_words_of(name); words != nullptr && !words->description.empty()) {
     std::memset(d.description, 0, sizeof d.description);
     std::memcpy(d.description, words->description.data(), words->description.size());
   }

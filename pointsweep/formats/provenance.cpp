@@ -9,13 +9,13 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kLongestLine = 999;  ///< rply, which Open3D and CloudCompare read with, allows 1,023
-constexpr std::size_t kMostBytes = 256 << 10;
+constexpr std::size_t kLongestProvenanceLine = 999;  ///< rply, which Open3D and CloudCompare read with, allows 1,023
+constexpr std::size_t kMostProvenanceBytes = 256 << 10;
 constexpr std::size_t kMostInputBytes = 32 << 10;  ///< for the names of one record
 
 bool is_printable(char c) { return c >= 0x20 && c < 0x7f; }
 
-std::string escaped(std::string_view text) {
+std::string percent_encoded(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const bool end = i == 0 || i + 1 == text.size();
@@ -41,7 +41,7 @@ bool take_word(std::string_view& text, std::string_view word) {
   return true;
 }
 
-std::string unescaped(std::string_view text) {
+std::string percent_decoded(std::string_view text) {
   std::string out;
   while (!text.empty()) {
     std::string_view digits = text.substr(0, 3);
@@ -59,9 +59,9 @@ std::string unescaped(std::string_view text) {
 
 std::string line_of(const ProvenanceInput& input) {
   const std::string counts = fmt::format("{}input {} points, {} bytes: ", kProvenanceMark, input.points, input.bytes);
-  const std::string name = escaped(input.name);
-  if (counts.size() + name.size() <= kLongestLine) return counts + name;
-  return counts + escaped(std::string_view(input.name).substr(input.name.rfind('/') + 1));
+  const std::string name = percent_encoded(input.name);
+  if (counts.size() + name.size() <= kLongestProvenanceLine) return counts + name;
+  return counts + percent_encoded(std::string_view(input.name).substr(input.name.rfind('/') + 1));
 }
 
 std::optional<ProvenanceInput> input_of(std::string_view text) {
@@ -69,7 +69,7 @@ std::optional<ProvenanceInput> input_of(std::string_view text) {
   const bool counts = take_number(text, input.points) && take_word(text, " points, ") &&
                       take_number(text, input.bytes) && take_word(text, " bytes: ");
   if (!counts || text.empty()) return std::nullopt;
-  input.name = unescaped(text);
+  input.name = percent_decoded(text);
   return input;
 }
 
@@ -112,8 +112,8 @@ std::optional<std::string> ProvenanceRecord::setting(std::string_view name) cons
 std::vector<std::string> lines_of(const ProvenanceRecord& record) {
   const std::string mark(kProvenanceMark);
   std::vector<std::string> lines = {mark + record.version};
-  for (const std::string& stage : record.stages) lines.push_back(mark + "stage " + escaped(stage));
-  for (const auto& [name, value] : record.settings) lines.push_back(mark + name + " " + escaped(value));
+  for (const std::string& stage : record.stages) lines.push_back(mark + "stage " + percent_encoded(stage));
+  for (const auto& [name, value] : record.settings) lines.push_back(mark + name + " " + percent_encoded(value));
   std::uint64_t left_out = record.more_inputs;
   std::size_t bytes = 0;
   for (const ProvenanceInput& input : record.inputs) {
@@ -135,8 +135,8 @@ std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines) {
     record.version = lines[starts[r]].substr(kProvenanceMark.size());
     for (std::size_t i = starts[r] + 1; i < starts[r + 1]; ++i)
       read_line(std::string_view(lines[i]).substr(kProvenanceMark.size()), record);
-    for (std::string& stage : record.stages) stage = unescaped(stage);
-    for (auto& [name, value] : record.settings) value = unescaped(value);
+    for (std::string& stage : record.stages) stage = percent_decoded(stage);
+    for (auto& [name, value] : record.settings) value = percent_decoded(value);
     records.push_back(std::move(record));
   }
   return records;
@@ -147,7 +147,7 @@ std::string to_text(const ProvenanceRecord& record) {
   for (std::size_t i = 0; i < record.stages.size(); ++i) text += (i == 0 ? ": " : " | ") + record.stages[i];
   for (const auto& [name, value] : record.settings) text += "; " + name + " " + value;
   for (std::size_t i = 0; i < record.inputs.size() && i < 3; ++i)
-    text += (i == 0 ? "; from " : ", ") + escaped(record.inputs[i].name);
+    text += (i == 0 ? "; from " : ", ") + percent_encoded(record.inputs[i].name);
   const std::uint64_t others =
       record.more_inputs + record.inputs.size() - std::min<std::size_t>(3, record.inputs.size());
   return others == 0 ? text : text + fmt::format(" and {} more", others);
@@ -158,7 +158,7 @@ void add_provenance(std::vector<std::string>& lines, std::span<const std::string
   for (std::size_t r = 0; r + 1 < starts.size(); ++r) {
     const auto record = more.subspan(starts[r], starts[r + 1] - starts[r]);
     if (std::search(lines.begin(), lines.end(), record.begin(), record.end()) != lines.end()) continue;
-    if (bytes_of(lines) + bytes_of(record) > kMostBytes) {
+    if (bytes_of(lines) + bytes_of(record) > kMostProvenanceBytes) {
       const std::string note = std::string(kProvenanceMark) + "note more records are left out";
       if (lines.empty() || lines.back() != note) lines.push_back(note);
       return;
