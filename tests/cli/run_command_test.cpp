@@ -98,22 +98,24 @@ std::string position_types(const std::string& ply) {
 }
 
 TEST_F(RunVerb, MovedPositionsAreFloat64UnlessAskedOtherwise) {
-  made("run in.ply single.ply --pipeline 'normals | splats | fair' --keep position --positions float32", "single.ply");
+  made("run in.ply single.ply --no-provenance --pipeline 'normals | splats | fair' --keep position --positions float32",
+       "single.ply");
   const std::string pipeline = "--pipeline 'knn(k=12) | normals | splats | fair | reneighbor | normals'";
   const std::string keep = " --keep position,normal ";
   EXPECT_EQ(position_types(contents(folder_ / "single.ply")), "float float float");
   EXPECT_EQ(position_types(made("normals single.ply still.ply", "still.ply")), "float float float");
-  const std::string moved = made("run single.ply a.ply" + keep + pipeline, "a.ply");
+  const std::string moved = made("run single.ply a.ply --no-provenance" + keep + pipeline, "a.ply");
   EXPECT_EQ(position_types(moved), "double double double");
-  EXPECT_EQ(made("normals a.ply again.ply -k 12 -f", "again.ply"), moved)
+  EXPECT_EQ(made("normals a.ply again.ply --no-provenance -k 12 -f", "again.ply"), moved)
       << "normals are those of the positions written";
   for (const char* way : {" --order sweep", " --memory 40M --threads 1"})
     EXPECT_EQ(position_types(made("run single.ply b.ply -f" + keep + pipeline + way, "b.ply")), "double double double");
   EXPECT_EQ(position_types(made("fair single.ply b.ply -k 12 -f --engine reference", "b.ply")), "double double double");
   EXPECT_EQ(position_types(made("fair single.ply c.ply -k 12 --positions float32", "c.ply")), "float float float");
-  made("fair single.ply d.txt -k 12 --keep position", "d.txt");
-  made("fair single.ply d.ply -k 12 --keep position", "d.ply");
-  EXPECT_EQ(made("sort d.txt e.txt --axis x", "e.txt"), made("sort d.ply f.txt --axis x", "f.txt"));
+  made("fair single.ply d.txt --no-provenance -k 12 --keep position", "d.txt");
+  made("fair single.ply d.ply --no-provenance -k 12 --keep position", "d.ply");
+  EXPECT_EQ(made("sort d.txt e.txt --axis x --no-provenance", "e.txt"),
+            made("sort d.ply f.txt --axis x --no-provenance", "f.txt"));
   refused(2, "normals single.ply g.ply --positions float32", "--positions");
   refused(2, "run single.ply g.ply --pipeline normals --positions float32", "--positions: no stage moves points");
   refused(2, "fair single.ply g.ply --positions half", "--positions: 'half' is not float32 or float64");
