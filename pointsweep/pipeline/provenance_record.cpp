@@ -65,14 +65,14 @@ std::string sorted_list(std::vector<std::string> names) {
   return fmt::format("{}", fmt::join(names, ","));
 }
 
-ProvenanceRecord record_of(const Cloud& cloud, const Chain& chain, const RunOptions& options, int axis,
-                           bool drops_nonfinite) {
+ProvenanceRecord record_of(const Cloud& cloud, const std::vector<std::string>& keep, const RunOptions& options,
+                           int axis, bool drops_nonfinite) {
   ProvenanceRecord record{.version = POINTSWEEP_VERSION, .stages = options.stages, .settings = {}, .inputs = {}};
   const auto set = [&](const char* name, const std::string& value) {
     if (!value.empty()) record.settings.emplace_back(name, value);
   };
   const bool sorted = options.stages == std::vector<std::string>{"sort"};
-  set("keep", sorted_list(chain.keep));
+  set("keep", sorted_list(keep));
   set("order", options.order == Order::sweep ? "sweep" : "");
   set("axis", sorted || options.order == Order::sweep ? std::string(1, "xyz"[axis]) : "");
   set("engine", options.engine == Engine::reference ? "reference" : "");
@@ -106,13 +106,13 @@ std::vector<std::string> canonical_stages(const std::vector<StageText>& stages) 
   return texts;
 }
 
-std::vector<std::string> provenance_of(const Cloud& cloud, const Chain& chain, const RunOptions& options, int axis,
-                                       bool drops_nonfinite) {
+std::vector<std::string> provenance_of(const Cloud& cloud, const std::vector<std::string>& keep,
+                                       const RunOptions& options, int axis, bool drops_nonfinite) {
   std::vector<std::string> lines;
   for (const auto& reader : cloud.readers()) add_provenance(lines, reader->info().provenance);
   if (options.stages.empty()) return lines;
   // Not by add_provenance(): what the run itself says is never left out, nor is a record that an input has already.
-  const std::vector<std::string> own = lines_of(record_of(cloud, chain, options, axis, drops_nonfinite));
+  const std::vector<std::string> own = lines_of(record_of(cloud, keep, options, axis, drops_nonfinite));
   lines.insert(lines.end(), own.begin(), own.end());
   return lines;
 }

@@ -18,8 +18,9 @@ namespace pointsweep {
 std::vector<std::string> canonical_stages(const std::vector<StageText>& stages);
 
 /// All that an output of this run is to say: the records of the inputs, and that of the run if RunOptions::stages has
-/// any. It holds what determines the result and nothing else. `axis` of the sweep.
-std::vector<std::string> provenance_of(const Cloud& cloud, const Chain& chain, const RunOptions& options, int axis,
-                                       bool drops_nonfinite);
+/// any. It holds what determines the result and nothing else. `keep`: Chain::keep if it leaves anything out; `axis`: of
+/// the sweep.
+std::vector<std::string> provenance_of(const Cloud& cloud, const std::vector<std::string>& keep,
+                                       const RunOptions& options, int axis, bool drops_nonfinite);
 
 }  // namespace pointsweep

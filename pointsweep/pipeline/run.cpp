@@ -78,8 +78,8 @@ class Run {
     open_checkpoints(planned);
     survey_cloud(in_stream_order || needs_bounds());
     require_distances(survey_.bounds);
-    OutputSet files(cloud_, names.made, names.kept, outputs_, options_, bounds_if_known(), provenance(chain),
-                    values_if_las());
+    OutputSet files(cloud_, names.made, names.kept, outputs_, options_, bounds_if_known(),
+                    provenance(chain, planned.kept), values_if_las());
     const RunMemory memory = plan_run_memory(statistics_.memory_budget_bytes, planned, cloud_.count(), survey_,
                                              options_, files.layout().schema().stride);
     make_folder(memory.spills());
@@ -95,7 +95,8 @@ class Run {
     survey_cloud(true);
     Chain kept;
     kept.keep = keep;
-    OutputSet files(cloud_, {}, planned.kept, outputs_, options_, bounds_if_known(), provenance(kept), values_if_las());
+    OutputSet files(cloud_, {}, planned.kept, outputs_, options_, bounds_if_known(), provenance(kept, planned.kept),
+                    values_if_las());
     const MemoryPlan memory = plan_ordering_memory(statistics_.memory_budget_bytes, cloud_.schema().stride,
                                                    cloud_.count(), survey_, options_);
     if (memory.needed_bytes != 0) fail_budget(statistics_.memory_budget_bytes, memory.needed_bytes);
@@ -125,14 +126,23 @@ class Run {
     if (!sentence.empty()) statistics_.warnings.push_back(sentence);
   }
 
+  /// Whether an attribute is not written because of Chain::keep.
+  static bool leaves_out(const Chain& chain, const KeptFields& kept) {
+    std::set<std::string> made;
+    for (const auto& op : chain.operators)
+      for (const Attribute& a : op->contract().makes) made.insert(a.name);
+    return kept.input || !kept.left_out.empty() || kept.attributes.size() < made.size();
+  }
+
   OutputNames named(const PlannedSweeps& planned) const {
     if (outputs_.points.empty() && !outputs_.writer) return {planned.made, planned.kept, {}};
     return name_outputs(cloud_.schema(), name_of_cloud(), planned.made, planned.kept, outputs_.points,
                         {options_.prefix, options_.replace});
   }
 
-  std::vector<std::string> provenance(const Chain& chain) const {
-    return provenance_of(cloud_, chain, options_, survey_.axis, statistics_.dropped > 0);
+  std::vector<std::string> provenance(const Chain& chain, const KeptFields& kept) const {
+    return provenance_of(cloud_, leaves_out(chain, kept) ? chain.keep : std::vector<std::string>{}, options_,
+                         survey_.axis, statistics_.dropped > 0);
   }
 
   /// A format that stores integers must know the bounds before the first record, unless these integers come.
