@@ -10,9 +10,9 @@
 
 #include "cli/command_line.h"
 #include "cli/help.h"
-#include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/quantities.h"
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/output_file.h"
@@ -76,7 +76,7 @@ std::optional<Rendering> picture_of(const std::filesystem::path& output, const S
   for (const auto& [name, seconds] : statistics.operator_seconds) operators.push_back(name);
   options.color = pictured_attribute(operators, input, cloud.schema());
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
-    stop_if_interrupted();
+    stop_if_cancelled();
     display.report(phase, done, total);
   };
   return render(cloud, options);
@@ -158,9 +158,10 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
   ProgressDisplay display(options);
   RunOptions run = run_options(options);
   run.progress = [&display](const Progress& p) {
-    stop_if_interrupted();
+    stop_if_cancelled();
     display.report(p.phase, p.done, p.total);
   };
+  run.notice = [&display](const std::string& sentence) { display.say(sentence); };
   const Statistics statistics = work(cloud, run);
   if (stats) complete(*stats, to_json(statistics) + "\n");
   if (report) complete(*report, report_of(summary_of(paths, cloud.schema(), statistics, display)));

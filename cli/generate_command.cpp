@@ -6,9 +6,9 @@
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
-#include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/quantities.h"
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "pointsweep/formats/writer.h"
 #include "pointsweep/shapes/registry.h"
@@ -35,7 +35,7 @@ void write_all(Reader& reader, Writer& writer, ProgressDisplay& progress) {
   std::future<void> writing;
   progress.report("generate", 0, total);
   for (std::uint64_t row = 0, turn = 0; row < total; ++turn) {
-    stop_if_interrupted();
+    stop_if_cancelled();
     std::vector<std::byte>& block = blocks[turn % 2];
     const std::size_t made = reader.read(row, block);
     if (writing.valid()) writing.get();

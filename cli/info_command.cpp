@@ -5,8 +5,8 @@
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/file_summary.h"
-#include "cli/interrupt.h"
 #include "cli/progress.h"
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 
 namespace pointsweep {
@@ -62,7 +62,7 @@ void look_at_file(const std::filesystem::path& file, const InfoOptions& options,
                   ProgressDisplay& progress) {
   const std::unique_ptr<Reader> reader = open_reader(file);
   const FileSummary summary = summarize(*reader, options.spacing, [&](std::uint64_t done, std::uint64_t total) {
-    stop_if_interrupted();
+    stop_if_cancelled();
     progress.report("info", done, total);
   });
   for (const std::string& warning : reader->info().warnings)

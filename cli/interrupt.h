@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// Ctrl-C and its like: the first asks the run to stop cleanly, the second ends it as the system does.
+/// Ctrl-C and similar signals: the first asks the run to stop cleanly, the second ends it as the system does.
 #pragma once
+
+#include "pointsweep/cancellation.h"
 
 namespace pointsweep {
 
-/// From now on SIGINT, SIGTERM and SIGHUP (unless ignored, as under nohup) only set a flag, once.
+/// From now on the first SIGINT, SIGTERM or SIGHUP (unless ignored, as under nohup) cancels interrupt_token(). If the
+/// process still lives 0.7 s later, because it waits for a disk or an operator of the user does not return, unfinished
+/// files are removed and the process ends with status 128 + signal.
 void catch_interrupts();
 /// The signal that came, 0 if none.
 int interrupting_signal();
 inline bool interrupted() { return interrupting_signal() != 0; }
-/// Throws Cancelled if a signal came. To be called between pieces of work.
-void stop_if_interrupted();
+/// Cancelled by the first signal.
+const CancellationToken& interrupt_token();
 
 }  // namespace pointsweep

@@ -14,7 +14,9 @@
 #include "cli/interrupt.h"
 #include "cli/usage_errors.h"
 #include "cli/version.h"
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
+#include "pointsweep/formats/output_file.h"
 
 namespace {
 
@@ -35,7 +37,9 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const UsageError& error) {
     return complain(2, error.what());
   } catch (const Cancelled&) {
-    return complain(128 + interrupting_signal(), "stopped; no output was written");
+    return complain(128 + interrupting_signal(), OutputFile::any_is_complete()
+                                                     ? "stopped; outputs that were complete by then stay"
+                                                     : "stopped; no output was written");
   } catch (const std::bad_alloc&) {
     return complain(1, "the machine has no memory left for this; lower --memory or close other programs");
   } catch (const std::exception& error) {
@@ -70,6 +74,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "{}", app.help());
     return 2;
   }
+  const pointsweep::CancellationScope scope(&pointsweep::interrupt_token());
   const int status = run(app, argc, argv);
   if (std::fflush(stdout) != 0 && status == 0) return complain(1, "standard output cannot be written");
   return status;

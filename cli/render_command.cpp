@@ -7,8 +7,8 @@
 
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
-#include "cli/interrupt.h"
 #include "cli/progress.h"
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/output_file.h"
@@ -71,7 +71,7 @@ void render_picture(RenderCommand& command) {
   Cloud cloud(command.paths.inputs(), {.ignore_crs = command.common.ignore_crs});
   ProgressDisplay display(command.common);
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
-    stop_if_interrupted();
+    stop_if_cancelled();
     display.report(phase, done, total);
   };
   const Rendering rendering = render(cloud, options);

@@ -7,12 +7,12 @@
 
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
-#include "cli/interrupt.h"
 #include "cli/pipeline_run.h"
 #include "cli/progress.h"
 #include "cli/quantities.h"
 #include "cli/recorded_run.h"
 #include "cli/stage_options.h"
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/operators/neighbor_rows.h"
@@ -203,7 +203,7 @@ VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& displ
   options.prefix = command.common.prefix;
   if (command.common.memory != 0) options.memory_bytes = command.common.memory;
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
-    stop_if_interrupted();
+    stop_if_cancelled();
     display.report(phase, done, total);
   };
   return options;

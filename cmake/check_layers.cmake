@@ -1,5 +1,5 @@
 # cmake -D ROOT=<tree> -P check_layers.cmake: fails when an include of the library points up.
-# A layer may include itself, pointsweep/error.h, threads.h, made_ahead.h and the layers named here; a layer not named here is refused.
+# A layer may include itself, pointsweep/error.h, cancellation.h, leftovers.h, threads.h, made_ahead.h and the layers named here; a layer not named here is refused.
 cmake_minimum_required(VERSION 3.25)
 set(may_include_math "")
 set(may_include_points math)
@@ -35,7 +35,7 @@ foreach(file ${files})
   foreach(line ${lines})
     string(REGEX MATCH "\"(.*)\"" path ${line})
     set(path ${CMAKE_MATCH_1})
-    if(path MATCHES "^pointsweep/(error|threads|made_ahead)\\.h$" OR NOT path MATCHES "/")
+    if(path MATCHES "^pointsweep/(error|threads|made_ahead|cancellation|leftovers)\\.h$" OR NOT path MATCHES "/")
       continue()
     endif()
     string(REGEX MATCH "^(pointsweep/)?([^/]+)/" target ${path})

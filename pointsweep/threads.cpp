@@ -8,6 +8,8 @@
 
 #include <algorithm>
 
+#include "pointsweep/cancellation.h"
+
 #if !defined(__SANITIZE_THREAD__)  // threads_sanitized.cpp takes its place there
 
 namespace pointsweep {
@@ -34,15 +36,22 @@ void with_threads(unsigned threads, const std::function<void()>& work) {
   threads = std::max(threads, 1u);
   tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   tbb::task_arena arena(static_cast<int>(threads));
-  arena.execute(work);
+  const CancellationToken* const token = CancellationScope::current();
+  arena.execute([&] {  // perhaps by another thread
+    const CancellationScope scope(token);
+    work();
+  });
 }
 
 unsigned thread_count() { return static_cast<unsigned>(tbb::this_task_arena::max_concurrency()); }
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t, unsigned)>& body) {
+  const CancellationToken* const token = CancellationScope::current();
   const auto loop = [&] {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       const Working mark;
+      const CancellationScope scope(token);
+      stop_if_cancelled();
       body(i, static_cast<unsigned>(tbb::this_task_arena::current_thread_index()));
     });
   };
@@ -55,8 +64,10 @@ struct BackgroundTask::State {
 };
 
 BackgroundTask::BackgroundTask(std::function<void()> work) : state_(std::make_unique<State>()) {
-  state_->group.run([work = std::move(work)] {
+  state_->group.run([work = std::move(work), token = CancellationScope::current()] {
     const Working mark;
+    const CancellationScope scope(token);
+    stop_if_cancelled();
     work();
   });
 }

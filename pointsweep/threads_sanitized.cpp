@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -24,8 +25,12 @@ class Loop {
   Loop(std::size_t count, const std::function<void(std::size_t, unsigned)>& body) : count_(count), body_(body) {}
 
   void work(unsigned worker) {
+    const CancellationScope scope(token_);
     try {
-      for (std::size_t i = next_++; i < count_; i = next_++) body_(i, worker);
+      for (std::size_t i = next_++; i < count_; i = next_++) {
+        stop_if_cancelled();
+        body_(i, worker);
+      }
     } catch (...) {
       next_ = count_;
       const std::lock_guard lock(mutex_);
@@ -40,6 +45,7 @@ class Loop {
  private:
   std::size_t count_;
   const std::function<void(std::size_t, unsigned)>& body_;
+  const CancellationToken* token_ = CancellationScope::current();
   std::atomic<std::size_t> next_ = 0;
   std::mutex mutex_;
   std::exception_ptr error_;
@@ -73,10 +79,13 @@ struct BackgroundTask::State {
 };
 
 BackgroundTask::BackgroundTask(std::function<void()> work) : state_(std::make_unique<State>()) {
-  state_->done = std::async(std::launch::async, [work = std::move(work), threads = thread_count()] {
-    run_threads = threads;
-    work();
-  });
+  state_->done = std::async(std::launch::async,
+                            [work = std::move(work), threads = thread_count(), token = CancellationScope::current()] {
+                              const CancellationScope scope(token);
+                              stop_if_cancelled();
+                              run_threads = threads;
+                              work();
+                            });
 }
 
 BackgroundTask::~BackgroundTask() {

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 
+#include "pointsweep/cancellation.h"
+
 namespace pointsweep::reference {
 
 void NearestOperator::pull_push() {
   arrived_.clear();
   completed_.clear();
   while (StreamPoint* point = prev_->front()) {
+    stop_if_cancelled();
     prev_->pop_front();
     arrive(*point);
     searched_.take_passed(point->input[sweep_axis_], completed_);

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <deque>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "reference/audit.h"
 #include "reference/nearest_operator.h"
@@ -45,6 +46,7 @@ class Pipeline {
     const std::uint64_t n = read_.total();
     now_ = Clock::now();
     while (write_.position() < n) {
+      stop_if_cancelled();
       for (std::size_t i = 0; i < operators_.size(); ++i) {
         operators_[i]->pull_push();
         statistics_.operators[i].seconds += lap();

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <system_error>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 
 namespace pointsweep {
@@ -52,6 +53,7 @@ void InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const 
 }
 
 std::size_t InputFile::read_some(std::uint64_t offset, std::span<std::byte> bytes) const {
+  stop_if_cancelled();
   std::size_t done = 0;
   while (done < bytes.size()) {
     const ssize_t got =

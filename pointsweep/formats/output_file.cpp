@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <string>
@@ -19,6 +20,8 @@ namespace pointsweep {
 namespace {
 
 namespace fs = std::filesystem;
+
+std::atomic<bool> any_complete = false;
 
 fs::path folder_of(const fs::path& destination) {
   return destination.has_parent_path() ? destination.parent_path() : fs::path(".");
@@ -124,6 +127,7 @@ OutputFile::OutputFile(const fs::path& destination, bool overwrite) : destinatio
   descriptor_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor_ < 0 && errno == EEXIST) fail("{}: is being written already.", destination_.string());
   if (descriptor_ < 0) fail_to_write(destination_, errno);
+  leftover_.emplace(part_);
   ::flock(descriptor_, LOCK_EX | LOCK_NB);
 }
 
@@ -174,6 +178,10 @@ void OutputFile::commit() {
     fail_to_write(destination_, error);
   }
   part_.clear();
+  leftover_.reset();
+  any_complete = true;
 }
+
+bool OutputFile::any_is_complete() { return any_complete; }
 
 }  // namespace pointsweep

@@ -5,7 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
+
+#include "pointsweep/leftovers.h"
 
 namespace pointsweep {
 
@@ -26,12 +29,15 @@ class OutputFile {
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
   std::uint64_t size() const { return size_; }  ///< end of what append() wrote
   void commit();
+  /// Whether this process has committed any output.
+  static bool any_is_complete();
 
  private:
   std::filesystem::path destination_, part_;
   bool overwrite_ = false;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
+  std::optional<Leftover> leftover_;  ///< part_
 };
 
 }  // namespace pointsweep

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <numeric>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -75,6 +76,7 @@ class Distribution {
  private:
   /// False at the end of the source.
   bool read(Chunk& chunk) {
+    stop_if_cancelled();
     const std::lock_guard lock(reading_);
     if (next_ == deal_.count) return false;
     chunk.first = next_;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "pointsweep/order/fixed_copy.h"
 #include "pointsweep/order/page_memory.h"
@@ -35,8 +36,10 @@ std::uint64_t bytes_of(std::uint64_t rows, std::size_t record_bytes) {
 void consume_in_runs(std::uint64_t first_row, std::span<const std::byte> records, std::size_t record_bytes,
                      const Consume& consume) {
   const std::size_t run = std::max<std::size_t>(1, kRunBytes / record_bytes) * record_bytes;
-  for (std::size_t at = 0; at < records.size(); at += run)
+  for (std::size_t at = 0; at < records.size(); at += run) {
+    stop_if_cancelled();
     consume(first_row + at / record_bytes, records.subspan(at, std::min(run, records.size() - at)));
+  }
 }
 
 /// All rows as one array.

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/order/block_pool.h"
 
 namespace pointsweep {
@@ -99,6 +100,7 @@ std::size_t SlabStore::add_slabs(std::size_t slabs) {
 void SlabStore::append(std::size_t slab, std::span<const std::byte> records) {
   State& s = *state_;
   assert(records.size() % s.record_bytes == 0);
+  stop_if_cancelled();
   SlabList& list = s.lists[slab];
   std::unique_lock lock(list.mutex);
   while (!records.empty()) {
@@ -175,6 +177,7 @@ void SlabStore::read(std::size_t slab, std::uint64_t first, std::span<std::byte>
   auto block = std::upper_bound(list.blocks.begin(), list.blocks.end(), first,
                                 [](std::uint64_t index, const Block& b) { return index < b.first; });
   for (; !out.empty(); ++block) {
+    stop_if_cancelled();
     const Block& b = block[-1];
     const std::uint64_t end = block == list.blocks.end() ? list.count : block->first;
     const std::uint64_t skip = (first - b.first) * s.record_bytes;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/order/distribution.h"
 #include "pointsweep/order/mix.h"
 #include "pointsweep/order/splitters.h"
@@ -39,6 +40,7 @@ class Splitting {
   /// Appends `piece`, or what it is split into, to `done`. If the order is to be canonical, all its points are equal in
   /// the keys before `level`.
   void split(const StreamPiece& piece, std::size_t level) {
+    stop_if_cancelled();
     if (piece.count == 0) return;
     if (piece.count <= options_.most) {
       done.push_back(piece);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "pointsweep/order/mix.h"
 
@@ -98,6 +99,7 @@ class Surveyor {
   }
 
   void decode(std::uint64_t row, std::size_t n) {
+    stop_if_cancelled();
     const std::uint32_t stride = source_.schema.stride;
     read_fully(source_, row, {records_.data(), n * stride});
     decode_positions(fields_, records_.data(), stride, n, x_.data(), y_.data(), z_.data());

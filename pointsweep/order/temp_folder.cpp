@@ -84,6 +84,7 @@ TempFolder::TempFolder(const std::filesystem::path& parent) {
     fail("cannot make a temporary folder in '{}': {}; name a writable folder with --temp-dir.", parent.string(),
          std::strerror(errno));
   path_ = name;
+  leftover_.emplace(path_);
   lock_ = open_folder(path_);
   if (lock_ >= 0) ::flock(lock_, LOCK_EX | LOCK_NB);  // best effort: some file systems know no locks
 }

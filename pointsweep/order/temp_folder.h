@@ -3,6 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+
+#include "pointsweep/leftovers.h"
 
 namespace pointsweep {
 
@@ -21,7 +24,8 @@ class TempFolder {
 
  private:
   std::filesystem::path path_;
-  int lock_ = -1;  ///< descriptor of the folder, locked while this process uses it
+  std::optional<Leftover> leftover_;  ///< path_: empty, since spilled files have no name
+  int lock_ = -1;                     ///< descriptor of the folder, locked while this process uses it
 };
 
 }  // namespace pointsweep

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/render/color_map.h"
 
 namespace pointsweep {
@@ -64,6 +65,7 @@ void Canvas::shade_by_depth() {
   constexpr std::int64_t kSteps[8][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
   const std::int64_t reach = 2 * fineness_;
   for (std::int64_t y = 0; y < rows_; ++y) {
+    stop_if_cancelled();
     for (std::int64_t x = 0; x < columns_; ++x) {
       const double depth = samples_[static_cast<std::size_t>(y * columns_ + x)].depth;
       if (!std::isfinite(depth)) continue;
@@ -84,6 +86,7 @@ Picture Canvas::picture() const {
   Picture picture{width_, height_, std::vector<Rgb>(std::size_t{width_} * height_)};
   const unsigned n = fineness_ * fineness_;
   for (std::size_t y = 0; y < height_; ++y) {
+    stop_if_cancelled();
     for (std::size_t x = 0; x < width_; ++x) {
       unsigned red = n / 2, green = n / 2, blue = n / 2;
       for (unsigned i = 0; i < n; ++i) {

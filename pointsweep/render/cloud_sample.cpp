@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/order/mix.h"
 
 namespace pointsweep {
@@ -25,6 +26,7 @@ void for_each_block(Cloud& cloud, const std::function<void(const PointBlock&)>& 
   std::vector<std::byte> records(kBlock * stride);
   std::vector<double> x(kBlock), y(kBlock), z(kBlock);
   for (std::uint64_t row = 0; row < cloud.count();) {
+    stop_if_cancelled();
     const std::size_t n = cloud.read(row, records);
     decode_positions(fields, records.data(), stride, n, x.data(), y.data(), z.data());
     visit({row, n, records.data(), stride, x.data(), y.data(), z.data()});

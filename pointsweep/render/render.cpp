@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "pointsweep/formats/las_classes.h"
 #include "pointsweep/render/attribute_unit.h"
@@ -130,6 +131,7 @@ Rendering render(Cloud& cloud, const RenderOptions& options) {
   Canvas canvas(options.width, options.height, fineness_of(options), options.background);
   for_each_block(cloud, [&](const PointBlock& block) {
     for (std::size_t i = 0; i < block.size; ++i) {
+      stop_if_cancelled();
       const Vec3 p = block.position(i);
       if (!is_finite(p)) continue;
       const SurfaceElement element = shape(block.record(i), p);

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/math/box.h"
 
 namespace pointsweep {
@@ -52,6 +53,7 @@ void BallIndex::fill(Grid& grid, const std::vector<std::uint32_t>& members, cons
   std::vector<std::pair<std::uint32_t, std::uint32_t>> entries;  // bucket, ball
   std::vector<std::uint32_t> buckets;
   for (const std::uint32_t ball : members) {
+    stop_if_cancelled();
     const Vec3 c = centers[ball];
     const double r = radius[ball];
     const Cell lo = grid.cell({c.x - r, c.y - r, c.z - r}, low_), hi = grid.cell({c.x + r, c.y + r, c.z + r}, low_);

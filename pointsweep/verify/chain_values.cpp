@@ -5,6 +5,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 
 namespace pointsweep {
@@ -153,6 +154,7 @@ void ChainValues::apply(const Stage& stage, const Surroundings& around, ColumnBy
   std::vector<const std::byte*> pointers;
   const std::vector<PointColumns> slots = slots_of(around, columns, columns_, pointers);
   for (std::size_t s = 0; s * kCellCapacity < count; ++s) {
+    stop_if_cancelled();
     const std::size_t first = s * kCellCapacity, size = std::min<std::size_t>(kCellCapacity, count - first);
     std::vector<std::uint32_t> begin;
     for (std::size_t i = first; i <= first + size; ++i)
@@ -175,6 +177,7 @@ void ChainValues::shorten(Surroundings& around, const ColumnBytes& columns) cons
   const std::vector<std::size_t> from = around.list_begin;
   std::size_t end = 0;
   for (std::size_t i = 0; i + 1 < from.size(); ++i) {
+    stop_if_cancelled();
     PointColumns own = slots[i / kCellCapacity];
     const std::size_t at = i % kCellCapacity;
     own.x += at, own.y += at, own.z += at, own.row += at;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "pointsweep/cancellation.h"
+
 namespace pointsweep {
 
 bool operator<(const NearPoint& a, const NearPoint& b) {
@@ -21,6 +23,7 @@ NearestInStream::NearestInStream(std::vector<Vec3> places, std::vector<double> r
       index_(places_, reach2_) {}
 
 void NearestInStream::offer(Vec3 p, std::uint64_t row) {
+  stop_if_cancelled();
   if (!is_finite(p)) return;
   index_.visit(p, [&](std::uint32_t place) {
     const double d2 = distance2(places_[place], p);
@@ -40,6 +43,7 @@ void NearestInStream::offer(Vec3 p, std::uint64_t row) {
 }
 
 std::vector<NearPoint>& NearestInStream::nearest(std::size_t place) {
+  stop_if_cancelled();
   std::sort(found_[place].begin(), found_[place].end());
   return found_[place];
 }

@@ -4,6 +4,8 @@
 
 #include <chrono>
 #include <csignal>
+#include <random>
+#include <set>
 #include <thread>
 
 #include "tests/cli/tool.h"
@@ -11,23 +13,49 @@
 namespace pointsweep {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 class Interrupt : public Tool {
  protected:
-  /// Starts a run that would take hours, sends `signal` as soon as its output grows, and gives its status.
-  int status_after(int signal) {
+  pid_t start(const std::string& arguments) const {
     const pid_t child = fork();
-    if (child == 0) {
-      if (chdir(folder_.c_str()) != 0) _exit(99);
-      const int null = open("/dev/null", O_WRONLY);
-      dup2(null, STDERR_FILENO);
-      execl(POINTSWEEP_TOOL, "pointsweep", "generate", "statue", "out.xyz", "-n", "10G", static_cast<char*>(nullptr));
-      _exit(98);
-    }
-    while (std::filesystem::is_empty(folder_)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    kill(child, signal);
+    if (child != 0) return child;
+    const std::string command =
+        "cd '" + folder_.string() + "' && exec '" POINTSWEEP_TOOL "' " + arguments + " >/dev/null 2>/dev/null";
+    execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
+    _exit(98);
+  }
+  static int status_of(pid_t child) {
     int state = 0;
     waitpid(child, &state, 0);
     return WIFEXITED(state) ? WEXITSTATUS(state) : -WTERMSIG(state);
+  }
+  /// Starts a run that would take hours, sends `signal` as soon as its output grows, and gives its status.
+  int status_after(int signal) {
+    const pid_t child = start("generate statue out.xyz -n 10G");
+    while (std::filesystem::is_empty(folder_)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    kill(child, signal);
+    return status_of(child);
+  }
+  std::set<std::string> files() const {
+    std::set<std::string> names;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_))
+      names.insert(entry.path().filename().string());
+    return names;
+  }
+
+  /// Sends SIGTERM after `delay` seconds. Returns how long the run then takes to end, or nothing if it was over before.
+  std::optional<double> seconds_to_end(const std::string& arguments, double delay) const {
+    const pid_t child = start(arguments);
+    std::this_thread::sleep_for(std::chrono::duration<double>(delay));
+    const Clock::time_point sent = Clock::now();
+    kill(child, SIGTERM);
+    const int status = status_of(child);
+    const double seconds = std::chrono::duration<double>(Clock::now() - sent).count();
+    if (status == 0) return std::nullopt;
+    // Before the tool has set its handlers, the signal ends it as it ends every process.
+    EXPECT_TRUE(status == 143 || (status == -SIGTERM && delay < 0.3)) << arguments << ": status " << status;
+    return seconds;
   }
 };
 
@@ -39,6 +67,65 @@ TEST_F(Interrupt, CtrlCEndsWithStatus130AndLeavesNothing) {
 TEST_F(Interrupt, TerminationEndsWithStatus143AndLeavesNothing) {
   EXPECT_EQ(status_after(SIGTERM), 143);
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+/// Runs that take from seconds to hours. `many` is a cloud of 12 million points: one file forty times.
+std::vector<std::string> long_runs() {
+  std::string many;
+  for (int i = 0; i < 40; ++i) many += "s.ply ";
+  const std::string place = " --temp-dir tmp";
+  return {
+      "generate statue out.las -n 10G",
+      "info " + many + many + many,
+      "sort " + many + "out.ply" + place,
+      "sort " + many + "out.ply --memory 64M" + place,
+      "normals s.ply out.ply --radius 0.5" + place,
+      "normals s.ply out.xyz --radius 10 --memory 128M" + place,
+      "normals " + many + "out.ply -k 300 --memory 128M" + place,
+      "normals " + many + "out.ply --engine reference" + place,
+      "curvature s.ply out.ply --radius 0.4 --memory 100M" + place,
+      "splats s.ply out.ply -k 8000" + place,
+      "fair s.ply out.ply --radius 0.3 --order sweep" + place,
+      "neighbors s.ply out.npy -k 5000" + place,
+      "run s.ply out.ply --pipeline 'knn(radius=0.2) | normals | curvature | splats | fair | reneighbor | normals'" +
+          place,
+      "normals s.ply out.ply --radius 0.5 --resume kept",
+      "render " + many + "out.png",
+      "render s.ply out.png --size 8000x8000",
+      "verify s.ply normals.ply --radius 0.3 --pipeline normals",
+      "verify s.ply normals.ply --pipeline 'knn(k=300) | normals'",
+  };
+}
+
+TEST_F(Interrupt, EveryVerbEndsWithinASecondInEveryPhaseAndLeavesNothing) {
+  ASSERT_EQ(tool("generate statue s.ply -n 300K").status, 0);
+  ASSERT_EQ(tool("normals s.ply normals.ply").status, 0);
+  std::filesystem::create_directory(folder_ / "tmp");
+  std::mt19937 random(20);
+  std::uniform_real_distribution<double> delay(0.05, 1.6);
+  for (const std::string& run : long_runs()) {
+    const std::set<std::string> before = files();
+    int interrupted = 0;
+    for (int turn = 0; turn < 2; ++turn) {
+      const double after = turn == 0 ? delay(random) : delay(random) / 4;
+      // A busy machine may keep a process waiting for longer than it works: the best of three counts.
+      std::optional<double> least;
+      for (int attempt = 0; attempt < 3 && (!least || *least >= 1); ++attempt) {
+        const std::optional<double> seconds = seconds_to_end(run, after);
+        if (!seconds) break;
+        least = std::min(seconds, least ? least : seconds);
+      }
+      std::filesystem::remove_all(folder_ / "kept");
+      if (!least) {
+        for (const char* made : {"out.ply", "out.png", "out.npy"}) std::filesystem::remove(folder_ / made);
+        continue;
+      }
+      ++interrupted;
+      EXPECT_LT(*least, 1) << run << "\nafter " << after << " s";
+      EXPECT_EQ(files(), before) << run << "\nafter " << after << " s";
+    }
+    EXPECT_GT(interrupted, 0) << run << ": was over before the signal";
+  }
 }
 
 }  // namespace

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// Cancellation: how a signal handler or another thread asks work of the library to end early.
+#pragma once
+
+#include <atomic>
+
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+
+/// A request to stop that is made once and stays. Lock-free: a signal handler may call cancel().
+class CancellationToken {
+ public:
+  void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
+  bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<bool> cancelled_ = false;
+  static_assert(std::atomic<bool>::is_always_lock_free);
+};
+
+/// While it lives, the work that this thread does, and the work that this thread gives to others through threads.h,
+/// stops when `token` asks for it. An inner scope replaces an outer one; a null token changes nothing.
+class CancellationScope {
+ public:
+  explicit CancellationScope(const CancellationToken* token) noexcept : before_(current_) {
+    if (token != nullptr) current_ = token;
+  }
+  ~CancellationScope() { current_ = before_; }
+  CancellationScope(const CancellationScope&) = delete;
+  CancellationScope& operator=(const CancellationScope&) = delete;
+
+  /// The token of this thread; null outside of every scope.
+  static const CancellationToken* current() noexcept { return current_; }
+
+ private:
+  static inline thread_local constinit const CancellationToken* current_ = nullptr;
+  const CancellationToken* before_;
+};
+
+/// Throws Cancelled if the token of this thread asks for it. About 1 ns. Every loop of the library whose length depends
+/// on the data calls it, so that a run ends within a fraction of a second. An operator is given a bounded number of
+/// neighbours at once, and is not interrupted.
+inline void stop_if_cancelled() {
+  if (const CancellationToken* token = CancellationScope::current(); token != nullptr && token->cancelled())
+    throw Cancelled();
+}
+
+}  // namespace pointsweep

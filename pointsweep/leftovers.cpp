@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/leftovers.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+namespace pointsweep {
+namespace {
+
+enum class State : unsigned char { free, changing, listed };
+
+/// The name stays readable while a signal handler looks at it, whatever another thread does.
+struct Place {
+  std::atomic<State> state = State::free;
+  std::array<char, 4096> name{};
+};
+static_assert(std::atomic<State>::is_always_lock_free);
+
+std::array<Place, 64> places;
+
+}  // namespace
+
+Leftover::Leftover(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  if (name.size() >= places[0].name.size()) return;
+  for (std::size_t i = 0; i < places.size() && place_ == kNone; ++i) {
+    State expected = State::free;
+    if (!places[i].state.compare_exchange_strong(expected, State::changing)) continue;
+    std::memcpy(places[i].name.data(), name.c_str(), name.size() + 1);
+    places[i].state = State::listed;
+    place_ = i;
+  }
+}
+
+void Leftover::forget() noexcept {
+  if (place_ != kNone) places[place_].state = State::free;
+  place_ = kNone;
+}
+
+void remove_leftovers() noexcept {
+  const int before = errno;
+  for (const Place& place : places) {
+    if (place.state != State::listed) continue;
+    if (::unlink(place.name.data()) != 0) ::rmdir(place.name.data());
+  }
+  errno = before;
+}
+
+}  // namespace pointsweep

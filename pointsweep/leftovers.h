@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+/// Unfinished files that a process must remove even if it ends without unwinding its stack.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+
+namespace pointsweep {
+
+/// Lists a file or an empty folder for remove_leftovers() while it lives; removes nothing itself. Up to 64 are listed
+/// at once; more, and paths of 4,096 characters or more, are ignored.
+class Leftover {
+ public:
+  Leftover() = default;
+  explicit Leftover(const std::filesystem::path& path);
+  ~Leftover() { forget(); }
+  Leftover(const Leftover&) = delete;
+  Leftover& operator=(const Leftover&) = delete;
+  /// Takes the path off the list: it was removed, or has become a complete output.
+  void forget() noexcept;
+
+ private:
+  std::size_t place_ = kNone;
+  static constexpr std::size_t kNone = ~std::size_t{0};
+};
+
+/// Removes every listed file and empty folder. A signal handler may call it, and must then end the process.
+void remove_leftovers() noexcept;
+
+}  // namespace pointsweep
