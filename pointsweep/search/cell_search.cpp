@@ -14,6 +14,7 @@
 #include <bit>
 #include <limits>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/math/power_of_two.h"
 #include "pointsweep/search/copies.h"
 #include "pointsweep/search/exact_order.h"
@@ -39,6 +40,7 @@ class CellSearch {
   void run() {
     find_cells(0);
     for (std::uint32_t leaf = 0; leaf < cell_.leaf_count(); ++leaf) {
+      stop_if_cancelled();
       if (const std::uint32_t end = end_of_copies(cell_, leaf); end > leaf) {
         search_copies(directory_, cell_, leaf * kLeafCapacity, std::min(end * kLeafCapacity, cell_.size()), what_,
                       scratch_, reach2_, out_);
@@ -367,13 +369,22 @@ HWY_EXPORT(search_lanes);
 
 void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
                  CellNeighbors& out) {
+  search_points(directory, slot, 0, std::numeric_limits<std::uint64_t>::max(), what, scratch, out);
+}
+
+/// With few neighbours a point, the lists of a whole cell are smaller than any limit worth setting.
+std::uint32_t search_points(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first, std::uint64_t most,
+                            const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out) {
   out.refs.clear();
   out.reach2.clear();
   out.begin.assign(1, 0);
   constexpr std::size_t kMostInLanes = 64;
-  if (what.k == 0) return search_cell_plainly(directory, slot, what, scratch, out);
-  if (what.k > kMostInLanes) return search_cell_gathered(directory, slot, what, scratch, out);
-  HWY_DYNAMIC_DISPATCH(search_lanes)(directory, slot, what, scratch, out);
+  if (what.k > kMostInLanes) return search_points_gathered(directory, slot, first, most, what, scratch, out);
+  if (what.k == 0)
+    search_cell_plainly(directory, slot, what, scratch, out);
+  else
+    HWY_DYNAMIC_DISPATCH(search_lanes)(directory, slot, what, scratch, out);
+  return directory.cell(slot).size();
 }
 
 }  // namespace pointsweep

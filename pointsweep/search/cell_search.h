@@ -22,6 +22,10 @@ struct CellNeighbors {
   /// An upper bound of the squared radius of the ball that had to be empty of anything unknown: that of the kth
   /// neighbour or the radius asked for; infinite where fewer than k points were found and no radius limits the search.
   std::vector<double> reach2;
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(begin.size() - 1); }
+  /// What the lists take.
+  std::uint64_t list_bytes() const { return refs.size() * sizeof(NeighborRef) + begin.size() * sizeof(std::uint32_t); }
 };
 
 /// Points copied together, each with its name, and what a search among them needs.
@@ -52,5 +56,12 @@ struct SearchScratch {
 /// scratch per thread.
 void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
                  CellNeighbors& out);
+
+/// The same for a run of the cell's points: those from `first` on until `most` neighbours are found (a list is never
+/// cut) or the cell ends. Returns the end of the run; `out` holds its lists alone. Where k is at most 64 runs begin and
+/// end at leaves and may be longer. Memory besides `out`: 8 bytes for each point within the radius of one point, or
+/// 100 bytes for each of k.
+std::uint32_t search_points(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first, std::uint64_t most,
+                            const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out);
 
 }  // namespace pointsweep

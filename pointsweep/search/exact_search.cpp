@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "pointsweep/cancellation.h"
+
 namespace pointsweep {
 
 namespace {
@@ -71,6 +73,7 @@ void search_cell(const Cell& cell, std::uint32_t slot, Vec3 p, std::uint64_t sel
 void search_exact(const CellDirectory& directory, const std::vector<CellDirectory::Near>& near, Vec3 p,
                   std::uint64_t self_row, BestList& best) {
   for (const CellDirectory::Near& candidate : near) {
+    stop_if_cancelled();
     if (candidate.distance2 > best.limit()) return;
     const Cell& cell = directory.cell(candidate.slot);
     if (distance2(cell.box, p) <= best.limit() && wants_place(cell, 0, cell.lowest_row, p, best)) {

@@ -14,7 +14,9 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/math/front_lanes-inl.h"
 #include "pointsweep/search/copies.h"
 #include "pointsweep/search/exact_order.h"
@@ -34,34 +36,77 @@ class GatheredSearch {
                  CellNeighbors& out)
       : directory_(directory), cell_(directory.cell(slot)), slot_(slot), what_(what), scratch_(scratch), out_(out) {}
 
-  void run() {
+  /// From point `first` on until `most` neighbours are found. Returns the end.
+  std::uint32_t run(std::uint32_t first, std::uint64_t most) {
+    most_ = most;
     directory_.find(cell_.box, known2_, scratch_.near);
-    if (what_.k != Neighborhood::kUnlimited) settle_first();
-    for (std::uint32_t leaf = 0; leaf < cell_.leaf_count(); ++leaf) {
-      const std::uint32_t first = leaf * kLeafCapacity, size = cell_.leaf_size(leaf);
-      if (const std::uint32_t end = end_of_copies(cell_, leaf); end > leaf) {
-        search_copies(directory_, cell_, first, std::min(end * kLeafCapacity, cell_.size()), what_, scratch_, known2_,
-                      out_);
-        settled(first, out_.reach2.back());
-        leaf = end - 1;
-      } else if (gather(leaf)) {
-        for (std::uint32_t i = first; i < first + size; ++i) search_point(i);
+    if (!unlimited()) settle_first(first);
+    std::uint32_t i = first;
+    while (i < cell_.size() && (i == first || out_.refs.size() < most)) {
+      const std::uint32_t leaf = i / kLeafCapacity, end = leaf * kLeafCapacity + cell_.leaf_size(leaf);
+      const std::uint32_t end_of_same = end_of_copies(cell_, leaf);
+      if (end_of_same > leaf) {
+        i = search_same(i, std::min(end_of_same * kLeafCapacity, cell_.size()));
       } else {
-        for (std::uint32_t i = first; i < first + size; ++i) settle_plainly(i);
+        i = search_leaf(leaf, i, end);
       }
     }
+    return i;
   }
 
  private:
   /// More points than this around one leaf are not gathered.
   static constexpr std::size_t kMostGathered = 1 << 15;
   static constexpr std::uint64_t kDistanceBits = ~std::uint64_t{0} << 32;
+  static constexpr std::size_t kMostCopied = 4096;         ///< candidates copied out to be compared; more are looked up
+  static constexpr NeighborRef kNobody = ~NeighborRef{0};  ///< the name of no point: a slot is never so full
 
-  /// The reach of the first point, from which all others follow.
-  void settle_first() {
-    search_point_plainly(directory_, cell_, 0, what_, scratch_, known2_);
+  bool unlimited() const { return what_.k == Neighborhood::kUnlimited; }
+
+  /// Points [i, end) of a leaf, until there are enough neighbours.
+  std::uint32_t search_leaf(std::uint32_t leaf, std::uint32_t i, std::uint32_t end) {
+    const bool gathered = gather(leaf);
+    for (const std::uint32_t begin = i; i < end && (i == begin || out_.refs.size() < most_); ++i) {
+      stop_if_cancelled();
+      if (gathered) {
+        search_point(i);
+      } else if (unlimited()) {
+        append_all(cell_.position(i), make_ref(slot_, i));
+        finish_point(i, what_.radius2());
+      } else {
+        settle_plainly(i);
+      }
+    }
+    return i;
+  }
+
+  /// Points [i, end) of whole leaves that all lie at one place: they share their neighbours, and each other.
+  std::uint32_t search_same(std::uint32_t i, std::uint32_t end) {
+    if (!unlimited()) {
+      const std::uint64_t points = std::max<std::uint64_t>((most_ - out_.refs.size()) / what_.k, 1);
+      const auto behind = static_cast<std::uint32_t>(std::min<std::uint64_t>(end, i + points));
+      search_copies(directory_, cell_, i, behind, what_, scratch_, known2_, out_);
+      settled(i, out_.reach2.back());
+      return behind;
+    }
+    find_leaves({cell_.position(i), cell_.position(i)}, what_.radius2(), std::numeric_limits<std::size_t>::max());
+    const std::span<const std::uint64_t> keys = all_within(cell_.position(i), kNobody);
+    for (const std::uint32_t begin = i; i < end && (i == begin || out_.refs.size() < most_); ++i) {
+      stop_if_cancelled();
+      make_room(keys.size());
+      const NeighborRef self = make_ref(slot_, i);
+      for (const std::uint64_t key : keys)
+        if (static_cast<NeighborRef>(key) != self) out_.refs.push_back(static_cast<NeighborRef>(key));
+      finish_point(i, what_.radius2());
+    }
+    return i;
+  }
+
+  /// The reach of a first point, from which all others follow.
+  void settle_first(std::uint32_t i) {
+    search_point_plainly(directory_, cell_, i, what_, scratch_, known2_);
     const std::vector<Candidate>& found = scratch_.best.finish();
-    settled(0, found.size() == what_.k ? found.back().distance2 : what_.radius2());
+    settled(i, found.size() == what_.k ? found.back().distance2 : what_.radius2());
   }
 
   void settle_plainly(std::uint32_t i) {
@@ -82,16 +127,67 @@ class GatheredSearch {
     const Box around = box_of(leaf);
     const Vec3 a = around.lo - settled_at_, b = around.hi - settled_at_;
     const double reach2 = reach2_after(length({farther(a.x, b.x), farther(a.y, b.y), farther(a.z, b.z)}));
-    if (!(reach2 <= known2_)) {
-      known2_ = 4 * reach2;
-      directory_.find(cell_.box, known2_, scratch_.near);
-    }
     constexpr std::size_t kMost = kMostGathered / kLeafCapacity;
-    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
-    collect_near_leaves(directory_, scratch_.near, around, reach2, kMost, all, scratch_.leaves);
+    find_leaves(around, reach2, unlimited() ? std::numeric_limits<std::size_t>::max() : kMost);
     if (scratch_.leaves.size() > kMost) return false;
     copy_leaves();
     return true;
+  }
+
+  /// Names the leaves within sqrt(reach2) of a box in the cell, nearest first; in no order if they are more than
+  /// `most`.
+  void find_leaves(const Box& around, double reach2, std::size_t most) {
+    if (!(reach2 <= known2_)) {
+      known2_ = unlimited() ? reach2 : 4 * reach2;  // no reach exceeds the radius
+      directory_.find(cell_.box, known2_, scratch_.near);
+    }
+    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
+    collect_near_leaves(directory_, scratch_.near, around, reach2, most, all, scratch_.leaves);
+  }
+
+  /// The keys of all points within the radius of p but `self`, in order, straight from the leaves that were found.
+  std::span<const std::uint64_t> all_within(Vec3 p, NeighborRef self) {
+    const hn::CappedTag<double, kLeafCapacity> d;
+    const hn::RebindToUnsigned<decltype(d)> du;
+    std::vector<std::uint64_t>& keys = scratch_.gathered.key;
+    const std::size_t room = scratch_.leaves.size() * kLeafCapacity + kLeafCapacity;
+    if (keys.size() < room) {
+      keys = {};
+      keys.resize(room + room / 8);
+    }
+    const auto px = hn::Set(d, p.x), py = hn::Set(d, p.y), pz = hn::Set(d, p.z), limit = hn::Set(d, what_.radius2());
+    const auto distance_bits = hn::Set(du, kDistanceBits), own = hn::Set(du, self);
+    std::size_t count = 0;
+    for (const std::uint64_t leaf_key : scratch_.leaves) {
+      const std::uint32_t slot = scratch_.near[NearLeaf::place(leaf_key)].slot, l = NearLeaf::leaf(leaf_key);
+      const Cell& cell = directory_.cell(slot);
+      const std::uint32_t from = l * kLeafCapacity, size = cell.leaf_size(l);
+      for (std::uint32_t i = 0; i < size; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
+        const auto dx = hn::Sub(hn::LoadU(d, cell.x + from + i), px);
+        const auto dy = hn::Sub(hn::LoadU(d, cell.y + from + i), py);
+        const auto dz = hn::Sub(hn::LoadU(d, cell.z + from + i), pz);
+        const auto d2 = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+        const auto name = hn::Iota(du, make_ref(slot, from + i));
+        const auto within = hn::And(hn::Le(d2, limit), hn::FirstN(d, size - i));
+        const auto keep = hn::AndNot(hn::Eq(name, own), hn::RebindMask(du, within));
+        hn::StoreU(Front<decltype(du)>(keep)(hn::OrAnd(name, hn::BitCast(du, d2), distance_bits)), du, &keys[count]);
+        count += hn::CountTrue(du, keep);
+      }
+    }
+    sort_(keys.data(), count, hwy::SortAscending());
+    settle_ties(p, count, count);
+    return {keys.data(), count};
+  }
+
+  void append_all(Vec3 p, NeighborRef self) {
+    const std::span<const std::uint64_t> keys = all_within(p, self);
+    make_room(keys.size());
+    for (const std::uint64_t key : keys) out_.refs.push_back(static_cast<NeighborRef>(key));
+  }
+
+  /// One long list takes what it needs, not the next power of two.
+  void make_room(std::size_t more) {
+    if (more > most_ / 2) out_.refs.reserve(out_.refs.size() + more);
   }
 
   static double farther(double a, double b) { return std::max(std::abs(a), std::abs(b)); }
@@ -176,12 +272,22 @@ class GatheredSearch {
   }
 
   void order_run(Vec3 p, std::uint64_t* keys, std::size_t size, std::size_t wanted) {
+    if (size > kMostCopied) return order_long_run(p, keys, size, wanted);
     std::vector<Candidate>& run = scratch_.gathered.run;
     run.clear();
     for (std::size_t i = 0; i < size; ++i)
       run.push_back(candidate_from(directory_, static_cast<NeighborRef>(keys[i]), p));
     std::partial_sort(run.begin(), run.begin() + static_cast<std::ptrdiff_t>(wanted), run.end(), nearer);
     for (std::size_t i = 0; i < wanted; ++i) keys[i] = run[i].ref;
+  }
+
+  /// In place: as many points at one distance as copies of a point or a grid may have take no more memory.
+  void order_long_run(Vec3 p, std::uint64_t* keys, std::size_t size, std::size_t wanted) const {
+    const auto candidate = [&](std::uint64_t key) {
+      return candidate_from(directory_, static_cast<NeighborRef>(key), p);
+    };
+    std::partial_sort(keys, keys + wanted, keys + size,
+                      [&](std::uint64_t a, std::uint64_t b) { return nearer(candidate(a), candidate(b)); });
   }
 
   Vec3 position(NeighborRef ref) const { return directory_.cell(slot_of(ref)).position(index_of(ref)); }
@@ -204,14 +310,16 @@ class GatheredSearch {
   SearchScratch& scratch_;
   CellNeighbors& out_;
   const hwy::Sorter sort_;
+  std::uint64_t most_ = 0;
   double known2_ = 0;  ///< scratch_.near holds every cell within it of the cell's box
   Vec3 settled_at_;
   double settled_reach_ = std::numeric_limits<double>::infinity();
 };
 
-void search_gathered(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
-                     SearchScratch& scratch, CellNeighbors& out) {
-  GatheredSearch(directory, slot, what, scratch, out).run();
+std::uint32_t search_gathered(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first,
+                              std::uint64_t most, const Neighborhood& what, SearchScratch& scratch,
+                              CellNeighbors& out) {
+  return GatheredSearch(directory, slot, what, scratch, out).run(first, most);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -220,9 +328,10 @@ HWY_AFTER_NAMESPACE();
 #else
 namespace pointsweep {
 namespace HWY_NAMESPACE {
-void search_gathered(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
-                     SearchScratch& scratch, CellNeighbors& out) {
-  search_cell_plainly(directory, slot, what, scratch, out);
+std::uint32_t search_gathered(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first,
+                              std::uint64_t most, const Neighborhood& what, SearchScratch& scratch,
+                              CellNeighbors& out) {
+  return search_points_plainly(directory, slot, first, most, what, scratch, out);
 }
 }  // namespace HWY_NAMESPACE
 }  // namespace pointsweep
@@ -232,9 +341,10 @@ void search_gathered(const CellDirectory& directory, std::uint32_t slot, const N
 namespace pointsweep {
 HWY_EXPORT(search_gathered);
 
-void search_cell_gathered(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
-                          SearchScratch& scratch, CellNeighbors& out) {
-  HWY_DYNAMIC_DISPATCH(search_gathered)(directory, slot, what, scratch, out);
+std::uint32_t search_points_gathered(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first,
+                                     std::uint64_t most, const Neighborhood& what, SearchScratch& scratch,
+                                     CellNeighbors& out) {
+  return HWY_DYNAMIC_DISPATCH(search_gathered)(directory, slot, first, most, what, scratch, out);
 }
 
 }  // namespace pointsweep

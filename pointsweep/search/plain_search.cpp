@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/search/exact_search.h"
 
 namespace pointsweep {
@@ -31,15 +32,24 @@ void append_best(const Neighborhood& what, SearchScratch& scratch, CellNeighbors
   out.begin.push_back(static_cast<std::uint32_t>(out.refs.size()));
 }
 
-void search_cell_plainly(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
-                         SearchScratch& scratch, CellNeighbors& out) {
+std::uint32_t search_points_plainly(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first,
+                                    std::uint64_t most, const Neighborhood& what, SearchScratch& scratch,
+                                    CellNeighbors& out) {
   const Cell& cell = directory.cell(slot);
   double reach2 = 0;
   directory.find(cell.box, reach2, scratch.near);
-  for (std::uint32_t i = 0; i < cell.size(); ++i) {
+  std::uint32_t i = first;
+  for (; i < cell.size() && (i == first || out.refs.size() < most); ++i) {
+    stop_if_cancelled();
     search_point_plainly(directory, cell, i, what, scratch, reach2);
     append_best(what, scratch, out);
   }
+  return i;
+}
+
+void search_cell_plainly(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
+                         SearchScratch& scratch, CellNeighbors& out) {
+  search_points_plainly(directory, slot, 0, std::numeric_limits<std::uint64_t>::max(), what, scratch, out);
 }
 
 }  // namespace pointsweep

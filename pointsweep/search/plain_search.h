@@ -19,6 +19,10 @@ void search_place_plainly(const CellDirectory& directory, const Cell& cell, Vec3
 /// Appends the neighbourhood in scratch.best to `out`, and the squared distance at which it ends.
 void append_best(const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out);
 
+/// As search_points(), for any k; appends to `out`.
+std::uint32_t search_points_plainly(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first,
+                                    std::uint64_t most, const Neighborhood& what, SearchScratch& scratch,
+                                    CellNeighbors& out);
 /// As search_cell(), for any k; appends to `out`.
 void search_cell_plainly(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
                          SearchScratch& scratch, CellNeighbors& out);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/sweep/shorten.h"
 
 namespace pointsweep {
@@ -27,16 +28,31 @@ double reach_of_most(const std::vector<double>& reach2, double share) {
 /// One in eight may be left behind before a whole cell waits again.
 constexpr std::size_t kStragglers = 8;
 
+/// Neighbours that an operator is given at once, unless one point has more: so that a run can be cancelled soon.
+constexpr std::uint32_t kMostAtOnce = 1u << 18;
+
+/// Adds the time until its end to `seconds`.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  ~Stopwatch() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& seconds_;
+  Clock::time_point start_ = Clock::now();
+};
+
 }  // namespace
 
 CellRunner::CellRunner(const SweepPlan& plan, Window& window, const Outside& outside, Sink& sink,
-                       std::uint64_t cells_bytes)
+                       const RunnerMemory& memory)
     : plan_(plan),
       window_(window),
       outside_(outside),
       sink_(sink),
       read_of_neighbors_(plan.column_bytes.size()),
-      cells_bytes_(cells_bytes) {
+      memory_(memory) {
   point_bytes_ += plan.lasting_bytes();
   for (const Stage& stage : plan.stages)
     for (const std::uint16_t column : stage.reads_neighbors) read_of_neighbors_[column] = true;
@@ -44,50 +60,104 @@ CellRunner::CellRunner(const SweepPlan& plan, Window& window, const Outside& out
 
 void CellRunner::run(std::uint32_t slot, std::uint32_t step, Worker& worker) const {
   WindowCell& cell = window_.at(slot);
-  if (step == 0 && !search(slot, worker)) return;
-  const CellNeighbors& lists = step == 0 ? worker.neighbors : lists_of(slot, worker);
-  if (step > 0) defer_points_of_deferred_neighbors(cell, lists);
+  bool all_found = false;
+  if (step == 0) {
+    all_found = find_reaches(slot, worker);
+    if (!certify(cell, worker)) return;
+  }
+  place_columns(cell, step, worker);
   const std::uint64_t degenerate_before = worker.tally.degenerate;
-  apply(cell, step, lists, worker);
+  step == 0 ? run_first_step(slot, all_found, worker) : run_later_step(slot, step, worker);
   cell.degenerate += worker.tally.degenerate - degenerate_before;
   cell.steps_done = step + 1;
   if (cell.steps_done == plan_.step_count()) finish(cell, worker);
 }
 
-bool CellRunner::search(std::uint32_t slot, Worker& worker) const {
-  const auto start = std::chrono::steady_clock::now();
-  WindowCell& cell = window_.at(slot);
-  search_cell(window_.directory(), slot, plan_.neighborhood, worker.search, worker.neighbors);
-  const bool complete = certify(cell, worker.neighbors, worker);
-  if (complete) {
-    cell.reach = std::min(reach_of_most(worker.neighbors.reach2, 0.9), cell.cell.box.diagonal() + cell.wait_reach);
-    const bool later = plan_.step_count() > 1;
-    if (later) refer(cell, worker.neighbors, worker);
-    shorten(plan_, cell.view(), cell.cell.size(), window_.slots(), worker.neighbors);
-    if (later && keep_lists(cell, worker.neighbors) && plan_.neighborhood.rule) refer(cell, cell.lists, worker);
+/// How far each neighbourhood reaches. True if all lists were found on the way and are in worker.neighbors. Without a
+/// limit k it is the radius, and no search is needed to know it.
+bool CellRunner::find_reaches(std::uint32_t slot, Worker& worker) const {
+  const std::uint32_t size = window_.at(slot).cell.size();
+  worker.reach2.clear();
+  if (plan_.neighborhood.k == Neighborhood::kUnlimited) {
+    worker.reach2.assign(size, plan_.neighborhood.radius2());
+    return false;
   }
-  worker.search_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return complete;
+  std::uint32_t end = 0;
+  bool one_run = true;
+  while (end < size) {
+    one_run = end == 0;
+    end = find_lists(slot, end, worker);
+    worker.reach2.insert(worker.reach2.end(), worker.neighbors.reach2.begin(), worker.neighbors.reach2.end());
+  }
+  return one_run;
 }
 
-/// Those kept, or the same ones found again: within their certified balls nothing has come, and what they name has
-/// stayed.
-const CellNeighbors& CellRunner::lists_of(std::uint32_t slot, Worker& worker) const {
-  const WindowCell& cell = window_.at(slot);
-  if (!cell.lists.begin.empty()) return cell.lists;
-  const auto start = std::chrono::steady_clock::now();
-  search_cell(window_.directory(), slot, plan_.neighborhood, worker.search, worker.neighbors);
-  shorten(plan_, cell.view(), cell.cell.size(), window_.slots(), worker.neighbors);
-  worker.search_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return worker.neighbors;
+/// Lists of the points from `first` on, as many as the memory for them allows, not shortened. Returns their end.
+std::uint32_t CellRunner::find_lists(std::uint32_t slot, std::uint32_t first, Worker& worker) const {
+  const Stopwatch watch(worker.search_seconds);
+  const std::uint64_t most = memory_.lists_bytes / sizeof(NeighborRef);
+  return search_points(window_.directory(), slot, first, most, plan_.neighborhood, worker.search, worker.neighbors);
 }
 
-/// Notes which cells the lists name: these stay. Most neighbours are in one of two cells, so that sixteen at a time are
-/// known already.
-void CellRunner::refer(WindowCell& cell, const CellNeighbors& lists, Worker& worker) const {
+/// The points of a cell from `first` on, with what the file gave.
+PointColumns CellRunner::own_from(const WindowCell& cell, std::uint32_t first, Worker& worker) const {
+  worker.own_columns.clear();
+  for (std::size_t c = 0; c < cell.column_pointers.size(); ++c) {
+    const std::byte* const column = cell.column_pointers[c];
+    worker.own_columns.push_back(column == nullptr ? nullptr : column + std::size_t{first} * plan_.column_bytes[c]);
+  }
+  const Cell& c = cell.cell;
+  return {c.x + first, c.y + first, c.z + first, c.row + first, worker.own_columns.data()};
+}
+
+/// The lists of a cell are found run by run. Each run is used at once; later steps keep what fits.
+void CellRunner::run_first_step(std::uint32_t slot, bool all_found, Worker& worker) const {
+  WindowCell& cell = window_.at(slot);
+  const bool later = plan_.step_count() > 1;
+  bool kept = later;
+  for (std::uint32_t first = 0, end = 0; first < cell.cell.size(); first = end) {
+    end = all_found ? cell.cell.size() : find_lists(slot, first, worker);
+    if (later) note_named(cell, first, worker.neighbors, worker);
+    shorten(plan_, own_from(cell, first, worker), end - first, window_.slots(), worker.neighbors);
+    kept = kept && keep_lists(cell, worker.neighbors);
+    apply(cell, 0, first, worker.neighbors, worker);
+  }
+  if (!later) return;
+  refer_to_named(cell, worker);
+  if (!kept) return release_lists(cell);
+  if (!plan_.neighborhood.rule) return;
+  std::uint32_t first = 0;
+  for (const CellNeighbors& lists : cell.lists) {
+    note_named(cell, first, lists, worker);
+    first += lists.size();
+  }
+  refer_to_named(cell, worker);
+}
+
+/// With the lists that were kept, or the same ones found again: within their certified balls nothing has come, and what
+/// they name has stayed.
+void CellRunner::run_later_step(std::uint32_t slot, std::uint32_t step, Worker& worker) const {
+  WindowCell& cell = window_.at(slot);
+  std::uint32_t first = 0;
+  const auto use = [&](const CellNeighbors& lists) {
+    defer_points_of_deferred_neighbors(cell, first, lists);
+    apply(cell, step, first, lists, worker);
+    first += lists.size();
+  };
+  for (const CellNeighbors& lists : cell.lists) use(lists);
+  while (first < cell.cell.size()) {
+    const std::uint32_t end = find_lists(slot, first, worker);
+    shorten(plan_, own_from(cell, first, worker), end - first, window_.slots(), worker.neighbors);
+    use(worker.neighbors);
+  }
+}
+
+/// Notes which cells the lists name. Most neighbours are in one of two cells, so that sixteen at a time are known
+/// already.
+void CellRunner::note_named(const WindowCell& cell, std::uint32_t first, const CellNeighbors& lists,
+                            Worker& worker) const {
   constexpr std::ptrdiff_t kTogether = 16;
   std::vector<std::uint32_t>& slots = worker.named;
-  slots.clear();
   std::uint32_t last = ~0u, before = ~0u;
   const auto known = [&](const NeighborRef* refs) {
     std::uint32_t others = 0;
@@ -102,51 +172,55 @@ void CellRunner::refer(WindowCell& cell, const CellNeighbors& lists, Worker& wor
     if (!worker.is_named[slot]) slots.push_back(slot);
     worker.is_named[slot] = true;
   };
-  const auto note_all = [&](std::uint32_t first, std::uint32_t behind) {
-    const NeighborRef *ref = lists.refs.data() + first, *const end = lists.refs.data() + behind;
-    for (; end - ref >= kTogether; ref += kTogether) {
+  const auto note_all = [&](std::uint32_t begin, std::uint32_t end) {
+    const NeighborRef *ref = lists.refs.data() + begin, *const behind = lists.refs.data() + end;
+    for (; behind - ref >= kTogether; ref += kTogether) {
       if (!known(ref)) std::for_each_n(ref, kTogether, note);
     }
-    std::for_each(ref, end, note);
+    std::for_each(ref, behind, note);
   };
-  if (cell.deferred.empty()) {
-    note_all(lists.begin.front(), lists.begin.back());
-  } else {
-    for (std::uint32_t i = 0; i < cell.cell.size(); ++i)
-      if (!cell.is_deferred(i)) note_all(lists.begin[i], lists.begin[i + 1]);
-  }
-  for (const std::uint32_t slot : slots) worker.is_named[slot] = false;
-  std::sort(slots.begin(), slots.end());
-  cell.refers_to.assign(slots.begin(), slots.end());
+  if (cell.deferred.empty()) return note_all(lists.begin.front(), lists.begin.back());
+  for (std::uint32_t i = 0; i < lists.size(); ++i)
+    if (!cell.is_deferred(first + i)) note_all(lists.begin[i], lists.begin[i + 1]);
+}
+
+/// The cells noted since the last call stay in the window until this cell is finished.
+void CellRunner::refer_to_named(WindowCell& cell, Worker& worker) {
+  for (const std::uint32_t slot : worker.named) worker.is_named[slot] = false;
+  std::sort(worker.named.begin(), worker.named.end());
+  cell.refers_to.assign(worker.named.begin(), worker.named.end());
+  worker.named.clear();
 }
 
 /// If there is room.
 bool CellRunner::keep_lists(WindowCell& cell, const CellNeighbors& found) const {
-  const std::uint64_t bytes = found.refs.size() * sizeof(NeighborRef) + found.begin.size() * sizeof(std::uint32_t);
-  if (list_bytes_.fetch_add(bytes) + bytes + window_.points() * point_bytes_ > cells_bytes_) {
+  const std::uint64_t bytes = found.list_bytes();
+  if (list_bytes_.fetch_add(bytes) + bytes + window_.points() * point_bytes_ > memory_.cells_bytes) {
     list_bytes_ -= bytes;
     return false;
   }
-  cell.lists.begin = found.begin;
-  cell.lists.refs = found.refs;
+  cell.lists.emplace_back();
+  cell.lists.back().begin = found.begin;
+  cell.lists.back().refs = found.refs;
   return true;
 }
 
 void CellRunner::release_lists(WindowCell& cell) const {
-  list_bytes_ -= cell.lists.refs.size() * sizeof(NeighborRef) + cell.lists.begin.size() * sizeof(std::uint32_t);
+  for (const CellNeighbors& lists : cell.lists) list_bytes_ -= lists.list_bytes();
   cell.lists = {};
 }
 
 /// Every ball must be clear of unread slabs and of dropped cells. False if the cell is to wait and be searched again.
-bool CellRunner::certify(WindowCell& cell, const CellNeighbors& found, Worker& worker) const {
+bool CellRunner::certify(WindowCell& cell, Worker& worker) const {
+  const std::vector<double>& reach2s = worker.reach2;
   const Box& box = cell.cell.box;
-  const double most = *std::max_element(found.reach2.begin(), found.reach2.end());
+  const double most = *std::max_element(reach2s.begin(), reach2s.end());
   const bool ahead = outside_.unread_within(box, most);
   outside_.dropped_near(box, most, worker.dropped);
   std::vector<std::uint32_t> early, behind;
   for (std::uint32_t i = 0; (ahead || !worker.dropped.empty()) && i < cell.cell.size(); ++i) {
     const Vec3 p = cell.cell.position(i);
-    const double reach2 = found.reach2[i];
+    const double reach2 = reach2s[i];
     if (ahead && outside_.unread_within(p, reach2)) {
       early.push_back(i);
     } else if (std::any_of(worker.dropped.begin(), worker.dropped.end(),
@@ -155,23 +229,24 @@ bool CellRunner::certify(WindowCell& cell, const CellNeighbors& found, Worker& w
     }
   }
   if (early.size() * kStragglers > cell.cell.size()) {
-    wait(cell, found);
+    wait(cell, reach2s);
     return false;
   }
-  for (const std::uint32_t i : early) defer(cell, i, found.reach2[i]);
-  for (const std::uint32_t i : behind) defer(cell, i, found.reach2[i]);
+  for (const std::uint32_t i : early) defer(cell, i, reach2s[i]);
+  for (const std::uint32_t i : behind) defer(cell, i, reach2s[i]);
   cell.certified = cell.cell.size() - early.size() - behind.size();
+  cell.reach = std::min(reach_of_most(reach2s, 0.9), cell.cell.box.diagonal() + cell.wait_reach);
   return true;
 }
 
 /// The cell waits with a better idea of its reach than its density gave.
-void CellRunner::wait(WindowCell& cell, const CellNeighbors& found) const {
-  const double needed = reach_of_most(found.reach2, 1 - 1.0 / kStragglers);
+void CellRunner::wait(WindowCell& cell, const std::vector<double>& reach2) const {
+  const double needed = reach_of_most(reach2, 1 - 1.0 / kStragglers);
   cell.wait_reach = std::max(cell.wait_reach, std::isfinite(needed) ? needed : 0);
   cell.wait_for_slabs = outside_.slabs_read() + 1;
   for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
     double& reach = cell.leaf_reach[i / kLeafCapacity];
-    if (std::isfinite(found.reach2[i])) reach = std::max(reach, std::sqrt(found.reach2[i]));
+    if (std::isfinite(reach2[i])) reach = std::max(reach, std::sqrt(reach2[i]));
   }
 }
 
@@ -183,17 +258,18 @@ void CellRunner::defer(WindowCell& cell, std::uint32_t i, double reach2) {
 }
 
 /// What a neighbour could not give in time, its dependants cannot use: they follow it into the recall.
-void CellRunner::defer_points_of_deferred_neighbors(WindowCell& cell, const CellNeighbors& lists) const {
+void CellRunner::defer_points_of_deferred_neighbors(WindowCell& cell, std::uint32_t first,
+                                                    const CellNeighbors& lists) const {
   const auto any = std::any_of(cell.refers_to.begin(), cell.refers_to.end(),
                                [&](std::uint32_t slot) { return !window_.at(slot).deferred_before.empty(); });
   if (!any) return;
   std::vector<std::uint32_t> follow;
-  for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
-    if (cell.is_deferred(i)) continue;
+  for (std::uint32_t i = 0; i < lists.size(); ++i) {
+    if (cell.is_deferred(first + i)) continue;
     for (std::uint32_t j = lists.begin[i]; j < lists.begin[i + 1]; ++j) {
       const NeighborRef ref = lists.refs[j];
       if (window_.at(slot_of(ref)).was_deferred(index_of(ref))) {
-        follow.push_back(i);
+        follow.push_back(first + i);
         break;
       }
     }
@@ -228,33 +304,50 @@ void CellRunner::place_columns(WindowCell& cell, std::uint32_t step, Worker& wor
   });
 }
 
-void CellRunner::apply(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const {
-  place_columns(cell, step, worker);
-  if (!cell.deferred.empty()) return apply_to_some(cell, step, lists, worker);
+/// Applies the stages of the step to the points from `first` on, whose lists are given, a bounded number of neighbours
+/// at a time.
+void CellRunner::apply(WindowCell& cell, std::uint32_t step, std::uint32_t first, const CellNeighbors& lists,
+                       Worker& worker) const {
+  for (std::uint32_t i = 0, end = 0; i < lists.size(); i = end) {
+    stop_if_cancelled();
+    for (end = i + 1; end < lists.size() && lists.begin[end + 1] - lists.begin[i] <= kMostAtOnce;) ++end;
+    const Listed listed{first + i, end - i, lists.begin.data() + i, lists.refs.data()};
+    cell.deferred.empty() ? apply_to_all(cell, step, listed, worker) : apply_to_some(cell, step, listed, worker);
+  }
+}
+
+void CellRunner::apply_to_all(const WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const {
+  std::vector<std::byte*>& columns = worker.run_columns;
+  columns.clear();
+  for (std::size_t c = 0; c < worker.columns.size(); ++c) {
+    std::byte* const column = worker.columns[c];
+    columns.push_back(column == nullptr ? nullptr : column + std::size_t{listed.first} * plan_.column_bytes[c]);
+  }
   const Cell& c = cell.cell;
-  const Batch batch{{c.x, c.y, c.z, c.row, worker.columns.data()},
-                    c.size(),
+  const std::uint32_t first = listed.first;
+  const Batch batch{{c.x + first, c.y + first, c.z + first, c.row + first, columns.data()},
+                    listed.size,
                     window_.slots(),
-                    lists.begin.data(),
-                    lists.refs.data(),
-                    worker.columns.data()};
+                    listed.begin,
+                    listed.refs,
+                    columns.data()};
   run_step(plan_, step, batch, worker.tally);
 }
 
 /// The same for a cell some of whose points are deferred: on a copy that holds only the others.
-void CellRunner::apply_to_some(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const {
+void CellRunner::apply_to_some(const WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const {
   std::vector<std::uint32_t> chosen;
-  for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
-    if (!cell.is_deferred(i)) chosen.push_back(i);
-  }
   std::vector<double> x, y, z;
   std::vector<std::uint64_t> row;
   CellNeighbors some;
   some.begin.push_back(0);
-  for (const std::uint32_t i : chosen) {
+  for (std::uint32_t n = 0; n < listed.size; ++n) {
+    const std::uint32_t i = listed.first + n;
+    if (cell.is_deferred(i)) continue;
+    chosen.push_back(i);
     x.push_back(cell.cell.x[i]), y.push_back(cell.cell.y[i]), z.push_back(cell.cell.z[i]),
         row.push_back(cell.cell.row[i]);
-    some.refs.insert(some.refs.end(), lists.refs.begin() + lists.begin[i], lists.refs.begin() + lists.begin[i + 1]);
+    some.refs.insert(some.refs.end(), listed.refs + listed.begin[n], listed.refs + listed.begin[n + 1]);
     some.begin.push_back(static_cast<std::uint32_t>(some.refs.size()));
   }
   std::vector<std::vector<std::byte>> columns(worker.columns.size());

@@ -16,11 +16,14 @@ namespace pointsweep {
 struct Worker {
   SearchScratch search;
   CellNeighbors neighbors;
+  std::vector<double> reach2;        ///< of the points of a cell
   std::vector<std::uint32_t> named;  ///< slots that the lists of a cell name
   std::vector<bool> is_named;        ///< by slot
   std::vector<Box> dropped;
   std::vector<std::byte*> columns;  ///< of the cell in hand, by column number
-  std::vector<std::byte> passing;   ///< those of them that do not outlast the step
+  std::vector<const std::byte*> own_columns;
+  std::vector<std::byte*> run_columns;  ///< the same from the first point of a run on
+  std::vector<std::byte> passing;       ///< those of them that do not outlast the step
   std::vector<std::byte> results;
   StageTally tally;
   double search_seconds = 0;
@@ -29,28 +32,48 @@ struct Worker {
   std::uint64_t certified = 0, degenerate = 0;
 };
 
+struct RunnerMemory {
+  /// What the cells of the window may take, lists included. Lists that later steps need and that do not fit are found
+  /// again then, the same ones.
+  std::uint64_t cells_bytes;
+  /// What the lists that a thread has in hand may take, unless those of one point take more. The lists of a cell that
+  /// need more are found, used and dropped run by run.
+  std::uint64_t lists_bytes;
+};
+
 class CellRunner {
  public:
-  /// `cells_bytes`: what the cells of the window may take, lists included. Lists that later steps need and that do not
-  /// fit are found again then, the same ones.
-  CellRunner(const SweepPlan& plan, Window& window, const Outside& outside, Sink& sink, std::uint64_t cells_bytes);
+  CellRunner(const SweepPlan& plan, Window& window, const Outside& outside, Sink& sink, const RunnerMemory& memory);
 
   /// Thread-safe for different cells that are ready for the step, each thread with a worker of its own.
   void run(std::uint32_t slot, std::uint32_t step, Worker& worker) const;
 
  private:
-  bool search(std::uint32_t slot, Worker& worker) const;
-  const CellNeighbors& lists_of(std::uint32_t slot, Worker& worker) const;
-  void refer(WindowCell& cell, const CellNeighbors& lists, Worker& worker) const;
+  /// Successive points of a cell and their lists: that of point first + i is refs[begin[i] .. begin[i + 1]).
+  struct Listed {
+    std::uint32_t first, size;
+    const std::uint32_t* begin;
+    const NeighborRef* refs;
+  };
+
+  bool find_reaches(std::uint32_t slot, Worker& worker) const;
+  bool certify(WindowCell& cell, Worker& worker) const;
+  void wait(WindowCell& cell, const std::vector<double>& reach2) const;
+  std::uint32_t find_lists(std::uint32_t slot, std::uint32_t first, Worker& worker) const;
+  PointColumns own_from(const WindowCell& cell, std::uint32_t first, Worker& worker) const;
+  void run_first_step(std::uint32_t slot, bool all_found, Worker& worker) const;
+  void run_later_step(std::uint32_t slot, std::uint32_t step, Worker& worker) const;
+  void note_named(const WindowCell& cell, std::uint32_t first, const CellNeighbors& lists, Worker& worker) const;
+  static void refer_to_named(WindowCell& cell, Worker& worker);
   bool keep_lists(WindowCell& cell, const CellNeighbors& found) const;
   void release_lists(WindowCell& cell) const;
-  bool certify(WindowCell& cell, const CellNeighbors& found, Worker& worker) const;
-  void wait(WindowCell& cell, const CellNeighbors& found) const;
-  void defer_points_of_deferred_neighbors(WindowCell& cell, const CellNeighbors& lists) const;
+  void defer_points_of_deferred_neighbors(WindowCell& cell, std::uint32_t first, const CellNeighbors& lists) const;
   static void defer(WindowCell& cell, std::uint32_t i, double reach2);
   void place_columns(WindowCell& cell, std::uint32_t step, Worker& worker) const;
-  void apply(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const;
-  void apply_to_some(WindowCell& cell, std::uint32_t step, const CellNeighbors& lists, Worker& worker) const;
+  void apply(WindowCell& cell, std::uint32_t step, std::uint32_t first, const CellNeighbors& lists,
+             Worker& worker) const;
+  void apply_to_all(const WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const;
+  void apply_to_some(const WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const;
   void finish(WindowCell& cell, Worker& worker) const;
   void hand_over(const WindowCell& cell, Worker& worker) const;
   void drop_columns(WindowCell& cell) const;
@@ -60,8 +83,8 @@ class CellRunner {
   const Outside& outside_;
   Sink& sink_;
   std::vector<bool> read_of_neighbors_;  ///< by column: whether a stage looks at it in other cells
-  std::uint64_t cells_bytes_;
-  std::uint64_t point_bytes_ = 48;                     ///< coordinates, row, place and share of boxes; and columns
+  RunnerMemory memory_;
+  std::uint64_t point_bytes_ = kWindowPointBytes;      ///< and columns
   mutable std::atomic<std::uint64_t> list_bytes_ = 0;  ///< of all lists kept now
 };
 

@@ -13,7 +13,9 @@ Outside::Outside(const std::vector<Slab>& slabs, int axis)
 
 void Outside::cell_was_dropped(std::uint32_t slab, const Box& box) {
   if (dropped_[slab].empty()) dropping_slabs_.push_back(slab);
-  dropped_[slab].push_back(box);
+  std::vector<Box>& boxes = dropped_[slab];
+  if (boxes.size() == boxes.capacity()) boxes.reserve(boxes.size() + std::max<std::size_t>(4, boxes.size() / 8));
+  boxes.push_back(box);
 }
 
 void Outside::place_is_full(Vec3 place, std::uint64_t row) {

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <unordered_map>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/sweep/shorten.h"
 #include "pointsweep/sweep/stream_search.h"
 
@@ -54,6 +55,7 @@ class Nodes {
     for (std::uint32_t first = 0; first < size(); first += kCellCapacity) {
       const auto end = std::min<std::uint32_t>(first + kCellCapacity, static_cast<std::uint32_t>(size()));
       for (std::uint32_t i = first; i < end; ++i) {
+        stop_if_cancelled();
         if (step_[i] >= static_cast<int>(step)) run_one(step, i, slots, tally);
       }
     }
@@ -135,6 +137,7 @@ void Recall::run(std::vector<DeferredPoint> points, Sink& sink, StageTally& tall
     slabs_read_ += search_stream(stream_, plan_, loader_, queries);
     std::vector<std::uint32_t> next;
     for (std::size_t i = 0; i < queries.size(); ++i) {
+      stop_if_cancelled();
       shorten(plan_, queries[i]);
       nodes.set_file_columns(wanted[i], queries[i].file_columns);
       std::vector<std::uint32_t> list;

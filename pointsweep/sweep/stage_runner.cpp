@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/order/fixed_copy.h"
 
 namespace pointsweep {
@@ -25,6 +26,7 @@ void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, Stage
   tally.seconds.resize(plan.stages.size());
   if (step == 0 && tally.distances) count_distances(batch, *tally.distances);
   for (std::size_t s = plan.steps[step]; s < plan.steps[step + 1]; ++s) {
+    stop_if_cancelled();
     const auto start = std::chrono::steady_clock::now();
     const Stage& stage = plan.stages[s];
     std::vector<std::byte*> made;

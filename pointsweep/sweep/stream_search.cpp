@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/search/exact_search.h"
 #include "pointsweep/threads.h"
 
@@ -99,6 +100,7 @@ std::uint64_t search_stream(const Stream& stream, const SweepPlan& plan, const S
   std::vector<std::vector<std::uint32_t>> seen(queries.size());  ///< boxes of slabs may overlap
   std::vector<std::uint32_t> chosen;
   for (std::uint32_t s = 0; s < slabs.size(); ++s) {
+    stop_if_cancelled();
     chosen.clear();
     for (std::uint32_t q = 0; q < queries.size(); ++q) {
       if (queries[q].reach2 == Box::kInf && holds(s, queries[q])) chosen.push_back(q);
@@ -107,6 +109,7 @@ std::uint64_t search_stream(const Stream& stream, const SweepPlan& plan, const S
     visit(s, chosen);
   }
   for (std::uint32_t s = 0; s < slabs.size(); ++s) {
+    stop_if_cancelled();
     chosen.clear();
     for (std::uint32_t q = 0; q < queries.size(); ++q) {
       if (!std::ranges::binary_search(seen[q], s) && distance2(slabs[s].box, queries[q].position) <= queries[q].reach2)

@@ -39,7 +39,7 @@ class Sweep {
         loader_(stream, plan, options.cell_points),
         outside_(stream.slabs(), stream.axis()),
         window_(plan, outside_),
-        runner_(plan, window_, outside_, sink, options.cells_bytes),
+        runner_(plan, window_, outside_, sink, {options.cells_bytes, options.lists_bytes}),
         workers_(thread_count()) {
     if (!options.count_distances) return;
     for (Worker& worker : workers_) worker.tally.distances = std::make_unique<NeighborDistances>();

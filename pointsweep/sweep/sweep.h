@@ -31,6 +31,9 @@ struct SweepOptions {
   std::size_t recall_bytes = 64u << 20;  ///< memory for a batch of recalled points
   /// Memory for the cells of the window. They take what they must; lists for later steps only what is left of it.
   std::uint64_t cells_bytes = std::numeric_limits<std::uint64_t>::max();
+  /// Memory for the lists that each thread has in hand. Cells whose lists take more are worked on run by run of their
+  /// points; one point is the least.
+  std::uint64_t lists_bytes = 16u << 20;
   bool count_distances = false;  ///< fill SweepStatistics::distances
   /// If given, the PointState of every point by input row, as it is once half of the points have been read. The caller
   /// gives it a place for each row of the input.

@@ -5,11 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "pointsweep/cancellation.h"
+#include "pointsweep/error.h"
+
 namespace pointsweep {
 
 namespace {
 
-constexpr double kMuchDenser = 4;  ///< times shorter reach
+constexpr double kMuchDenser = 4;                              ///< times shorter reach
+constexpr std::uint32_t kMostSlots = 1u << (32 - kIndexBits);  ///< that a NeighborRef can name
 
 /// How far neighbourhoods of a leaf's points should reach, from its own density, taken as a surface or as a volume.
 double expected_reach(const Cell& cell, std::uint32_t leaf, const Neighborhood& what) {
@@ -52,6 +56,11 @@ void Window::admit(std::unique_ptr<WindowCell> cell) {
   std::uint32_t slot;
   if (free_.empty()) {
     slot = static_cast<std::uint32_t>(cells_.size());
+    if (slot >= kMostSlots)
+      fail(
+          "The neighbourhoods reach so far that more than {} cells are in memory at once: choose a smaller radius or "
+          "k.",
+          kMostSlots);
     cells_.emplace_back();
     views_.emplace_back();
   } else {
@@ -95,6 +104,12 @@ std::vector<std::uint32_t> Window::ready_for(std::uint32_t step) const {
   return slots;
 }
 
+/// How far from a cell something may be that will look at it. Without a limit k that is known: the radius, and what a
+/// rounded square root may lose. Else twice the reach of its own density.
+double Window::kept_clear(double reach) const {
+  return (plan_.neighborhood.k == Neighborhood::kUnlimited ? 1 + 1e-9 : 2) * reach;
+}
+
 /// Whether a waiting cell will probably look at `cell`: for each leaf in turn, since one cell may hold a dense and a
 /// sparse end. A leaf asks as far as twice its reach. What is four times denser than a leaf is not kept for it: its few
 /// points that fall on dropped cells are recalled instead.
@@ -102,15 +117,16 @@ bool Window::asks_for(const WindowCell& waiting, const WindowCell& cell) const {
   const double most = kMuchDenser * cell.reach;
   if (distance2(waiting.cell.box, cell.cell.box) > most * most) return false;
   for (std::uint32_t l = 0; l < waiting.cell.leaf_count(); ++l) {
-    const double reach = waiting.leaf_reach[l], asked = std::min(2 * reach, most);
+    const double reach = waiting.leaf_reach[l], asked = std::min(kept_clear(reach), most);
     if (reach <= most && distance2(leaf_box(waiting.cell, l), cell.cell.box) <= asked * asked) return true;
   }
   return false;
 }
 
-/// A later point may need a cell that needs nothing later itself. Twice its own reach is kept clear of unread slabs.
+/// A later point may need a cell that needs nothing later itself. The surroundings of a cell that something unread may
+/// look from are kept clear of unread slabs.
 bool Window::still_needed(const WindowCell& cell, const std::vector<const WindowCell*>& unsearched) const {
-  const double own = 2 * cell.reach;
+  const double own = kept_clear(cell.reach);
   return outside_.anything_unread_within(cell.cell.box, own * own) ||
          std::any_of(unsearched.begin(), unsearched.end(),
                      [&](const WindowCell* waiting) { return asks_for(*waiting, cell); });
@@ -127,6 +143,7 @@ void Window::drop() {
   }
   std::vector<std::uint32_t> leaving;
   for (const std::uint32_t slot : occupied()) {
+    stop_if_cancelled();
     const WindowCell& cell = *cells_[slot];
     if (cell.steps_done < plan_.step_count() || referred[slot]) continue;
     if (outside_.is_superfluous(cell.cell.box, cell.cell.lowest_row) || !still_needed(cell, unsearched)) {

@@ -38,6 +38,7 @@ class Window {
  private:
   bool ready(const WindowCell& cell, std::uint32_t step) const;
   void note_full_place(const WindowCell& cell);
+  double kept_clear(double reach) const;
   bool asks_for(const WindowCell& waiting, const WindowCell& cell) const;
   bool still_needed(const WindowCell& cell, const std::vector<const WindowCell*>& unsearched) const;
 

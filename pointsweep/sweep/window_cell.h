@@ -12,6 +12,10 @@
 
 namespace pointsweep {
 
+/// What a point takes in the window besides its columns and lists: coordinates, row, place in the slab (36 bytes), its
+/// share of boxes of leaves, of their reach and lowest rows, of the cell and of what is lost between allocations.
+inline constexpr std::uint64_t kWindowPointBytes = 48;
+
 struct WindowCell {
   Cell cell;
   std::uint32_t slab = 0;
@@ -25,7 +29,7 @@ struct WindowCell {
   double wait_reach = 0;                 ///< the search waits until nothing unread is as near as this
   std::size_t wait_for_slabs = 0;        ///< and until so many slabs have been read
   double reach = 0;                      ///< how far most of its neighbourhoods reached, once searched
-  CellNeighbors lists;                   ///< kept if a later step needs them and there is room
+  std::vector<CellNeighbors> lists;      ///< kept if a later step needs them and there is room: of runs of its points
   std::vector<std::uint32_t> refers_to;  ///< slots of the cells its lists name
   /// Points that could not be finished in the sweep and are left to the recall; empty if there are none. While cells
   /// are worked on in parallel a cell marks its own in `deferred`; others look at `deferred_before`, as it was before

@@ -64,6 +64,28 @@ struct Cells {
   }
 };
 
+/// Lists of the points of one cell, run by run of at most `most` neighbours but for the last point's.
+CellNeighbors search_by_runs(const CellDirectory& directory, std::uint32_t slot, std::uint64_t most,
+                             const Neighborhood& what) {
+  SearchScratch scratch;
+  CellNeighbors all, run;
+  all.begin = {0};
+  const std::uint32_t size = directory.cell(slot).size();
+  for (std::uint32_t first = 0, end = 0; first < size; first = end) {
+    end = search_points(directory, slot, first, most, what, scratch, run);
+    EXPECT_EQ(run.size(), end - first);
+    if (run.size() == 0) break;
+    if (what.k > 64) {
+      EXPECT_LT(run.begin[run.size() - 1], std::max<std::uint64_t>(most, 1)) << "no more than needed";
+    }
+    for (std::uint32_t i = 1; i < run.begin.size(); ++i)
+      all.begin.push_back(static_cast<std::uint32_t>(all.refs.size()) + run.begin[i]);
+    all.refs.insert(all.refs.end(), run.refs.begin(), run.refs.end());
+    all.reach2.insert(all.reach2.end(), run.reach2.begin(), run.reach2.end());
+  }
+  return all;
+}
+
 using Shape = std::function<Vec3(std::mt19937_64&)>;
 
 double uniform(std::mt19937_64& rng) { return std::uniform_real_distribution<double>(0, 1)(rng); }
@@ -226,6 +248,51 @@ TEST(CellSearch, EqualsBruteForceForAnyPointsKRadiusAndCells) {
     RC_ASSERT(Cells(points, cell_points).search({.k = k, .radius = radius}) ==
               brute_force_neighbors(points, k, radius));
   }));
+}
+
+TEST(CellSearch, RunsOfPointsHaveTheListsOfTheWholeCell) {
+  std::mt19937_64 rng(11);
+  for (const auto& [name, shape] : shapes()) {
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < sized(700); ++i) points.push_back(shape(rng));
+    Cells cells(points, 512);
+    double far = 0;
+    for (const Vec3& p : points) far = std::max(far, length(p - points[0]));
+    for (const Neighborhood& what :
+         {Neighborhood{.k = Neighborhood::kUnlimited, .radius = far / 3}, Neighborhood{.k = 100, .radius = far / 3},
+          Neighborhood{.k = 8}, Neighborhood{.k = 100}, Neighborhood{.k = 2000}}) {
+      SearchScratch scratch;
+      CellNeighbors whole;
+      search_cell(cells.directory, 0, what, scratch, whole);
+      for (const std::uint64_t most : {1, 300, 20'000}) {
+        SCOPED_TRACE(name + ", k " + std::to_string(what.k) + ", runs of " + std::to_string(most));
+        const CellNeighbors runs = search_by_runs(cells.directory, 0, most, what);
+        ASSERT_EQ(runs.begin, whole.begin);
+        ASSERT_EQ(runs.refs, whole.refs);
+        ASSERT_EQ(runs.reach2.size(), whole.reach2.size());
+      }
+    }
+  }
+}
+
+TEST(CellSearch, ARadiusThatHoldsMoreThanIsGatheredGivesTheSameLists) {
+  for (const auto& [name, shape] : shapes()) {
+    if (name != "volume" && name != "grid, full of ties" && name != "few places and points between") continue;
+    std::mt19937_64 rng(12);
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < 40'000; ++i) points.push_back(shape(rng));  // more than 32,768
+    Cells cells(points, 1024);
+    SearchScratch scratch;
+    CellNeighbors found;
+    search_points(cells.directory, 3, 5, 1, {.k = Neighborhood::kUnlimited, .radius = 20}, scratch, found);
+    ASSERT_EQ(found.size(), 1u) << name;
+    const Cell& cell = cells.directory.cell(3);
+    const auto row = static_cast<std::uint32_t>(cell.row[5]);
+    std::vector<std::uint32_t> rows;
+    for (const NeighborRef ref : found.refs)
+      rows.push_back(static_cast<std::uint32_t>(cells.directory.cell(slot_of(ref)).row[index_of(ref)]));
+    EXPECT_EQ(rows, brute_force_neighbors_of(points, row, points.size(), 20)) << name;
+  }
 }
 
 }  // namespace
