@@ -7,39 +7,108 @@
 #include <string>
 
 #include "pointsweep/error.h"
+#include "pointsweep/sweep/window_cell.h"
 
 namespace pointsweep {
 
 namespace {
 
-/// A point in the window: coordinates, row, place, its share of boxes, columns and, where later steps need them, lists.
-std::uint64_t window_point_bytes(const SweepPlan& plan) {
-  std::uint64_t bytes = 3 * 8 + 8 + 4 + 4 + plan.lasting_bytes();
-  if (plan.step_count() > 1) bytes += 4 + 4 * std::min<std::size_t>(plan.neighborhood.k, 1024);
-  return bytes;
+constexpr std::uint64_t kMega = 1u << 20;
+constexpr std::uint64_t kLeastSlabPoints = 4096;
+
+// What grows slowly with the cloud, in bytes. Sizes are those of the structures named on 64-bit machines; vectors that
+// grow are counted with half of their capacity unused.
+
+/// A point on its way from the stream into a cell: its CutPoint, and that of a sparse place (sweep/slab_loader.cpp).
+constexpr std::uint64_t kLoadedPointBytes = 32;
+/// A slab in every list that has one entry for each: Slab, PiecedSlab, StreamPiece and SlabList of the stream, its
+/// entries in Outside, and heap overhead.
+constexpr std::uint64_t kSlabBytes = 640;
+/// A slab in each series of the statistics: a pair of counts.
+constexpr std::uint64_t kSeriesBytes = 2 * 16;
+/// The box that stays of a cell when it is dropped (sweep/certificate.h), with an eighth of it for growth.
+constexpr std::uint64_t kDroppedCellBytes = 54;
+/// A Block of a SlabStore.
+constexpr std::uint64_t kBlockBytes = 2 * 24;
+/// A key of 8 bytes and a name of 4 for each neighbour of the point in hand, and an eighth more for candidates.
+constexpr std::uint64_t kNeighborInHandBytes = 14;
+/// A candidate of a search for the k nearest, of which there may be twice as many, and a copy.
+constexpr std::uint64_t kCandidateBytes = 128;
+/// Smallest and largest blocks of the spilled stream (order/stream.cpp) and of spilled results (order/row_store.cpp).
+constexpr std::uint64_t kLeastStreamBlock = 8192, kLeastResultBlock = 4096, kLargestBlock = 1u << 20;
+constexpr std::uint64_t kMostStreamPieces = 4096;
+/// The lists a thread has in hand, at most and at least.
+constexpr std::uint64_t kMostListBytes = 16 * kMega, kLeastListBytes = kMega / 4;
+
+bool is_unlimited(const SweepPlan& plan) { return plan.neighborhood.k == Neighborhood::kUnlimited; }
+
+/// Lists of a point that later steps need, where they are kept. Without a limit k none are counted on.
+std::uint64_t kept_list_bytes(const SweepPlan& plan) {
+  if (plan.step_count() == 1 || is_unlimited(plan)) return 0;
+  return sizeof(NeighborRef) * (1 + std::min<std::size_t>(plan.neighborhood.k, 1024));
 }
 
-/// Slabs that are in memory at once: the one searched, its neighbours on both sides and those read ahead.
-std::uint64_t window_slabs(const SweepPlan& plan, unsigned threads) {
-  return 3 + plan.step_count() + std::max(1u, threads / 2);
+std::uint64_t slabs_of(std::uint64_t slab_points, const MemoryDemand& demand) {
+  return demand.points / std::max<std::uint64_t>(slab_points, 1) + 1;
 }
 
-/// What the cells of the window are expected to take, lists included.
-std::uint64_t cells_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand) {
-  return std::min(demand.points, window_slabs(plan, demand.threads) * slab_points) * window_point_bytes(plan);
+/// The window: the slab searched, its neighbours on both sides and those read ahead; and what the radius keeps.
+std::uint64_t window_points(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand) {
+  const std::uint64_t slabs = 3 + plan.step_count() + std::max(1u, demand.threads / 2);
+  return std::min(demand.points, slabs * slab_points + demand.slice_points);
 }
 
-/// The same and what threads have in hand.
-std::uint64_t window_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand) {
-  const std::uint64_t points = demand.points;
-  const std::uint64_t loading = std::min(points, slab_points) * (demand.working_record_bytes + 3 * 8 + 8 + 4 + 16);
-  // Each thread has a cell in hand: its lists, what is made of them, the candidates of a point.
-  const std::uint64_t listed =
-      plan.neighborhood.k == Neighborhood::kUnlimited ? 1024 : std::min<std::uint64_t>(plan.neighborhood.k, points);
-  const std::uint64_t in_hand =
-      std::min<std::uint64_t>(points, 1024) * (4 * listed + 2 * plan.result_bytes + plan.passing_bytes()) +
-      128 * listed;
-  return cells_bytes(plan, slab_points, demand) + std::max(1u, demand.threads) * (loading + in_hand);
+std::uint64_t cells_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand, bool lists) {
+  return window_points(plan, slab_points, demand) *
+         (kWindowPointBytes + plan.lasting_bytes() + (lists ? kept_list_bytes(plan) : 0));
+}
+
+/// Neighbours of one point, the most.
+std::uint64_t most_listed(const SweepPlan& plan, const MemoryDemand& demand) {
+  return is_unlimited(plan) ? demand.most_neighbors : std::min<std::uint64_t>(plan.neighborhood.k, demand.points);
+}
+
+std::uint64_t lists_bytes(std::uint64_t budget, const MemoryDemand& demand) {
+  return std::clamp(budget / 16 / std::max(1u, demand.threads), kLeastListBytes, kMostListBytes);
+}
+
+/// What one thread has in hand: a slab on its way into cells; a cell with its results, lists, and the point searched.
+std::uint64_t thread_bytes(const SweepPlan& plan, std::uint64_t slab_points, std::uint64_t budget,
+                           const MemoryDemand& demand) {
+  const std::uint64_t cell = std::min<std::uint64_t>(demand.points, demand.cell_points);
+  const std::uint64_t loading =
+      std::min(demand.points, slab_points) * (demand.working_record_bytes + kLoadedPointBytes);
+  const std::uint64_t listed = most_listed(plan, demand);
+  const std::uint64_t lists =
+      std::min(lists_bytes(budget, demand), is_unlimited(plan) ? kMostListBytes : cell * listed * sizeof(NeighborRef));
+  const std::uint64_t point = listed * (is_unlimited(plan) ? kNeighborInHandBytes : kCandidateBytes);
+  return loading + cell * (2 * plan.result_bytes + plan.passing_bytes()) + lists + point;
+}
+
+/// What grows with the number of slabs and cells.
+std::uint64_t index_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand) {
+  const std::uint64_t cells = demand.points / (std::max<std::uint32_t>(demand.cell_points, 2) * 5 / 8) + 1;
+  return slabs_of(slab_points, demand) * (kSlabBytes + kSeriesBytes * (plan.step_count() + 2)) +
+         cells * kDroppedCellBytes;
+}
+
+/// Of the spilled stream: where its blocks are in the file.
+std::uint64_t stream_index_bytes(std::uint64_t slab_points, std::uint64_t buffer, const MemoryDemand& demand) {
+  const std::uint64_t pieces = std::clamp<std::uint64_t>(
+      std::min(slabs_of(slab_points, demand), buffer / 2 / kLeastStreamBlock), 64, kMostStreamPieces);
+  const std::uint64_t block = std::clamp(buffer / 2 / (pieces + 1), kLeastStreamBlock, kLargestBlock);
+  return (demand.points * demand.working_record_bytes / block + slabs_of(slab_points, demand)) * kBlockBytes;
+}
+
+/// The same of spilled results: buckets of 1 MB if there is a good block of memory for each, else larger ones.
+std::uint64_t result_index_bytes(std::uint64_t buffer, const MemoryDemand& demand) {
+  constexpr std::uint64_t kGoodBlock = 64 << 10, kRowBytes = 4;
+  const std::uint64_t bytes = demand.points * demand.result_record_bytes;
+  const std::uint64_t fewest = 2 * bytes / std::max<std::uint64_t>(buffer / 2, 1) + 1;
+  const std::uint64_t buckets =
+      std::clamp<std::uint64_t>(bytes / kMega + 1, 1, std::max(fewest, buffer / 2 / kGoodBlock + 1));
+  const std::uint64_t block = std::clamp(buffer / 2 / buckets, kLeastResultBlock, kLargestBlock);
+  return demand.points * (demand.result_record_bytes + kRowBytes) / block * kBlockBytes;
 }
 
 std::uint64_t limit_of_control_group() {
@@ -52,54 +121,90 @@ std::uint64_t limit_of_control_group() {
   return limit;
 }
 
-constexpr std::uint64_t kLeastSlabPoints = 4096;
-constexpr std::uint64_t kLeastBuffer = 4096;
+/// One way to divide a budget.
+class Division {
+ public:
+  Division(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand, bool lists)
+      : budget_(budget), plan_(plan), demand_(demand), lists_(lists) {
+    out_.slab_points = demand.slab_points;
+    out_.recall_bytes = std::max<std::uint64_t>(kMega, budget / 8);
+    out_.lists_bytes = lists_bytes(budget, demand);
+    // For chunks on their way to their slabs, also where these are in memory.
+    out_.stream_buffer_bytes = std::clamp<std::uint64_t>(budget / 8, 8 * kMega, 64 * kMega);
+  }
 
+  /// Prefers memory, then spilling, then thinner slabs.
+  MemoryPlan find() {
+    if (fits()) return out_;
+    out_.spill_results = true;
+    out_.result_buffer_bytes = std::max(budget_ / 8, kMega);
+    if (fits()) return out_;
+    out_.spill_stream = true;
+    out_.stream_buffer_bytes = std::max(budget_ / 8, kMega);
+    out_.spill_results = false;
+    if (fits()) return out_;
+    out_.spill_results = true;
+    while (!fits() && out_.slab_points > kLeastSlabPoints)
+      out_.slab_points = std::max(kLeastSlabPoints, out_.slab_points / 2);
+    return out_;
+  }
+
+ private:
+  bool fits() {
+    const std::uint64_t threads = std::max(1u, demand_.threads);
+    const std::uint64_t stream = demand_.points * demand_.working_record_bytes;
+    const std::uint64_t results = demand_.points * demand_.result_record_bytes;
+    out_.window_bytes = cells_bytes(plan_, out_.slab_points, demand_, lists_) +
+                        threads * thread_bytes(plan_, out_.slab_points, budget_, demand_);
+    out_.expected_bytes =
+        kFixedBytes + out_.window_bytes + index_bytes(plan_, out_.slab_points, demand_) + out_.stream_buffer_bytes;
+    out_.expected_bytes +=
+        out_.spill_stream ? stream_index_bytes(out_.slab_points, out_.stream_buffer_bytes, demand_) : stream;
+    out_.expected_bytes +=
+        out_.spill_results ? out_.result_buffer_bytes + result_index_bytes(out_.result_buffer_bytes, demand_) : results;
+    return out_.expected_bytes <= budget_;
+  }
+
+  std::uint64_t budget_;
+  const SweepPlan& plan_;
+  const MemoryDemand& demand_;
+  bool lists_;  ///< room for all lists that later steps need; else they are found again
+  MemoryPlan out_;
+};
+
+/// Keeps lists rather than the stream in memory, but does not fail for want of them.
 MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
-  const std::uint64_t stream = demand.points * demand.working_record_bytes;
-  const std::uint64_t results = demand.points * demand.result_record_bytes;
-  MemoryPlan out;
-  out.slab_points = demand.slab_points;
-  // For chunks on their way to their slabs, also where these are in memory.
-  out.stream_buffer_bytes = std::clamp<std::uint64_t>(budget / 8, 8 << 20, 64 << 20);
-  out.recall_bytes = std::max<std::uint64_t>(1 << 20, budget / 8);
-  out.window_bytes = window_bytes(plan, out.slab_points, demand);
-  const auto fits = [&](std::uint64_t bytes) { return kFixedBytes + out.window_bytes + bytes <= budget; };
-  if (fits(stream + results + out.stream_buffer_bytes)) {
-    out.expected_bytes = kFixedBytes + out.window_bytes + stream + results + out.stream_buffer_bytes;
-    return out;
-  }
-  // Buffers for spilling take an eighth each; the window may take half of what the fixed part leaves.
-  const auto slabs = [&] { return demand.points / std::max<std::uint64_t>(out.slab_points, 1) + 1; };
-  out.result_buffer_bytes = std::max<std::uint64_t>(budget / 8, 1 << 20);
-  if (fits(stream + out.stream_buffer_bytes + out.result_buffer_bytes)) {
-    out.spill_results = true;
-    out.expected_bytes = kFixedBytes + out.window_bytes + stream + out.stream_buffer_bytes + out.result_buffer_bytes;
-    return out;
-  }
-  out.spill_stream = true;
-  out.stream_buffer_bytes = std::max(budget / 8, slabs() * kLeastBuffer);
-  out.spill_results = !fits(results + out.stream_buffer_bytes);
-  while (!fits(out.stream_buffer_bytes + (out.spill_results ? out.result_buffer_bytes : results)) &&
-         out.slab_points > kLeastSlabPoints) {
-    out.slab_points = std::max(kLeastSlabPoints, out.slab_points / 2);
-    out.window_bytes = window_bytes(plan, out.slab_points, demand);
-    out.stream_buffer_bytes = std::max(budget / 8, slabs() * kLeastBuffer);
-  }
-  const std::uint64_t spilling = out.stream_buffer_bytes + (out.spill_results ? out.result_buffer_bytes : results);
-  out.expected_bytes = kFixedBytes + out.window_bytes + spilling;
+  bool lists = true;
+  MemoryPlan out = Division(budget, plan, demand, lists).find();
   if (out.expected_bytes > budget) {
-    // What the buffers take grows with the budget: an eighth each.
-    out.needed_bytes = (kFixedBytes + out.window_bytes + (2u << 20)) * 4 / 3 + slabs() * kLeastBuffer;
+    lists = false;
+    out = Division(budget, plan, demand, lists).find();
   }
+  const std::uint64_t others = out.expected_bytes - cells_bytes(plan, out.slab_points, demand, lists);
+  // An eighth is lost between allocations.
+  out.cells_bytes = (budget - std::min(budget, others)) / 8 * 7;
   return out;
+}
+
+/// In whole MB. What a plan expects grows more slowly than its budget, so that halving finds it.
+std::uint64_t least_budget(const SweepPlan& plan, const MemoryDemand& demand) {
+  const auto does = [&](std::uint64_t mega) {
+    return Division(mega * kMega, plan, demand, false).find().expected_bytes <= mega * kMega;
+  };
+  std::uint64_t too_little = 0, enough = 32;
+  while (!does(enough)) too_little = enough, enough *= 2;
+  while (enough - too_little > 1) {
+    const std::uint64_t middle = too_little + (enough - too_little) / 2;
+    (does(middle) ? enough : too_little) = middle;
+  }
+  return enough * kMega;
 }
 
 }  // namespace
 
 void fail_budget(std::uint64_t budget, std::uint64_t needed_bytes) {
   fail("A memory budget of {} MB is too small for this cloud and chain: give --memory {}M or more.", budget >> 20,
-       std::max((needed_bytes >> 20) + 1, (budget >> 20) + 1));
+       (needed_bytes + kMega - 1) >> 20);
 }
 
 MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
@@ -110,9 +215,7 @@ MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const Memory
 
 MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
   MemoryPlan out = divide(budget, plan, demand);
-  const std::uint64_t others = out.expected_bytes - cells_bytes(plan, out.slab_points, demand);
-  // An eighth is lost between allocations.
-  out.cells_bytes = (budget - std::min(budget, others)) / 8 * 7;
+  if (out.expected_bytes > budget) out.needed_bytes = least_budget(plan, demand);
   return out;
 }
 

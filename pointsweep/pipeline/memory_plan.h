@@ -14,6 +14,11 @@ struct MemoryDemand {
   std::uint64_t result_record_bytes = 0;
   std::uint64_t slab_points = 0;
   unsigned threads = 1;
+  std::uint32_t cell_points = 1024;
+  /// Of a radius without a limit k, estimated: neighbours of a point at most, and points in a slice across the axis as
+  /// thick as the radius times the steps and one more, which are in the window because of the radius.
+  std::uint64_t most_neighbors = 0;
+  std::uint64_t slice_points = 0;
 };
 
 struct MemoryPlan {
@@ -25,14 +30,16 @@ struct MemoryPlan {
   std::uint64_t recall_bytes = 0;
   std::uint64_t window_bytes = 0;    ///< expected
   std::uint64_t cells_bytes = 0;     ///< what the cells of the window may take of the budget
+  std::uint64_t lists_bytes = 0;     ///< for the lists that each thread has in hand
   std::uint64_t expected_bytes = 0;  ///< in all
-  std::uint64_t needed_bytes = 0;    ///< a budget that does, if this one does not; otherwise 0
+  std::uint64_t needed_bytes = 0;    ///< the least budget that does, in whole MB, if this one does not; otherwise 0
 };
 
 /// What a run needs besides anything that grows with the cloud: code, thread stacks, chunks being read and written.
 inline constexpr std::uint64_t kFixedBytes = 24u << 20;
 
-/// Prefers memory, then thinner slabs, then spilling. Throws Error with the figure needed when the budget cannot do.
+/// Prefers memory, then spilling, then thinner slabs. A larger budget never fails where a smaller one does. Throws
+/// Error with the least budget that does.
 MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand);
 
 /// The same without throwing: see needed_bytes.

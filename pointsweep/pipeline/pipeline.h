@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/formats/cloud.h"
 #include "pointsweep/formats/writer.h"
 #include "pointsweep/pipeline/chain.h"
@@ -71,6 +72,12 @@ struct RunOptions {
   /// Called from one thread at a time, a few times a second at most on average; may throw to end the run, leaving
   /// nothing behind.
   std::function<void(const Progress&)> progress;
+  /// Called before the sweeps with a sentence about them that the user should know while there is time to stop.
+  std::function<void(const std::string&)> notice;
+  /// Ends the run with Cancelled, within a fraction of a second, once another thread or a signal handler cancels it;
+  /// nothing is left behind. An operator is not interrupted between two batches of at most 262,144 neighbours or one
+  /// point. Must outlive the run. Null: that of the CancellationScope of the caller, if any.
+  const CancellationToken* cancellation = nullptr;
   std::uint64_t slab_points = 0;     ///< aim; 0: chosen from the cloud. No result depends on it.
   std::uint32_t cell_points = 1024;  ///< a multiple of 16 up to 2,048. No result depends on it.
   bool count_distances = false;      ///< fill Statistics::neighbor_distances; about 5 ns a point
@@ -80,6 +87,9 @@ struct RunOptions {
   bool spill = false;  ///< use the temporary folder even where memory would do. No result depends on it.
   /// Find neighbourhoods again for every step even where there is memory to keep them. No result depends on it.
   bool search_again = false;
+  /// For the lists of neighbours that a thread has in hand, at least those of one point; 0: chosen from the budget. No
+  /// result depends on it.
+  std::uint64_t lists_bytes = 0;
   /// A folder for checkpoints, in the place of temp_folder: if this process ends before the run is complete, the same
   /// run, given the same folder, goes on from the last one. Refused if another run is in it, removed when the run is
   /// complete. Everything is spilled. Neither with Engine::reference nor with half_way_states. Empty: none.

@@ -8,6 +8,7 @@
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/output_layout.h"
+#include "pointsweep/pipeline/radius_estimate.h"
 
 namespace pointsweep {
 namespace {
@@ -111,6 +112,8 @@ std::string sweep_text(const Preview& p, std::size_t s, std::size_t first_stage)
   std::string text =
       p.planned.sweeps.size() == 1 ? "" : fmt::format("sweep {} of {}\n", s + 1, p.planned.sweeps.size());
   text += fmt::format("neighbours    {}\n", neighborhood_text(sweep.chain.plan.neighborhood));
+  if (const Effort& effort = p.memory.efforts[s]; effort.neighbors_per_point > 0)
+    text += fmt::format("effort        {}\n", effort_text(effort.neighbors_per_point, effort.seconds));
   text += stages_text(sweep.chain.plan, first_stage) + columns_text(p.columns[s]);
   if (goes_on) text += "carried on    " + attributes_text(sweep.carried);
   return text + slabs_text(p.memory.sweeps[s], p.points, p.memory.record_bytes[s]);

@@ -6,6 +6,7 @@
 #include <set>
 #include <thread>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/las_layout.h"
@@ -24,6 +25,7 @@
 #include "pointsweep/pipeline/pipeline.h"
 #include "pointsweep/pipeline/planned_sweeps.h"
 #include "pointsweep/pipeline/provenance_record.h"
+#include "pointsweep/pipeline/radius_estimate.h"
 #include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/result_sinks.h"
 #include "pointsweep/pipeline/run_identity.h"
@@ -82,6 +84,7 @@ class Run {
                     provenance(chain, planned.kept), values_if_las());
     const RunMemory memory = plan_run_memory(statistics_.memory_budget_bytes, planned, cloud_.count(), survey_,
                                              options_, files.layout().schema().stride);
+    give_notice(memory);
     make_folder(memory.spills());
     for (std::size_t s = first_sweep(planned); s < planned.sweeps.size(); ++s) sweep_once(s, planned, memory, files);
     if (planned.reorders) write_reordered(planned, memory.reordering, files);
@@ -108,6 +111,18 @@ class Run {
   }
 
  private:
+  void give_notice(const RunMemory& memory) const {
+    double seconds = 0, neighbors = 0;
+    for (const Effort& effort : memory.efforts) {
+      seconds += effort.seconds;
+      neighbors = std::max(neighbors, effort.neighbors_per_point);
+    }
+    constexpr double kWorthSaying = 60;
+    if (options_.notice && seconds >= kWorthSaying)
+      options_.notice(fmt::format("The radius means {}; a smaller one, or k beside it, takes less.",
+                                  effort_text(neighbors, seconds)));
+  }
+
   std::string name_of_cloud() const {
     return cloud_.readers().empty() ? "The input" : cloud_.readers().front()->info().path.string();
   }
@@ -294,15 +309,17 @@ class Run {
     std::optional<CheckpointKeeper> keeper;
     std::optional<SweepProgress> from;
     if (checkpoints_) keeper.emplace(*checkpoints_, results), from = checkpoints_->progress();
-    const SweepOptions sweep_options{.cell_points = options_.cell_points,
-                                     .read_ahead = std::max(1u, statistics_.threads / 2),
-                                     .recall_bytes = memory.recall_bytes,
-                                     .cells_bytes = options_.search_again ? 0 : memory.cells_bytes,
-                                     .count_distances = first && options_.count_distances,
-                                     .half_way = half_way.empty() ? nullptr : &half_way,
-                                     .keeper = keeper ? &*keeper : nullptr,
-                                     .resume_from = from ? &*from : nullptr,
-                                     .progress = sweep_progress()};
+    const SweepOptions sweep_options{
+        .cell_points = options_.cell_points,
+        .read_ahead = std::max(1u, statistics_.threads / 2),
+        .recall_bytes = memory.recall_bytes,
+        .cells_bytes = options_.search_again ? 0 : memory.cells_bytes,
+        .lists_bytes = options_.lists_bytes != 0 ? options_.lists_bytes : memory.lists_bytes,
+        .count_distances = first && options_.count_distances,
+        .half_way = half_way.empty() ? nullptr : &half_way,
+        .keeper = keeper ? &*keeper : nullptr,
+        .resume_from = from ? &*from : nullptr,
+        .progress = sweep_progress()};
     SweepStatistics done =
         sweep(*stream_, planned.plan, by_place ? static_cast<Sink&>(*by_place) : by_row, sweep_options);
     if (!half_way.empty()) write_states(half_way, options_.half_way_states, options_.overwrite);
@@ -435,6 +452,7 @@ class Run {
 template <class Work>
 Statistics on_threads(const RunOptions& options, Work work) {
   const unsigned threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+  const CancellationScope scope(options.cancellation);
   Statistics statistics;
   with_threads(threads, [&] { statistics = work(); });
   return statistics;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <thread>
 
+#include "pointsweep/pipeline/radius_estimate.h"
+
 namespace pointsweep {
 namespace {
 
@@ -32,7 +34,20 @@ MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std:
       .working_record_bytes = record_bytes + row_bytes,
       .result_record_bytes = result_bytes,
       .slab_points = options.slab_points != 0 ? options.slab_points : recommended_slab_points(points, survey.dimension),
-      .threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency())};
+      .threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency()),
+      .cell_points = options.cell_points};
+}
+
+/// What a radius without a limit k adds to the demand, and what it means for the user.
+Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& survey) {
+  const Neighborhood& n = plan.neighborhood;
+  if (n.k != Neighborhood::kUnlimited) return {};
+  const double width = n.radius * static_cast<double>(plan.step_count() + 1);
+  const RadiusEstimate estimate = estimate_radius(survey, demand.points, n.radius, width);
+  demand.slice_points = estimate.slice_points;
+  demand.most_neighbors = static_cast<std::uint64_t>(estimate.most_neighbors);
+  const double all = estimate.neighbors * static_cast<double>(demand.points);
+  return {estimate.neighbors, neighbor_seconds(plan, all) / demand.threads};
 }
 
 MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand, const RunOptions& options) {
@@ -61,8 +76,9 @@ RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, st
   const bool whole = leaves_in_order(planned, options);
   for (const PlannedSweep& sweep : planned.sweeps) {
     const SweepPlan& stages = sweep.chain.plan;
-    const MemoryDemand needs = demand(whole ? sweep.input.stride : travelling_bytes(sweep),
-                                      whole ? output_bytes : stages.result_bytes, points, survey, options);
+    MemoryDemand needs = demand(whole ? sweep.input.stride : travelling_bytes(sweep),
+                                whole ? output_bytes : stages.result_bytes, points, survey, options);
+    memory.efforts.push_back(add_radius(needs, stages, survey));
     memory.record_bytes.push_back(needs.working_record_bytes);
     memory.sweeps.push_back(plan(budget, stages, needs, options));
     memory.expected_bytes = std::max(memory.expected_bytes, memory.sweeps.back().expected_bytes);

@@ -12,10 +12,17 @@
 
 namespace pointsweep {
 
+/// What a radius without a limit k asks for, estimated. All 0 where there is a limit.
+struct Effort {
+  double neighbors_per_point = 0;
+  double seconds = 0;  ///< of search and operators, on all threads
+};
+
 /// Of all phases, decided before the first.
 struct RunMemory {
   std::vector<MemoryPlan> sweeps;
   std::vector<std::uint64_t> record_bytes;  ///< of a point on its way through the stream, by sweep
+  std::vector<Effort> efforts;              ///< by sweep
   MemoryPlan reordering;                    ///< of the output, if planned.reorders
   bool spill_rows = false;                  ///< what is carried between sweeps
   std::uint64_t row_bytes = 0;              ///< what that takes at most, in memory or in the temporary folder

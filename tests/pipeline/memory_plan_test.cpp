@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/memory_plan.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "pointsweep/error.h"
@@ -54,22 +55,77 @@ TEST(MemoryPlan, ExpectsNoMoreThanTheBudgetForAnyCloud) {
   }
 }
 
-TEST(MemoryPlan, NamesABudgetThatThenSuffices) {
-  for (const std::size_t k : {8, 1000, 100'000}) {
-    for (const std::uint64_t points : {1'000'000ull, 1'000'000'000ull}) {
-      MemoryDemand demand = twenty_million();
-      demand.points = points;
-      std::uint64_t named = 0;
-      try {
-        plan_memory(kMega, normals_plan(k), demand);
-        FAIL() << "one megabyte is not enough for anything";
-      } catch (const Error& e) {
-        const std::string text = e.what();
-        named = std::stoull(text.substr(text.find("--memory ") + 9)) * kMega;
+SweepPlan three_steps(std::size_t k) {
+  SweepPlan plan = normals_plan(k);
+  plan.steps = {0, 0, 0, 0};
+  plan.column_bytes = {12, 36, 24};
+  plan.lasting = {Lasting::its_cell, Lasting::its_cell, Lasting::its_step};
+  plan.result_bytes = 72;
+  return plan;
+}
+
+std::uint64_t named_megabytes(const SweepPlan& plan, const MemoryDemand& demand) {
+  try {
+    plan_memory(kMega, plan, demand);
+    ADD_FAILURE() << "one megabyte is not enough for anything";
+  } catch (const Error& e) {
+    const std::string text = e.what();
+    return std::stoull(text.substr(text.find("--memory ") + 9));
+  }
+  return 0;
+}
+
+TEST(MemoryPlan, NamesTheLeastBudgetThatDoes) {
+  for (const std::size_t k : {std::size_t{8}, std::size_t{1000}, std::size_t{100'000}, Neighborhood::kUnlimited}) {
+    for (const std::uint64_t points : {1000ull, 1'000'000ull, 60'000'000ull, 500'000'000ull, 5'000'000'000ull}) {
+      for (const std::uint64_t slab : {16'384, 71'554, 2'000'000}) {
+        for (const SweepPlan& plan : {normals_plan(k), three_steps(k)}) {
+          MemoryDemand demand = twenty_million();
+          demand.points = points;
+          demand.slab_points = slab;
+          demand.most_neighbors = points / 10;
+          demand.slice_points = points / 20;
+          const std::uint64_t named = named_megabytes(plan, demand);
+          SCOPED_TRACE(fmt::format("k {} of {}, slabs of {}: {}M", k, points, slab, named));
+          EXPECT_NO_THROW(plan_memory(named * kMega, plan, demand));
+          EXPECT_THROW(plan_memory((named - 1) * kMega, plan, demand), Error);
+        }
       }
-      EXPECT_NO_THROW(plan_memory(named, normals_plan(k), demand)) << k << " of " << points << ": " << (named >> 20);
     }
   }
+}
+
+TEST(MemoryPlan, NeverFailsWithMoreWhereLessDoes) {
+  for (const std::size_t k : {std::size_t{8}, std::size_t{1000}, Neighborhood::kUnlimited}) {
+    MemoryDemand demand = twenty_million();
+    demand.points = 300'000'000;
+    demand.slab_points = 300'000;
+    bool did = false;
+    for (std::uint64_t mega = 16; mega < 20'000; mega += 1 + mega / 64) {
+      const bool does = try_plan_memory(mega * kMega, three_steps(k), demand).needed_bytes == 0;
+      EXPECT_TRUE(does || !did) << mega << "M";
+      did = did || does;
+    }
+    EXPECT_TRUE(did);
+  }
+}
+
+TEST(MemoryPlan, CountsTheWindowThatARadiusKeeps) {
+  MemoryDemand demand = twenty_million();
+  const MemoryPlan thin = try_plan_memory(8192 * kMega, normals_plan(Neighborhood::kUnlimited), demand);
+  demand.slice_points = 5'000'000;
+  const MemoryPlan thick = try_plan_memory(8192 * kMega, normals_plan(Neighborhood::kUnlimited), demand);
+  EXPECT_GE(thick.window_bytes, thin.window_bytes + 5'000'000 * 40);
+}
+
+TEST(MemoryPlan, CountsWhatGrowsWithTheCloudThoughItIsSpilled) {
+  const auto at = [](std::uint64_t points) {
+    MemoryDemand demand = twenty_million();
+    demand.points = points;
+    return named_megabytes(normals_plan(), demand);
+  };
+  // At least the boxes of dropped cells, 48 bytes for each thousand points.
+  EXPECT_GE(at(2'000'000'000), at(1'000'000'000) + 48 * 1'000'000 / kMega);
 }
 
 }  // namespace

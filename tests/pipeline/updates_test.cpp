@@ -146,11 +146,24 @@ TEST(Updates, ChainsThatDoNotFitAreRefusedBeforeAnyWork) {
             std::string::npos);
 }
 
+/// The budget that a refusal of a run in one megabyte names.
+std::uint64_t least_budget(const std::vector<Vec3>& points, const Chain& chain) {
+  RunOptions options;
+  options.memory_bytes = 1 << 20;
+  try {
+    run_in_memory(points, chain, options);
+  } catch (const Error& e) {
+    const std::string text = e.what();
+    return std::stoull(text.substr(text.find("--memory ") + 9)) << 20;
+  }
+  return 0;
+}
+
 TEST(Updates, ABudgetThatALaterSweepCannotKeepIsRefusedBeforeTheFirst) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 20'000, 2);
-  const Chain chain{{.k = 4}, {thrown(1), reneighbor(3000), graph(1, 20'000), thrown(1, 2)}};
+  const Chain chain{{.k = 4}, {thrown(1), reneighbor(19'000), graph(1, 20'000), thrown(1, 2)}};
   RunOptions options;
-  options.memory_bytes = 40 << 20;
+  options.memory_bytes = least_budget(points, {{.k = 4}, {thrown(1), graph(1, 20'000)}});  // enough for the first
   std::string phases;
   options.progress = [&](const Progress& p) { phases += p.phase; };
   try {

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+// Neighbourhoods within a radius through the whole engine: in little memory, run by run, and cancelled.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <future>
+#include <thread>
+
+#include "pointsweep/operators/curvature.h"
+#include "pointsweep/operators/fair.h"
+#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/splats.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/parse.h"
+#include "pointsweep/pipeline/radius_estimate.h"
+#include "tests/pipeline/hostile_clouds.h"
+#include "tests/pipeline/in_memory.h"
+#include "tests/support/brute_force.h"
+#include "tests/support/sized.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kAll = Neighborhood::kUnlimited;
+
+Chain chain_of(const std::vector<Vec3>& points, const std::string& text) {
+  std::vector<double> xyz;
+  for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
+  std::vector<std::unique_ptr<Reader>> readers;
+  readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
+  Cloud cloud(std::move(readers));
+  return build_chain(parse_pipeline(text), cloud, {});
+}
+
+RunOptions options_of(std::uint64_t slab_points, std::uint32_t cell_points, std::uint64_t lists_bytes) {
+  RunOptions options;
+  options.slab_points = slab_points;
+  options.cell_points = cell_points;
+  options.lists_bytes = lists_bytes;
+  options.threads = 2;
+  options.memory_bytes = 1ull << 30;
+  return options;
+}
+
+std::vector<Vec3> surface(std::size_t n) { return make_cloud(hostile_shapes()[0].second, n, 9); }
+
+TEST(Radius, BytesAreTheSameHoweverFewListsAThreadHasInHand) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    if (name == "one place") continue;  // fair refuses it
+    const std::vector<Vec3> points = make_cloud(shape, sized(800), 4);
+    for (const char* text : {"knn(radius=0.15) | normals | curvature | splats | fair | normals",
+                             "knn(k=100) | normals | curvature", "knn(k=70, radius=0.2) | normals | splats | fair",
+                             "knn(radius=0.15) | normals | splats | fair | reneighbor | normals"}) {
+      SCOPED_TRACE(name + ": " + text);
+      const Chain chain = chain_of(points, text);
+      const RunResult expected = run_in_memory(points, chain, options_of(1'000'000, 1024, 1u << 30));
+      for (const std::uint64_t lists : {1, 4000}) {
+        for (const bool again : {false, true}) {
+          RunOptions options = options_of(300, 64, lists);
+          options.search_again = again;
+          options.spill = again;
+          const RunResult result = run_in_memory(points, chain, options);
+          ASSERT_EQ(result.records, expected.records) << lists << " bytes of lists, searched again: " << again;
+          ASSERT_EQ(result.statistics.degenerate, expected.statistics.degenerate);
+          ASSERT_EQ(result.statistics.certified, expected.statistics.certified);
+        }
+      }
+    }
+  }
+}
+
+TEST(Radius, NoPointIsEverRecalled) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    const std::vector<Vec3> points = make_cloud(shape, sized(3000), 3);
+    const RunResult result =
+        run_in_memory(points, chain_of(points, "knn(radius=0.1) | normals | curvature"), options_of(200, 64, 0));
+    EXPECT_EQ(result.statistics.recalled, 0u) << name;
+  }
+}
+
+TEST(Radius, TheWindowHoldsNoMoreThanTwoRadiiAndSomeSlabs) {
+  std::vector<Vec3> points;
+  std::mt19937_64 rng(1);
+  std::uniform_real_distribution<double> u(0, 1);
+  for (std::size_t i = 0; i < 20'000; ++i) points.push_back({10 * u(rng), u(rng), 0.01 * u(rng)});
+  const RunResult result = run_in_memory(points, chain_of(points, "knn(radius=0.5) | normals"), options_of(250, 64, 0));
+  EXPECT_LT(result.statistics.peak_points, 2 * 0.5 * 2000 + 6 * 250)
+      << "three radii would be 3,000 points and some slabs";
+}
+
+double mean_neighbors(const std::vector<Vec3>& points, double radius, std::size_t most) {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < most; ++i)
+    sum += static_cast<double>(brute_force_neighbors_of(points, i, points.size(), radius).size());
+  return sum / static_cast<double>(most);
+}
+
+TEST(Radius, NeighborsAreEstimatedWithinAFactorOfTwoFromASampleOfThem) {
+  std::mt19937_64 rng(2);
+  std::uniform_real_distribution<double> u(0, 1);
+  for (const bool volume : {false, true}) {
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < 100'000; ++i) points.push_back({u(rng), u(rng), volume ? u(rng) : 0});
+    Survey survey;
+    for (std::size_t i = 0; i < points.size(); i += 20) survey.sample.push_back(points[i]);
+    for (const Vec3& p : survey.sample) survey.bounds.include(p);
+    survey.dimension = volume ? 3 : 2;
+    for (const double radius : {0.01, 0.03, 0.1, 0.3}) {
+      const double truth = mean_neighbors(points, radius, 100);
+      if (truth < 4) continue;
+      const RadiusEstimate estimate = estimate_radius(survey, points.size(), radius, 2 * radius);
+      EXPECT_LT(estimate.neighbors, 2 * truth) << radius << ", volume: " << volume;
+      EXPECT_GT(estimate.neighbors, truth / 2) << radius << ", volume: " << volume;
+      EXPECT_GE(estimate.most_neighbors, estimate.neighbors);
+      EXPECT_GE(estimate.slice_points, static_cast<std::uint64_t>(100'000 * 2 * radius * 0.98));
+      EXPECT_LE(estimate.slice_points, static_cast<std::uint64_t>(100'000 * 2 * radius * 1.5 + 2000));
+    }
+  }
+}
+
+TEST(Radius, EffortIsSaidInRoundNumbers) {
+  EXPECT_EQ(effort_text(4123, 2412), "about 4,100 neighbours per point, about 40 minutes");
+  EXPECT_EQ(effort_text(24, 0.2), "about 24 neighbours per point, about 1 second");
+  EXPECT_EQ(effort_text(1'234'567, 200'000), "about 1,200,000 neighbours per point, about 2 days");
+}
+
+TEST(Radius, ARunThatCannotFitIsRefusedBeforeTheWork) {
+  const std::vector<Vec3> points = surface(200'000);
+  RunOptions options;
+  options.memory_bytes = 30u << 20;
+  options.threads = 1;
+  try {
+    run_in_memory(points, chain_of(points, "knn(radius=100) | normals"), options);
+    ADD_FAILURE() << "200,000 points, each the neighbour of all, in 30 MB";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("give --memory "), std::string::npos) << error.what();
+  }
+}
+
+TEST(Radius, TheUserIsToldOfALongRunBeforeIt) {
+  const std::vector<Vec3> points = surface(300'000);
+  CancellationToken token;
+  RunOptions options;
+  options.memory_bytes = 1ull << 30;
+  options.threads = 1;
+  options.cancellation = &token;
+  std::string told;
+  options.notice = [&](const std::string& sentence) {
+    told = sentence;
+    token.cancel();
+  };
+  EXPECT_THROW(run_in_memory(points, chain_of(points, "knn(radius=100) | normals"), options), Cancelled);
+  EXPECT_NE(told.find("about 300,000 neighbours per point, about "), std::string::npos) << told;
+}
+
+TEST(Radius, ACancelledRunEndsWithinASecond) {
+  using Clock = std::chrono::steady_clock;
+  const std::vector<Vec3> points = surface(300'000);
+  const Chain chain = chain_of(points, "knn(radius=0.5) | normals | curvature");
+  for (const int milliseconds : {50, 500, 1500}) {
+    CancellationToken token;
+    RunOptions options = options_of(0, 1024, 0);
+    options.cancellation = &token;
+    auto run = std::async(std::launch::async, [&] { run_in_memory(points, chain, options); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+    const auto start = Clock::now();
+    token.cancel();
+    EXPECT_THROW(run.get(), Cancelled) << "a run of minutes";
+    EXPECT_LT(std::chrono::duration<double>(Clock::now() - start).count(), 1.0) << "after " << milliseconds << " ms";
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep
