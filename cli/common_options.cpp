@@ -103,7 +103,7 @@ void add_axis_option(CLI::App& verb, CommonOptions& options) {
 void add_stream_options(CLI::App& verb, CommonOptions& options) {
   add_memory_option(
       verb, options,
-      "Memory budget of the whole process, e.g. 800M or 2G; K, M, G and T are powers of 1024 (default: half of the "
+      "Memory budget of the whole process, e.g. 800M, 2GB or 4GiB; units are powers of 1024 (default: half of the "
       "available memory)");
   verb.add_option(
           "--temp-dir", options.temp_dir,

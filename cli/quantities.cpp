@@ -39,6 +39,16 @@ std::optional<std::uint64_t> scaled(std::string_view text, double base) {
   return static_cast<std::uint64_t>(value);
 }
 
+/// "4G" of "4G", "4GB" and "4GiB", "800" of "800B"; an i before the B belongs to a prefix.
+std::string_view without_byte(std::string_view text) {
+  if (!text.ends_with('B') && !text.ends_with('b')) return text;
+  text.remove_suffix(1);
+  const bool has_i = text.size() > 1 && (text.ends_with('i') || text.ends_with('I'));
+  if (has_i && kPrefixes.find(static_cast<char>(text[text.size() - 2] & ~0x20)) != std::string_view::npos)
+    text.remove_suffix(1);
+  return text;
+}
+
 std::string three_digits(double value, double base) {
   std::size_t power = 0;
   for (; value >= 0.9995 * base && power < kPrefixes.size(); ++power) value /= base;
@@ -53,8 +63,13 @@ std::string three_digits(double value, double base) {
 }  // namespace
 
 std::uint64_t parse_size(std::string_view option, std::string_view text) {
-  const auto size = scaled(text, 1024);
-  if (!size || *size == 0) fail_usage("{}: '{}' is not a size in bytes such as 800000000, 256M or 1.5G.", option, text);
+  std::string_view rest = text;
+  const std::optional<double> bare = take_number(rest);
+  if (bare && *bare >= 0 && rest.empty())
+    fail_usage("{}: '{}' has no unit: add B, K, M, G or T (powers of 1024; 4G, 4GB and 4GiB are the same).", option,
+               text);
+  const auto size = scaled(without_byte(text), 1024);
+  if (!size || *size == 0) fail_usage("{}: '{}' is not a size such as 256M, 1.5G or 4GiB.", option, text);
   return *size;
 }
 

@@ -9,11 +9,30 @@ namespace pointsweep {
 namespace {
 
 TEST(Quantities, SizesUsePowersOf1024) {
-  EXPECT_EQ(parse_size("--memory", "1"), 1u);
+  EXPECT_EQ(parse_size("--memory", "1B"), 1u);
   EXPECT_EQ(parse_size("--memory", "256M"), 256u << 20);
   EXPECT_EQ(parse_size("--memory", "1.5g"), 3u << 29);
   EXPECT_EQ(parse_size("--memory", "2T"), std::uint64_t{2} << 40);
-  EXPECT_EQ(parse_size("--memory", "18446744073709551615"), ~std::uint64_t{0});
+  EXPECT_EQ(parse_size("--memory", "18446744073709551615B"), ~std::uint64_t{0});
+}
+
+TEST(Quantities, TheUnitOfASizeMayBeWrittenInThreeWays) {
+  for (const char* text : {"4G", "4g", "4GB", "4gb", "4GiB", "4gib", "4GIB"})
+    EXPECT_EQ(parse_size("--memory", text), std::uint64_t{4} << 30) << text;
+  for (const char* text : {"4M", "4MB", "4MiB"}) EXPECT_EQ(parse_size("--memory", text), 4u << 20) << text;
+  EXPECT_EQ(parse_size("--memory", "1.5GiB"), 3u << 29);
+}
+
+TEST(Quantities, ASizeWithoutUnitIsRefusedAndTheUnitsAreNamed) {
+  for (const char* text : {"4", "800000000", "1.5", "1e9"}) {
+    try {
+      parse_size("--memory", text);
+      ADD_FAILURE() << text;
+    } catch (const UsageError& error) {
+      for (const char* unit : {"4G", "4GB", "4GiB", "M", "T"})
+        EXPECT_NE(std::string(error.what()).find(unit), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST(Quantities, CountsUsePowersOf1000) {
@@ -26,12 +45,13 @@ TEST(Quantities, CountsUsePowersOf1000) {
 }
 
 TEST(Quantities, NonsenseIsRefusedWithTheNameOfTheOption) {
-  for (const char* text :
-       {"", "M", "-1", "1.5", "12Q", "5MB", "1 M", "nan", "inf", "99999999999T", "18446744073709551616"}) {
+  for (const char* text : {"", "M", "-1", "1.5", "12Q", "5MX", "1 M", "nan", "inf", "99999999999T",
+                           "18446744073709551616", "5iB", "5Mi", "5BB", "B", "iB"}) {
     EXPECT_THROW(parse_count("-n", text), UsageError) << text;
     EXPECT_THROW(parse_size("--memory", text), UsageError) << text;
   }
-  EXPECT_THROW(parse_size("--memory", "0"), UsageError);
+  EXPECT_THROW(parse_count("-n", "5MB"), UsageError);
+  EXPECT_THROW(parse_size("--memory", "0B"), UsageError);
   try {
     parse_size("--memory", "much");
   } catch (const UsageError& error) {
