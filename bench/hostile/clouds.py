@@ -13,11 +13,24 @@ class Cloud:
     times: int = 1  # so many times the points of the others
     options: tuple = ()
     refused: str = ""  # words of the sentence with which it is refused
+    sample: str = ""  # rows held against brute force, if not as many as of the others
+    verbs: tuple = ("normals", "neighbors")
     small_window: bool = False  # its window is to stay below 3 % of the cloud at 20M points
+
+    @property
+    def timed(self):
+        """Whether its time per point says anything beside that of the clean cloud."""
+        return "neighbors" in self.verbs
 
 
 def own(name, **settings):
     return Cloud(settings.pop("called", name), (("hostile_cloud", name),), **settings)
+
+
+def radius(name, length, **settings):
+    """All neighbours within a radius: no limit k, so there is no graph of fixed width, and time is by the neighbour."""
+    return Cloud(f"{name}, all within {length}", (("generate", name),), clean=name, sample="300",
+                 options=("--radius", str(length)), verbs=("normals",), **settings)
 
 
 def outliers(percent, box, **settings):
@@ -42,5 +55,6 @@ HOSTILE = [
     own("plane-across", special=1), own("plane-along", options=("--axis", "z"), called="all equal along the axis"), own("plane-along"),
     own("line"), own("skew-line"), own("grid", clean="volume"),
     own("millimetres"), own("millimetres-at-5e6"), own("near-1e12"), own("extent-1e-12"), own("denormals", refused="scale its coordinates"), own("not-finite"),
+    radius("statue", 0.02), radius("statue", 0.06), radius("volume", 0.03),
     own("backwards"), own("organ-pipe"), own("one-slab"),
 ]
