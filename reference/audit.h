@@ -1,38 +1,53 @@
 // SPDX-License-Identifier: MIT
-/// Which of the neighbourhoods found by NearestOperator are exact. Not in the paper, which "observed no difference"
+/// How many of the neighbourhoods found by NearestOperator are exact. Not in the paper, which "observed no difference"
 /// (Section 8) and does not say how it looked.
 #pragma once
 
 #include <cstdint>
 
 #include "reference/kd_heap.h"
+#include "reference/suspects.h"
 
 namespace pointsweep::reference {
 
-/// A neighbourhood lacks a point if that one left S before the search came. Those still active are kept in a kD-heap of
-/// their own: the nearest of them is found as a point comes, and compared with the farthest neighbour in the end. Those
-/// already written lie before the last of them along the axis: a neighbourhood that ends behind it lacks none.
+/// A neighbourhood can lack only points that left S before its own point came. Those still active are kept in a kD-heap
+/// of their own, where the nearest of them are found as a point comes. Those already written lie before the last of
+/// them along the axis; a neighbourhood that reaches so far is settled by reading them again. So the counts are exact:
+/// `incomplete` neighbourhoods differ from the exact ones, after the rule of neighbourhoods if there is one.
 ///
 /// It only looks on. Its time is told apart, so that the algorithm is measured without it.
 class Audit {
  public:
-  explicit Audit(int sweep_axis) : sweep_axis_(sweep_axis), hidden_(sweep_axis) {}
+  /// `stream` in canonical order, as the read operator reads it.
+  Audit(const Stream& stream, Reach reach, Shortening& shortening)
+      : sweep_axis_(stream.axis()), reach_(reach), shortening_(shortening), hidden_(sweep_axis_), suspects_(stream) {}
 
   /// In this order within a step of the sweep: the points that came, then those that left S, then those written.
   void arrived(StreamPoint& point);
   void completed(StreamPoint& point);
   void written(const StreamPoint& point);
+  /// Before the counts are asked for.
+  void finish() { settle(); }
 
-  std::uint64_t complete() const { return complete_; }      ///< exact for certain
-  std::uint64_t overlooked() const { return overlooked_; }  ///< a nearer point is known that is not in it
-  std::uint64_t unknown() const { return unknown_; }        ///< it reaches to where points have been written
+  std::uint64_t complete() const { return complete_; }      ///< exact
+  std::uint64_t incomplete() const { return incomplete_; }  ///< not the exact ones
+  /// What waits to be settled.
+  std::uint64_t bytes() const { return suspects_.bytes(); }
 
  private:
+  /// Takes from the point what was hidden from it.
+  Suspect suspect(StreamPoint& point) const;
+  void settle();
+  void judge(const Suspect& suspect);
+
   int sweep_axis_;
+  Reach reach_;
+  Shortening& shortening_;
   KdHeap hidden_;  ///< active, and no longer in S
-  double written_to_ = 0;
-  bool any_written_ = false;
-  std::uint64_t complete_ = 0, overlooked_ = 0, unknown_ = 0;
+  Suspects suspects_;
+  std::uint64_t written_ = 0;
+  double written_to_ = 0;  ///< of the last point written: coordinate on the axis
+  std::uint64_t complete_ = 0, incomplete_ = 0;
 };
 
 }  // namespace pointsweep::reference

@@ -17,9 +17,10 @@ Field position_field() { return {.offset = 0, .bytes = kPositionBytes, .is_posit
 
 }  // namespace
 
-Fields::Fields(const Schema& record, const std::vector<std::shared_ptr<const Operator>>& chain,
+Fields::Fields(const Schema& record, const SharedRule& rule, const std::vector<std::shared_ptr<const Operator>>& chain,
                const std::vector<Attribute>& kept)
     : record_(record), bytes_(record.stride) {
+  for (const Attribute& a : rule ? rule->reads() : std::vector<Attribute>{}) rule_reads_.push_back(add_from_file(a));
   latest_[position_attribute().name] = position_field();
   for (const auto& op : chain) stages_.push_back(plan(op));
   plan_copies();
@@ -53,17 +54,16 @@ Stage Fields::plan(const std::shared_ptr<const Operator>& op) {
 
 Field Fields::find(const Attribute& attribute) {
   const auto known = latest_.find(attribute.name);
-  return known != latest_.end() ? known->second : find_in_file(attribute);
+  return known != latest_.end() ? known->second : latest_[attribute.name] = add_from_file(attribute);
 }
 
-Field Fields::find_in_file(const Attribute& attribute) {
+Field Fields::add_from_file(const Attribute& attribute) {
   FileAttribute file{add(attribute.bytes()), attribute.type, {}};
   for (const std::string& name : attribute.fields) {
     const auto index = record_.find(name);
     assert(index && "the chain was checked against the input");
     file.from.push_back(record_.fields[*index]);
   }
-  latest_[attribute.name] = file.to;
   file_.push_back(file);
   return file.to;
 }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "pointsweep/operators/operator.h"
+#include "pointsweep/points/neighborhood_rule.h"
 #include "pointsweep/points/schema.h"
 #include "reference/stream_point.h"
 
@@ -51,11 +52,14 @@ struct Stage {
 class Fields {
  public:
   /// `record`: working records of the stream. The chain must have been checked: every attribute read is made before or
-  /// is in the record. `kept`: attributes to be written, together a result record.
-  Fields(const Schema& record, const std::vector<std::shared_ptr<const Operator>>& chain,
+  /// is in the record, and those of the rule (may be null) are in the record. `kept`: attributes to be written,
+  /// together a result record.
+  Fields(const Schema& record, const SharedRule& rule, const std::vector<std::shared_ptr<const Operator>>& chain,
          const std::vector<Attribute>& kept);
 
   const std::vector<Stage>& stages() const { return stages_; }
+  /// What the rule reads; no operator overwrites it.
+  const std::vector<Field>& rule_reads() const { return rule_reads_; }
   std::size_t bytes() const { return bytes_; }
 
   /// Gives the point its fields, those of the file filled in.
@@ -72,7 +76,7 @@ class Fields {
   };
   Field add(std::size_t bytes);
   Field find(const Attribute& attribute);
-  Field find_in_file(const Attribute& attribute);
+  Field add_from_file(const Attribute& attribute);
   Stage plan(const std::shared_ptr<const Operator>& op);
   void plan_copies();
 
@@ -80,6 +84,7 @@ class Fields {
   std::size_t bytes_;
   std::map<std::string, Field> latest_;  ///< by name of the attribute
   std::vector<FileAttribute> file_;
+  std::vector<Field> rule_reads_;
   std::vector<Stage> stages_;
   std::vector<Field> kept_;
 };

@@ -16,9 +16,10 @@ void NearestOperator::pull_push() {
     arrive(*point);
     searched_.take_passed(point->input[sweep_axis_], completed_);
   }
-  // Behind the end of the stream nothing can change any more.
-  for (; prev_->smallest_element() == kNoIndex && !searched_.empty(); searched_.pop_smallest())
+  if (arrived_.empty() && prev_->smallest_element() == kNoIndex && !searched_.empty()) {
     completed_.push_back(&searched_.smallest());
+    searched_.pop_smallest();
+  }
   for (StreamPoint* point : completed_) complete(*point);
 }
 
@@ -36,8 +37,9 @@ void NearestOperator::arrive(StreamPoint& point) {
 
 void NearestOperator::complete(StreamPoint& point) {
   point.neighbors.sort();
+  shortening_.shorten(point);
   point.min_index = point.max_index = point.index;
-  for (const Neighbor& neighbor : point.neighbors.found()) {
+  for (const Neighbor& neighbor : point.neighbors.kept()) {
     point.min_index = std::min(point.min_index, neighbor.point->index);
     point.max_index = std::max(point.max_index, neighbor.point->index);
   }

@@ -8,6 +8,7 @@
 
 #include "reference/kd_heap.h"
 #include "reference/reference_heap.h"
+#include "reference/shortening.h"
 #include "reference/stream_operator.h"
 
 namespace pointsweep::reference {
@@ -15,15 +16,16 @@ namespace pointsweep::reference {
 /// When the plane meets p_j, its left-sided set is found among the points in S, it is offered to the right-sided sets
 /// of the points in S that reach it, and it enters S. Then every point whose neighbourhood ends before the plane leaves
 /// S for the sorting buffer B, which restores the order of the stream: its smallest point is released when nothing in S
-/// is smaller.
+/// is smaller. Behind the end of the stream one point of S is completed at a time.
 ///
 /// A pre- and post-buffer in which S stands for FIFO1 and B for FIFO2 (Section 5.2.2).
 ///
-/// Approximate, as in the paper: a point that left S is found by nobody who comes later, however far that one reaches.
-/// Audit counts what this costs.
+/// Approximate, as in the paper: a point that left S is not found by later points, however far they reach. Audit counts
+/// what this costs.
 class NearestOperator final : public StreamOperator {
  public:
-  explicit NearestOperator(int sweep_axis) : sweep_axis_(sweep_axis), searched_(sweep_axis) {}
+  NearestOperator(int sweep_axis, Shortening& shortening)
+      : sweep_axis_(sweep_axis), shortening_(shortening), searched_(sweep_axis) {}
 
   void pull_push() override;
   StreamPoint* front() override;
@@ -32,6 +34,7 @@ class NearestOperator final : public StreamOperator {
   std::uint64_t smallest_reference() override;
   std::size_t size() const override { return searched_.size() + sorting_.size(); }
 
+  std::size_t searched() const { return searched_.size(); }  ///< points in S
   /// Points that came, and those that were completed, in the last pull_push().
   std::span<StreamPoint* const> arrived() const { return arrived_; }
   std::span<StreamPoint* const> completed() const { return completed_; }
@@ -44,6 +47,7 @@ class NearestOperator final : public StreamOperator {
     bool operator()(const StreamPoint* a, const StreamPoint* b) const { return a->index > b->index; }
   };
   int sweep_axis_;
+  Shortening& shortening_;
   KdHeap searched_;                                                                   ///< S
   std::priority_queue<StreamPoint*, std::vector<StreamPoint*>, LaterIndex> sorting_;  ///< B
   ReferenceHeap references_;

@@ -2,8 +2,10 @@
 /// The neighbourhood N_i of a point while it is being found, and after (paper Section 4.2.2).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <tuple>
 #include <vector>
@@ -53,12 +55,20 @@ class NearestSet {
   bool offer(const Neighbor& candidate);
   /// Puts the nearest first. Ends the filling.
   void sort();
-  /// The neighbours: sorted after sort(), a heap with the farthest on top before.
+  /// After sort(): N_i is the `count` nearest of those found.
+  void keep(std::size_t count) { kept_ = count; }
+
+  std::size_t k() const { return k_; }
+  /// All neighbours found: sorted after sort(), a heap with the farthest on top before.
   std::span<const Neighbor> found() const { return found_; }
+  /// N_i: all neighbours found, or as many of them as keep() says.
+  std::span<const Neighbor> kept() const { return found().first(std::min(kept_, found_.size())); }
+  std::size_t bytes() const { return found_.capacity() * sizeof(Neighbor); }
 
  private:
   std::size_t k_;
   double reach2_;
+  std::size_t kept_ = std::numeric_limits<std::size_t>::max();
   std::vector<Neighbor> found_;
 };
 

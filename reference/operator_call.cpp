@@ -44,12 +44,13 @@ void OperatorCall::apply(std::span<StreamPoint* const> points) {
   while (!points.empty()) {
     std::size_t size = 0, neighbors = 0;
     while (size < points.size() && size < kMostPoints && (size == 0 || neighbors < kMostNeighbors))
-      neighbors += points[size++]->neighbors.found().size();
+      neighbors += points[size++]->neighbors.kept().size();
     assert(neighbors < std::numeric_limits<std::uint32_t>::max());
     gather(points.first(size));
     lay_out_slots();
     apply_gathered(points.first(size));
     points = points.subspan(size);
+    between_();
   }
 }
 
@@ -60,7 +61,7 @@ void OperatorCall::gather(std::span<StreamPoint* const> points) {
   for (StreamPoint* point : points) {
     own_.add(point->position, *point);
     own_.add_values(*point, stage_.reads);
-    for (const Neighbor& neighbor : point->neighbors.found()) {
+    for (const Neighbor& neighbor : point->neighbors.kept()) {
       Vec3 position;
       std::memcpy(&position, stage_.neighbor_position.in(*neighbor.point), sizeof position);
       near_.add(position, *neighbor.point);

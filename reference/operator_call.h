@@ -5,7 +5,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "reference/fields.h"
@@ -16,7 +18,8 @@ namespace pointsweep::reference {
 /// one moment are gathered into some, a few at a time.
 class OperatorCall {
  public:
-  explicit OperatorCall(const Stage& stage) : stage_(stage) {}
+  /// `between`: called after every few points.
+  OperatorCall(const Stage& stage, std::function<void()> between) : stage_(stage), between_(std::move(between)) {}
 
   /// A point enters the operator's buffer.
   void copy_fields(StreamPoint& point) const;
@@ -39,6 +42,7 @@ class OperatorCall {
   void apply_gathered(std::span<StreamPoint* const> points);
 
   const Stage& stage_;
+  std::function<void()> between_;
   Gathered own_, near_;
   std::vector<std::uint32_t> begin_, refs_;
   std::vector<const std::byte*> pointers_;  ///< of the slots' columns

@@ -1,36 +1,30 @@
 // SPDX-License-Identifier: MIT
 #include "reference/read_operator.h"
 
-#include "pointsweep/order/canonical_order.h"
-#include "pointsweep/order/working_record.h"
+#include <cassert>
 
 namespace pointsweep::reference {
+namespace {
+
+[[maybe_unused]] bool ascend(const std::vector<Slab>& slabs, int axis) {
+  for (std::size_t s = 1; s < slabs.size(); ++s)
+    if (slabs[s].box.lo[axis] < slabs[s - 1].box.hi[axis]) return false;
+  return true;
+}
+
+}  // namespace
 
 ReadOperator::ReadOperator(const Stream& stream, const Fields& fields, Reach reach, ActiveSet& active)
     : stream_(stream), fields_(fields), reach_(reach), active_(active) {
+  assert(ascend(stream.slabs(), stream.axis()) && "the search needs every unread point at the plane or behind it");
   for (const Slab& slab : stream.slabs()) total_ += slab.count;
 }
 
 void ReadOperator::pull_push() {
   if (waiting_ != nullptr || position_ == total_) return;
-  while (next_ == order_.size()) load_slab();
-  const std::uint32_t i = order_[next_++];
-  active_.emplace_back(Vec3{x_[i], y_[i], z_[i]}, row_[i], position_++, reach_);
-  waiting_ = &active_.back();
-  fields_.fill(*waiting_, records_.data() + std::size_t{i} * stream_.record_schema().stride);
-}
-
-void ReadOperator::load_slab() {
-  const Schema& schema = stream_.record_schema();
-  const std::size_t n = stream_.slabs()[next_slab_].count;
-  records_.resize(n * schema.stride);
-  stream_.read(next_slab_++, records_);
-  x_.resize(n), y_.resize(n), z_.resize(n), row_.resize(n);
-  decode_positions(position_fields(schema, "the working record"), records_.data(), schema.stride, n, x_.data(),
-                   y_.data(), z_.data());
-  for (std::size_t i = 0; i < n; ++i) row_[i] = row_of(schema, records_.data() + i * schema.stride);
-  canonical_order(stream_.axis(), x_, y_, z_, row_, order_);
-  next_ = 0;
+  for (; next_ == slab_.size(); next_ = 0) slab_.load(stream_, next_slab_++);
+  waiting_ = &active_.emplace_back(slab_.position(next_), slab_.row(next_), position_++, reach_);
+  fields_.fill(*waiting_, slab_.record(next_++));
 }
 
 std::uint64_t ReadOperator::smallest_element() {

@@ -2,10 +2,9 @@
 /// The read operator Φ_R (paper Section 4.2.1).
 #pragma once
 
-#include <vector>
-
 #include "pointsweep/order/stream.h"
 #include "reference/fields.h"
+#include "reference/sorted_slab.h"
 #include "reference/stream_operator.h"
 
 namespace pointsweep::reference {
@@ -14,6 +13,8 @@ namespace pointsweep::reference {
 /// slabs are read one by one and sorted.
 class ReadOperator final : public StreamOperator {
  public:
+  /// The slabs of `stream` must be in canonical order (StreamOptions::canonical): the search takes every unread point
+  /// to lie at the plane or behind it.
   ReadOperator(const Stream& stream, const Fields& fields, Reach reach, ActiveSet& active);
 
   void pull_push() override;
@@ -27,8 +28,6 @@ class ReadOperator final : public StreamOperator {
   std::uint64_t total() const { return total_; }
 
  private:
-  void load_slab();
-
   const Stream& stream_;
   const Fields& fields_;
   Reach reach_;
@@ -36,13 +35,9 @@ class ReadOperator final : public StreamOperator {
   StreamPoint* waiting_ = nullptr;
   std::uint64_t position_ = 0, total_ = 0;
 
-  // The slab that is being read
+  SortedSlab slab_;  ///< being read
   std::size_t next_slab_ = 0;
-  std::vector<std::byte> records_;
-  std::vector<double> x_, y_, z_;
-  std::vector<std::uint64_t> row_;
-  std::vector<std::uint32_t> order_;
-  std::size_t next_ = 0;  ///< in order_
+  std::size_t next_ = 0;  ///< place in slab_
 };
 
 }  // namespace pointsweep::reference

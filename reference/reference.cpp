@@ -19,22 +19,24 @@ namespace pointsweep::reference {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::uint64_t kRows = 1000;             ///< of a series
-constexpr std::uint64_t kReportPoints = 1 << 14;  ///< read between two reports
-constexpr std::uint64_t kNodeBytes = 128;         ///< of a point's place in a kD-heap and in queues, about
+constexpr std::uint64_t kRows = 1000;              ///< of a series
+constexpr std::uint64_t kMeasurePoints = 1 << 12;  ///< read at least between two looks at memory
+constexpr std::uint64_t kNodeBytes = 128;          ///< of a point's place in a kD-heap and in queues, about
+constexpr double kReportSeconds = 0.1;
+constexpr std::uint64_t kReportPoints = 1024;  ///< written between two looks at the clock
 
 /// The main routine of Figure 16.
 class Pipeline {
  public:
   Pipeline(const Stream& stream, const Task& task, const std::function<void(const Written&)>& write,
            const Options& options)
-      : task_(task),
-        write_results_(write),
+      : write_results_(write),
         options_(options),
-        fields_(stream.record_schema(), task.operators, task.kept),
-        audit_(stream.axis()),
+        fields_(stream.record_schema(), task.rule, task.operators, task.kept),
+        shortening_(task.rule, fields_),
+        audit_(stream, task.reach, shortening_),
         read_(stream, fields_, task.reach, active_),
-        nearest_(stream.axis()),
+        nearest_(stream.axis(), shortening_),
         write_(active_, [this](StreamPoint& point) { write_point(point); }) {
     append("read", read_);
     append("knn", nearest_);
@@ -44,7 +46,7 @@ class Pipeline {
 
   Statistics run() {
     const std::uint64_t n = read_.total();
-    now_ = Clock::now();
+    now_ = reported_ = Clock::now();
     while (write_.position() < n) {
       stop_if_cancelled();
       for (std::size_t i = 0; i < operators_.size(); ++i) {
@@ -52,15 +54,17 @@ class Pipeline {
         statistics_.operators[i].seconds += lap();
         if (operators_[i] == &nearest_) audit();
       }
-      assert((read_.position() < n || active_.empty()) && "the end of the stream completes everything");
+      assert((read_.position() < n || nearest_.searched() > 0 || active_.empty()) && "the end completes everything");
       take_note(n);
+      report();
     }
+    audit_.finish();
+    statistics_.audit_seconds += lap();
     statistics_.mean_points = active_sum_ / static_cast<double>(std::max<std::uint64_t>(1, n));
     statistics_.lifespan_mean = lifespan_sum_ / static_cast<double>(std::max<std::uint64_t>(1, n));
     for (const OperatorCall& call : calls_) statistics_.degenerate += call.degenerate();
     statistics_.complete = audit_.complete();
-    statistics_.overlooked = audit_.overlooked();
-    statistics_.unknown = audit_.unknown();
+    statistics_.incomplete = audit_.incomplete();
     return std::move(statistics_);
   }
 
@@ -72,7 +76,7 @@ class Pipeline {
   }
 
   void append_stage(const Stage& stage) {
-    OperatorCall& call = calls_.emplace_back(stage);
+    OperatorCall& call = calls_.emplace_back(stage, [this] { report(); });
     if (stage.moves) {
       buffers_.push_back(std::make_unique<PrePostBuffer>(call));
     } else if (stage.waits) {
@@ -101,31 +105,39 @@ class Pipeline {
 
   void write_point(StreamPoint& point) {
     audit_.written(point);
+    if (write_.position() % kReportPoints == 0) report();
     const double lifespan = std::chrono::duration<double>(now_ - point.read_at).count();
     lifespan_sum_ += lifespan;
     statistics_.lifespan_max = std::max(statistics_.lifespan_max, lifespan);
     fields_.result(point, results_);
-    write_results_({point.index, point.row, fields_.record(point), results_.data(), point.complete});
+    write_results_({point.index, point.row, fields_.record(point), results_.data()});
   }
 
   void take_note(std::uint64_t n) {
     const std::uint64_t read = read_.position(), stride = (n + kRows - 1) / kRows;
     statistics_.peak_points = std::max<std::uint64_t>(statistics_.peak_points, active_.size());
     active_sum_ += static_cast<double>(active_.size());
-    if (read % stride == 0) {
+    if (!nearest_.arrived().empty() && read % stride == 0) {
       statistics_.series.emplace_back(read, active_.size());
       for (std::size_t i = 0; i < operators_.size(); ++i)
         statistics_.operators[i].series.emplace_back(read, operators_[i]->size());
     }
-    if (read % kReportPoints != 0) return;
-    if (options_.progress) options_.progress(read, active_.size());
+    // So that all looks together cost no more than a few for each point.
+    if (read - measured_at_ < std::max<std::uint64_t>(kMeasurePoints, active_.size() / 4)) return;
+    measured_at_ = read;
     require_memory();
   }
 
+  void report() {
+    const Clock::time_point now = Clock::now();
+    if (!options_.progress || std::chrono::duration<double>(now - reported_).count() < kReportSeconds) return;
+    reported_ = now;
+    options_.progress(read_.position(), active_.size());
+  }
+
   void require_memory() const {
-    const std::uint64_t point_bytes =
-        sizeof(StreamPoint) + fields_.bytes() + std::min<std::uint64_t>(task_.reach.k, 1024) * sizeof(Neighbor);
-    const std::uint64_t bytes = active_.size() * (point_bytes + kNodeBytes);
+    std::uint64_t bytes = audit_.bytes() + active_.size() * (sizeof(StreamPoint) + fields_.bytes() + kNodeBytes);
+    for (const StreamPoint& point : active_) bytes += point.neighbors.bytes() + point.hidden.capacity() * sizeof(Rank);
     if (bytes <= options_.memory_bytes) return;
     fail(
         "The reference holds {} points, about {} MB, and its share of the memory budget is {} MB: raise --memory, or "
@@ -133,10 +145,10 @@ class Pipeline {
         active_.size(), bytes >> 20, options_.memory_bytes >> 20);
   }
 
-  const Task& task_;
   const std::function<void(const Written&)>& write_results_;
   const Options& options_;
   const Fields fields_;
+  Shortening shortening_;
   ActiveSet active_;
   Audit audit_;
   ReadOperator read_;
@@ -147,7 +159,8 @@ class Pipeline {
   std::vector<StreamOperator*> operators_;
 
   Statistics statistics_;
-  Clock::time_point now_;
+  Clock::time_point now_, reported_;
+  std::uint64_t measured_at_ = 0;  ///< points read
   std::vector<std::byte> results_;
   double active_sum_ = 0, lifespan_sum_ = 0;
 };

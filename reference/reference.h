@@ -3,8 +3,8 @@
 ///
 /// R. Pajarola, "Stream-Processing Points", IEEE Visualization 2005. Of the engine it shares attributes, file formats,
 /// the ordered stream (Section 3 takes it for given) and the formulas of the operators; search, buffers and the sweep
-/// are its own. One thread. What is held in memory is the active set, whose size is the cloud's affair: FIFO order
-/// makes every point wait for the slowest before it.
+/// are its own. One thread. What is held in memory is the active set, whose size depends on the cloud: FIFO order makes
+/// every point wait for the slowest before it.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,14 @@
 
 #include "pointsweep/operators/operator.h"
 #include "pointsweep/order/stream.h"
+#include "pointsweep/points/neighborhood_rule.h"
 #include "reference/nearest_set.h"
 
 namespace pointsweep::reference {
 
 struct Task {
   Reach reach;
+  SharedRule rule;  ///< shortens each list of neighbours once it is complete; may be null
   std::vector<std::shared_ptr<const Operator>> operators;  ///< checked against the attributes of the stream's records
   std::vector<Attribute> kept;                             ///< made by them; in this order a result record
 };
@@ -32,12 +34,11 @@ struct Written {
   std::uint64_t row;         ///< in the input
   const std::byte* record;   ///< working record of the stream
   const std::byte* results;  ///< the kept attributes, one after another
-  bool complete;             ///< its neighbourhood is certain to be exact
 };
 
 struct Options {
   std::uint64_t memory_bytes = 0;  ///< for the active set; Error if it grows beyond
-  /// Called now and then with the points read and active so far; may throw to end the run.
+  /// Called about every tenth of a second with the points read and active so far; may throw to end the run.
   std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
 };
 
@@ -51,9 +52,8 @@ struct OperatorRecord {
 struct Statistics {
   std::vector<OperatorRecord> operators;  ///< as in Figures 4 and 6
   double audit_seconds = 0;               ///< in none of the above
-  std::uint64_t complete = 0;             ///< neighbourhoods certain to be exact
-  std::uint64_t overlooked = 0;           ///< neighbourhoods that lack a nearer point for certain
-  std::uint64_t unknown = 0;              ///< neighbourhoods that reach to where points had been written
+  std::uint64_t complete = 0;             ///< neighbourhoods N_i that are exact
+  std::uint64_t incomplete = 0;           ///< those that are not: a point had left the search too early
   std::uint64_t degenerate = 0;
   std::uint64_t peak_points = 0;
   double mean_points = 0;
@@ -61,7 +61,8 @@ struct Statistics {
   double lifespan_mean = 0, lifespan_max = 0;                   ///< seconds from being read to being written
 };
 
-/// Runs the task over the stream and gives every point of it to `write`. O(k n log m) for m active points.
+/// Runs the task over the stream, whose slabs must be in canonical order (StreamOptions::canonical), and gives every
+/// point of it to `write`. O(k n log m) for m active points.
 Statistics run(const Stream& stream, const Task& task, const std::function<void(const Written&)>& write,
                const Options& options);
 

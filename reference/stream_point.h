@@ -9,7 +9,7 @@
 #include <deque>
 #include <limits>
 #include <memory>
-#include <optional>
+#include <vector>
 
 #include "reference/nearest_set.h"
 
@@ -36,9 +36,9 @@ struct StreamPoint {
 
   // What the search could not see when the point came (Audit)
   static constexpr double kNothing = std::numeric_limits<double>::infinity();
-  std::optional<Rank> overlooked;  ///< the nearest
-  double written2 = kNothing;      ///< squared distance along the axis to the last point written
-  bool complete = false;           ///< nothing can be missing among its neighbours
+  std::vector<Rank> hidden;    ///< the nearest of the active points that had left S, nearest first
+  std::uint64_t written = 0;   ///< so many points of the stream had been written
+  double written2 = kNothing;  ///< squared distance along the axis to the last of them
 
   // Every other field, at the places that Fields gives them: the record of the file, attributes, an operator's copies
   std::unique_ptr<std::byte[]> fields;

@@ -15,10 +15,10 @@
 namespace pointsweep {
 
 /// Throws UsageError for a request that the paper's algorithm has no answer to.
-void require_reference_can(const PlannedChain& planned, const RunOptions& options);
+void require_reference_can(const RunOptions& options);
 
 struct ReferenceRun {
-  const Stream& stream;
+  const Stream& stream;  ///< in canonical order
   const PlannedChain& planned;
   RowStore& store;             ///< receives result records by input row,
   const OutputLayout* layout;  ///< or, if not null, whole records by place in the stream

@@ -74,11 +74,10 @@ class Run {
     PlannedSweeps planned = plan_sweeps(chain, cloud_.schema(), in_stream_order);
     const OutputNames names = named(planned);
     warn(names.warning());
-    if (options_.engine == Engine::reference)
-      for (const PlannedSweep& sweep : planned.sweeps) require_reference_can(sweep.chain, options_);
+    if (by_reference()) require_reference_can(options_);
     note_neighborhoods(planned);
     open_checkpoints(planned);
-    survey_cloud(in_stream_order || needs_bounds());
+    survey_cloud(in_stream_order || by_reference() || needs_bounds());
     require_distances(survey_.bounds);
     OutputSet files(cloud_, names.made, names.kept, outputs_, options_, bounds_if_known(),
                     provenance(chain, planned.kept), values_if_las());
@@ -160,6 +159,10 @@ class Run {
                          survey_.axis, statistics_.dropped > 0);
   }
 
+  /// The reference then reads points in canonical order, whatever order the output has: its search depends on it, and
+  /// where it is not exact, its results depend on the axis, too.
+  bool by_reference() const { return options_.engine == Engine::reference; }
+
   /// A format that stores integers must know the bounds before the first record, unless these integers come.
   bool needs_bounds() const {
     return extension_of(outputs_.points) == ".las" && input_.dropped().bounds.empty() &&
@@ -190,7 +193,7 @@ class Run {
 
   void open_checkpoints(const PlannedSweeps& planned) {
     if (options_.resume_folder.empty()) return;
-    if (options_.engine == Engine::reference || !options_.half_way_states.empty())
+    if (by_reference() || !options_.half_way_states.empty())
       fail_usage("A run of the reference engine, or one that notes half-way states, cannot be resumed.");
     checkpoints_.emplace(options_, run_identity(cloud_, planned, outputs_, options_));
     if (!checkpoints_->found()) return;
@@ -229,7 +232,7 @@ class Run {
     const StreamOptions options{.axis = survey_.axis,
                                 .slab_points = memory.slab_points,
                                 .max_slab_points = 0,
-                                .canonical = whole,
+                                .canonical = whole || by_reference(),
                                 .whole_records = whole,
                                 .payload = payload,
                                 .spill = place("stream", s, memory.spill_stream),
@@ -240,7 +243,7 @@ class Run {
       Unpacker packed(checkpoints_->last().stream);
       stream_.emplace(packed, source_, options);
     } else {
-      if (s > 0) look(false);
+      if (s > 0) look(by_reference());
       stream_.emplace(source_, survey_, options);
     }
     survey_.sample = {};
@@ -291,7 +294,7 @@ class Run {
 
   /// Into `results` go result records by row, or, with a layout, output records by place in the stream.
   void sweep_into(RowStore& results, const PlannedChain& planned, const MemoryPlan& memory, const OutputLayout* whole) {
-    if (options_.engine == Engine::reference) {
+    if (by_reference()) {
       add_sweep(statistics_, planned.plan, sweep_by_reference(results, planned, memory, whole));
     } else {
       add_sweep(statistics_, planned.plan, sweep_by_cells(results, planned, memory, whole));

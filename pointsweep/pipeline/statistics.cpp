@@ -35,8 +35,10 @@ nlohmann::ordered_json buffers(const Statistics& s) {
 }
 
 nlohmann::ordered_json counts(const ReferenceCounts& r) {
-  return {{"complete", r.complete}, {"incomplete", r.overlooked + r.unknown}, {"overlooked", r.overlooked},
-          {"unknown", r.unknown},   {"write_seconds", r.write_seconds},       {"audit_seconds", r.audit_seconds}};
+  return {{"complete", r.complete},
+          {"incomplete", r.incomplete},
+          {"write_seconds", r.write_seconds},
+          {"audit_seconds", r.audit_seconds}};
 }
 
 }  // namespace

@@ -13,11 +13,10 @@ namespace pointsweep {
 struct SweepPlan;
 struct SweepStatistics;
 
-/// What the paper's own algorithm tells of its neighbourhoods, each point counted once in each sweep.
+/// How many neighbourhoods of the paper's own algorithm are exact, each point counted once in each sweep.
 struct ReferenceCounts {
-  std::uint64_t complete = 0;    ///< exact for certain
-  std::uint64_t overlooked = 0;  ///< a nearer point had left the search too early
-  std::uint64_t unknown = 0;     ///< perhaps so: it reaches to where points had already been written
+  std::uint64_t complete = 0;    ///< exact
+  std::uint64_t incomplete = 0;  ///< different from the exact ones, since a point had left the search too early
   double write_seconds = 0;      ///< in its write operator
   double audit_seconds = 0;      ///< finding these counts; not a part of the algorithm
 };

@@ -139,7 +139,6 @@ TEST_F(RunVerb, NeighborhoodsOfTheirOwnSizeCanBeKeptAndUsedAgain) {
   EXPECT_EQ(tool("verify sizes.ply d.ply -k 40 --k-from neighbor_count --sample 500").status, 0);
   EXPECT_EQ(tool("verify in.ply b.ply -k 40 --adaptive eigenentropy --sample 500").status, 0);
   refused(1, "verify in.ply c.ply -k 40 --adaptive eigenentropy --sample 500 -q", "by brute force");
-  refused(2, "normals in.ply g.ply -k 40 --adaptive eigenentropy --engine reference", "leave out --engine reference");
   refused(2, "curvature in.ply g.ply -k 40 --k-from neighbor_count", "the input has no attribute 'neighbor_count'");
   refused(2, "normals in.ply g.ply --k-from neighbor_count", "normals: knn: k_from needs k");
 }

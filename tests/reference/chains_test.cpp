@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/operators/splats.h"
+#include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/preview.h"
-#include "tests/pipeline/hostile_clouds.h"
-#include "tests/pipeline/in_memory.h"
 #include "tests/pipeline/refusal.h"
-#include "tests/reference/reference_run.h"
+#include "tests/reference/reference_runs.h"
 #include "tests/support/brute_force.h"
 
 namespace pointsweep {
 namespace {
-
-using Operators = std::vector<std::shared_ptr<const Operator>>;
 
 /// Makes "order", the number of neighbours whose "order" was smaller, from the "order" of the stage before: what it
 /// reads of its neighbours is what it overwrites.
@@ -75,52 +70,41 @@ std::vector<NamedChain> chains() {
 
 std::vector<Vec3> surface(std::size_t n) { return make_cloud(hostile_shapes()[0].second, n, 21); }
 
-RunOptions by(Engine engine, Order order = Order::input) {
-  RunOptions options;
-  options.engine = engine;
-  options.order = order;
-  options.memory_bytes = 1u << 30;
-  return options;
-}
-
-/// Points all of whose neighbours, `hops` steps far, have neighbourhoods that the reference calls complete.
-std::vector<bool> complete_within(std::vector<bool> complete, const std::vector<std::vector<std::uint32_t>>& neighbors,
-                                  int hops) {
+/// Points all of whose neighbours, `hops` steps far, have exact neighbourhoods.
+std::vector<bool> exact_within(std::vector<bool> exact, const Lists& neighbors, int hops) {
   for (int hop = 0; hop < hops; ++hop) {
-    std::vector<bool> next = complete;
+    std::vector<bool> next = exact;
     for (std::size_t i = 0; i < next.size(); ++i)
-      for (const std::uint32_t j : neighbors[i]) next[i] = next[i] && complete[j];
-    complete = std::move(next);
+      for (const std::uint32_t j : neighbors[i]) next[i] = next[i] && exact[j];
+    exact = std::move(next);
   }
-  return complete;
+  return exact;
 }
 
-TEST(ReferenceChains, GiveTheEnginesBytesWhereNeighborhoodsAreComplete) {
+TEST(ReferenceChains, GiveTheEnginesBytesWhereNeighborhoodsAreExact) {
   const std::size_t k = 10;
   const std::vector<Vec3> points = surface(3000);
-  const auto neighbors = brute_force_neighbors(points, k);
+  const Lists neighbors = brute_force_neighbors(points, k);
+  const Lists found = neighbor_run(points, {.k = k}, k, by(Engine::reference)).lists;
+  std::vector<bool> exact;
+  for (std::size_t i = 0; i < points.size(); ++i) exact.push_back(found[i] == neighbors[i]);
   for (const NamedChain& chain : chains()) {
-    SCOPED_TRACE(chain.name);
-    const RunResult engine = run_in_memory(points, {{.k = k}, chain.operators, {}}, by(Engine::exact));
-    const reference::Task task = reference::task_of(k, std::numeric_limits<double>::infinity(), chain.operators);
-    const reference::PointsRun run = reference::run_on_points(points, task);
-    const std::vector<bool> comparable = complete_within(run.complete, neighbors, chain.hops);
-    std::size_t compared = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!comparable[i]) continue;
-      ++compared;
-      const std::byte* record = engine.records.data() + i * engine.schema.stride;
-      std::size_t at = 0;
-      for (const Attribute& a : task.kept) {
-        for (const std::string& name : a.fields) {
-          const Field& field = engine.schema.fields[*engine.schema.find(name)];
-          ASSERT_EQ(std::memcmp(record + field.offset, run.results[i].data() + at, size_of(a.type)), 0)
-              << name << " of row " << i;
-          at += size_of(a.type);
-        }
+    const std::vector<bool> comparable = exact_within(exact, neighbors, chain.hops);
+    for (const Order order : kOrders) {
+      SCOPED_TRACE(chain.name);
+      const auto records = [&](Engine engine) {
+        const RunResult run = run_in_memory(points, {{.k = k}, chain.operators, {}}, by(engine, order));
+        return records_by_row(run, points, order);
+      };
+      const std::vector<std::string> expected = records(Engine::exact), made = records(Engine::reference);
+      std::size_t compared = 0;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!comparable[i]) continue;
+        ++compared;
+        ASSERT_EQ(made[i], expected[i]) << "row " << i;
       }
+      EXPECT_GT(compared, points.size() / 4);
     }
-    EXPECT_GT(compared, points.size() / 4);
   }
 }
 
@@ -162,11 +146,41 @@ TEST(ReferenceRun, TellsTheSameStatisticsAsTheEngine) {
   }
 }
 
+TEST(ReferenceRun, OfSeveralSweepsGivesTheSameRecordsAsTheEngine) {
+  const std::vector<Vec3> points = make_cloud(trying_shapes().back().second, 3000, 4);
+  const Neighborhood wide{.k = Neighborhood::kUnlimited, .radius = 0.3};
+  for (const char* text :
+       {"normals | splats | fair | reneighbor | normals", "normals | splats | fair | resort | normals",
+        "normals | splats | fair | resort | reneighbor(radius=0.2) | normals | curvature | splats | fair | resort"}) {
+    for (const Order order : kOrders) {
+      SCOPED_TRACE(text);
+      Chain chain = build_chain(parse_pipeline(text), Facts{});
+      chain.neighborhood = wide;
+      const RunResult exact = run_in_memory(points, chain, by(Engine::exact, order));
+      const RunResult reference = run_in_memory(points, chain, by(Engine::reference, order));
+      EXPECT_TRUE(exact.records == reference.records);
+      EXPECT_EQ(reference.statistics.sweeps, exact.statistics.sweeps);
+      EXPECT_EQ(reference.statistics.reference->incomplete, 0u);
+      EXPECT_EQ(reference.statistics.reference->complete, points.size() * exact.statistics.sweeps);
+    }
+  }
+}
+
+TEST(ReferenceRun, CannotBeResumed) {
+  const std::vector<double> xyz = {0, 0, 0, 1, 0, 0};
+  Cloud cloud = cloud_of(xyz);
+  RunOptions options = by(Engine::reference);
+  options.resume_folder = testing::TempDir() + "pointsweep-reference-resume";
+  EXPECT_NE(refusal([&] {
+              run_in_memory(cloud, {{.k = 1}, {kNormals}, {}}, options);
+            }).find("cannot be resumed"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(options.resume_folder));
+}
+
 TEST(ReferenceRun, HasNoPreview) {
   const std::vector<double> xyz = {0, 0, 0, 1, 0, 0};
-  std::vector<std::unique_ptr<Reader>> readers;
-  readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
-  Cloud cloud(std::move(readers));
+  Cloud cloud = cloud_of(xyz);
   EXPECT_NE(refusal([&] {
               preview(cloud, {{.k = 1}, {kNormals}, {}}, by(Engine::reference));
             }).find("leave out --dry-run or --engine reference"),
