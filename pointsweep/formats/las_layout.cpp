@@ -52,6 +52,7 @@ class Builder {
     if (plan_.count > std::numeric_limits<std::uint32_t>::max()) upgrade_las_header(layout_.header, 4);
     choose_crs();
     warn_of_waveforms();
+    if (!kept_) warn_of_unnamed_bytes();
     place_pieces();
     return std::move(layout_);
   }
@@ -287,6 +288,24 @@ class Builder {
           fmt::format("{}: waveforms of {} are not copied: only those of the first input are; its references to them "
                       "have no target.",
                       plan_.path.string(), other->file->path().string()));
+      return;
+    }
+  }
+
+  /// Bytes of a record without a name cannot be converted.
+  void warn_of_unnamed_bytes() {
+    std::vector<std::shared_ptr<const FormatExtras>> inputs = plan_.other_extras;
+    inputs.insert(inputs.begin(), plan_.extras);
+    for (const auto& extras : inputs) {
+      const LasExtras* las = las_extras(extras);
+      if (las == nullptr) continue;
+      std::uint32_t named = *las_record_length(las->header.point_format);
+      for (const Field& field : las->schema.fields)
+        named = std::max(named, field.offset + static_cast<std::uint32_t>(size_of(field.type)) * field.count);
+      if (named >= las->schema.stride) continue;
+      layout_.warnings.push_back(
+          fmt::format("{}: {} bytes of each point of {} that nothing describes are left out, since the inputs differ.",
+                      plan_.path.string(), las->schema.stride - named, las->file->path().string()));
       return;
     }
   }

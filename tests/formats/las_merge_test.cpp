@@ -35,6 +35,7 @@ struct Kind {
   std::vector<std::string> vlrs{};
   int encoding = -1;  ///< global encoding; -1: the WKT bit as the format wants it
   int minor = 0;      ///< 0: the first version that has the format
+  int unnamed = 0;    ///< bytes of a record that nothing describes
 };
 
 /// Coordinates within a kilometre of 1000, 2000, 300; waveform offsets that a double holds.
@@ -42,7 +43,7 @@ std::string las_bytes(const Kind& kind, unsigned seed) {
   las_test::File file;
   file.format = kind.format;
   file.minor = kind.minor != 0 ? kind.minor : kind.format >= 6 ? 4 : kind.format >= 4 ? 3 : 2;
-  file.extra_bytes = static_cast<int>(kind.extra.size());
+  file.extra_bytes = static_cast<int>(kind.extra.size()) + kind.unnamed;
   file.count = 50;
   file.seed = seed;
   file.scale = {kind.scale, kind.scale, kind.scale};
@@ -284,6 +285,14 @@ TEST(LasMerge, WaveformsOfOtherInputsAreAWarning) {
              b = folder.write("b.las", las_bytes({.format = 4}, 2));
   EXPECT_TRUE(contains(copy_points({a, b}, folder / "out.las"), "waveforms of " + b.string() + " are not copied"));
   EXPECT_TRUE(copy_points({b, a}, folder / "out.las").empty());
+}
+
+TEST(LasMerge, BytesThatNothingDescribesAreLeftOutWithAWarning) {
+  const TemporaryFolder folder;
+  const auto a = folder.write("a.las", las_bytes({.format = 1}, 1));
+  const auto b = folder.write("b.las", las_bytes({.format = 3, .unnamed = 3}, 2));
+  EXPECT_TRUE(contains(copy_points({a, b}, folder / "out.las"), "3 bytes of each point of " + b.string()));
+  EXPECT_TRUE(copy_points({b}, folder / "out.las").empty());
 }
 
 TEST(LasThroughPly, IsTheSamePointFormatScaleAndValues) {
