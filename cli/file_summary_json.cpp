@@ -4,6 +4,7 @@
 
 #include "cli/file_summary.h"
 #include "cli/gps_time.h"
+#include "pointsweep/formats/crs_unit.h"
 
 namespace pointsweep {
 namespace {
@@ -63,6 +64,17 @@ Json gps_time(const FileInfo& info, const FileSummary& summary) {
           {"to", date(times->hi)}};
 }
 
+Json crs_of(const std::optional<Crs>& crs) {
+  if (!crs) return {};
+  const auto code = [](int epsg) { return epsg == 0 ? Json() : Json(epsg); };
+  const auto text = [](const std::string& words) { return words.empty() ? Json() : Json(words); };
+  return {{"name", text(crs->name)},
+          {"epsg", code(crs->epsg)},
+          {"vertical_epsg", code(crs->vertical_epsg)},
+          {"length_unit", text(length_unit_of(*crs))},
+          {"wkt", text(crs->wkt)}};
+}
+
 }  // namespace
 
 Json to_json(const Box& bounds) {
@@ -80,6 +92,7 @@ Json to_json(const FileInfo& info, const FileSummary& s) {
           {"points", info.count},
           {"nonfinite", s.nonfinite},
           {"bounds", to_json(s.bounds)},
+          {"crs", crs_of(info.crs)},
           {"scale", vector_of({p.x.scale, p.y.scale, p.z.scale})},
           {"offset", vector_of({p.x.bias, p.y.bias, p.z.bias})},
           {"density", number_or_null(s.density(info.count))},

@@ -123,6 +123,7 @@ std::string to_text(std::uint64_t points, const Box& bounds) {
 std::string to_text(const FileInfo& info, const FileSummary& summary) {
   std::string text = fmt::format("{}\n", info.path.string());
   text += line("format", fmt::format("{}, {} bytes", info.format, info.bytes));
+  if (info.crs) text += line("crs", short_text(*info.crs));
   text += to_text(info.count, summary.bounds);
   if (summary.nonfinite > 0) text += line("not finite", fmt::format("{} points, not in the bounds", summary.nonfinite));
   text += storage_text(info.schema) + density_text(info, summary);

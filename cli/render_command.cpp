@@ -10,6 +10,7 @@
 #include "cli/progress.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
+#include "pointsweep/formats/crs_unit.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/output_file.h"
 #include "pointsweep/render/png.h"
@@ -69,6 +70,7 @@ void render_picture(RenderCommand& command) {
   options.up = parse_up(command.up);
   OutputFile file(output, command.common.force);
   Cloud cloud(command.paths.inputs(), {.ignore_crs = command.common.ignore_crs});
+  if (const auto& crs = cloud.readers().front()->info().crs) options.length_unit = length_unit_of(*crs);
   ProgressDisplay display(command.common);
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
     stop_if_cancelled();

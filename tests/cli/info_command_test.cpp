@@ -8,6 +8,7 @@
 
 #include "cli/nearest_distances.h"
 #include "cli/plan_area.h"
+#include "pointsweep/formats/crs_unit.h"
 #include "tests/cli/tool.h"
 #include "tests/formats/las_test_file.h"
 
@@ -157,13 +158,57 @@ TEST_F(Info, TellsTheClassesReturnsScaleAndTimesOfALasFile) {
   EXPECT_EQ(json.at("scale").dump(), "[0.01,0.001,0.25]");
 }
 
+TEST_F(Info, NamesTheCoordinateReferenceSystem) {
+  las_test::File file;
+  std::string keys(8 * 4, '\0');  // directory: version 1.1.0 with 3 keys: projected, EPSG 26910, metres
+  const auto put_key = [&](std::size_t i, std::uint16_t key, std::uint16_t count, std::uint16_t value) {
+    las_test::put(keys, 8 * i, key);
+    las_test::put(keys, 8 * i + 4, count);
+    las_test::put(keys, 8 * i + 6, value);
+  };
+  put_key(0, 1, 0, 3);
+  las_test::put(keys, 2, std::uint16_t{1});
+  put_key(1, 1024, 1, 1);
+  put_key(2, 3072, 1, 26910);
+  put_key(3, 3076, 1, 9001);
+  file.vlrs = {las_test::vlr("LASF_Projection", 34735, keys)};
+  std::string bytes = file.bytes();
+  las_test::put(bytes, 6, std::uint16_t{0});
+  write("a.las", bytes);
+  EXPECT_NE(tool("info a.las").out.find("  crs         EPSG:26910"), std::string::npos) << tool("info a.las").out;
+  const auto crs = json_of("a.las").at("files").at(0).at("crs");
+  EXPECT_EQ(crs.at("epsg"), 26910);
+  EXPECT_EQ(crs.at("length_unit"), "m");
+  EXPECT_TRUE(crs.at("vertical_epsg").is_null());
+  file.vlrs.clear();
+  write("b.las", file.bytes());
+  EXPECT_TRUE(json_of("b.las").at("files").at(0).at("crs").is_null());
+}
+
+TEST(LengthUnit, IsThatOfTheHorizontalSystem) {
+  const auto unit = [](const char* wkt) { return length_unit_of(crs_of_wkt(wkt)); };
+  EXPECT_EQ(unit(R"(PROJCS["a",GEOGCS["b",UNIT["degree",0.0174532925199433]],UNIT["metre",1]])"), "m");
+  EXPECT_EQ(unit(R"(PROJCS["a",GEOGCS["b",UNIT["degree",0.0174532925199433]],UNIT["foot",0.3048]])"), "ft");
+  EXPECT_EQ(unit(R"(PROJCS["a",GEOGCS["b"],UNIT["US survey foot",0.304800609601219]])"), "US survey ft");
+  EXPECT_EQ(unit(R"(COMPD_CS["c",PROJCS["a",GEOGCS["b"],UNIT["foot",0.3048]],VERT_CS["v",UNIT["metre",1]]])"), "ft");
+  EXPECT_EQ(unit(R"(PROJCRS["a",BASEGEOGCRS["b",ELLIPSOID["e",6378137,298.2,LENGTHUNIT["metre",1]]],CS[Cartesian,2],)"
+                 R"(AXIS["x",east],ANGLEUNIT["degree",0.0174],LENGTHUNIT["US survey foot",0.304800609601219]])"),
+            "US survey ft");
+  EXPECT_EQ(
+      unit(
+          R"(COMPD_CS["c",PROJCS["a",GEOGCS["b"],UNIT["f",0.3048006096012192]],VERTCS["v",UNIT["US survey foot",1.0]]])"),
+      "US survey ft");
+  EXPECT_EQ(unit(R"(GEOGCS["b",UNIT["degree",0.0174532925199433]])"), "");
+  EXPECT_EQ(unit("PROJCS[\"a\",UNIT[\"met"), "");
+}
+
 TEST_F(Info, JsonHasTheDocumentedKeys) {
   ASSERT_EQ(tool("generate statue a.ply -n 500").status, 0);
   const auto json = json_of("a.ply nothing.ply", 1);
   std::string keys;
   for (const auto& [key, value] : json.at("files").at(0).items()) keys += key + " ";
   EXPECT_EQ(keys,
-            "path format bytes points nonfinite bounds scale offset density density_cell spacing spacing_sample "
+            "path format bytes points nonfinite bounds crs scale offset density density_cell spacing spacing_sample "
             "spacing_duplicates ascending descending classes returns gps_time attributes warnings ");
   EXPECT_EQ(json.at("files").at(1).at("path"), "nothing.ply");
   EXPECT_NE(json.at("files").at(1).at("error").get<std::string>().find("no such file"), std::string::npos);

@@ -98,7 +98,7 @@ MUTANTS = [
     Mutant("a scan angle of a hundredth of a degree", "formats", FORMATS + "las_point_formats.cpp",
            "kScanAngleScale = 0.006;", "kScanAngleScale = 0.01;", ("formats",)),
     Mutant("the reference engine's stream is in no order", "order", PIPELINE + "run.cpp",
-           ".canonical = whole || options_.engine == Engine::reference,", ".canonical = whole,", ("reference", "cli")),
+           ".canonical = whole || by_reference(),", ".canonical = whole,", ("reference", "cli")),
 
     # Order of neighbours
     Mutant("equal distances by y before x", "ties", SEARCH + "best_list.h",

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+/// The unit of length of a coordinate reference system.
+#pragma once
+
+#include <string>
+
+#include "pointsweep/formats/crs.h"
+
+namespace pointsweep {
+
+/// "m", "ft" or "US survey ft", as the system's WKT or GeoTIFF keys state it; empty for degrees and for what they do
+/// not state.
+std::string length_unit_of(const Crs& crs);
+
+}  // namespace pointsweep
