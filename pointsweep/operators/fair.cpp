@@ -37,7 +37,7 @@ double square(double v) { return v * v; }
 }  // namespace
 
 Fair::Fair(const FairOptions& options)
-    : inverse_f_(inverse_width("f", options.f)), inverse_g_(inverse_width("g", options.g)) {}
+    : options_(options), inverse_f_(inverse_width("f", options.f)), inverse_g_(inverse_width("g", options.g)) {}
 
 Contract Fair::contract() const {
   return {{splat_length_attribute(), splat_ratio_attribute()},

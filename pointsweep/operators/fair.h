@@ -39,11 +39,13 @@ class Fair : public Operator {
   std::string name() const override { return "fair"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
+  const FairOptions& options() const { return options_; }
 
  private:
   struct Pull;
   void collect(const Neighborhoods& in, std::size_t i, std::vector<Pull>& pulls, std::vector<double>& exponents) const;
   static std::optional<Vec3> shift(double own, const std::vector<Pull>& pulls, const std::vector<double>& falloffs);
+  FairOptions options_;
   double inverse_f_, inverse_g_;
 };
 

@@ -35,6 +35,7 @@ class LeastEigenentropy final : public NeighborhoodRule {
   std::string meaning() const override;
   std::vector<Attribute> reads() const override { return {}; }
   void choose(const Neighborhoods& in, std::span<std::uint32_t> counts) const override;
+  std::size_t least() const { return least_; }
 
  private:
   std::size_t least_;

@@ -39,6 +39,7 @@ class Normals : public Operator {
   std::string name() const override { return "normals"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
+  const NormalsOptions& options() const { return options_; }
 
  private:
   NormalsOptions options_;

@@ -39,6 +39,7 @@ class Splats : public Operator {
   std::string name() const override { return "splats"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
+  const SplatsOptions& options() const { return options_; }
 
  private:
   SplatsOptions options_;

@@ -11,6 +11,40 @@
 namespace pointsweep {
 namespace {
 
+using formulas::Estimate;
+
+formulas::Place place_of(const Surroundings& around, std::size_t i) {
+  return {{around.x[i], around.y[i], around.z[i]}, 0};
+}
+
+/// The components of a stored value as numbers.
+double number_at(Type type, const std::byte* value, std::size_t component) {
+  Field field;
+  field.type = type;
+  return value_of(field, value, static_cast<std::uint32_t>(component));
+}
+
+/// Stores a number as it is, with the one rounding of the type.
+void store(Type type, formulas::Real number, std::byte* to) {
+  const auto copy = [to](auto value) { std::memcpy(to, &value, sizeof value); };
+  if (type == Type::f32) return copy(static_cast<float>(number));
+  if (type == Type::f64) return copy(static_cast<double>(number));
+  if (type == Type::u64) return copy(static_cast<std::uint64_t>(number));
+  if (type == Type::u32) return copy(static_cast<std::uint32_t>(number));
+  Field field;
+  field.type = type;
+  set_value(field, to, static_cast<double>(number));
+}
+
+/// Stores an attribute, whose components are those of one estimate or one of each.
+void store(const Attribute& a, const Estimate* estimates, std::byte* to) {
+  const std::size_t components = a.fields.size(), size = size_of(a.type);
+  for (std::size_t c = 0; c < components; ++c) {
+    const formulas::Vector v = estimates[components <= 3 ? 0 : c].value;
+    store(a.type, components > 3 || c == 0 ? v.x : c == 1 ? v.y : v.z, to + c * size);
+  }
+}
+
 bool is_kept(const std::vector<std::string>& keep, const std::string& name) {
   return keep.empty() || std::find(keep.begin(), keep.end(), name) != keep.end();
 }
@@ -36,6 +70,7 @@ std::vector<PointColumns> slots_of(const Surroundings& around, const std::vector
 ChainValues::ChainValues(std::vector<std::shared_ptr<const Operator>> operators, const std::vector<std::string>& keep,
                          const Schema& input, SharedRule rule)
     : rule_(std::move(rule)) {
+  if (rule_) rule_formula_ = formula_of(*rule_);
   for (const Attribute& a : rule_ ? rule_->reads() : std::vector<Attribute>{}) {
     columns_.push_back(a);
     maker_.push_back(-1);
@@ -47,6 +82,7 @@ ChainValues::ChainValues(std::vector<std::shared_ptr<const Operator>> operators,
     const Contract contract = op->contract();
     Stage stage{
         .op = op, .reads = {}, .reads_neighbors = {}, .makes = {}, .position = position, .alone = contract.alone};
+    stage.formula = formula_of(*op);
     for (const Attribute& a : contract.reads) stage.reads.push_back(column_of(a, *op, input));
     for (const Attribute& a : contract.reads_neighbors) stage.reads_neighbors.push_back(column_of(a, *op, input));
     for (const Attribute& a : contract.makes) {
@@ -60,6 +96,7 @@ ChainValues::ChainValues(std::vector<std::shared_ptr<const Operator>> operators,
     for (const auto& [name, column] : latest_)
       if (name == a.name) made_columns_.push_back(column);
   find_rings();
+  find_applied();
 }
 
 std::uint16_t ChainValues::new_column(const Attribute& attribute) {
@@ -170,48 +207,177 @@ void ChainValues::apply(const Stage& stage, const Surroundings& around, ColumnBy
   }
 }
 
-/// Leaves of each list what the rule keeps, before any stage.
-void ChainValues::shorten(Surroundings& around, const ColumnBytes& columns) const {
-  std::vector<const std::byte*> pointers;
-  const std::vector<PointColumns> slots = slots_of(around, columns, columns_, pointers);
-  const std::vector<std::size_t> from = around.list_begin;
-  std::size_t end = 0;
-  for (std::size_t i = 0; i + 1 < from.size(); ++i) {
-    stop_if_cancelled();
-    PointColumns own = slots[i / kCellCapacity];
-    const std::size_t at = i % kCellCapacity;
-    own.x += at, own.y += at, own.z += at, own.row += at;
-    std::vector<const std::byte*> values(columns.size(), nullptr);
-    for (const std::uint16_t c : rule_reads_) values[c] = columns[c].data() + i * columns_[c].bytes();
-    own.columns = values.data();
-    const std::uint32_t list[2] = {0, static_cast<std::uint32_t>(from[i + 1] - from[i])};
-    std::uint32_t kept = 0;
-    rule_->choose(Neighborhoods(own, 1, slots.data(), list, around.neighbors.data() + from[i], rule_reads_, {}),
-                  {&kept, 1});
-    std::copy_n(around.neighbors.data() + from[i], kept, around.neighbors.data() + end);
-    around.list_begin[i] = end;
-    end += kept;
+/// An operator that is applied reads bits, so those that make them are applied as well.
+void ChainValues::find_applied() {
+  const auto apply_maker = [&](std::uint16_t column) {
+    if (maker_[column] >= 0) stages_[static_cast<std::size_t>(maker_[column])].applied = true;
+  };
+  for (std::size_t s = stages_.size(); s-- > 0;) {
+    Stage& stage = stages_[s];
+    stage.applied = stage.applied || !stage.formula;
+    if (!stage.applied) continue;
+    for (const std::uint16_t column : stage.reads) apply_maker(column);
+    for (const std::uint16_t column : stage.reads_neighbors) apply_maker(column);
+    if (stage.position >= 0) apply_maker(static_cast<std::uint16_t>(stage.position));
   }
-  around.list_begin.back() = end;
-  around.neighbors.resize(end);
 }
 
-std::vector<std::byte> ChainValues::evaluate(Surroundings around, RowSource& in) const {
-  ColumnBytes columns(columns_.size());
-  fetch_file_columns(around, in, columns);
-  if (rule_) shorten(around, columns);
-  for (const Stage& stage : stages_)
-    if (stage.ring >= 0) apply(stage, around, columns);
-  const std::size_t chosen = around.ring_end[0], stride = result_bytes();
-  std::vector<std::byte> results(chosen * stride);
-  std::size_t offset = 0;
-  for (const std::uint16_t column : made_columns_) {
-    const std::size_t bytes = columns_[column].bytes();
-    for (std::size_t i = 0; i < chosen; ++i)
-      std::memcpy(results.data() + i * stride + offset, columns[column].data() + i * bytes, bytes);
-    offset += bytes;
+bool ChainValues::is_independent(std::size_t a) const {
+  return stages_[static_cast<std::size_t>(maker_[made_columns_[a]])].formula != nullptr;
+}
+
+std::size_t ChainValues::estimates_per_point() const {
+  std::size_t count = 0;
+  for (const Attribute& a : made_) count += estimates_of(a);
+  return count;
+}
+
+std::size_t ChainValues::bytes_per_point() const {
+  std::size_t bytes = 0;
+  for (const Attribute& a : columns_) bytes += a.bytes() + estimates_of(a) * sizeof(Estimate);
+  return bytes;
+}
+
+/// What the rule keeps of the list of point i.
+formulas::Kept ChainValues::kept_of(const Surroundings& around, std::size_t i, const ColumnBytes& columns,
+                                    const std::vector<PointColumns>& slots) const {
+  const std::size_t first = around.list_begin[i], count = around.list_begin[i + 1] - first;
+  if (rule_formula_) {
+    std::vector<formulas::Place> neighbors;
+    for (std::size_t n = first; n < first + count; ++n) neighbors.push_back(place_of(around, around.neighbors[n]));
+    std::vector<double> values;
+    for (const std::uint16_t c : rule_reads_)
+      values.push_back(number_at(columns_[c].type, columns[c].data() + i * columns_[c].bytes(), 0));
+    return rule_formula_(place_of(around, i), neighbors, values);
+  }
+  PointColumns own = slots[i / kCellCapacity];
+  const std::size_t at = i % kCellCapacity;
+  own.x += at, own.y += at, own.z += at, own.row += at;
+  std::vector<const std::byte*> values(columns.size(), nullptr);
+  for (const std::uint16_t c : rule_reads_) values[c] = columns[c].data() + i * columns_[c].bytes();
+  own.columns = values.data();
+  const std::uint32_t list[2] = {0, static_cast<std::uint32_t>(count)};
+  std::uint32_t kept = 0;
+  rule_->choose(Neighborhoods(own, 1, slots.data(), list, around.neighbors.data() + first, rule_reads_, {}),
+                {&kept, 1});
+  return {kept, true};
+}
+
+/// Leaves of each list what the rule keeps, before any stage. True for lists of which rounding decides the length.
+std::vector<bool> ChainValues::shorten(Surroundings& around, const ColumnBytes& columns) const {
+  std::vector<bool> in_doubt(around.list_begin.size() - 1);
+  if (!rule_) return in_doubt;
+  std::vector<const std::byte*> pointers;
+  const std::vector<PointColumns> slots = slots_of(around, columns, columns_, pointers);
+  std::vector<std::size_t> begin{0};
+  std::vector<std::uint32_t> neighbors;
+  for (std::size_t i = 0; i < in_doubt.size(); ++i) {
+    stop_if_cancelled();
+    const formulas::Kept kept = kept_of(around, i, columns, slots);
+    in_doubt[i] = !kept.certain;
+    const auto first = around.neighbors.begin() + static_cast<std::ptrdiff_t>(around.list_begin[i]);
+    neighbors.insert(neighbors.end(), first, first + static_cast<std::ptrdiff_t>(kept.count));
+    begin.push_back(neighbors.size());
+  }
+  around.list_begin = std::move(begin);
+  around.neighbors = std::move(neighbors);
+  return in_doubt;
+}
+
+/// A column of bits as estimates without error.
+void ChainValues::take_bits(std::uint16_t column, const ColumnBytes& bits, const std::vector<bool>& in_doubt,
+                            ColumnEstimates& estimates) const {
+  const Attribute& a = columns_[column];
+  const std::size_t components = a.fields.size(), count = bits[column].size() / a.bytes();
+  estimates[column].clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::byte* value = bits[column].data() + i * a.bytes();
+    for (std::size_t e = 0; e < estimates_of(a); ++e) {
+      const auto number = [&](std::size_t c) {
+        return components > 3 ? (c == 0 ? number_at(a.type, value, e) : 0)
+                              : (c < components ? number_at(a.type, value, c) : 0);
+      };
+      const bool unsure = i < in_doubt.size() && in_doubt[i];
+      estimates[column].push_back(unsure ? formulas::open() : Estimate{.value = {number(0), number(1), number(2)}});
+    }
+  }
+}
+
+FormulaInput ChainValues::input_of(const Stage& stage, const Surroundings& around, std::size_t i,
+                                   const ColumnEstimates& columns) const {
+  FormulaInput in;
+  in.place = place_of(around, i);
+  for (const std::uint16_t c : stage.reads) in.reads.push_back(columns[c][i]);
+  for (const std::uint16_t c : stage.reads_neighbors) {
+    std::vector<Estimate>& values = in.of_neighbors.emplace_back();
+    for (std::size_t n = around.list_begin[i]; n < around.list_begin[i + 1]; ++n)
+      values.push_back(columns[c][around.neighbors[n]]);
+  }
+  return in;
+}
+
+void ChainValues::estimate(const Stage& stage, const Surroundings& around, const std::vector<bool>& in_doubt,
+                           ColumnEstimates& columns) const {
+  const auto place = [&](std::size_t i) {
+    if (stage.position < 0) return place_of(around, i);
+    const Estimate& moved = columns[static_cast<std::size_t>(stage.position)][i];
+    return formulas::Place{moved.value, moved.error};
+  };
+  std::vector<formulas::Place> places;
+  std::vector<std::uint64_t> rows;
+  for (const std::uint16_t c : stage.makes) columns[c].clear();
+  for (std::size_t i = 0; i < around.ring_end[static_cast<std::size_t>(stage.ring)]; ++i) {
+    stop_if_cancelled();
+    places.clear(), rows.clear();
+    for (std::size_t n = around.list_begin[i]; n < around.list_begin[i + 1]; ++n)
+      places.push_back(place(around.neighbors[n])), rows.push_back(around.row[around.neighbors[n]]);
+    FormulaInput in = input_of(stage, around, i, columns);
+    in.place = place(i), in.neighbors = places, in.rows = rows;
+    const auto is_open = [](const formulas::Place& p) { return !(p.error < formulas::kInfinity); };
+    const bool unsure = in_doubt[i] || is_open(in.place) || std::any_of(places.begin(), places.end(), is_open);
+    std::vector<Estimate> made = stage.formula->evaluate(in);
+    if (unsure) std::fill(made.begin(), made.end(), formulas::open());
+    std::size_t next = 0;
+    for (const std::uint16_t c : stage.makes)
+      for (std::size_t e = 0; e < estimates_of(columns_[c]); ++e) columns[c].push_back(made[next++]);
+  }
+}
+
+ChainResults ChainValues::results_of(std::size_t points, const ColumnBytes& bits,
+                                     const ColumnEstimates& estimates) const {
+  ChainResults results;
+  for (std::size_t i = 0; i < points; ++i) {
+    for (std::size_t m = 0; m < made_.size(); ++m) {
+      const std::uint16_t column = made_columns_[m];
+      const std::size_t bytes = columns_[column].bytes(), width = estimates_of(columns_[column]);
+      const Estimate* first = estimates[column].data() + i * width;
+      results.estimates.insert(results.estimates.end(), first, first + width);
+      results.values.resize(results.values.size() + bytes);
+      std::byte* to = results.values.data() + results.values.size() - bytes;
+      if (is_independent(m))
+        store(columns_[column], first, to);
+      else
+        std::memcpy(to, bits[column].data() + i * bytes, bytes);
+    }
   }
   return results;
+}
+
+ChainResults ChainValues::evaluate(Surroundings around, RowSource& in) const {
+  ColumnBytes bits(columns_.size());
+  ColumnEstimates estimates(columns_.size());
+  fetch_file_columns(around, in, bits);
+  const std::vector<bool> in_doubt = shorten(around, bits);
+  for (const FileColumn& f : file_columns_) take_bits(f.column, bits, {}, estimates);
+  for (const Stage& stage : stages_) {
+    if (stage.ring < 0) continue;
+    if (stage.applied) apply(stage, around, bits);
+    if (stage.formula)
+      estimate(stage, around, in_doubt, estimates);
+    else
+      for (const std::uint16_t column : stage.makes) take_bits(column, bits, in_doubt, estimates);
+  }
+  return results_of(around.ring_end[0], bits, estimates);
 }
 
 }  // namespace pointsweep

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What a chain of operators makes of chosen points, evaluated stage by stage on their surroundings in memory.
+/// What a chain of operators makes of chosen points, evaluated stage by stage on their surroundings in memory: by the
+/// independent formulas where the library has them, by the operators themselves where a user wrote them.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +11,16 @@
 #include "pointsweep/operators/operator.h"
 #include "pointsweep/points/neighborhood_rule.h"
 #include "pointsweep/verify/row_source.h"
+#include "pointsweep/verify/stage_formula.h"
 #include "pointsweep/verify/surroundings.h"
 
 namespace pointsweep {
+
+/// Of some points, for each point the kept attributes one after another.
+struct ChainResults {
+  std::vector<std::byte> values;              ///< result_bytes() for each point, in the types of the attributes
+  std::vector<formulas::Estimate> estimates;  ///< estimates_per_point() for each point: the same, and how far off
+};
 
 class ChainValues {
  public:
@@ -24,19 +32,26 @@ class ChainValues {
 
   /// The last version of each kept attribute, in the order first made.
   const std::vector<Attribute>& made() const { return made_; }
+  /// Whether made()[a] comes from a formula, and not from the operator that also made the output.
+  bool is_independent(std::size_t a) const;
   /// Bytes of a result: the values of made(), one after another.
   std::size_t result_bytes() const;
+  std::size_t estimates_per_point() const;
   /// How many rings of neighbours need neighbours of their own: 1 if only neighbours' positions and attributes of the
   /// file are looked at, one more for each stage that looks at what another made of neighbours. 0 without operators.
   std::size_t rings() const;
 
   /// Results of the chosen points of `around`, which has rings() rings. Reads the input once more if an operator reads
   /// attributes of the file.
-  std::vector<std::byte> evaluate(Surroundings around, RowSource& in) const;
+  ChainResults evaluate(Surroundings around, RowSource& in) const;
+  /// Bytes of memory for each point of the surroundings, besides its list.
+  std::size_t bytes_per_point() const;
 
  private:
   struct Stage {
     std::shared_ptr<const Operator> op;
+    std::shared_ptr<const StageFormula> formula = {};  ///< none: the operator itself is applied
+    bool applied = false;                              ///< the operator is, for itself or for one that reads it
     std::vector<std::uint16_t> reads, reads_neighbors, makes;
     int position = -1;   ///< column of the moved positions it sees
     bool alone = false;  ///< it sees only its own
@@ -48,18 +63,30 @@ class ChainValues {
     std::vector<Field> fields;  ///< of the input, one for each component
   };
   using ColumnBytes = std::vector<std::vector<std::byte>>;  ///< by column number
+  using ColumnEstimates = std::vector<std::vector<formulas::Estimate>>;
 
   std::uint16_t column_of(const Attribute& wanted, const Operator& op, const Schema& input);
   void add_file_column(std::uint16_t column, const Attribute& wanted, const std::string& who, const Schema& input);
-  void shorten(Surroundings& around, const ColumnBytes& columns) const;
+  void find_applied();
+  std::vector<bool> shorten(Surroundings& around, const ColumnBytes& columns) const;
+  formulas::Kept kept_of(const Surroundings& around, std::size_t i, const ColumnBytes& columns,
+                         const std::vector<PointColumns>& slots) const;
   std::uint16_t new_column(const Attribute& attribute);
   void make(const Attribute& attribute, Stage& stage);
   void find_rings();
   void need(std::uint16_t column, int ring);
   void fetch_file_columns(const Surroundings& around, RowSource& in, ColumnBytes& columns) const;
   void apply(const Stage& stage, const Surroundings& around, ColumnBytes& columns) const;
+  void estimate(const Stage& stage, const Surroundings& around, const std::vector<bool>& in_doubt,
+                ColumnEstimates& columns) const;
+  FormulaInput input_of(const Stage& stage, const Surroundings& around, std::size_t i,
+                        const ColumnEstimates& columns) const;
+  void take_bits(std::uint16_t column, const ColumnBytes& bits, const std::vector<bool>& in_doubt,
+                 ColumnEstimates& estimates) const;
+  ChainResults results_of(std::size_t points, const ColumnBytes& bits, const ColumnEstimates& estimates) const;
 
   SharedRule rule_;
+  RuleFormula rule_formula_;
   std::vector<std::uint16_t> rule_reads_;
   std::vector<Stage> stages_;
   std::vector<FileColumn> file_columns_;

@@ -114,6 +114,13 @@ std::uint64_t FieldPair::found(const std::byte* to_record) const {
   return bitwise_ ? bits_at(to_, to_record) : word_of(value_of(to_, to_record));
 }
 
+double FieldPair::resolution(double value) const {
+  const double of_double = std::ldexp(std::abs(value), -52);
+  if (to_.type == Type::f64 && to_.is_plain()) return single_ ? std::ldexp(std::abs(value), -24) : 0;
+  if (to_.type == Type::f32 && to_.is_plain()) return bitwise_ ? 0 : std::ldexp(std::abs(value), -24) + 0x1p-150;
+  return std::abs(to_.scale) / 2 + of_double;
+}
+
 std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to) {
   const Field& field = from.fields[index];
   const PlaceFinder finder(from, index, to);

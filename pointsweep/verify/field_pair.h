@@ -27,6 +27,8 @@ class FieldPair {
   /// A word that is the same for equal values: from a record with `from`, and from one with `to`.
   std::uint64_t expected(const std::byte* from_record) const;
   std::uint64_t found(const std::byte* to_record) const;
+  /// By how much a format may change `value` in storing it: half a unit of what `to` can hold.
+  double resolution(double value) const;
   double expected_value(const std::byte* from_record) const { return value_of(from_, from_record); }
   double found_value(const std::byte* to_record) const { return value_of(to_, to_record); }
 

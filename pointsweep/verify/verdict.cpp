@@ -32,6 +32,10 @@ std::string to_text(const Verdict& v) {
   else
     text += fmt::format("  by brute force     {} of {} points, {} wrong: {}\n", v.sampled, v.arrivals.points_in,
                         v.wrong_points, names_text(v.made));
+  if (!v.by_own_operator.empty()) text += fmt::format("  not independent    {}\n", names_text(v.by_own_operator));
+  if (v.open_values > 0)
+    text += fmt::format("  undetermined       {} of {} values: the data do not tell which is right\n", v.open_values,
+                        v.values);
   if (!v.unknown.empty()) text += fmt::format("  not checked        {}\n", names_text(v.unknown));
   for (const std::string& difference : v.differences) text += fmt::format("  DIFFERENT          {}\n", difference);
   if (v.difference_count > v.differences.size())

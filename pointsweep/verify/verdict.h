@@ -13,9 +13,13 @@ namespace pointsweep {
 struct Verdict {
   std::string input, output;  ///< names
   Arrivals arrivals;
-  bool attributes_compared = true;   ///< false for arrays, which hold none of the input's
-  std::string order;                 ///< "input" or "sweep along x"; empty if the rows are in neither
-  std::vector<std::string> made;     ///< attributes that operators made, by brute force again
+  bool attributes_compared = true;  ///< false for arrays, which hold none of the input's
+  std::string order;                ///< "input" or "sweep along x"; empty if the rows are in neither
+  std::vector<std::string> made;    ///< attributes that operators made, by brute force again
+  /// Those of them for which the library has no formula of its own: evaluated with the operator that made them.
+  std::vector<std::string> by_own_operator;
+  std::uint64_t values = 0;          ///< values that were evaluated again
+  std::uint64_t open_values = 0;     ///< of these, some of which the data do not tell what is right (a tie to rounding)
   std::uint64_t sampled = 0;         ///< points for which they were
   std::uint64_t wrong_points = 0;    ///< of these, with a value that is not as it should be
   std::uint64_t passes = 0;          ///< times that the whole input was read

@@ -7,7 +7,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/verify/chain_values.h"
-#include "pointsweep/verify/field_pair.h"
+#include "pointsweep/verify/made_value.h"
 #include "pointsweep/verify/sample_rows.h"
 #include "pointsweep/verify/sweep_rows.h"
 
@@ -57,14 +57,17 @@ class Verification {
         rows_(rows_to_check(in_.count(), options)) {
     verdict_.input = in_.name(), verdict_.output = out_.name();
     verdict_.attributes_compared = !is_array;
-    for (const Attribute& a : chain_.made()) verdict_.made.push_back(a.name);
+    for (std::size_t a = 0; a < chain_.made().size(); ++a) {
+      verdict_.made.push_back(chain_.made()[a].name);
+      if (!chain_.is_independent(a)) verdict_.by_own_operator.push_back(chain_.made()[a].name);
+    }
   }
 
   Verdict run() {
     pair_made_attributes();
     compare();
     judge_arrivals();
-    if (verdict_.arrivals.points_in == verdict_.arrivals.points_out && !order_is_lost_ && !made_pairs_.empty())
+    if (verdict_.arrivals.points_in == verdict_.arrivals.points_out && !order_is_lost_ && !made_values_.empty())
       check_sample();
     return std::move(verdict_);
   }
@@ -81,15 +84,10 @@ class Verification {
     replaced_.assign(in_.schema().fields.size(), !verdict_.attributes_compared);
     for (std::size_t f = 0; f < replaced_.size(); ++f)
       if (made_by_.left_out_input.contains(in_.schema().fields[f].name)) replaced_[f] = true;
-    for (std::size_t f = 0; f < results.fields.size(); ++f) {
-      const std::string& name = results.fields[f].name;
-      if (made_by_.left_out_made.contains(name)) continue;
-      if (const auto old = in_.schema().find(name)) replaced_[*old] = true;
-      if (auto pairs = pairs_of_field(results, f, out_.schema())) {
-        made_pairs_.insert(made_pairs_.end(), pairs->begin(), pairs->end());
-      } else {
-        differ("the output has no '{}', which is to be made", name);
-      }
+    std::size_t f = 0, estimate = 0;
+    for (const Attribute& a : chain_.made()) {
+      const std::size_t width = a.fields.size() / estimates_of(a);  // components of an estimate
+      for (std::size_t e = 0; e < estimates_of(a); ++e, f += width) pair_made_value(results, f, width, estimate++);
     }
     for (const Attribute& a : made_by_.unchecked) {
       verdict_.unknown.push_back(a.name);
@@ -98,6 +96,21 @@ class Verification {
     }
     for (const Field& field : out_.schema().fields)
       if (!is_of(in_.schema(), field.name) && !is_of(results, field.name)) verdict_.unknown.push_back(field.name);
+  }
+
+  void pair_made_value(const Schema& results, std::size_t first, std::size_t width, std::size_t estimate) {
+    std::vector<std::optional<FieldPair>> pairs(width);  // none where a component was not written
+    for (std::size_t c = 0; c < width; ++c) {
+      const std::string& name = results.fields[first + c].name;
+      if (made_by_.left_out_made.contains(name)) continue;
+      if (const auto old = in_.schema().find(name)) replaced_[*old] = true;
+      if (const auto found = pairs_of_field(results, first + c, out_.schema()))
+        pairs[c] = found->front();
+      else
+        differ("the output has no '{}', which is to be made", name);
+    }
+    if (std::any_of(pairs.begin(), pairs.end(), [](const auto& pair) { return pair.has_value(); }))
+      made_values_.emplace_back(estimate, std::move(pairs));
   }
 
   /// The first reading of the input: also takes the positions of the sample and a thin subset of all.
@@ -189,7 +202,7 @@ class Verification {
       verdict_.passes += chain_.rings();
       hold_against_output(chosen, chain_.evaluate(std::move(around), in_), places);
     }
-    hold_against_output(nonfinite_, values_of_none(), places);
+    hold_against_output(nonfinite_, results_of_none(), places);
   }
 
   /// How many points and their surroundings fit the memory, if neighbourhoods overlap as in a volume.
@@ -203,25 +216,27 @@ class Verification {
       all = std::min(all * k, r * r * r * k);
       lists += all;
     }
-    const double bytes = lists * (k + 1) * 64 + 200;
+    const double bytes = lists * ((k + 1) * 64 + static_cast<double>(chain_.bytes_per_point())) + 200;
     return std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(options_.memory_bytes) / bytes));
   }
 
-  /// What points without a place in space get; nobody moves them.
-  std::vector<std::byte> values_of_none() const {
-    std::vector<std::byte> values;
+  /// What points without finite coordinates get; they are never moved.
+  ChainResults results_of_none() const {
+    ChainResults results;
+    results.estimates.resize(nonfinite_.size() * chain_.estimates_per_point());
     for (const KnownPoint& p : nonfinite_) {
       for (const Attribute& a : chain_.made()) {
-        const std::size_t at = values.size();
-        values.resize(at + a.bytes(), a.fill);
-        if (a.name == position_attribute().name) std::memcpy(values.data() + at, &p.position, sizeof p.position);
+        const std::size_t at = results.values.size();
+        results.values.resize(at + a.bytes(), a.fill);
+        if (a.name == position_attribute().name)
+          std::memcpy(results.values.data() + at, &p.position, sizeof p.position);
       }
     }
-    return values;
+    return results;
   }
 
   /// `points` are some of the sample in ascending rows, `results` one record each.
-  void hold_against_output(std::span<const KnownPoint> points, const std::vector<std::byte>& results,
+  void hold_against_output(std::span<const KnownPoint> points, const ChainResults& results,
                            const std::vector<std::uint64_t>& places) {
     struct Wanted {
       std::uint64_t place;
@@ -236,20 +251,25 @@ class Verification {
     std::vector<std::uint64_t> ascending;
     for (const Wanted& w : wanted) ascending.push_back(w.place);
     for_each_record(out_, ascending, [&](std::size_t i, const std::byte* record) {
-      check_point(wanted[i].place, points[wanted[i].point].row,
-                  results.data() + wanted[i].point * chain_.result_bytes(), record);
+      const std::size_t point = wanted[i].point;
+      check_point(wanted[i].place, points[point].row, results.values.data() + point * chain_.result_bytes(),
+                  results.estimates.data() + point * chain_.estimates_per_point(), record);
     });
     verdict_.sampled += points.size();
   }
 
-  void check_point(std::uint64_t place, std::uint64_t row, const std::byte* result, const std::byte* record) {
+  void check_point(std::uint64_t place, std::uint64_t row, const std::byte* result, const formulas::Estimate* estimates,
+                   const std::byte* record) {
     bool wrong = false;
-    for (const FieldPair& pair : made_pairs_) {
-      if (pair.expected(result) == pair.found(record)) continue;
+    for (const auto& [number, value] : made_values_) {
+      const formulas::Estimate& estimate = estimates[number];
+      verdict_.open_values += estimate.is_open();
+      ++verdict_.values;
+      const auto component = value.wrong_component(estimate, result, record);
+      if (!component) continue;
       if (!wrong)
-        differ("row {}{}: {} is {}, but {} by brute force", place,
-               place == row ? "" : fmt::format(" (row {} of the input)", row), pair.name(), pair.found_value(record),
-               pair.expected_value(result));
+        differ("row {}{}: {}", place, place == row ? "" : fmt::format(" (row {} of the input)", row),
+               value.difference(*component, estimate, result, record));
       wrong = true;
     }
     verdict_.wrong_points += wrong;
@@ -259,12 +279,12 @@ class Verification {
   const MadeBy& made_by_;
   const VerifyOptions& options_;
   ChainValues chain_;
-  std::vector<std::uint64_t> rows_;             ///< of the sample, ascending
-  std::vector<KnownPoint> finite_, nonfinite_;  ///< the sample
-  std::vector<KnownPoint> subset_;              ///< of all points, evenly strewn over the rows
-  std::vector<bool> replaced_;                  ///< by field of the input
-  std::vector<FieldPair> made_pairs_;           ///< from a result record to a record of the output
-  int axis_ = -1;                               ///< of the sweep whose order the rows have; negative: the input's
+  std::vector<std::uint64_t> rows_;                             ///< of the sample, ascending
+  std::vector<KnownPoint> finite_, nonfinite_;                  ///< the sample
+  std::vector<KnownPoint> subset_;                              ///< of all points, evenly strewn over the rows
+  std::vector<bool> replaced_;                                  ///< by field of the input
+  std::vector<std::pair<std::size_t, MadeValue>> made_values_;  ///< by number of the estimate
+  int axis_ = -1;  ///< of the sweep whose order the rows have; negative: the input's
   bool order_is_lost_ = false;
   Verdict verdict_;
 };

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+/// Distances to neighbours: those of the neighbour graph and of the size of a neighbourhood.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/verify/formulas/estimate.h"
+
+namespace pointsweep::formulas {
+
+/// |q - p|² as every exact comparison takes it: ((dx² + dy²) + dz²), every operation rounded to float64.
+double squared_distance(const Place& p, const Place& q);
+
+/// |q - p|, float64: its square root, rounded to float64. Of points that an operator moved it is right up to what they
+/// may be off.
+Estimate distance(const Place& p, const Place& q);
+
+/// The farthest of `neighbors`, float64; 0 without any.
+Estimate farthest(const Place& p, std::span<const Place> neighbors);
+
+/// A neighbour in the graph.
+struct GraphNeighbor {
+  Estimate distance;
+  double distance2;
+  std::size_t index;  ///< in the list given
+};
+
+/// Nearest first by ((dx² + dy²) + dz²) in float64, equal ones by x, y, z, then row. `certain` is false if points may
+/// be off by more than what their order hangs on.
+struct GraphRow {
+  std::vector<GraphNeighbor> neighbors;
+  bool certain = true;
+};
+GraphRow graph_row(const Place& p, std::span<const Place> neighbors, std::span<const std::uint64_t> rows);
+
+}  // namespace pointsweep::formulas

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+/// What a formula says of a point, together with how far a right evaluation may be from it.
+///
+/// Operators evaluate their formulas in a documented precision: the weights θ, f and g to kWeightError, all else in
+/// double, results rounded to the type of the attribute. Each formula bounds what these roundings, and the errors of
+/// what it reads, do to its result, to first order and with the eigenvalue gaps at hand (Weyl's inequality for
+/// eigenvalues, Davis and Kahan, "The rotation of eigenvectors by a perturbation", 1970, for eigenvectors). So a
+/// tolerance is never chosen: it follows from the data, and is as tight as the data allow.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <span>
+
+#include "pointsweep/verify/formulas/vector.h"
+
+namespace pointsweep::formulas {
+
+inline constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
+inline constexpr Real kSingle = 0x1p-24L;  ///< largest relative error of rounding to float32
+inline constexpr Real kDouble = 0x1p-53L;  ///< the same of float64
+
+/// Relative error of a weight exp(-x) in single precision: of the exponential, and of its argument.
+inline Real weight_error(Real x) { return 4 * kSingle * (1 + x); }
+/// What a sum of `terms` numbers, and some twenty operations after it, lose in double, relative to the sum of
+/// magnitudes.
+inline Real rounding_of_sum(std::size_t terms) { return (static_cast<Real>(terms) + 64) * kDouble; }
+
+/// A position, and how far from it the operator's own may be: 0 unless an operator moved the point.
+struct Place {
+  Vector at;
+  Real error = 0;
+};
+
+/// An attribute of up to three components.
+struct Estimate {
+  Vector value;                   ///< a scalar is in x
+  Real error = 0;                 ///< length of the difference to any right value; infinite: the data do not tell
+  bool either_sign = false;       ///< the negative is as right
+  bool may_be_undefined = false;  ///< the data are so near to a limit that the value for undefined data, 0, is as right
+
+  bool is_open() const { return !(error < kInfinity); }
+};
+
+/// The documented value where the data define none.
+inline Estimate undefined() { return {}; }
+/// The data do not tell which value is right.
+inline Estimate open() { return {.value = {}, .error = kInfinity, .either_sign = true, .may_be_undefined = true}; }
+
+/// Ends of what a number may be.
+struct Range {
+  Real low = 0, high = 0;
+};
+inline Range around(Real value, Real error) { return {value - error, value + error}; }
+inline Range not_negative(Range r) { return {std::max<Real>(r.low, 0), std::max<Real>(r.high, 0)}; }
+
+/// `value` as float32, of which a right evaluation lies in `range`.
+inline Estimate single_scalar(Real value, Range range) {
+  const Real error = std::max(range.high - value, value - range.low);
+  return {.value = {value, 0, 0}, .error = error + kSingle * (std::fabs(value) + error) + 0x1p-149L};
+}
+/// A unit vector as three float32.
+inline Estimate single_direction(Vector value, Real error) {
+  return {.value = value, .error = error < 1 ? error + kSingle : kInfinity};
+}
+
+}  // namespace pointsweep::formulas

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/formulas/neighborhood_rules.h"
+
+#include "pointsweep/verify/formulas/distances.h"
+#include "pointsweep/verify/formulas/eigen.h"
+
+namespace pointsweep::formulas {
+namespace {
+
+/// E of a covariance, and how far a right evaluation may be from it.
+struct Entropy {
+  Real value = kInfinity, error = 0;
+};
+
+Entropy entropy(const Matrix& covariance, Real rounding) {
+  const Real trace = covariance.trace();
+  Entropy result{0, 0};
+  for (const Real value : eigen_of(covariance).value) {
+    const Real e = std::max<Real>(value, 0) / trace, least = std::max(e, rounding / trace);
+    if (e > 0) result.value -= e * std::log(e);
+    result.error += rounding / trace * (1 + std::fabs(std::log(least)));
+  }
+  return result;
+}
+
+/// Those of k = least, least + 1, ...: E is infinite where p and its k nearest neighbours are all in one place.
+std::vector<Entropy> entropies(const Place& p, std::span<const Place> neighbors, std::size_t least) {
+  std::vector<Entropy> result;
+  Matrix squares;
+  Vector sum;
+  for (std::size_t k = 1; k <= neighbors.size(); ++k) {
+    const Vector d = neighbors[k - 1].at - p.at;
+    squares.add_outer_product(1, d);
+    sum = sum + d;
+    if (k < least) continue;
+    Matrix covariance = squares;
+    covariance.add_outer_product(-1 / static_cast<Real>(k + 1), sum);
+    const bool extended = squares.trace() > 0;
+    result.push_back(extended ? entropy(covariance, rounding_of_sum(k) * squares.trace()) : Entropy{});
+  }
+  return result;
+}
+
+}  // namespace
+
+Kept of_least_eigenentropy(const Place& p, std::span<const Place> neighbors, std::size_t least) {
+  if (neighbors.size() <= least) return {neighbors.size(), true};
+  const std::vector<Entropy> all = entropies(p, neighbors, least);
+  std::size_t best = 0;
+  for (std::size_t m = 1; m < all.size(); ++m)
+    if (all[m].value < all[best].value) best = m;
+  if (!(all[best].value < kInfinity)) return {neighbors.size(), true};
+  Kept kept{least + best, true};
+  for (std::size_t m = 0; m < all.size(); ++m)
+    if (m != best && all[m].value - all[best].value <= all[m].error + all[best].error) kept.certain = false;
+  return kept;
+}
+
+Kept within_limits(const Place& p, std::span<const Place> neighbors, std::optional<double> k,
+                   std::optional<double> radius) {
+  std::size_t count = neighbors.size();
+  if (k) count = *k >= 1 ? static_cast<std::size_t>(std::min(std::floor(*k), static_cast<double>(count))) : 0;
+  if (!radius) return {count, true};
+  std::size_t within = 0;
+  while (within < count && *radius >= 0 && squared_distance(p, neighbors[within]) <= *radius * *radius) ++within;
+  return {within, true};
+}
+
+}  // namespace pointsweep::formulas

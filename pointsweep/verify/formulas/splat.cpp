@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/formulas/splat.h"
+
+#include <vector>
+
+#include "pointsweep/verify/formulas/tangent.h"
+#include "pointsweep/verify/formulas/weighted_neighbors.h"
+
+namespace pointsweep::formulas {
+namespace {
+
+constexpr std::size_t kHeld = 8;
+constexpr Real kLeastRatio = 0.125L;
+
+/// Direction and proportion of an ellipse, without its size.
+struct Form {
+  Estimate major;
+  Real ratio = 1;
+  Range ratio_range{1, 1};
+};
+
+Form form(Estimate major, Real ratio2, Range range2) {
+  const auto clamped = [](Real r2) { return std::clamp<Real>(std::sqrt(std::max<Real>(r2, 0)), kLeastRatio, 1); };
+  return {major, clamped(ratio2), {clamped(range2.low), clamped(range2.high)}};
+}
+
+Form form_of_positions(const WeightedNeighbors& weighted, const Estimate& n) {
+  const Spectrum s = equation1(weighted);
+  const Estimate major =
+      tangent(unit(n.value), s.vector[2], s.vector[1], std::max(s.vector_error[2], s.vector_error[1]) + n.error);
+  const Range l1 = not_negative(around(s.value[1], s.value_error[1]));
+  const Range l2 = around(s.value[2], s.value_error[2]);
+  return form(major, s.value[1] / s.value[2], {l1.low / l2.high, l2.low > 0 ? l1.high / l2.low : 1});
+}
+
+Form form_of_curvature(const CurvatureHere& c, const Estimate& n) {
+  Estimate major{.value = cross(unit(n.value), unit(c.k1_direction.value)),
+                 .error = c.k1_direction.error + n.error,
+                 .either_sign = true};
+  const Range k1 = not_negative(around(c.k1.value.x, c.k1.error)), k2 = not_negative(around(c.k2.value.x, c.k2.error));
+  return form(major, c.k2.value.x / c.k1.value.x, {k2.low / k1.high, k1.low > 0 ? k2.high / k1.low : 1});
+}
+
+bool is_zero(const Estimate& e) { return !e.is_open() && norm(e.value) == 0; }
+
+/// q_j of the header, and what it may be.
+struct Reach {
+  Real q, low, high;
+};
+
+Reach reach(const WeightedOffset& o, Vector n, const Estimate& n_estimate, const Form& f) {
+  const Real x = dot(o.d, f.major.value), y = dot(o.d, cross(n, f.major.value)), h = dot(o.d, n), e = f.ratio;
+  const auto q = [&](Real ratio) { return std::hypot(x, y / ratio); };
+  // Turning the axes by a small angle changes q by |x y| (1/e² - 1) / q times that.
+  const Real flattest = f.ratio_range.low, angle = std::min<Real>(f.major.error, 1);
+  const Real turn = q(e) > 0 ? std::fabs(x * y) * (1 / (flattest * flattest) - 1) / q(e) * angle : 0;
+  const Real tilt = n_estimate.error * (std::fabs(h) + n_estimate.error * norm(o.d)) / flattest;
+  const Real error = turn + tilt + o.error / flattest + 32 * kDouble * q(e);
+  return {q(e), std::max<Real>(0, q(f.ratio_range.high) - error), q(f.ratio_range.low) + error};
+}
+
+Real held(std::vector<Real> q) {
+  std::sort(q.begin(), q.end());
+  if (q.size() >= kHeld) return q[kHeld - 1];
+  return q.back() * std::sqrt(static_cast<Real>(kHeld) / static_cast<Real>(q.size()));
+}
+
+Estimate length_of(const WeightedNeighbors& weighted, const Estimate& n, const Form& f) {
+  std::vector<Real> q, low, high;
+  for (const WeightedOffset& o : weighted.offsets) {
+    if (!(norm(o.d) > 0)) continue;
+    const Reach r = reach(o, unit(n.value), n, f);
+    if (r.low <= 0) return open();  // straight above p_i, or nearly so
+    q.push_back(r.q), low.push_back(r.low), high.push_back(r.high);
+  }
+  return single_scalar(held(q), {held(low), held(high)});
+}
+
+Splat all(const Estimate& e) { return {e, e, e}; }
+
+}  // namespace
+
+Splat splat(const Place& p, const Estimate& n, std::span<const Place> neighbors, const CurvatureHere* curvature) {
+  if (is_zero(n)) return all(undefined());
+  if (n.is_open() || n.may_be_undefined) return all(open());
+  const WeightedNeighbors weighted = weigh(p, neighbors);
+  if (!weighted.finite) return all(open());
+  if (!(weighted.farthest > 0)) return all(undefined());
+  // A neighbour that may or may not lie on p_i counts or does not.
+  const bool unsure = std::any_of(weighted.offsets.begin(), weighted.offsets.end(),
+                                  [](const WeightedOffset& o) { return o.error > 0 && norm(o.d) <= o.error; });
+  if (unsure) return all(open());
+  const bool curved = curvature != nullptr && !is_zero(curvature->k1_direction) && !is_zero(curvature->k1);
+  if (curved && (curvature->k1.may_be_undefined || curvature->k1.error >= curvature->k1.value.x)) return all(open());
+  const Form f = curved ? form_of_curvature(*curvature, n) : form_of_positions(weighted, n);
+  Splat result{.axis = single_direction(f.major.value, f.major.error),
+               .length = length_of(weighted, n, f),
+               .ratio = single_scalar(f.ratio, f.ratio_range)};
+  result.axis.either_sign = true;
+  return result;
+}
+
+}  // namespace pointsweep::formulas

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+/// Neighbours with the weight θ of Equation 1, and M_i.
+#pragma once
+
+#include <vector>
+
+#include "pointsweep/verify/formulas/spectrum.h"
+
+namespace pointsweep::formulas {
+
+struct WeightedOffset {
+  Vector d;               ///< p_j - p_i
+  Real error = 0;         ///< of d
+  Real weight = 0;        ///< θ(|d|)
+  Real weight_error = 0;  ///< of θ, not relative
+};
+
+/// N_i as Equations 1 and 2 see it: θ(r) = exp(-r²/2σ²) with σ² = π max_j |p_j - p_i|² / |N_i|, N_i without p_i.
+struct WeightedNeighbors {
+  std::vector<WeightedOffset> offsets;
+  Real farthest = 0;        ///< max_j |p_j - p_i|
+  Real farthest_error = 0;  ///< of that
+  /// Weights are θ over θ of the nearest neighbour off p_i, which is this, so that they never vanish all together.
+  Real theta_of_nearest = 1;
+  bool finite = true;  ///< no offset overflows double precision
+
+  Real mean_weight() const;
+};
+
+WeightedNeighbors weigh(const Place& p, std::span<const Place> neighbors);
+
+/// M_i of Equation 1 over theta_of_nearest, and its eigenvectors.
+Spectrum equation1(const WeightedNeighbors& neighbors);
+
+}  // namespace pointsweep::formulas

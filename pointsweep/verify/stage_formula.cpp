@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/stage_formula.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <typeinfo>
+
+#include "pointsweep/operators/curvature.h"
+#include "pointsweep/operators/fair.h"
+#include "pointsweep/operators/least_eigenentropy.h"
+#include "pointsweep/operators/limits_from_attributes.h"
+#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/neighborhood_size.h"
+#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/splats.h"
+#include "pointsweep/verify/formulas/curvature.h"
+#include "pointsweep/verify/formulas/distances.h"
+#include "pointsweep/verify/formulas/fairing.h"
+#include "pointsweep/verify/formulas/normal.h"
+#include "pointsweep/verify/formulas/splat.h"
+
+namespace pointsweep {
+namespace {
+
+using formulas::Estimate;
+using formulas::Real;
+using Estimates = std::vector<Estimate>;
+
+/// Place of an attribute in a list of a contract that has it.
+std::size_t place_in(const std::vector<Attribute>& list, const Attribute& wanted) {
+  const auto is_wanted = [&](const Attribute& a) { return a.name == wanted.name; };
+  return static_cast<std::size_t>(std::find_if(list.begin(), list.end(), is_wanted) - list.begin());
+}
+
+Estimate exactly(Real value) { return {.value = {value, 0, 0}}; }
+
+class NormalFormula final : public StageFormula {
+ public:
+  explicit NormalFormula(const NormalsOptions& options) : options_(options) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    using Side = formulas::Facing::Side;
+    formulas::Facing facing;
+    if (options_.orient == Orient::up) facing.side = Side::up;
+    if (options_.orient == Orient::viewpoint) facing.side = Side::viewpoint;
+    facing.viewpoint = {options_.viewpoint.x, options_.viewpoint.y, options_.viewpoint.z};
+    if (options_.orient == Orient::input) facing.side = Side::like, facing.like = in.reads[0];
+    return {formulas::normal(in.place, in.neighbors, facing)};
+  }
+
+ private:
+  NormalsOptions options_;
+};
+
+class CurvatureFormula final : public StageFormula {
+ public:
+  explicit CurvatureFormula(const Contract& c)
+      : own_(place_in(c.reads, normal_attribute())), near_(place_in(c.reads_neighbors, normal_attribute())) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    const formulas::Curvatures c = formulas::curvature(in.place, in.reads[own_], in.neighbors, in.of_neighbors[near_]);
+    return {
+        c.k1, c.k2, c.k1_direction, c.mean, c.gaussian, c.rms, c.absolute, c.surface_variation, c.normal_eigenvalues};
+  }
+
+ private:
+  std::size_t own_, near_;
+};
+
+class SplatFormula final : public StageFormula {
+ public:
+  SplatFormula(const Contract& c, bool curved)
+      : curved_(curved),
+        normal_(place_in(c.reads, normal_attribute())),
+        k1_(place_in(c.reads, k1_attribute())),
+        k2_(place_in(c.reads, k2_attribute())),
+        direction_(place_in(c.reads, k1_direction_attribute())) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    formulas::CurvatureHere here;
+    if (curved_) here = {in.reads[k1_], in.reads[k2_], in.reads[direction_]};
+    const formulas::Splat s = formulas::splat(in.place, in.reads[normal_], in.neighbors, curved_ ? &here : nullptr);
+    return {s.axis, s.length, s.ratio};
+  }
+
+ private:
+  bool curved_;
+  std::size_t normal_, k1_, k2_, direction_;
+};
+
+class FairFormula final : public StageFormula {
+ public:
+  FairFormula(const Contract& c, const FairOptions& options)
+      : options_(options),
+        own_length_(place_in(c.reads, splat_length_attribute())),
+        own_ratio_(place_in(c.reads, splat_ratio_attribute())),
+        normal_(place_in(c.reads_neighbors, normal_attribute())),
+        length_(place_in(c.reads_neighbors, splat_length_attribute())),
+        ratio_(place_in(c.reads_neighbors, splat_ratio_attribute())) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    std::vector<formulas::Surfel> neighbors;
+    for (std::size_t j = 0; j < in.neighbors.size(); ++j)
+      neighbors.push_back(
+          {in.neighbors[j], in.of_neighbors[normal_][j], in.of_neighbors[length_][j], in.of_neighbors[ratio_][j]});
+    const formulas::Surfel own{in.place, {}, in.reads[own_length_], in.reads[own_ratio_]};
+    return {formulas::faired(own, neighbors, options_.f, options_.g)};
+  }
+
+ private:
+  FairOptions options_;
+  std::size_t own_length_, own_ratio_, normal_, length_, ratio_;
+};
+
+class SizeFormula final : public StageFormula {
+ public:
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {exactly(static_cast<Real>(in.neighbors.size())), formulas::farthest(in.place, in.neighbors)};
+  }
+};
+
+class GraphFormula final : public StageFormula {
+ public:
+  explicit GraphFormula(const Contract& c)
+      : k_(c.makes.front().fields.size()), distances_(c.makes.size() > 1), type_(c.makes.front().type) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    const formulas::GraphRow row = formulas::graph_row(in.place, in.neighbors, in.rows);
+    const Real none = type_ == Type::u64 ? static_cast<Real>(std::numeric_limits<std::uint64_t>::max())
+                                         : static_cast<Real>(std::numeric_limits<std::uint32_t>::max());
+    Estimates rows(wide(), exactly(none)), lengths(wide(), exactly(std::numeric_limits<Real>::quiet_NaN()));
+    for (std::size_t j = 0; j < std::min(k_, row.neighbors.size()); ++j) {
+      rows[j] = row.certain ? exactly(static_cast<Real>(in.rows[row.neighbors[j].index])) : formulas::open();
+      lengths[j] = row.neighbors[j].distance;
+    }
+    Estimates all = as_attribute(rows);
+    if (distances_)
+      for (const Estimate& e : as_attribute(lengths)) all.push_back(e);
+    return all;
+  }
+
+ private:
+  std::size_t wide() const { return std::max<std::size_t>(k_, 3); }
+  /// Up to three numbers are one estimate.
+  Estimates as_attribute(const Estimates& numbers) const {
+    if (k_ > 3) return numbers;
+    Estimate one{.value = {numbers[0].value.x, numbers[1].value.x, numbers[2].value.x}};
+    for (std::size_t j = 0; j < k_; ++j) one.error += numbers[j].error;
+    return {one};
+  }
+
+  std::size_t k_;
+  bool distances_;
+  Type type_;
+};
+
+}  // namespace
+
+std::unique_ptr<StageFormula> formula_of(const Operator& op) {
+  // Exactly these classes: one derived from them may mean something else.
+  const std::type_info& type = typeid(op);
+  const Contract contract = op.contract();
+  if (type == typeid(Normals)) return std::make_unique<NormalFormula>(static_cast<const Normals&>(op).options());
+  if (type == typeid(Curvature)) return std::make_unique<CurvatureFormula>(contract);
+  if (type == typeid(Splats))
+    return std::make_unique<SplatFormula>(contract,
+                                          static_cast<const Splats&>(op).options().axes == SplatAxes::curvature);
+  if (type == typeid(Fair)) return std::make_unique<FairFormula>(contract, static_cast<const Fair&>(op).options());
+  if (type == typeid(NeighborhoodSize)) return std::make_unique<SizeFormula>();
+  if (type == typeid(NeighborRows)) return std::make_unique<GraphFormula>(contract);
+  return nullptr;
+}
+
+RuleFormula formula_of(const NeighborhoodRule& rule) {
+  if (typeid(rule) == typeid(LeastEigenentropy)) {
+    const std::size_t least = static_cast<const LeastEigenentropy&>(rule).least();
+    return [least](const formulas::Place& p, std::span<const formulas::Place> neighbors, std::span<const double>) {
+      return formulas::of_least_eigenentropy(p, neighbors, least);
+    };
+  }
+  if (typeid(rule) != typeid(LimitsFromAttributes)) return {};
+  const AttributeLimits& limits = static_cast<const LimitsFromAttributes&>(rule).limits();
+  const bool k = !limits.k.empty(), radius = !limits.radius.empty();
+  return [k, radius](const formulas::Place& p, std::span<const formulas::Place> neighbors,
+                     std::span<const double> values) {
+    return formulas::within_limits(p, neighbors, k ? std::optional(values[0]) : std::nullopt,
+                                   radius ? std::optional(values[k ? 1 : 0]) : std::nullopt);
+  };
+}
+
+}  // namespace pointsweep

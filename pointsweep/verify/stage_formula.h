@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// From an operator, by what it is and its options, to the independent evaluation of its formula.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pointsweep/operators/operator.h"
+#include "pointsweep/points/neighborhood_rule.h"
+#include "pointsweep/verify/formulas/estimate.h"
+#include "pointsweep/verify/formulas/neighborhood_rules.h"
+
+namespace pointsweep {
+
+/// A point, its neighbours in the order of their list, and what a stage reads of them, in the order of its contract.
+struct FormulaInput {
+  formulas::Place place;
+  std::span<const formulas::Place> neighbors;
+  std::span<const std::uint64_t> rows;                        ///< of the neighbours, in the input
+  std::vector<formulas::Estimate> reads;                      ///< by attribute
+  std::vector<std::vector<formulas::Estimate>> of_neighbors;  ///< by attribute, then neighbour
+};
+
+/// A pure function of a point and its neighbourhood, like the operator, but in formulas/ alone.
+class StageFormula {
+ public:
+  virtual ~StageFormula() = default;
+  /// Estimates of the made attributes, component by component: those of up to three components are one estimate, wider
+  /// ones an estimate for each.
+  virtual std::vector<formulas::Estimate> evaluate(const FormulaInput& in) const = 0;
+};
+
+/// Estimates that an attribute takes.
+inline std::size_t estimates_of(const Attribute& a) { return a.fields.size() <= 3 ? 1 : a.fields.size(); }
+
+/// Nothing for operators that are not of this library.
+std::unique_ptr<StageFormula> formula_of(const Operator& op);
+
+/// How many neighbours a rule keeps of those found; `values` are its reads() of the point.
+using RuleFormula = std::function<formulas::Kept(const formulas::Place&, std::span<const formulas::Place> neighbors,
+                                                 std::span<const double> values)>;
+/// Empty for rules that are not of this library.
+RuleFormula formula_of(const NeighborhoodRule& rule);
+
+}  // namespace pointsweep
