@@ -152,7 +152,8 @@ void fill_weighted(Curvatures& c, const WeightedNeighbors& weighted, std::span<c
   const Real theta = weighted.theta_of_nearest, exponent = -std::log(theta);
   const auto scaled = [&](std::size_t a) { return theta * std::max<Real>(s.value[a], 0); };
   c.normal_eigenvalues.value = {scaled(0), scaled(1), scaled(2)};
-  const Real error = s.value_error[0] + s.value_error[1] + s.value_error[2] + s.value[2] * weight_error(exponent);
+  const Real error =
+      s.value_error[0] + s.value_error[1] + s.value_error[2] + s.value[2] * double_weight_error(exponent);
   c.normal_eigenvalues.error = theta * error + kSingle * scaled(2) + 0x1p-149L;
 }
 

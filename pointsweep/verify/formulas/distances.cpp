@@ -21,6 +21,7 @@ Estimate farthest(const Place& p, std::span<const Place> neighbors) {
   Estimate result;
   for (const Place& q : neighbors) {
     const Estimate d = distance(p, q);
+    if (std::isnan(d.value.x)) return d;
     result.value.x = std::max(result.value.x, d.value.x);
     result.error = std::max(result.error, d.error);
   }
@@ -32,8 +33,9 @@ GraphRow graph_row(const Place& p, std::span<const Place> neighbors, std::span<c
   for (std::size_t j = 0; j < neighbors.size(); ++j)
     row.neighbors.push_back({distance(p, neighbors[j]), squared_distance(p, neighbors[j]), j});
   const auto key = [&](const GraphNeighbor& n) {
-    const Vector& at = neighbors[n.index].at;
-    return std::tuple(n.distance2, at.x, at.y, at.z, rows[n.index]);
+    const Vector at = is_finite(neighbors[n.index].at) ? neighbors[n.index].at : Vector{};
+    const bool nowhere = std::isnan(n.distance2);
+    return std::tuple(nowhere, nowhere ? 0 : n.distance2, at.x, at.y, at.z, rows[n.index]);
   };
   std::sort(row.neighbors.begin(), row.neighbors.end(),
             [&](const GraphNeighbor& a, const GraphNeighbor& b) { return key(a) < key(b); });

@@ -16,7 +16,7 @@ double squared_distance(const Place& p, const Place& q);
 /// may be off.
 Estimate distance(const Place& p, const Place& q);
 
-/// The farthest of `neighbors`, float64; 0 without any.
+/// The farthest of `neighbors`, float64; 0 without any, NaN if one of them, moved, has no finite place.
 Estimate farthest(const Place& p, std::span<const Place> neighbors);
 
 /// A neighbour in the graph.
@@ -26,8 +26,8 @@ struct GraphNeighbor {
   std::size_t index;  ///< in the list given
 };
 
-/// Nearest first by ((dx² + dy²) + dz²) in float64, equal ones by x, y, z, then row. `certain` is false if points may
-/// be off by more than what their order hangs on.
+/// Nearest first by ((dx² + dy²) + dz²) in float64, equal ones by x, y, z, then row; those without a finite place last,
+/// by row. `certain` is false if points may be off by more than what their order hangs on.
 struct GraphRow {
   std::vector<GraphNeighbor> neighbors;
   bool certain = true;

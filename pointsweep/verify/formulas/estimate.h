@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// What a formula says of a point, together with how far a right evaluation may be from it.
 ///
-/// Operators evaluate their formulas in a documented precision: the weights θ, f and g to kWeightError, all else in
-/// double, results rounded to the type of the attribute. Each formula bounds what these roundings, and the errors of
+/// Operators evaluate their formulas in a documented precision: the weights θ of Equations 1 and 2 in single, all else
+/// in double, results rounded to the type of the attribute. Each formula bounds what these roundings, and the errors of
 /// what it reads, do to its result, to first order and with the eigenvalue gaps at hand (Weyl's inequality for
 /// eigenvalues, Davis and Kahan, "The rotation of eigenvectors by a perturbation", 1970, for eigenvectors). So a
 /// tolerance is never chosen: it follows from the data, and is as tight as the data allow.
@@ -21,8 +21,11 @@ inline constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
 inline constexpr Real kSingle = 0x1p-24L;  ///< largest relative error of rounding to float32
 inline constexpr Real kDouble = 0x1p-53L;  ///< the same of float64
 
-/// Relative error of a weight exp(-x) in single precision: of the exponential, and of its argument.
-inline Real weight_error(Real x) { return 4 * kSingle * (1 + x); }
+/// Relative error of a weight exp(-x) in single precision, of the exponential and of its argument: never more than
+/// 1.2e-7 of the largest weight.
+inline Real single_weight_error(Real x) { return 2 * kSingle * (1 + x); }
+/// The same in double.
+inline Real double_weight_error(Real x) { return 16 * kDouble * (1 + x); }
 /// What a sum of `terms` numbers, and some twenty operations after it, lose in double, relative to the sum of
 /// magnitudes.
 inline Real rounding_of_sum(std::size_t terms) { return (static_cast<Real>(terms) + 64) * kDouble; }

@@ -36,8 +36,8 @@ Pull pull(const Surfel& point, const Surfel& s, Real f, Real g) {
   const Real x = r * r / (2 * f * f) + h * h / (2 * g * g);
   const Area a = area(s);
   Pull result{.shift = h * n, .shift_error = h_error + std::fabs(h) * s.normal.error, .weight = a.value * std::exp(-x)};
-  result.weight_error =
-      weight_error(x) + a.error + r * moved / (f * f) + std::fabs(h) * h_error / (g * g) + h_error * h_error / (g * g);
+  result.weight_error = double_weight_error(x) + a.error + r * moved / (f * f) + std::fabs(h) * h_error / (g * g) +
+                        h_error * h_error / (g * g);
   return result;
 }
 

@@ -31,7 +31,7 @@ WeightedNeighbors weigh(const Place& p, std::span<const Place> neighbors) {
     const Real r = norm(o.d), x = per_r2 * r * r;
     const Real moved = 2 * per_r2 * r * o.error + 2 * x * result.farthest_error / result.farthest;
     o.weight = std::exp(per_r2 * nearest * nearest - x);
-    o.weight_error = o.weight * (weight_error(x) + moved);
+    o.weight_error = o.weight * (single_weight_error(x) + moved);
   }
   return result;
 }

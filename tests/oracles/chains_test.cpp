@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+// Every operator at every point against its formula, in real runs: several slabs, two threads, in memory and spilled.
+#include "pointsweep/operators/fair.h"
+#include "pointsweep/operators/neighbor_rows.h"
+#include "tests/oracles/clouds.h"
+#include "tests/oracles/oracle.h"
+#include "tests/support/brute_force.h"
+
+namespace pointsweep {
+namespace {
+
+TEST(Oracles, TheirGridFindsWhatBruteForceFinds) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    const std::vector<Vec3> points = make_cloud(shape, 600, 11);
+    const GridNeighbors grid(points);
+    for (std::uint32_t row = 0; row < points.size(); row += 7)
+      for (const double radius : {0.05, std::numeric_limits<double>::infinity()})
+        ASSERT_EQ(grid.of(row, 9, radius), brute_force_neighbors_of(points, row, 9, radius)) << name << ", row " << row;
+  }
+}
+
+/// Every operator, and every attribute, as the first version that a chain makes of it.
+const char* const kChains[] = {"knn(k=8) | normals | neighborhood_size",
+                               "knn(k=16) | normals | curvature",
+                               "knn(k=12) | normals | splats",
+                               "knn(k=5) | normals | splats(axes=positions)",
+                               "knn(k=24) | normals | curvature | splats(axes=curvature)",
+                               "knn(k=16) | normals | splats | fair",
+                               "knn(k=16) | normals | splats | fair(f=2, g=0.1)",
+                               "knn(radius=0.12) | normals | curvature | splats",
+                               "knn(k=9, radius=0.07) | normals | splats | neighborhood_size",
+                               "knn(k=70) | normals | curvature"};
+
+TEST(Oracles, EveryChainOnASurfaceIsItsFormula) {
+  PointCloud points(bumpy_surface(sized(4000)));
+  for (const char* chain : kChains) expect_formulas(points.cloud(), chain, "surface");
+}
+
+TEST(Oracles, TheirTolerancesAreTight) {
+  PointCloud points(bumpy_surface(sized(4000), 8));
+  for (const char* chain : {"knn(k=16) | normals | curvature", "knn(k=12) | normals | splats",
+                            "knn(k=24) | normals | curvature | splats", "knn(k=16) | normals | splats | fair"}) {
+    const OracleReport report = expect_formulas(points.cloud(), chain, "surface");
+    for (const auto& [name, use] : report.largest_use) {
+      // Lengths are of the surface, about 1; curvatures, of normals that are right to 1e-7, divide by the reach.
+      EXPECT_LE(report.median_error(name), name == "normal" ? 2e-7 : name == "position" ? 1e-8 : 1e-5) << name;
+      EXPECT_GE(use, 0.02) << name << ": the bound is " << 1 / use << " times what is ever used";
+    }
+  }
+}
+
+TEST(Oracles, WidthsOfFairingAreHalfAPercentOfTheDiagonal) {
+  const std::vector<Vec3> surface = bumpy_surface(sized(3000), 9);
+  Box box;
+  for (const Vec3& p : surface) box.include(p);
+  const double width = 0.005 * length(box.extent());
+  PointCloud points(surface);
+  const Chain usual = build_chain(parse_pipeline("knn(k=16) | normals | splats | fair"), points.cloud());
+  Chain said = usual;
+  said.operators.back() = std::make_shared<Fair>(FairOptions{.f = width, .g = width});
+  const RunResult result = run_in_memory(points.cloud(), usual, streamed(surface.size()));
+  EXPECT_EQ(Oracle(points.cloud(), said).compare(result).wrong, 0u);
+  said.operators.back() = std::make_shared<Fair>(FairOptions{.f = 1.001 * width, .g = width});
+  EXPECT_GT(Oracle(points.cloud(), said).compare(result).wrong, surface.size() / 2) << "a wrong width is noticed";
+}
+
+TEST(Oracles, ASpilledRunIsItsFormula) {
+  PointCloud points(bumpy_surface(sized(3000), 4));
+  expect_formulas(points.cloud(), "knn(k=12) | normals | curvature | splats | fair", "surface", 0.001, true);
+}
+
+TEST(Oracles, RealCloudsAreTheirFormulas) {
+  if (real_clouds().empty()) GTEST_SKIP() << "no real clouds: set POINTSWEEP_DATA to the folder that holds them";
+  for (const RealCloud& real : real_clouds()) {
+    Cloud cloud({real.file});
+    expect_formulas(cloud, "knn(k=12) | normals | curvature | splats", real.name, 0.02);
+  }
+}
+
+TEST(Oracles, OrientationsAreWhatTheySay) {
+  const std::vector<Vec3> surface = bumpy_surface(sized(3000), 5);
+  PointCloud points(surface);
+  expect_formulas(points.cloud(), "knn(k=10) | normals(orient=up)", "surface");
+  expect_formulas(points.cloud(), "knn(k=10) | normals(orient=viewpoint, viewpoint=[0.2,-3,1.5])", "surface");
+  std::vector<float> outward;
+  for (const Vec3& p : surface)
+    for (const double c : {p.x, p.y, p.z}) outward.push_back(static_cast<float>(c / length(p)));
+  PointCloud oriented(surface);
+  oriented.with({"nx", "ny", "nz"}, outward);
+  expect_formulas(oriented.cloud(), "knn(k=10) | normals(orient=input)", "surface with normals");
+  expect_formulas(oriented.cloud(), "knn(k=10) | curvature | splats | fair", "surface with normals");
+}
+
+TEST(Oracles, NeighborhoodsOfTheirOwnSizeAreWhatTheRulesSay) {
+  const std::vector<Vec3> surface = bumpy_surface(sized(3000), 6);
+  std::vector<double> k, radius;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    k.push_back(i % 40 == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(i % 30) - 2 + 0.75);
+    radius.push_back(i % 50 == 0 ? -1 : 0.02 + 0.0001 * static_cast<double>(i % 900));
+  }
+  PointCloud points(surface);
+  points.with({"wanted"}, k).with({"reach"}, radius);
+  for (const char* neighborhood :
+       {"knn(k=24, k_from=wanted)", "knn(k=30, radius_from=reach)", "knn(radius=0.1, radius_from=reach)",
+        "knn(k=20, k_from=wanted, radius_from=reach)", "knn(k=40, adaptive=eigenentropy, k_min=5)"})
+    expect_formulas(points.cloud(), std::string(neighborhood) + " | neighborhood_size | normals | curvature | splats",
+                    "surface");
+}
+
+TEST(Oracles, DegenerateCloudsGetTheDocumentedValues) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    PointCloud points(make_cloud(shape, sized(1000), 12));
+    for (const char* chain : {"knn(k=8) | normals | curvature", "knn(k=6) | normals | splats | neighborhood_size",
+                              "knn(k=20) | normals | splats | fair"}) {
+      if (name == "one place" && std::string(chain).find("fair") != std::string::npos) continue;  // has no diagonal
+      expect_formulas(points.cloud(), chain, name, 1);
+    }
+  }
+}
+
+TEST(Oracles, TheGraphIsExactInRowsAndDistances) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    const std::size_t count = sized(800);
+    PointCloud points(make_cloud(shape, count, 13));
+    for (const std::size_t k : {2, 9}) {
+      const Chain chain{{.k = k}, {std::make_shared<NeighborRows>(k, count, true)}};
+      expect_formulas(points.cloud(), chain, name, 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep

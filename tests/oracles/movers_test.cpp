@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// What operators make of points that have moved: neighbourhoods of the search, positions of now.
+#include "pointsweep/operators/fair.h"
+#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/neighborhood_size.h"
+#include "tests/oracles/clouds.h"
+#include "tests/oracles/oracle.h"
+
+namespace pointsweep {
+namespace {
+
+/// The mover that the paper knows, in front of every operator.
+TEST(OraclesOfMovedPoints, FairedPointsGetTheNormalsOfWhereTheyAre) {
+  PointCloud points(bumpy_surface(sized(4000), 7));
+  for (const char* chain : {"knn(k=16) | normals | splats | fair | normals",
+                            "knn(k=16) | normals | splats | fair(f=3, g=3) | normals | splats | neighborhood_size",
+                            "knn(k=10) | normals | splats | fair(f=3, g=3) | normals | curvature | splats",
+                            "knn(radius=0.12) | normals | splats | fair | normals | curvature",
+                            "knn(k=30, adaptive=eigenentropy, k_min=6) | normals | splats | fair | normals | splats",
+                            "knn(k=8) | normals | splats | fair | normals | splats | fair | normals"})
+    expect_formulas(points.cloud(), chain, "surface");
+}
+
+TEST(OraclesOfMovedPoints, RealModelsAreFaired) {
+  if (real_clouds().empty()) GTEST_SKIP() << "no real clouds: set POINTSWEEP_DATA to the folder that holds them";
+  for (const RealCloud& real : real_clouds()) {
+    Cloud cloud({real.file});
+    expect_formulas(cloud, "knn(k=10) | normals | splats | fair | normals | splats", real.name, 0.02);
+  }
+}
+
+/// A mover that a user might write: it leaves neighbourhoods full of ties, copies and planes.
+class Snap final : public Operator {
+ public:
+  explicit Snap(double step) : step_(step) {}
+  std::string name() const override { return "snap"; }
+  Contract contract() const override { return {{}, {}, {position_attribute()}}; }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const auto position = out.column<std::array<double, 3>>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const Vec3 p = in.position(i);
+      position[i] = {snapped(p.x), snapped(p.y), snapped(p.z)};
+    }
+  }
+
+ private:
+  double snapped(double v) const { return step_ * std::round(v / step_); }
+  double step_;
+};
+
+std::vector<std::string> all_but_positions(const Chain& chain) {
+  std::vector<std::string> names;
+  for (const auto& op : chain.operators)
+    for (const Attribute& a : op->contract().makes)
+      if (a.name != position_attribute().name) names.push_back(a.name);
+  return names;
+}
+
+TEST(OraclesOfMovedPoints, AMoverOfTheUserIsFollowedByTheFormulas) {
+  const std::vector<Vec3> surface = bumpy_surface(sized(3000), 10);
+  for (const double step : {0.005, 0.05}) {
+    for (const char* behind : {"knn(k=16) | normals | splats | neighborhood_size", "knn(k=12) | normals | curvature"}) {
+      PointCloud points(surface);
+      Chain chain = build_chain(parse_pipeline(behind), points.cloud());
+      chain.operators.insert(chain.operators.begin(), std::make_shared<Snap>(step));
+      chain.keep = all_but_positions(chain);
+      expect_formulas(points.cloud(), chain, fmt::format("snapped to {}", step), 0.5);
+    }
+  }
+}
+
+TEST(OraclesOfMovedPoints, TheGraphBehindAMoverIsOfTheMovedPositions) {
+  const std::size_t count = sized(2000);
+  PointCloud points(bumpy_surface(count, 14));
+  Chain chain{{.k = 9}, {std::make_shared<Snap>(0.05), std::make_shared<NeighborRows>(9, count, true)}};
+  chain.keep = all_but_positions(chain);
+  expect_formulas(points.cloud(), chain, "snapped", 0);
+}
+
+/// Behind `reneighbor` everything is as of a file that holds the moved positions and what was made before.
+TEST(OraclesOfMovedPoints, NewNeighborhoodsAreThoseOfTheMovedPositions) {
+  const std::string before = "knn(k=14) | normals | splats | fair(f=2, g=2)";
+  for (const std::string behind : {"normals | splats | neighborhood_size", "curvature | splats | fair"}) {
+    PointCloud points(bumpy_surface(sized(3000), 15));
+    const auto run_of = [&](const std::string& pipeline) {
+      const Chain chain = build_chain(parse_pipeline(pipeline), points.cloud());
+      return run_in_memory(points.cloud(), chain, streamed(points.cloud().count()));
+    };
+    const RunResult whole = run_of(before + " | reneighbor(k=11) | " + behind), half = run_of(before);
+    std::vector<Vec3> moved;
+    const std::vector<double> x = half.field("x"), y = half.field("y"), z = half.field("z");
+    for (std::size_t i = 0; i < x.size(); ++i) moved.push_back({x[i], y[i], z[i]});
+    PointCloud after(moved);
+    std::vector<float> normals;
+    const std::vector<double> nx = half.field("nx"), ny = half.field("ny"), nz = half.field("nz");
+    for (std::size_t i = 0; i < nx.size(); ++i)
+      for (const double c : {nx[i], ny[i], nz[i]}) normals.push_back(static_cast<float>(c));
+    after.with({"nx", "ny", "nz"}, normals);
+    Chain chain = build_chain(parse_pipeline("knn(k=11) | " + behind), after.cloud());
+    // The widths of fairing are those of the input's diagonal.
+    for (auto& op : chain.operators)
+      if (dynamic_cast<const Fair*>(op.get()) != nullptr)
+        op = build_chain(parse_pipeline("normals | splats | fair"), points.cloud()).operators.back();
+    const OracleReport report = Oracle(after.cloud(), chain).compare(whole);
+    EXPECT_EQ(report.wrong, 0u) << behind << ", of " << report.values;
+    for (const std::string& difference : report.differences) ADD_FAILURE() << behind << ": " << difference;
+    EXPECT_LE(report.share_open(), 0.001) << behind;
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep
