@@ -95,6 +95,7 @@ const char* const kPipelines[] = {"knn(k=8) | normals",
                                   "knn(k=9) | normals | curvature",
                                   "knn(k=8) | normals | curvature | splats",
                                   "knn(k=10) | normals | splats | fair | normals | splats",
+                                  "knn(k=10) | normals | splats | fair(f=3, g=3) | normals | curvature",
                                   "knn(k=1) | normals",
                                   "knn(k=16, k_from=intensity) | normals | curvature",
                                   "knn(k=16, adaptive=eigenentropy, k_min=5) | normals | splats"};
@@ -164,16 +165,46 @@ TEST_F(Verify, AnyPointIsChosenBySomeSeed) {
   EXPECT_LT(found, 20);
 }
 
-TEST_F(Verify, OneNormalChangedByItsLastBitIsFound) {
+TEST_F(Verify, OneNormalThatIsOffByATenThousandthOfADegreeIsFound) {
   for (const Order order : {Order::input, Order::sweep}) {
     const auto output = made(kPipelines[0], "out.ply", in_order(order));
     change(output, [](auto& records, const Schema& schema) {
-      records[1234 * schema.stride + schema.fields[*schema.find("ny")].offset] ^= std::byte{1};
+      const Field& ny = schema.fields[*schema.find("ny")];
+      set_value(ny, &records[1234 * schema.stride], value_of(ny, &records[1234 * schema.stride]) + 2e-6);
     });
     const Verdict verdict = check(kPipelines[0], output);
     different(verdict, "row 1234");
     EXPECT_EQ(verdict.difference_count, 1u);
     EXPECT_EQ(verdict.wrong_points, 1u);
+  }
+}
+
+TEST_F(Verify, WhatIsExactIsFoundByItsLastBit) {
+  const char* const pipeline = "knn(k=9, radius=0.3) | neighborhood_size";
+  for (const char* field : {"neighbor_count", "neighbor_radius", "intensity", "x"}) {
+    const auto output = made(pipeline, "out.ply");
+    change(output, [&](auto& records, const Schema& schema) {
+      records[1234 * schema.stride + schema.fields[*schema.find(field)].offset] ^= std::byte{1};
+    });
+    different(check(pipeline, output), fmt::format("row 1234: {} is", field));
+  }
+}
+
+/// Every made attribute of a chain, off by a hundred-thousandth or, where that is less, by what is far above rounding.
+TEST_F(Verify, EveryAttributeThatIsOffIsFound) {
+  for (const char* pipeline : {"knn(k=12) | normals | curvature | splats", "knn(k=10) | normals | splats | fair"}) {
+    const Chain operators = chain(pipeline);
+    for (const auto& op : operators.operators)
+      for (const Attribute& a : op->contract().makes)
+        for (const std::string& name : a.fields) {
+          const auto output = made(pipeline, "out.ply");
+          change(output, [&](auto& records, const Schema& schema) {
+            const Field& field = schema.fields[*schema.find(name)];
+            std::byte* record = &records[77 * schema.stride];
+            set_value(field, record, value_of(field, record) * (1 + 1e-3) + 1e-6);
+          });
+          different(check(pipeline, output), "row 77");
+        }
   }
 }
 
@@ -245,7 +276,8 @@ TEST_F(Verify, AnotherNeighborhoodThanTheOneNamedIsFound) {
 TEST_F(Verify, AFairedPointThatIsWrongIsFound) {
   const auto output = made(kPipelines[5], "out.ply");
   change(output, [](auto& records, const Schema& schema) {
-    records[42 * schema.stride + schema.fields[2].offset] ^= std::byte{1};
+    const Field& z = schema.fields[2];
+    set_value(z, &records[42 * schema.stride], value_of(z, &records[42 * schema.stride]) + 1e-7);
   });
   different(check(kPipelines[5], output), "row 42: z is");
 }
@@ -262,6 +294,37 @@ TEST_F(Verify, AttributesOfTheFileReachTheOperators) {
     set_value(schema.fields[*schema.find("nx")], records.data() + 9 * schema.stride, 0.25);
   });
   different(check("curvature", output), "row 9: nx is 0.25");
+}
+
+/// Reads what the library makes and makes what it has no formula for.
+class Steepness final : public Operator {
+ public:
+  std::string name() const override { return "steepness"; }
+  Contract contract() const override {
+    return {{normal_attribute()}, {normal_attribute()}, {scalar("steepness", Type::f32, "1", "of its own")}};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      float sum = in.value<std::array<float, 3>>(0, i)[2];
+      for (std::size_t j = 0; j < in.count(i); ++j) sum += in.neighbor_value<std::array<float, 3>>(0, i, j)[2];
+      out.column<float>(0)[i] = sum;
+    }
+  }
+};
+
+TEST_F(Verify, OperatorsOfUsersAreAppliedAgainAndNamedAsNotIndependent) {
+  Chain written = chain("knn(k=9) | normals");
+  written.operators.push_back(std::make_shared<Steepness>());
+  Cloud cloud({input()});
+  run(cloud, written, {.points = folder_ / "out.ply", .arrays = {}, .writer = {}});
+  const auto checked = [&] { return verify(cloud, *open_reader(folder_ / "out.ply"), false, made_by(written)); };
+  EXPECT_TRUE(checked().same()) << to_text(checked());
+  EXPECT_EQ(checked().by_own_operator, std::vector<std::string>{"steepness"});
+  EXPECT_NE(to_text(checked()).find("not independent    steepness\n"), std::string::npos) << to_text(checked());
+  change(folder_ / "out.ply", [](auto& records, const Schema& schema) {
+    records[99 * schema.stride + schema.fields[*schema.find("steepness")].offset] ^= std::byte{1};
+  });
+  different(checked(), "row 99: steepness is");
 }
 
 TEST_F(Verify, NeighborsAndDistancesAreCheckedToTheLastOne) {

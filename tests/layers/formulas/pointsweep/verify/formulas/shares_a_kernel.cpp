@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/math/symmetric3.h"
+#include "pointsweep/verify/formulas/vector.h"
