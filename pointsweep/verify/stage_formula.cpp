@@ -33,7 +33,7 @@ std::size_t place_in(const std::vector<Attribute>& list, const Attribute& wanted
   return static_cast<std::size_t>(std::find_if(list.begin(), list.end(), is_wanted) - list.begin());
 }
 
-Estimate exactly(Real value) { return {.value = {value, 0, 0}}; }
+Estimate exact_number(Real value) { return {.value = {value, 0, 0}}; }
 
 class NormalFormula final : public StageFormula {
  public:
@@ -112,7 +112,7 @@ class FairFormula final : public StageFormula {
 class SizeFormula final : public StageFormula {
  public:
   Estimates evaluate(const FormulaInput& in) const override {
-    return {exactly(static_cast<Real>(in.neighbors.size())), formulas::farthest(in.place, in.neighbors)};
+    return {exact_number(static_cast<Real>(in.neighbors.size())), formulas::farthest(in.place, in.neighbors)};
   }
 };
 
@@ -124,9 +124,9 @@ class GraphFormula final : public StageFormula {
     const formulas::GraphRow row = formulas::graph_row(in.place, in.neighbors, in.rows);
     const Real none = type_ == Type::u64 ? static_cast<Real>(std::numeric_limits<std::uint64_t>::max())
                                          : static_cast<Real>(std::numeric_limits<std::uint32_t>::max());
-    Estimates rows(wide(), exactly(none)), lengths(wide(), exactly(std::numeric_limits<Real>::quiet_NaN()));
+    Estimates rows(wide(), exact_number(none)), lengths(wide(), exact_number(std::numeric_limits<Real>::quiet_NaN()));
     for (std::size_t j = 0; j < std::min(k_, row.neighbors.size()); ++j) {
-      rows[j] = row.certain ? exactly(static_cast<Real>(in.rows[row.neighbors[j].index])) : formulas::open();
+      rows[j] = row.certain ? exact_number(static_cast<Real>(in.rows[row.neighbors[j].index])) : formulas::open();
       lengths[j] = row.neighbors[j].distance;
     }
     Estimates all = as_attribute(rows);

@@ -16,14 +16,14 @@ struct Seen {
   Real d_error;
 };
 
-bool has_normal(const Estimate& n) { return n.is_open() || norm(n.value) > 0; }
+bool may_have_normal(const Estimate& n) { return n.is_open() || norm(n.value) > 0; }
 
 std::vector<Seen> seen_from(const Place& p, std::span<const Place> neighbors, std::span<const Estimate> normals) {
   std::vector<Seen> seen;
   Vector mean;
   Real mean_error = 0;
   for (std::size_t j = 0; j < neighbors.size(); ++j) {
-    if (!has_normal(normals[j])) continue;
+    if (!may_have_normal(normals[j])) continue;
     seen.push_back({unit(normals[j].value), std::min<Real>(normals[j].error + 4 * kDouble, 2), neighbors[j].at - p.at,
                     neighbors[j].error});
     mean = mean + seen.back().d;
@@ -157,7 +157,7 @@ void fill_weighted(Curvatures& c, const WeightedNeighbors& weighted, std::span<c
   c.normal_eigenvalues.error = theta * error + kSingle * scaled(2) + 0x1p-149L;
 }
 
-Curvatures all(const Estimate& e) { return {e, e, e, e, e, e, e, e, e}; }
+Curvatures every_curvature(const Estimate& e) { return {e, e, e, e, e, e, e, e, e}; }
 
 void allow_undefined(Curvatures& c) {
   for (Estimate* e : {&c.k1, &c.k2, &c.k1_direction, &c.mean, &c.gaussian, &c.rms, &c.absolute, &c.surface_variation,
@@ -165,18 +165,16 @@ void allow_undefined(Curvatures& c) {
     e->may_be_undefined = true;
 }
 
-bool in_doubt(const Estimate& n) { return n.is_open() || n.may_be_undefined; }
-
 }  // namespace
 
 Curvatures curvature(const Place& p, const Estimate& n, std::span<const Place> neighbors,
                      std::span<const Estimate> normals) {
-  if (!has_normal(n)) return all(undefined());
-  if (in_doubt(n) || std::any_of(normals.begin(), normals.end(), in_doubt)) return all(open());
+  if (!may_have_normal(n)) return every_curvature(undefined());
+  if (in_doubt(n) || std::any_of(normals.begin(), normals.end(), in_doubt)) return every_curvature(open());
   const std::vector<Seen> seen = seen_from(p, neighbors, normals);
-  if (seen.size() < 3) return all(undefined());
+  if (seen.size() < 3) return every_curvature(undefined());
   const WeightedNeighbors weighted = weigh(p, neighbors);
-  if (!weighted.finite) return all(open());
+  if (!weighted.finite) return every_curvature(open());
   const Spectrum s = spectrum_of_normals(seen);
   const Vector normal = unit(n.value);
   const Estimate t1 =
@@ -186,7 +184,7 @@ Curvatures curvature(const Place& p, const Estimate& n, std::span<const Place> n
   const Real rho = 0x1p-51L * largest_component(p.at);
   const Real limit = (1e-12L * spread.trace() + rho * rho) * spread.trace();
   const Real doubt = spread.determinant_error() + 1e-5L * limit;
-  if (spread.determinant() + doubt <= limit || !(weighted.farthest > 0)) return all(undefined());
+  if (spread.determinant() + doubt <= limit || !(weighted.farthest > 0)) return every_curvature(undefined());
   Curvatures c;
   fill_principal(
       c, normal, t1, std::sqrt(s.value[1] / spread.one()), ratio(root_of(s.value[1], seen), root(spread.first())),

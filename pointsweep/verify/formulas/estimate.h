@@ -46,6 +46,8 @@ struct Estimate {
   bool is_open() const { return !(error < kInfinity); }
 };
 
+/// Whether what reads it can tell little: it is open, or may be 0.
+inline bool in_doubt(const Estimate& e) { return e.is_open() || e.may_be_undefined; }
 /// The documented value where the data define none.
 inline Estimate undefined() { return {}; }
 /// The data do not tell which value is right.

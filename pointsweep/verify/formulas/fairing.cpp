@@ -26,7 +26,6 @@ Area area(const Surfel& s) {
           2 * s.splat_length.error / length + s.splat_ratio.error / ratio};
 }
 
-bool in_doubt(const Estimate& e) { return e.is_open() || e.may_be_undefined; }
 bool area_in_doubt(const Surfel& s) { return in_doubt(s.splat_length) || in_doubt(s.splat_ratio); }
 
 Pull pull(const Surfel& point, const Surfel& s, Real f, Real g) {

@@ -76,22 +76,23 @@ Estimate length_of(const WeightedNeighbors& weighted, const Estimate& n, const F
   return single_scalar(held(q), {held(low), held(high)});
 }
 
-Splat all(const Estimate& e) { return {e, e, e}; }
+Splat whole_splat(const Estimate& e) { return {e, e, e}; }
 
 }  // namespace
 
 Splat splat(const Place& p, const Estimate& n, std::span<const Place> neighbors, const CurvatureHere* curvature) {
-  if (is_zero(n)) return all(undefined());
-  if (n.is_open() || n.may_be_undefined) return all(open());
+  if (is_zero(n)) return whole_splat(undefined());
+  if (n.is_open() || n.may_be_undefined) return whole_splat(open());
   const WeightedNeighbors weighted = weigh(p, neighbors);
-  if (!weighted.finite) return all(open());
-  if (!(weighted.farthest > 0)) return all(undefined());
+  if (!weighted.finite) return whole_splat(open());
+  if (!(weighted.farthest > 0)) return whole_splat(undefined());
   // A neighbour that may or may not lie on p_i counts or does not.
   const bool unsure = std::any_of(weighted.offsets.begin(), weighted.offsets.end(),
                                   [](const WeightedOffset& o) { return o.error > 0 && norm(o.d) <= o.error; });
-  if (unsure) return all(open());
+  if (unsure) return whole_splat(open());
   const bool curved = curvature != nullptr && !is_zero(curvature->k1_direction) && !is_zero(curvature->k1);
-  if (curved && (curvature->k1.may_be_undefined || curvature->k1.error >= curvature->k1.value.x)) return all(open());
+  if (curved && (curvature->k1.may_be_undefined || curvature->k1.error >= curvature->k1.value.x))
+    return whole_splat(open());
   const Form f = curved ? form_of_curvature(*curvature, n) : form_of_positions(weighted, n);
   Splat result{.axis = single_direction(f.major.value, f.major.error),
                .length = length_of(weighted, n, f),
