@@ -12,14 +12,20 @@ namespace pointsweep {
 ///   C_i = 1/|N_i| Σ_j n_j n_j^T θ(|p_j - p_i|),  θ as in Equation 1.
 /// n n^T does not see signs: normals need no orientation, and curvatures come without sign.
 ///
-/// The largest eigenvalue of C_i belongs to the mean normal; the two smaller ones, λ, are variances of the normal along
-/// their eigenvectors. Over the way s to a neighbour a normal turns by κ s, so
-///   κ² = λ / (variance of the positions along the same direction, about their mean).
-/// The paper leaves this step out. Here both variances are taken with θ = 1, all neighbours weighing alike. θ of
-/// Equation 1 weighs about six neighbours, however many there are; normals estimated with it have errors of that reach,
-/// a fixed share of κ at any density, which a window of the same reach cannot average out. With θ = 1 they fall as k
-/// grows. Both variances are about means, so that an error of n_i itself does not count. Directions are eigenvectors
-/// brought into the tangent plane of n_i; κ2's is n × k1_direction.
+/// The largest eigenvalue of C_i belongs to the mean normal; the two smaller ones are second moments of the normal
+/// across it. Over the way s to a neighbour a normal turns by κ s, so
+///   κ² = (second moment of the normals across their mean) / (variance of the positions along the same direction).
+/// The paper leaves this step out. It is taken here with θ = 1, all neighbours weighing alike: θ of Equation 1 weighs
+/// about six neighbours, however many there are; normals estimated with it have errors of that reach, a fixed share of
+/// κ at any density, which a window of the same reach cannot average out. With θ = 1 they fall as k grows.
+///
+/// In full, over the m neighbours that have a normal, u_j = n_j / |n_j|:
+///   S = 1/m Σ_j u_j u_j^T, with eigenvalues μ0 <= μ1 <= μ2 and eigenvectors e0, e1, e2;
+///   D = 1/m Σ_j (p_j - p̄)(p_j - p̄)^T, p̄ their mean;
+///   t1 = e1 brought into the tangent plane of n_i: projected, if |e1·n_i| <= |e0·n_i|, else e0 × n_i; t2 = n_i × t1.
+/// The curvatures along t1 and t2 are √(μ1 / t1^T D t1) and √(μ0 / t2^T D t2). k1 is the larger of the two, and
+/// k1_direction its direction. Moments of normals are about the eigenvector e2, positions are about p̄: an error of n_i
+/// only turns the plane. All is in double; θ of C_i and M_i below is in single precision.
 ///
 /// Makes "k1" "k2" (k1 >= k2 >= 0), "k1_direction", "mean_curvature" (k1 + k2)/2, "gaussian_curvature" k1 k2,
 /// "rms_curvature" √((k1² + k2²)/2), "absolute_curvature" k1 + k2, "surface_variation" λ0/(λ0 + λ1 + λ2) of M_i
@@ -27,7 +33,8 @@ namespace pointsweep {
 /// k1 and k2 tie (a sphere, a plane), k1_direction is some tangent.
 ///
 /// All are 0, and the point counted as degenerate, where it has no normal, where fewer than three neighbours have one,
-/// or where those lie on a line to rounding; or where an offset overflows or is not finite.
+/// or where those lie on a line to rounding: det <= (1e-12 trace + ρ²) trace of D within the tangent plane, with ρ =
+/// 2^-51 of the largest coordinate of p_i; or where an offset overflows or is not finite.
 ///
 /// Bias, dense noiseless surfaces: with true normals none on spheres and cylinders. With normals estimated from the
 /// same neighbourhoods: mean errors of k1 and k2 under 4 % at k = 64 and 8 % at k = 32; see docs/paper.md.

@@ -18,7 +18,8 @@ struct AttributeLimits {
 
 /// Keeps the neighbours that both limits allow. A value that is NaN or negative, and a k below 1, allow none: the point
 /// has no neighbours, which operators count as degenerate. A value above what the search was asked for allows all that
-/// it found. A radius of 0 keeps the points in the same place.
+/// it found. A radius of 0 keeps the points in the same place. Within means ((dx² + dy²) + dz²) <= radius², both in
+/// double: the rounded root `neighbor_radius` can lie just below the farthest neighbour, and then leaves it out.
 class LimitsFromAttributes final : public NeighborhoodRule {
  public:
   /// Throws UsageError where neither attribute is named.

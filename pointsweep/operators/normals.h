@@ -31,8 +31,9 @@ struct NormalsOptions {
 ///
 /// Makes "normal". It is (0, 0, 0) and counted as degenerate where the data define no plane: fewer than two neighbours;
 /// all of them on p_i; p_i and they on a line to rounding, that is λ1 <= 1e-12 λ2 (nothing is wider than a millionth of
-/// the length) or λ1 no larger than what rounding coordinates of the size of p_i to double leaves; or offsets that
-/// overflow or are not finite (next to a point that was moved to such a place).
+/// the length) or, more exactly, λ1 <= 1e-12 λ2 + ρ² mean_j θ, with ρ = 2^-51 of the largest coordinate of p_i, which
+/// is what rounding coordinates to double leaves; or offsets that overflow or are not finite (next to a point that was
+/// moved to such a place).
 class Normals : public Operator {
  public:
   explicit Normals(const NormalsOptions& options = {});

@@ -174,7 +174,7 @@ Curvatures curvature(const Place& p, const Estimate& n, std::span<const Place> n
   const std::vector<Seen> seen = seen_from(p, neighbors, normals);
   if (seen.size() < 3) return every_curvature(undefined());
   const WeightedNeighbors weighted = weigh(p, neighbors);
-  if (!weighted.finite) return every_curvature(open());
+  if (!weighted.finite) return every_curvature(undefined());
   const Spectrum s = spectrum_of_normals(seen);
   const Vector normal = unit(n.value);
   const Estimate t1 =

@@ -25,8 +25,8 @@ struct Curvatures {
 /// the curvatures along t1 and t2 are √(μ1 / t1ᵀ D t1) and √(μ0 / t2ᵀ D t2); k1 is the larger one.
 /// C_i = 1/|N_i| Σ_j u_j u_jᵀ θ(|p_j - p_i|) is of all neighbours.
 ///
-/// All are 0 where n_i is 0, m < 3, or those m lie on a line: det <= (1e-12 trace + ρ²) trace of D within the tangent
-/// plane, with ρ the 2^-51st part of the largest coordinate of p_i.
+/// All are 0 where n_i is 0, m < 3, an offset is not finite, or those m lie on a line: det <= (1e-12 trace + ρ²) trace
+/// of D within the tangent plane, with ρ the 2^-51st part of the largest coordinate of p_i.
 Curvatures curvature(const Place& p, const Estimate& n, std::span<const Place> neighbors,
                      std::span<const Estimate> normals);
 

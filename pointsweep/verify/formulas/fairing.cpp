@@ -46,7 +46,8 @@ Estimate faired(const Surfel& point, std::span<const Surfel> neighbors, Real f, 
   std::vector<Pull> pulls;
   for (const Surfel& s : neighbors) {
     if (in_doubt(s.normal) || area_in_doubt(s)) return open();
-    if (norm(s.normal.value) > 0 && s.splat_length.value.x > 0) pulls.push_back(pull(point, s, f, g));
+    const bool reached = is_finite(s.place.at - point.place.at);
+    if (reached && norm(s.normal.value) > 0 && s.splat_length.value.x > 0) pulls.push_back(pull(point, s, f, g));
   }
   Estimate result{.value = point.place.at, .error = point.place.error};
   if (pulls.empty()) return result;

@@ -21,8 +21,8 @@ struct Facing {
 
 /// n_i, float32: the eigenvector of the smallest eigenvalue λ0 of
 ///   M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)ᵀ θ(|p_j - p_i|).
-/// 0 with fewer than two neighbours, and where they define no plane: λ1 <= 1e-12 λ2 + ρ² mean_j θ_j with ρ the 2^-51st
-/// part of the largest coordinate of p_i.
+/// 0 with fewer than two neighbours, where an offset is not finite, and where they define no plane: λ1 <= 1e-12 λ2 + ρ²
+/// mean_j θ_j with ρ the 2^-51st part of the largest coordinate of p_i.
 Estimate normal(const Place& p, std::span<const Place> neighbors, const Facing& facing);
 
 }  // namespace pointsweep::formulas

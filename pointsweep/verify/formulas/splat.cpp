@@ -84,7 +84,7 @@ Splat splat(const Place& p, const Estimate& n, std::span<const Place> neighbors,
   if (is_zero(n)) return whole_splat(undefined());
   if (n.is_open() || n.may_be_undefined) return whole_splat(open());
   const WeightedNeighbors weighted = weigh(p, neighbors);
-  if (!weighted.finite) return whole_splat(open());
+  if (!weighted.finite) return whole_splat(undefined());
   if (!(weighted.farthest > 0)) return whole_splat(undefined());
   // A neighbour that may or may not lie on p_i counts or does not.
   const bool unsure = std::any_of(weighted.offsets.begin(), weighted.offsets.end(),

@@ -25,7 +25,8 @@ struct CurvatureHere {
 ///
 /// The length is the 8th smallest of q_j = √(x² + (y/ratio)²) over the neighbours off p_i, with x and y the
 /// coordinates of p_j - p_i along the axes; of only m < 8 such neighbours it is √(8/m) times the largest, so that the
-/// area is in proportion. All are 0 without a normal or without a neighbour off p_i.
+/// area is in proportion. Neighbours whose x and y are
+/// 0 do not count. All are 0 without a normal, without a neighbour that counts, or where an offset is not finite.
 Splat splat(const Place& p, const Estimate& n, std::span<const Place> neighbors, const CurvatureHere* curvature);
 
 }  // namespace pointsweep::formulas
