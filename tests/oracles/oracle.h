@@ -80,7 +80,7 @@ class Oracle {
     for (const Attribute& a : values_.made()) {
       const std::size_t width = a.fields.size() / estimates_of(a);
       for (std::size_t e = 0; e < estimates_of(a); ++e, field += width) {
-        std::vector<FieldPair> pairs;
+        std::vector<std::optional<FieldPair>> pairs;
         for (std::size_t f = field; f < field + width; ++f) {
           const auto found = pairs_of_field(made, f, result.schema);
           if (!found) return ADD_FAILURE() << made.fields[f].name << " is missing", report;
