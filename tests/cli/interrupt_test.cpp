@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <fstream>
 #include <random>
 #include <set>
 #include <thread>
@@ -26,6 +27,18 @@ class Interrupt : public Tool {
     execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
     _exit(98);
   }
+  /// Waits until the tool has set its handlers, or has ended: before that a signal ends it as it ends every process.
+  static void wait_for_handlers(pid_t child) {
+    const auto catches_termination = [&] {
+      std::ifstream status("/proc/" + std::to_string(child) + "/status");
+      for (std::string word; status >> word;) {
+        if (word == "State:" && status >> word && word == "Z") return true;
+        if (word == "SigCgt:" && status >> word) return (std::stoull(word, nullptr, 16) >> (SIGTERM - 1) & 1) != 0;
+      }
+      return true;
+    };
+    while (!catches_termination()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   static int status_of(pid_t child) {
     int state = 0;
     waitpid(child, &state, 0);
@@ -45,17 +58,18 @@ class Interrupt : public Tool {
     return names;
   }
 
-  /// Sends SIGTERM after `delay` seconds. Returns how long the run then takes to end, or nothing if it was over before.
+  /// Sends SIGTERM `delay` seconds after the tool has started. Returns how long the run then takes to end, or nothing
+  /// if it was over before.
   std::optional<double> seconds_to_end(const std::string& arguments, double delay) const {
     const pid_t child = start(arguments);
+    wait_for_handlers(child);
     std::this_thread::sleep_for(std::chrono::duration<double>(delay));
     const Clock::time_point sent = Clock::now();
     kill(child, SIGTERM);
     const int status = status_of(child);
     const double seconds = std::chrono::duration<double>(Clock::now() - sent).count();
     if (status == 0) return std::nullopt;
-    // Before the tool has set its handlers, the signal ends it as it ends every process.
-    EXPECT_TRUE(status == 143 || (status == -SIGTERM && delay < 0.3)) << arguments << ": status " << status;
+    EXPECT_EQ(status, 143) << arguments;
     return seconds;
   }
 };
