@@ -204,11 +204,9 @@ void ExtraBytesVlr::make_way_for(std::string_view name) {
 
 void ExtraBytesVlr::append_one(std::string name, const Field& field, std::string_view description) {
   Descriptor d{};
-  std::memcpy(d.description, description.data(), std::min(description.size(), sizeof d.description));
-  if (const Words* words = las_words_of(name); words != nullptr && !words->description.empty()) {
-    std::memset(d.description, 0, sizeof d.description);
-    std::memcpy(d.description, words->description.data(), words->description.size());
-  }
+  if (const Words* words = las_words_of(name); words != nullptr && !words->description.empty())
+    description = words->description;
+  std::copy_n(description.begin(), std::min(description.size(), sizeof d.description), std::begin(d.description));
   name = las_dimension_name(name);
   make_way_for(name);
   std::memcpy(d.name, name.data(), name.size());
