@@ -31,7 +31,7 @@ void fill(Picture& picture, double x0, double y0, double x1, double y1, Rgb colo
 /// `value` with as many digits as tell the marks of a bar apart.
 std::string mark_text(double value, double step) {
   const double largest = std::abs(value) + step;
-  if (!(step > 0) || largest >= 1e9 || step < 1e-5) return fmt::format("{:.4g}", value);
+  if (!(step > 0) || !(largest < 1e9) || step < 1e-5) return fmt::format("{:.4g}", value);
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(step))), 0, 7);
   return fmt::format("{:.{}f}", value, decimals);
 }
