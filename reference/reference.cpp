@@ -48,7 +48,6 @@ class Pipeline {
     const std::uint64_t n = read_.total();
     now_ = reported_ = Clock::now();
     while (write_.position() < n) {
-      stop_if_cancelled();
       for (std::size_t i = 0; i < operators_.size(); ++i) {
         operators_[i]->pull_push();
         statistics_.operators[i].seconds += lap();
@@ -128,7 +127,9 @@ class Pipeline {
     require_memory();
   }
 
+  /// Also called while many points pass an operator in one step.
   void report() {
+    stop_if_cancelled();
     const Clock::time_point now = Clock::now();
     if (!options_.progress || std::chrono::duration<double>(now - reported_).count() < kReportSeconds) return;
     reported_ = now;

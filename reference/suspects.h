@@ -49,7 +49,7 @@ class Suspects {
   std::vector<Suspect> settled();
 
  private:
-  static constexpr std::uint64_t kMostBytes = 4 << 20;
+  static constexpr std::uint64_t kMostBytes = 1 << 20;
   void offer_slab(std::size_t slab, std::span<Suspect*> near);
 
   const Stream& stream_;
