@@ -12,9 +12,9 @@
 namespace pointsweep {
 namespace {
 
-constexpr int kDigitBits = 9;        ///< a cache line for each value fits the first-level cache
-constexpr std::size_t kSmall = 128;  ///< a range up to this size is sorted faster by comparing
-constexpr std::size_t kPrefetchAhead = 24;   ///< points whose next coordinate is on its way
+constexpr int kDigitBits = 9;               ///< a cache line for each value fits the first-level cache
+constexpr std::size_t kSmall = 128;         ///< a range up to this size is sorted faster by comparing
+constexpr std::size_t kPrefetchAhead = 24;  ///< points whose next coordinate is on its way
 
 /// Bits of a finite double that ascend as the numbers do; -0 and 0 are one number.
 std::uint64_t ascending_bits(double value) {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostPieces = 4096;                           ///< dealt out at once
 constexpr std::size_t kFewPieces = 64;                              ///< so many may one that is too big become at once
-constexpr std::size_t kSamplesPerSlab = 16;                        ///< fewer make uneven slabs
+constexpr std::size_t kSamplesPerSlab = 16;                         ///< fewer make uneven slabs
 constexpr std::size_t kLeastBlock = 8192, kLargestBlock = 1 << 20;  ///< bytes
 
 /// Splitting does not stop at the axis, so a slab of one point is possible and one of none is not.

@@ -39,10 +39,8 @@ MUTANTS = [
                                                   }
                                                   return sums;
                                                 }(), normal);""", ("oracles", "operators")),
-    Mutant("both widths of fairing doubled", "formulas", OPS + "fair.cpp",
-           ": inverse_f_(inverse_width(\"f\", options.f)), inverse_g_(inverse_width(\"g\", options.g))",
-           ": inverse_f_(0.5 * inverse_width(\"f\", options.f)), inverse_g_(0.5 * inverse_width(\"g\", options.g))",
-           ("oracles", "operators")),
+    Mutant("both widths of fairing doubled", "formulas", OPS + "fair.cpp", "const double inverse = 1 / width;",
+           "const double inverse = 0.5 / width;", ("oracles", "operators")),
     Mutant("fairing moves away from the planes", "formulas", OPS + "fair.cpp",
            "sum = sum + (weight * pulls[j].off_plane) * pulls[j].normal;",
            "sum = sum - (weight * pulls[j].off_plane) * pulls[j].normal;", ("operators",)),
