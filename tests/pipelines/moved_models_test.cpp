@@ -3,14 +3,13 @@
 // Equation 1 written out in long double over the neighbours found before the move.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <fstream>
-#include <numbers>
 #include <sstream>
 
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "tests/operators/analytic_surface.h"
+#include "tests/operators/equation1.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/support/data_folder.h"
 
@@ -81,24 +80,13 @@ struct Plane {
   bool defined;
 
   Plane(const std::vector<Vec3>& points, std::size_t i, const std::vector<std::uint32_t>& neighbors) {
-    using Real = long double;
-    using Vector = Eigen::Matrix<Real, 3, 1>;
-    const auto offset = [&](std::uint32_t j) {
-      return Vector(Real(points[j].x) - points[i].x, Real(points[j].y) - points[i].y, Real(points[j].z) - points[i].z);
-    };
-    Real farthest2 = 0;
-    for (const std::uint32_t j : neighbors) farthest2 = std::max(farthest2, offset(j).squaredNorm());
-    const Real sigma2 = std::numbers::pi_v<Real> * farthest2 / Real(neighbors.size());
-    Eigen::Matrix<Real, 3, 3> m = Eigen::Matrix<Real, 3, 3>::Zero();
-    for (const std::uint32_t j : neighbors)
-      m += offset(j) * offset(j).transpose() * std::exp(-offset(j).squaredNorm() / (2 * sigma2));
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<Real, 3, 3>> solver(m);
-    const auto& value = solver.eigenvalues();
-    normal = {double(solver.eigenvectors()(0, 0)), double(solver.eigenvectors()(1, 0)),
-              double(solver.eigenvectors()(2, 0))};
-    tolerance = 2e-7 + 1e-7 * double(value(1) / (value(1) - value(0)));
-    farthest = double(std::sqrt(farthest2));
-    defined = value(1) > 1e-9L * value(2) && value(1) - value(0) > 1e-8L * value(2);
+    const Equation1 equation(points, i, neighbors);
+    normal = equation.normal;
+    tolerance = 2e-7 + 1e-7 / equation.own_gap;
+    double farthest2 = 0;
+    for (const std::uint32_t j : neighbors) farthest2 = std::max(farthest2, distance2(points[i], points[j]));
+    farthest = std::sqrt(farthest2);
+    defined = equation.gap > 1e-8;
   }
 };
 
