@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Whole processes, timed; clouds to time them on; and on what machine that was."""
+import json
 import os
 import pathlib
 import platform
 import subprocess
 import sys
-import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
@@ -18,14 +18,11 @@ def points(text):
 def run(command, said=None):
     """Wall and CPU seconds and peak resident bytes of one process. What it says goes to the file `said`, if there is one."""
     command = [str(word) for word in command]
-    to = [(os.POSIX_SPAWN_OPEN, 1, said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)] if said else []
-    begin = time.monotonic()
-    pid = os.posix_spawnp(command[0], command, os.environ, file_actions=to)
-    _, status, usage = os.wait4(pid, 0)
-    wall = time.monotonic() - begin
-    if status != 0:
-        sys.exit(f"script/bench: status {os.waitstatus_to_exitcode(status)} from: {' '.join(command)}")
-    return {"wall_seconds": wall, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_rss_bytes": usage.ru_maxrss * 1024}
+    launched = [sys.executable, "-I", "-S", str(ROOT / "bench/launch.py"), str(said or ""), *command]
+    figures = json.loads(subprocess.run(launched, check=True, stdout=subprocess.PIPE, text=True).stdout)
+    if status := figures.pop("status"):
+        sys.exit(f"script/bench: status {status} from: {' '.join(command)}")
+    return figures
 
 
 def cloud(options, shape, size, order="random", file_format="ply"):

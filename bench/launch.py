@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: MIT
+"""launch.py SAID COMMAND...: runs a command and prints its wall and CPU seconds and peak resident bytes as JSON.
+
+A process of its own, because a child's peak counts what its parent held when it was started: a benchmark with arrays in
+memory would report them as the peak of every small program. What the command says goes to the file SAID, if it is not
+empty, else to standard error."""
+import json
+import os
+import sys
+import time
+
+said, *command = sys.argv[1:]
+to = [(os.POSIX_SPAWN_OPEN, 1, said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)] if said else [(os.POSIX_SPAWN_DUP2, 2, 1)]
+begin = time.monotonic()
+pid = os.posix_spawnp(command[0], command, os.environ, file_actions=to)
+_, status, usage = os.wait4(pid, 0)
+wall = time.monotonic() - begin
+print(json.dumps({"status": os.waitstatus_to_exitcode(status), "wall_seconds": wall,
+                  "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_rss_bytes": usage.ru_maxrss * 1024}))
