@@ -95,16 +95,22 @@ RunSummary summary_of(const InputsAndOutput& paths, const Schema& input, const S
   return summary;
 }
 
-/// "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory; 3 without a result"
-std::string conclusion(const std::filesystem::path& output, const Statistics& s) {
+/// What degenerate results are, and where their rows are listed.
+std::string about_degenerate(const Statistics& s, const std::filesystem::path& stats) {
+  return fmt::format(
+      "{} undefined because the points have too few neighbours, or neighbours that all lie on a line or in one place: "
+      "there normals, curvatures and splats are 0 and fair leaves the point in place; {} of the points",
+      s.degenerate == 1 ? "one result is" : fmt::format("{} results are", s.degenerate),
+      stats.empty() ? "--stats FILE lists the rows"
+                    : fmt::format("degenerate_rows in {} lists the rows", stats.string()));
+}
+
+/// "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory"
+std::string conclusion(const std::filesystem::path& output, const Statistics& s, const std::filesystem::path& stats) {
   std::string text = fmt::format("wrote {}: {} points in {:.1f} s", output.string(), s.points, s.total_seconds);
   if (s.total_seconds > 0) text += fmt::format(", {}/s", count_text(static_cast<double>(s.points) / s.total_seconds));
   text += fmt::format(", at most {} of memory", size_text(s.peak_rss_bytes));
-  if (s.degenerate > 0)
-    text += fmt::format(
-        "; {} undefined for want of neighbours (too few, or all on a line or in one place): there normals, curvatures "
-        "and splats are 0, and fair moves nothing",
-        s.degenerate == 1 ? "one result is" : fmt::format("{} results are", s.degenerate));
+  if (s.degenerate > 0) text += "; " + about_degenerate(s, stats);
   const std::uint64_t kept = s.nonfinite - s.dropped;
   if (kept > 0) text += fmt::format("; {} with coordinates that are not finite", kept);
   return text;
@@ -166,7 +172,7 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
   if (stats) complete(*stats, to_json(statistics) + "\n");
   if (report) complete(*report, report_of(summary_of(paths, cloud.schema(), statistics, display)));
   for (const std::string& warning : statistics.warnings) display.say(warning);
-  display.say(conclusion(paths.output(), statistics));
+  display.say(conclusion(paths.output(), statistics, options.stats));
 }
 
 void look_at_cloud(const InputsAndOutput& paths, const CommonOptions& options,

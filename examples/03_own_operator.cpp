@@ -33,7 +33,7 @@ class Roughness final : public Operator {
       for (std::size_t j = 0; j < in.count(i); ++j) center = center + in.offset(i, j);
       if (in.count(i) == 0 || (n[0] == 0 && n[1] == 0 && n[2] == 0)) {
         roughness[i] = 0;
-        ++out.degenerate;
+        out.mark_degenerate(i);
       } else {
         center = (1.0 / static_cast<double>(in.count(i))) * center;
         roughness[i] = static_cast<float>(std::abs(dot(center, Vec3{n[0], n[1], n[2]})));

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "pointsweep/points/degenerate_rows.h"
 #include "reference/fields.h"
 
 namespace pointsweep::reference {
@@ -24,7 +25,7 @@ class OperatorCall {
   /// A point enters the operator's buffer.
   void copy_fields(StreamPoint& point) const;
   void apply(std::span<StreamPoint* const> points);
-  std::uint64_t degenerate() const { return degenerate_; }
+  const DegenerateRows& degenerate() const { return degenerate_; }
 
  private:
   /// Positions, rows and values of some points, in columns.
@@ -47,7 +48,7 @@ class OperatorCall {
   std::vector<std::uint32_t> begin_, refs_;
   std::vector<const std::byte*> pointers_;  ///< of the slots' columns
   std::vector<PointColumns> slots_;
-  std::uint64_t degenerate_ = 0;
+  DegenerateRows degenerate_;
 };
 
 }  // namespace pointsweep::reference

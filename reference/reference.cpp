@@ -61,7 +61,7 @@ class Pipeline {
     statistics_.audit_seconds += lap();
     statistics_.mean_points = active_sum_ / static_cast<double>(std::max<std::uint64_t>(1, n));
     statistics_.lifespan_mean = lifespan_sum_ / static_cast<double>(std::max<std::uint64_t>(1, n));
-    for (const OperatorCall& call : calls_) statistics_.degenerate += call.degenerate();
+    for (const OperatorCall& call : calls_) statistics_.degenerate.push_back(call.degenerate());
     statistics_.complete = audit_.complete();
     statistics_.incomplete = audit_.incomplete();
     return std::move(statistics_);

@@ -16,6 +16,7 @@
 
 #include "pointsweep/operators/operator.h"
 #include "pointsweep/order/stream.h"
+#include "pointsweep/points/degenerate_rows.h"
 #include "pointsweep/points/neighborhood_rule.h"
 #include "reference/nearest_set.h"
 
@@ -50,11 +51,11 @@ struct OperatorRecord {
 };
 
 struct Statistics {
-  std::vector<OperatorRecord> operators;  ///< as in Figures 4 and 6
-  double audit_seconds = 0;               ///< in none of the above
-  std::uint64_t complete = 0;             ///< neighbourhoods N_i that are exact
-  std::uint64_t incomplete = 0;           ///< those that are not: a point had left the search too early
-  std::uint64_t degenerate = 0;
+  std::vector<OperatorRecord> operators;   ///< as in Figures 4 and 6
+  double audit_seconds = 0;                ///< in none of the above
+  std::uint64_t complete = 0;              ///< neighbourhoods N_i that are exact
+  std::uint64_t incomplete = 0;            ///< those that are not: a point had left the search too early
+  std::vector<DegenerateRows> degenerate;  ///< by operator of the task
   std::uint64_t peak_points = 0;
   double mean_points = 0;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active; at most 1,000

@@ -141,7 +141,8 @@ void normals_in_cache(std::size_t points) {
   const pointsweep::PointColumns own{x.data(), y.data(), z.data(), nullptr, nullptr};
   const pointsweep::Neighborhoods in(own, kCell, &own, begin.data(), refs.data(), {}, {});
   std::vector<std::array<float, 3>> normals(kCell);
-  for (std::size_t done = 0; done < points; done += kCell) pointsweep::unoriented_normals(in, normals);
+  pointsweep::DegeneratePoints none;
+  for (std::size_t done = 0; done < points; done += kCell) pointsweep::unoriented_normals(in, normals, none);
 }
 
 }  // namespace

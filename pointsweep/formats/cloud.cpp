@@ -90,6 +90,20 @@ void Cloud::keep_all() {
   number_rows();
 }
 
+std::uint64_t Cloud::input_row(std::uint64_t row) {
+  std::uint64_t left_out = 0;  // of the inputs before
+  for (std::size_t i = 0; i < readers_.size(); ++i) {
+    const FileInfo& info = readers_[i]->info();
+    if (row - first_row_[i] < info.count) {
+      auto* finite = dynamic_cast<FiniteRows*>(readers_[i].get());
+      const std::uint64_t in_file = row - first_row_[i];
+      return first_row_[i] + left_out + (finite == nullptr ? in_file : finite->input_row(in_file));
+    }
+    left_out += info.left_out;
+  }
+  return row + left_out;
+}
+
 std::shared_ptr<const FormatExtras> Cloud::extras() const { return readers_.front()->info().extras; }
 
 std::vector<std::shared_ptr<const FormatExtras>> Cloud::other_extras() const {

@@ -62,6 +62,8 @@ class Cloud {
   NonfiniteRows drop_nonfinite(const std::function<void(std::uint64_t rows)>& progress = {});
   /// All rows are there again.
   void keep_all();
+  /// The number that row `row` has when no rows are left out. Not thread-safe.
+  std::uint64_t input_row(std::uint64_t row);
 
   /// Of each input, before it was opened.
   const std::vector<FileState>& states() const { return states_; }

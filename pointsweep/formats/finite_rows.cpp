@@ -109,17 +109,27 @@ std::size_t FiniteRows::read(std::uint64_t row, std::span<std::byte> records) {
   return wanted;
 }
 
+std::uint64_t FiniteRows::input_row(std::uint64_t row) {
+  const std::size_t block = index_.block_of(row);
+  std::uint64_t at = row - index_.before(block);
+  if (!index_.is_whole(block)) {
+    load(block);
+    for (const std::size_t gap : gaps_) at += gap <= at ? 1 : 0;
+  }
+  return block * FiniteRowIndex::kBlock + at;
+}
+
 void FiniteRows::load(std::size_t block) {
   if (block == loaded_) return;
   const std::size_t stride = info_.schema.stride;
   block_.resize(index_.rows_in(block) * stride);
   read_all_of(*all_, block * FiniteRowIndex::kBlock, block_);
-  std::vector<std::size_t> gaps;
+  gaps_.clear();
   Box ignored;
-  for_each_nonfinite_record(position_, block_, stride, ignored, [&](std::size_t i) { gaps.push_back(i); });
+  for_each_nonfinite_record(position_, block_, stride, ignored, [&](std::size_t i) { gaps_.push_back(i); });
   std::size_t kept = 0, gap = 0;
   for (std::size_t i = 0; i * stride < block_.size(); ++i) {
-    if (gap < gaps.size() && gaps[gap] == i) {
+    if (gap < gaps_.size() && gaps_[gap] == i) {
       ++gap;
       continue;
     }

@@ -55,6 +55,8 @@ class FiniteRows final : public Reader {
  public:
   FiniteRows(std::unique_ptr<Reader> all, FiniteRowIndex index);
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
+  /// The row of the input that is finite row `row`.
+  std::uint64_t input_row(std::uint64_t row);
   /// The reader of all rows; this one is of no use afterwards.
   std::unique_ptr<Reader> release() { return std::move(all_); }
 
@@ -66,6 +68,7 @@ class FiniteRows final : public Reader {
   PositionFields position_;
   std::size_t loaded_;  ///< block whose finite rows `block_` holds
   std::vector<std::byte> block_;
+  std::vector<std::size_t> gaps_;  ///< records of that block that are left out, ascending
 };
 
 }  // namespace pointsweep

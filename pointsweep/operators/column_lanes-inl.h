@@ -12,10 +12,12 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 
 #include "pointsweep/operators/neighbor_tiles-inl.h"
+#include "pointsweep/points/degenerate_points.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
@@ -31,10 +33,16 @@ struct Points {
       : first(tile.first + std::min(vector * kLanes, tile.size)),
         size(std::min(kLanes, tile.first + tile.size - first)) {}
 
-  /// Those where the mask is false.
+  /// Marks the points where the mask is false.
   template <class M>
-  std::size_t CountWithout(M mask) const {
-    return size - hn::CountTrue(Lanes(), hn::And(mask, hn::FirstN(Lanes(), size)));
+  HWY_INLINE void MarkWithout(M mask, DegeneratePoints& degenerate) const {
+    const Lanes d;
+    const auto without = hn::AndNot(mask, hn::FirstN(d, size));
+    if (HWY_LIKELY(hn::AllFalse(d, without))) return;
+    std::uint8_t bits[8];
+    hn::StoreMaskBits(d, without, bits);
+    for (std::size_t l = 0; l < size; ++l)
+      if ((bits[l / 8] >> l % 8 & 1) != 0) degenerate.mark(first + l);
   }
 };
 

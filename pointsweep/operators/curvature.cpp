@@ -36,15 +36,17 @@ Contract Curvature::contract() const {
 void Curvature::apply(const Neighborhoods& in, Columns& out) const {
   const auto numbers = [&](std::size_t m) { return out.wanted(m) ? out.column<float>(m) : std::span<float>(); };
   const auto triples = [&](std::size_t m) { return out.wanted(m) ? out.column<Float3>(m) : std::span<Float3>(); };
-  out.degenerate += curvatures(in, {.k1 = numbers(0),
-                                    .k2 = numbers(1),
-                                    .direction = triples(2),
-                                    .mean = numbers(3),
-                                    .gaussian = numbers(4),
-                                    .rms = numbers(5),
-                                    .absolute = numbers(6),
-                                    .surface_variation = numbers(7),
-                                    .normal_eigenvalues = triples(8)});
+  curvatures(in,
+             {.k1 = numbers(0),
+              .k2 = numbers(1),
+              .direction = triples(2),
+              .mean = numbers(3),
+              .gaussian = numbers(4),
+              .rms = numbers(5),
+              .absolute = numbers(6),
+              .surface_variation = numbers(7),
+              .normal_eigenvalues = triples(8)},
+             out.degenerate());
 }
 
 }  // namespace pointsweep

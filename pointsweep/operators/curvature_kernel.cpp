@@ -152,8 +152,9 @@ HWY_INLINE V SmallestEigenvalue(const Matrix& m, V trace, const Vector& n) {
   return hn::IfThenElse(right, quotient, EigenSymmetric3(d, m)[0].value0);
 }
 
-/// Returns the number of points without curvatures.
-HWY_INLINE std::size_t StorePrincipal(const Principal& p, V scale, const Points& points, const CurvatureColumns& out) {
+/// Marks the points without curvatures.
+HWY_INLINE void StorePrincipal(const Principal& p, V scale, const Points& points, const CurvatureColumns& out,
+                               DegeneratePoints& degenerate) {
   const Lanes d;
   const V half = hn::Set(d, 0.5), most = hn::Set(d, 1e150);  // so that a product is a number
   const auto curvature = [&](V v) HWY_ATTR { return hn::IfThenElseZero(p.found, hn::Min(hn::Mul(v, scale), most)); };
@@ -165,7 +166,7 @@ HWY_INLINE std::size_t StorePrincipal(const Principal& p, V scale, const Points&
   StoreNumbers(hn::Mul(k1, k2), points, out.gaussian);
   StoreNumbers(hn::Sqrt(hn::Mul(hn::Add(hn::Mul(k1, k1), hn::Mul(k2, k2)), half)), points, out.rms);
   StoreNumbers(sum, points, out.absolute);
-  return points.CountWithout(p.found);
+  points.MarkWithout(p.found, degenerate);
 }
 
 /// `eigen_normals`: of |N_i| C_i. Inline, so that eigenvectors nobody looks at are not computed.
@@ -189,29 +190,31 @@ HWY_INLINE void StoreWeighted(Mask found, const WeightedSums& sums, const Eigen3
 template <bool kWeighted>
 class CurvatureTile {
  public:
-  CurvatureTile(Tile& tile, const CurvatureColumns& out)
-      : tile_(tile), out_(out), offsets_(tile, {tile.in}), extents_(tile, offsets_), neighbors_(tile) {
+  CurvatureTile(Tile& tile, const CurvatureColumns& out, DegeneratePoints& degenerate)
+      : tile_(tile),
+        out_(out),
+        degenerate_(degenerate),
+        offsets_(tile, {tile.in}),
+        extents_(tile, offsets_),
+        neighbors_(tile) {
     if constexpr (kWeighted) weights_.emplace(tile, extents_, offsets_);
   }
 
-  /// Returns the number of points without curvatures. Two eigenproblems at a time: of one vector of points if θ is
-  /// wanted, of two if not.
-  HWY_INLINE std::size_t Store() {
+  /// Two eigenproblems at a time: of one vector of points if θ is wanted, of two if not.
+  HWY_INLINE void Store() {
     const Lanes d;
-    std::size_t degenerate = 0;
     for (std::size_t v = 0; v < tile_.vectors; v += kWeighted ? 1 : 2) {
       const auto a = SumsOf(v);
       if constexpr (kWeighted) {
         const auto e = EigenSymmetric3(d, a.normals, a.weighted.normals);
-        degenerate += StoreOne(v, a, e[0], &e[1]);
+        StoreOne(v, a, e[0], &e[1]);
       } else {
         const auto b = v + 1 < tile_.vectors ? SumsOf(v + 1) : a;
         const auto e = EigenSymmetric3(d, a.normals, b.normals);
-        degenerate += StoreOne(v, a, e[0], nullptr);
-        if (v + 1 < tile_.vectors) degenerate += StoreOne(v + 1, b, e[1], nullptr);
+        StoreOne(v, a, e[0], nullptr);
+        if (v + 1 < tile_.vectors) StoreOne(v + 1, b, e[1], nullptr);
       }
     }
-    return degenerate;
   }
 
  private:
@@ -226,33 +229,33 @@ class CurvatureTile {
     return sums;
   }
 
-  HWY_INLINE std::size_t StoreOne(std::size_t v, const AllSums<kWeighted>& sums, const Eigen3Lanes<V>& of_normals,
-                                  const Eigen3Lanes<V>* of_weighted_normals) const {
+  HWY_INLINE void StoreOne(std::size_t v, const AllSums<kWeighted>& sums, const Eigen3Lanes<V>& of_normals,
+                           const Eigen3Lanes<V>* of_weighted_normals) const {
     const Points points(tile_, v);
     const Vector normal = UnitOrZero(OwnVectors(tile_, 0, v));
     const Principal principal = PrincipalCurvatures(normal, sums, of_normals);
     if constexpr (kWeighted)
       StoreWeighted(principal.found, sums.weighted, *of_weighted_normals, normal, weights_->Divisor(v),
                     extents_.count.Load(v), points, out_);
-    return StorePrincipal(principal, sums.scaling.scale, points, out_);
+    StorePrincipal(principal, sums.scaling.scale, points, out_, degenerate_);
   }
 
   const Tile& tile_;
   const CurvatureColumns& out_;
+  DegeneratePoints& degenerate_;
   Offsets offsets_;
   const Extents extents_;
   std::optional<Weights> weights_;
   NeighborNormals neighbors_;
 };
 
-std::size_t Curvatures(const Neighborhoods& in, const CurvatureColumns& out) {
-  std::size_t degenerate = 0;
+void Curvatures(const Neighborhoods& in, const CurvatureColumns& out, DegeneratePoints& degenerate) {
   for (std::size_t first = 0; first < in.size();) {
     Tile tile(in, first, in.size());
-    degenerate += out.weighted() ? CurvatureTile<true>(tile, out).Store() : CurvatureTile<false>(tile, out).Store();
+    out.weighted() ? CurvatureTile<true>(tile, out, degenerate).Store()
+                   : CurvatureTile<false>(tile, out, degenerate).Store();
     first += tile.size;
   }
-  return degenerate;
 }
 
 }  // namespace pointsweep::HWY_NAMESPACE
@@ -263,8 +266,8 @@ namespace pointsweep {
 
 HWY_EXPORT(Curvatures);
 
-std::size_t curvatures(const Neighborhoods& in, const CurvatureColumns& out) {
-  return HWY_DYNAMIC_DISPATCH(Curvatures)(in, out);
+void curvatures(const Neighborhoods& in, const CurvatureColumns& out, DegeneratePoints& degenerate) {
+  HWY_DYNAMIC_DISPATCH(Curvatures)(in, out, degenerate);
 }
 
 }  // namespace pointsweep

@@ -96,7 +96,7 @@ void Fair::apply(const Neighborhoods& in, Columns& out) const {
     if (const std::optional<Vec3> s = shift(own, pulls, falloffs); s && is_finite(p + *s))
       p = p + *s;
     else
-      ++out.degenerate;
+      out.mark_degenerate(i);
     moved[i] = {p.x, p.y, p.z};
   }
 }

@@ -50,7 +50,7 @@ Contract Normals::contract() const {
 
 void Normals::apply(const Neighborhoods& in, Columns& out) const {
   const std::span<Normal> normals = out.column<Normal>(0);
-  out.degenerate += unoriented_normals(in, normals);
+  unoriented_normals(in, normals, out.degenerate());
   if (options_.orient == Orient::none) return;
   for (std::size_t i = 0; i < in.size(); ++i) {
     if (along_wanted(options_, in, i, normals[i]) < 0) normals[i] = flipped(normals[i]);

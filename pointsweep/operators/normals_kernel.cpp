@@ -15,18 +15,17 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-/// No eigenvector feels the factors that are left out of the moments. Returns the number of points without a normal.
-HWY_INLINE std::size_t StoreNormals(const Moments& moments, const Eigen3Lanes<V>& e, const Points& points,
-                                    std::span<std::array<float, 3>> normals) {
+/// No eigenvector feels the factors that are left out of the moments. Marks the points without a normal.
+HWY_INLINE void StoreNormals(const Moments& moments, const Eigen3Lanes<V>& e, const Points& points,
+                             std::span<std::array<float, 3>> normals, DegeneratePoints& degenerate) {
   const Lanes d;
   const V noise = hn::Mul(moments.weights, hn::Mul(moments.scaling.rounding, moments.scaling.rounding));
   const auto plane = hn::Gt(e.value1, hn::Add(hn::Mul(hn::Set(d, 1e-12), e.value2), noise));
   StoreDirections(plane, e.vector0, points, normals);
-  return points.CountWithout(plane);
+  points.MarkWithout(plane, degenerate);
 }
 
-std::size_t UnorientedNormals(const Neighborhoods& in, std::span<std::array<float, 3>> normals) {
-  std::size_t degenerate = 0;
+void UnorientedNormals(const Neighborhoods& in, std::span<std::array<float, 3>> normals, DegeneratePoints& degenerate) {
   for (std::size_t first = 0; first < in.size();) {
     Tile tile(in, first, in.size());
     Offsets offsets(tile, {in});
@@ -36,12 +35,11 @@ std::size_t UnorientedNormals(const Neighborhoods& in, std::span<std::array<floa
       const Moments a = SumMoments(tile, extents, offsets, weights, v);
       const Moments b = v + 1 < tile.vectors ? SumMoments(tile, extents, offsets, weights, v + 1) : a;
       const auto eigen = EigenSymmetric3(Lanes(), a.m, b.m);
-      degenerate += StoreNormals(a, eigen[0], Points(tile, v), normals);
-      degenerate += StoreNormals(b, eigen[1], Points(tile, v + 1), normals);  // of none, maybe
+      StoreNormals(a, eigen[0], Points(tile, v), normals, degenerate);
+      StoreNormals(b, eigen[1], Points(tile, v + 1), normals, degenerate);  // of none, maybe
     }
     first += tile.size;
   }
-  return degenerate;
 }
 
 }  // namespace pointsweep::HWY_NAMESPACE
@@ -52,8 +50,9 @@ namespace pointsweep {
 
 HWY_EXPORT(UnorientedNormals);
 
-std::size_t unoriented_normals(const Neighborhoods& in, std::span<std::array<float, 3>> normals) {
-  return HWY_DYNAMIC_DISPATCH(UnorientedNormals)(in, normals);
+void unoriented_normals(const Neighborhoods& in, std::span<std::array<float, 3>> normals,
+                        DegeneratePoints& degenerate) {
+  HWY_DYNAMIC_DISPATCH(UnorientedNormals)(in, normals, degenerate);
 }
 
 }  // namespace pointsweep

@@ -11,8 +11,8 @@
 namespace pointsweep {
 
 /// The unit normal of every point of the batch, the first of its largest components positive; (0, 0, 0) where Normals
-/// calls it degenerate. Returns how many are. The bits of a normal depend on its own neighbourhood alone: not on the
+/// calls it degenerate. Such points are marked. The bits of a normal depend on its own neighbourhood alone: not on the
 /// instruction set, nor on what shares the batch.
-std::size_t unoriented_normals(const Neighborhoods& in, std::span<std::array<float, 3>> normals);
+void unoriented_normals(const Neighborhoods& in, std::span<std::array<float, 3>> normals, DegeneratePoints& degenerate);
 
 }  // namespace pointsweep

@@ -27,9 +27,9 @@ Contract Splats::contract() const {
 }
 
 void Splats::apply(const Neighborhoods& in, Columns& out) const {
-  out.degenerate +=
-      fit_splats(in, options_.axes == SplatAxes::curvature,
-                 {.axis = out.column<Float3>(0), .length = out.column<float>(1), .ratio = out.column<float>(2)});
+  fit_splats(in, options_.axes == SplatAxes::curvature,
+             {.axis = out.column<Float3>(0), .length = out.column<float>(1), .ratio = out.column<float>(2)},
+             out.degenerate());
 }
 
 }  // namespace pointsweep

@@ -113,19 +113,21 @@ struct Least : Reaches {
   }
 };
 
-/// Returns the number of points without a splat.
-HWY_INLINE std::size_t StoreSplats(const Ellipse& ellipse, V length, const Points& points, const SplatColumns& out) {
+/// Marks the points without a splat.
+HWY_INLINE void StoreSplats(const Ellipse& ellipse, V length, const Points& points, const SplatColumns& out,
+                            DegeneratePoints& degenerate) {
   const auto found = hn::Gt(length, hn::Zero(Lanes()));
   StoreDirections(found, ellipse.major, points, out.axis);
   StoreNumbers(hn::IfThenElseZero(found, length), points, out.length);
   StoreNumbers(hn::IfThenElseZero(found, ellipse.ratio), points, out.ratio);
-  return points.CountWithout(found);
+  points.MarkWithout(found, degenerate);
 }
 
 /// The ellipses of a vector of points, as large as the neighbours they hold ask for.
 template <class Kept>
-HWY_INLINE std::size_t StoreFitted(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v,
-                                   const Ellipse& ellipse, const Vector& normal, const SplatColumns& out) {
+HWY_INLINE void StoreFitted(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v,
+                            const Ellipse& ellipse, const Vector& normal, const SplatColumns& out,
+                            DegeneratePoints& degenerate) {
   const Lanes d;
   const V power = PowerOfTwoBelow(d, extents.largest.Load(v));
   Kept kept(ellipse, normal, ReciprocalOfPower(d, power));
@@ -133,11 +135,10 @@ HWY_INLINE std::size_t StoreFitted(const Tile& tile, const Extents& extents, Off
   const V held = kept.Held();
   const V fitted = hn::Sqrt(hn::Mul(kept.Last(), hn::Div(hn::Set(d, double(kHeld)), held)));
   const auto found = hn::And(hn::Gt(held, hn::Zero(d)), hn::Gt(Dot(normal, normal), hn::Zero(d)));
-  return StoreSplats(ellipse, hn::IfThenElseZero(found, hn::Mul(fitted, power)), Points(tile, v), out);
+  StoreSplats(ellipse, hn::IfThenElseZero(found, hn::Mul(fitted, power)), Points(tile, v), out, degenerate);
 }
 
-std::size_t FitSplats(const Neighborhoods& in, bool along_ridges, const SplatColumns& out) {
-  std::size_t degenerate = 0;
+void FitSplats(const Neighborhoods& in, bool along_ridges, const SplatColumns& out, DegeneratePoints& degenerate) {
   for (std::size_t first = 0; first < in.size();) {
     Tile tile(in, first, in.size());
     Offsets offsets(tile, {in});
@@ -147,12 +148,11 @@ std::size_t FitSplats(const Neighborhoods& in, bool along_ridges, const SplatCol
       const Vector normal = UnitOrZero(OwnVectors(tile, 0, v));
       const Ellipse ellipse = along_ridges ? EllipseOfCurvature(tile, extents, offsets, weights, v, normal)
                                            : EllipseOfPositions(SumMoments(tile, extents, offsets, weights, v), normal);
-      degenerate += tile.most <= kHeld ? StoreFitted<Greatest>(tile, extents, offsets, v, ellipse, normal, out)
-                                       : StoreFitted<Least>(tile, extents, offsets, v, ellipse, normal, out);
+      tile.most <= kHeld ? StoreFitted<Greatest>(tile, extents, offsets, v, ellipse, normal, out, degenerate)
+                         : StoreFitted<Least>(tile, extents, offsets, v, ellipse, normal, out, degenerate);
     }
     first += tile.size;
   }
-  return degenerate;
 }
 
 }  // namespace pointsweep::HWY_NAMESPACE
@@ -163,8 +163,8 @@ namespace pointsweep {
 
 HWY_EXPORT(FitSplats);
 
-std::size_t fit_splats(const Neighborhoods& in, bool along_ridges, const SplatColumns& out) {
-  return HWY_DYNAMIC_DISPATCH(FitSplats)(in, along_ridges, out);
+void fit_splats(const Neighborhoods& in, bool along_ridges, const SplatColumns& out, DegeneratePoints& degenerate) {
+  HWY_DYNAMIC_DISPATCH(FitSplats)(in, along_ridges, out, degenerate);
 }
 
 }  // namespace pointsweep

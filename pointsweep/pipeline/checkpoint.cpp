@@ -2,6 +2,9 @@
 #include "pointsweep/pipeline/checkpoint.h"
 
 #include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
 
 #include "pointsweep/order/packed.h"
 
@@ -15,6 +18,7 @@ constexpr std::array kCounts = {&Statistics::sweeps,     &Statistics::certified,
 
 void take_counts(Statistics& to, const Statistics& from) {
   for (const auto count : kCounts) to.*count = from.*count;
+  to.degenerate_results = from.degenerate_results;
 }
 
 std::vector<std::byte> Checkpoint::packed() const {
@@ -28,6 +32,12 @@ std::vector<std::byte> Checkpoint::packed() const {
   out.put(slab_points);
   for (const auto& part : {&stream, &results, &progress}) out.put(*part);
   for (const auto count : kCounts) out.put(counts.*count);
+  out.put<std::uint64_t>(counts.degenerate_results.size());
+  for (const DegenerateResults& degenerate : counts.degenerate_results) {
+    out.put_text(degenerate.stage);
+    out.put(degenerate.count);
+    out.put(degenerate.rows);
+  }
   return out.bytes();
 }
 
@@ -43,6 +53,11 @@ Checkpoint Checkpoint::unpacked(std::span<const std::byte> bytes) {
   c.slab_points = in.get<std::uint64_t>();
   for (auto* part : {&c.stream, &c.results, &c.progress}) *part = in.get_vector<std::byte>();
   for (const auto count : kCounts) c.counts.*count = in.get<std::uint64_t>();
+  for (auto stages = in.get<std::uint64_t>(); stages > 0; --stages) {
+    std::string stage = in.get_text();
+    const auto count = in.get<std::uint64_t>();
+    c.counts.degenerate_results.push_back({std::move(stage), count, in.get_vector<std::uint64_t>()});
+  }
   return c;
 }
 

@@ -70,7 +70,7 @@ SweepStatistics run_reference(const ReferenceRun& run, ReferenceCounts& counts) 
   counts.write_seconds += s.operators.back().seconds, counts.audit_seconds += s.audit_seconds;
   SweepStatistics out;
   out.certified = s.complete;
-  out.degenerate = s.degenerate;
+  out.degenerate = s.degenerate;  // of the operators of the task, which are the stages of the plan
   out.read_seconds = s.operators[0].seconds;
   out.search_seconds = s.operators[1].seconds;
   for (std::size_t i = 2; i + 1 < s.operators.size(); ++i) out.stage_seconds.push_back(s.operators[i].seconds);

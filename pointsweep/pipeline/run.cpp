@@ -431,10 +431,17 @@ class Run {
     for (const std::string& warning : files.warnings()) statistics_.warnings.push_back(warning);
     files.finish(cloud_);
     if (checkpoints_) checkpoints_->finish();
+    number_degenerate_rows();
     statistics_.bytes_written = files.bytes_written();
     statistics_.total_seconds = seconds_since(started_);
     statistics_.peak_rss_bytes = peak_resident_bytes();
     return std::move(statistics_);
+  }
+
+  /// As they are numbered in the input, whose nonfinite points may have been dropped.
+  void number_degenerate_rows() {
+    for (DegenerateResults& results : statistics_.degenerate_results)
+      for (std::uint64_t& row : results.rows) row = cloud_.input_row(row);
   }
 
   Cloud& cloud_;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
 #include "pointsweep/pipeline/observation.h"
@@ -34,6 +35,30 @@ nlohmann::ordered_json buffers(const Statistics& s) {
   return out;
 }
 
+/// Gives the stages of a chain different names: "normals", "normals_2".
+class UniqueNames {
+ public:
+  std::string of(const std::string& name) {
+    std::string unique = name;
+    for (int again = 2; !used_.insert(unique).second; ++again) unique = fmt::format("{}_{}", name, again);
+    return unique;
+  }
+
+ private:
+  std::set<std::string> used_;
+};
+
+/// [{"stage": "normals", "count": 2, "rows": [3, 17]}, ...] without the stages that have none
+nlohmann::ordered_json degenerate_rows(const Statistics& s) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  UniqueNames unique;
+  for (const DegenerateResults& results : s.degenerate_results) {
+    const std::string stage = unique.of(results.stage);
+    if (results.count > 0) out.push_back({{"stage", stage}, {"count", results.count}, {"rows", results.rows}});
+  }
+  return out;
+}
+
 nlohmann::ordered_json counts(const ReferenceCounts& r) {
   return {{"complete", r.complete},
           {"incomplete", r.incomplete},
@@ -47,10 +72,14 @@ nlohmann::ordered_json counts(const ReferenceCounts& r) {
 // the fewest certified are those certified in every one.
 void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep) {
   to.certified = to.sweeps == 0 ? sweep.certified : std::min(to.certified, sweep.certified);
-  to.recalled += sweep.recalled, to.degenerate += sweep.degenerate;
+  to.recalled += sweep.recalled;
   to.read_seconds += sweep.read_seconds, to.search_seconds += sweep.search_seconds;
-  for (std::size_t i = 0; i < plan.stages.size(); ++i)
+  for (std::size_t i = 0; i < plan.stages.size(); ++i) {
     to.operator_seconds.emplace_back(plan.stages[i].op->name(), sweep.stage_seconds[i]);
+    const DegenerateRows& rows = sweep.degenerate[i];
+    to.degenerate_results.push_back({plan.stages[i].op->name(), rows.count(), rows.lowest()});
+    to.degenerate += rows.count();
+  }
 
   const std::uint64_t read_before = to.series.empty() ? 0 : to.series.back().first;
   const std::uint64_t read = sweep.series.empty() ? 0 : sweep.series.back().first;
@@ -77,11 +106,8 @@ std::string to_json(const Statistics& s) {
     distances.push_back({{"from", bin.from}, {"to", bin.to}, {"nearest", bin.nearest}, {"farthest", bin.farthest}});
   }
   nlohmann::ordered_json operators = nlohmann::ordered_json::object();
-  for (const auto& [name, seconds] : s.operator_seconds) {
-    std::string key = name;
-    for (int again = 2; operators.contains(key); ++again) key = fmt::format("{}_{}", name, again);
-    operators[key] = seconds;
-  }
+  UniqueNames unique;
+  for (const auto& [name, seconds] : s.operator_seconds) operators[unique.of(name)] = seconds;
   nlohmann::ordered_json json = {
       {"points", s.points},
       {"sweeps", s.sweeps},
@@ -89,6 +115,7 @@ std::string to_json(const Statistics& s) {
       {"certified", s.certified},
       {"recalled", s.recalled},
       {"degenerate", s.degenerate},
+      {"degenerate_rows", degenerate_rows(s)},
       {"nonfinite", s.nonfinite},
       {"nonfinite_dropped", s.dropped},
       {"nonfinite_rows", s.nonfinite_rows},

@@ -28,6 +28,15 @@ struct DistanceBin {
   std::uint64_t nearest, farthest;
 };
 
+/// Results of a stage that got the documented value because the data define none: no normal where all neighbours lie on
+/// a line, for example (docs/attributes.md).
+struct DegenerateResults {
+  std::string stage;  ///< name of the operator
+  std::uint64_t count = 0;
+  std::vector<std::uint64_t> rows;  ///< of the input, ascending, at most the first 1,000; from 0
+  bool operator==(const DegenerateResults&) const = default;
+};
+
 /// Of a run of several sweeps, sums over them unless it is said otherwise. Of a run that was resumed, counts of points
 /// are those of the whole; times, bytes, series and distances those of the last process alone.
 struct Statistics {
@@ -36,15 +45,16 @@ struct Statistics {
   std::uint64_t k = 0;           ///< of the first sweep; 0: no limit
   std::uint64_t certified = 0;   ///< points whose neighbourhoods are proven exact in every sweep: all finite ones
   std::uint64_t recalled = 0;    ///< neighbourhoods proven by reading a part of the stream again
-  std::uint64_t degenerate = 0;  ///< results that got the documented value for want of data
+  std::uint64_t degenerate = 0;  ///< results that got the documented value, of all stages
   std::uint64_t nonfinite = 0;   ///< points whose coordinates are NaN or infinite, in the input or when a sweep begins
   std::uint64_t dropped = 0;     ///< of the nonfinite ones, those that are left out; `points` does not count them
-  std::vector<std::uint64_t> nonfinite_rows;  ///< of the input, ascending, at most the first 1,000; from 0
-  double total_seconds = 0;                   ///< wall
-  double order_seconds = 0;                   ///< wall: survey and distribution
-  double read_seconds = 0;                    ///< loading and cutting slabs, summed over threads
-  double search_seconds = 0;                  ///< summed over threads
-  double write_seconds = 0;                   ///< wall: bringing the results into the output, or to the next sweep
+  std::vector<std::uint64_t> nonfinite_rows;          ///< of the input, ascending, at most the first 1,000; from 0
+  std::vector<DegenerateResults> degenerate_results;  ///< of every stage of the chain, in its order
+  double total_seconds = 0;                           ///< wall
+  double order_seconds = 0;                           ///< wall: survey and distribution
+  double read_seconds = 0;                            ///< loading and cutting slabs, summed over threads
+  double search_seconds = 0;                          ///< summed over threads
+  double write_seconds = 0;  ///< wall: bringing the results into the output, or to the next sweep
   std::vector<std::pair<std::string, double>> operator_seconds;  ///< summed over threads
   std::uint64_t bytes_read = 0, bytes_spilled = 0, bytes_written = 0;
   std::uint64_t peak_rss_bytes = 0, memory_budget_bytes = 0;

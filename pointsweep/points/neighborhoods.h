@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pointsweep/math/vec3.h"
+#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 
@@ -164,13 +165,19 @@ class Columns {
   }
   /// False if nobody will look at column `m`. An operator may then leave it as it is, and spare itself the work.
   bool wanted(std::size_t m) const { return m >= unwanted_.size() || !unwanted_[m]; }
-  /// Points whose data allowed no result and got the documented value instead.
-  std::uint64_t degenerate = 0;
+  /// Point i gets the documented value in place of a result, because its data define none.
+  void mark_degenerate(std::size_t i) {
+    assert(i < size_);
+    degenerate_.mark(i);
+  }
+  /// The points so marked.
+  DegeneratePoints& degenerate() { return degenerate_; }
 
  private:
   std::span<std::byte* const> made_;
   std::size_t size_;
   std::vector<bool> unwanted_;
+  DegeneratePoints degenerate_;
 };
 
 }  // namespace pointsweep

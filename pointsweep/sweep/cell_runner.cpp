@@ -66,9 +66,7 @@ void CellRunner::run(std::uint32_t slot, std::uint32_t step, Worker& worker) con
     if (!certify(cell, worker)) return;
   }
   place_columns(cell, step, worker);
-  const std::uint64_t degenerate_before = worker.tally.degenerate;
   step == 0 ? run_first_step(slot, all_found, worker) : run_later_step(slot, step, worker);
-  cell.degenerate += worker.tally.degenerate - degenerate_before;
   cell.steps_done = step + 1;
   if (cell.steps_done == plan_.step_count()) finish(cell, worker);
 }
@@ -316,7 +314,7 @@ void CellRunner::apply(WindowCell& cell, std::uint32_t step, std::uint32_t first
   }
 }
 
-void CellRunner::apply_to_all(const WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const {
+void CellRunner::apply_to_all(WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const {
   std::vector<std::byte*>& columns = worker.run_columns;
   columns.clear();
   for (std::size_t c = 0; c < worker.columns.size(); ++c) {
@@ -332,10 +330,12 @@ void CellRunner::apply_to_all(const WindowCell& cell, std::uint32_t step, const 
                     listed.refs,
                     columns.data()};
   run_step(plan_, step, batch, worker.tally);
+  for_each_marked(plan_, step, worker.tally,
+                  [&](std::size_t stage, std::size_t i) { mark_degenerate(cell, stage, first + i); });
 }
 
 /// The same for a cell some of whose points are deferred: on a copy that holds only the others.
-void CellRunner::apply_to_some(const WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const {
+void CellRunner::apply_to_some(WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const {
   std::vector<std::uint32_t> chosen;
   std::vector<double> x, y, z;
   std::vector<std::uint64_t> row;
@@ -369,6 +369,8 @@ void CellRunner::apply_to_some(const WindowCell& cell, std::uint32_t step, const
                     some.refs.data(),
                     pointers.data()};
   run_step(plan_, step, batch, worker.tally);
+  for_each_marked(plan_, step, worker.tally,
+                  [&](std::size_t stage, std::size_t i) { mark_degenerate(cell, stage, chosen[i]); });
   for (std::size_t s = plan_.steps[step]; s < plan_.steps[step + 1]; ++s) {
     for (const std::uint16_t c : plan_.stages[s].makes) {
       const std::size_t bytes = plan_.column_bytes[c];
@@ -377,6 +379,11 @@ void CellRunner::apply_to_some(const WindowCell& cell, std::uint32_t step, const
       }
     }
   }
+}
+
+void CellRunner::mark_degenerate(WindowCell& cell, std::size_t stage, std::size_t i) const {
+  if (cell.degenerate.empty()) cell.degenerate.resize(plan_.stages.size());
+  cell.degenerate[stage].mark(i);
 }
 
 void CellRunner::finish(WindowCell& cell, Worker& worker) const {
@@ -389,7 +396,8 @@ void CellRunner::finish(WindowCell& cell, Worker& worker) const {
 
 void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
   worker.certified += cell.certified;
-  worker.degenerate += cell.degenerate;
+  for (std::size_t s = 0; s < cell.degenerate.size(); ++s)
+    cell.degenerate[s].for_each([&](std::size_t i) { worker.tally.degenerate[s].add(cell.cell.row[i]); });
   worker.deferred.insert(worker.deferred.end(), cell.left_to_recall.begin(), cell.left_to_recall.end());
   for (const DeferredPoint& point : cell.left_to_recall) sink_.deferred(point.slab, point.index_in_slab);
   collect_results(plan_, worker.columns.data(), cell.cell.size(), worker.results);

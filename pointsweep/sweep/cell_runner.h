@@ -29,7 +29,7 @@ struct Worker {
   double search_seconds = 0;
   /// Of finished cells.
   std::vector<DeferredPoint> deferred;
-  std::uint64_t certified = 0, degenerate = 0;
+  std::uint64_t certified = 0;
 };
 
 struct RunnerMemory {
@@ -72,8 +72,9 @@ class CellRunner {
   void place_columns(WindowCell& cell, std::uint32_t step, Worker& worker) const;
   void apply(WindowCell& cell, std::uint32_t step, std::uint32_t first, const CellNeighbors& lists,
              Worker& worker) const;
-  void apply_to_all(const WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const;
-  void apply_to_some(const WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const;
+  void apply_to_all(WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const;
+  void apply_to_some(WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const;
+  void mark_degenerate(WindowCell& cell, std::size_t stage, std::size_t i) const;
   void finish(WindowCell& cell, Worker& worker) const;
   void hand_over(const WindowCell& cell, Worker& worker) const;
   void drop_columns(WindowCell& cell) const;

@@ -98,7 +98,10 @@ class Nodes {
     const Batch batch{
         {&x_[node], &y_[node], &z_[node], &row_[node], own.data()}, 1, slots.data(), begin, refs.data(), made.data()};
     StageTally ignored;
-    run_step(plan_, step, batch, step >= count_from_[node] ? tally : ignored);
+    StageTally& counted = step >= count_from_[node] ? tally : ignored;
+    run_step(plan_, step, batch, counted);
+    for_each_marked(plan_, step, counted,
+                    [&](std::size_t stage, std::size_t) { counted.degenerate[stage].add(row_[node]); });
   }
 
   const SweepPlan& plan_;

@@ -24,6 +24,8 @@ void count_distances(const Batch& batch, NeighborDistances& distances) {
 
 void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, StageTally& tally) {
   tally.seconds.resize(plan.stages.size());
+  tally.marked.resize(plan.stages.size());
+  tally.degenerate.resize(plan.stages.size());
   if (step == 0 && tally.distances) count_distances(batch, *tally.distances);
   for (std::size_t s = plan.steps[step]; s < plan.steps[step + 1]; ++s) {
     stop_if_cancelled();
@@ -39,7 +41,7 @@ void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, Stage
                            stage.reads_neighbors, stage.position);
     Columns out(made, batch.size, std::move(unwanted));
     stage.op->apply(in, out);
-    tally.degenerate += out.degenerate;
+    tally.marked[s] = std::move(out.degenerate());
     tally.seconds[s] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 }

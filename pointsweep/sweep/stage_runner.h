@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "pointsweep/points/degenerate_rows.h"
 #include "pointsweep/sweep/distance_histogram.h"
 #include "pointsweep/sweep/plan.h"
 
@@ -15,8 +16,10 @@ namespace pointsweep {
 
 /// What one thread did in one operator, or in all.
 struct StageTally {
-  std::vector<double> seconds;  ///< by stage
-  std::uint64_t degenerate = 0;
+  std::vector<double> seconds;           ///< by stage
+  std::vector<DegeneratePoints> marked;  ///< by stage, those of the step that was run last: points of its batch
+  /// By stage: the rows of marked points whose results are final. The callers of run_step add them.
+  std::vector<DegenerateRows> degenerate;
   std::unique_ptr<NeighborDistances> distances;  ///< filled if it is there
 };
 
@@ -29,6 +32,13 @@ struct Batch {
   const NeighborRef* refs = nullptr;
   std::byte* const* made = nullptr;  ///< writable columns by column number
 };
+
+/// Calls `use(stage, point of the batch)` for what `step`, which was run last, has marked.
+template <class Use>
+void for_each_marked(const SweepPlan& plan, std::size_t step, const StageTally& tally, Use use) {
+  for (std::size_t s = plan.steps[step]; s < plan.steps[step + 1]; ++s)
+    tally.marked[s].for_each([&](std::size_t i) { use(s, i); });
+}
 
 void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, StageTally& tally);
 

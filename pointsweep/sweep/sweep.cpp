@@ -73,7 +73,7 @@ class Sweep {
     restart_->restore(loader_, window_, outside_, sink_);
     workers_.front().deferred = from.deferred;
     workers_.front().certified = from.certified;
-    workers_.front().degenerate = from.degenerate;
+    workers_.front().tally.degenerate = from.degenerate;
     statistics_.recalled = from.recalled;
     statistics_.recalled_slabs = from.recalled_slabs;
     statistics_.peak_points = from.peak_points;
@@ -164,7 +164,7 @@ class Sweep {
     for (const Worker& worker : workers_) {
       p.deferred.insert(p.deferred.end(), worker.deferred.begin(), worker.deferred.end());
       p.certified += worker.certified;
-      p.degenerate += worker.degenerate;
+      add_rows(p.degenerate, worker.tally.degenerate);
     }
     p.recalled = statistics_.recalled;
     p.recalled_slabs = statistics_.recalled_slabs;
@@ -203,10 +203,8 @@ class Sweep {
     while (!worker.deferred.empty()) {
       const std::size_t points = std::min(batch, worker.deferred.size());
       const auto begin = worker.deferred.end() - static_cast<std::ptrdiff_t>(points);
-      const std::uint64_t degenerate_before = worker.tally.degenerate;
       recall.run({begin, worker.deferred.end()}, sink_, worker.tally);
       worker.deferred.erase(begin, worker.deferred.end());
-      worker.degenerate += worker.tally.degenerate - degenerate_before;
       worker.certified += points;
       statistics_.recalled += points;
       statistics_.recalled_slabs = slabs_before + recall.slabs_read();
@@ -218,9 +216,10 @@ class Sweep {
 
   SweepStatistics gather_statistics() {
     statistics_.stage_seconds.assign(plan_.stages.size(), 0);
+    statistics_.degenerate.resize(plan_.stages.size());
     for (const Worker& worker : workers_) {
       statistics_.certified += worker.certified;
-      statistics_.degenerate += worker.degenerate;
+      add_rows(statistics_.degenerate, worker.tally.degenerate);
       if (worker.tally.distances) statistics_.distances.add(*worker.tally.distances);
       statistics_.search_seconds += worker.search_seconds;
       for (std::size_t s = 0; s < worker.tally.seconds.size(); ++s) {

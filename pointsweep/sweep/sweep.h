@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pointsweep/order/stream.h"
+#include "pointsweep/points/degenerate_rows.h"
 #include "pointsweep/sweep/distance_histogram.h"
 #include "pointsweep/sweep/plan.h"
 #include "pointsweep/sweep/sweep_progress.h"
@@ -50,7 +51,7 @@ struct SweepStatistics {
   std::uint64_t certified = 0;  ///< points whose neighbourhood is proven exact; in the end all of them
   std::uint64_t recalled = 0;   ///< of these, in the recall
   std::uint64_t recalled_slabs = 0;
-  std::uint64_t degenerate = 0;
+  std::vector<DegenerateRows> degenerate;                           ///< by stage
   double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads (recall: wall)
   std::vector<double> stage_seconds;                                ///< by stage, summed over threads
   std::uint64_t peak_points = 0;

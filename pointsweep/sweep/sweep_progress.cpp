@@ -9,7 +9,12 @@ void SweepProgress::pack(Packer& out) const {
   out.put(dropped);
   out.put(full_places);
   out.put(deferred);
-  for (const std::uint64_t count : {certified, recalled, recalled_slabs, degenerate, peak_points}) out.put(count);
+  for (const std::uint64_t count : {certified, recalled, recalled_slabs, peak_points}) out.put(count);
+  out.put<std::uint64_t>(degenerate.size());
+  for (const DegenerateRows& rows : degenerate) {
+    out.put(rows.count());
+    out.put(rows.lowest());
+  }
 }
 
 SweepProgress SweepProgress::unpacked(Unpacker& packed) {
@@ -19,8 +24,12 @@ SweepProgress SweepProgress::unpacked(Unpacker& packed) {
   p.dropped = packed.get_vector<DroppedCell>();
   p.full_places = packed.get_vector<FullPlace>();
   p.deferred = packed.get_vector<DeferredPoint>();
-  for (std::uint64_t* count : {&p.certified, &p.recalled, &p.recalled_slabs, &p.degenerate, &p.peak_points})
+  for (std::uint64_t* count : {&p.certified, &p.recalled, &p.recalled_slabs, &p.peak_points})
     *count = packed.get<std::uint64_t>();
+  for (auto stages = packed.get<std::uint64_t>(); stages > 0; --stages) {
+    const auto count = packed.get<std::uint64_t>();
+    p.degenerate.emplace_back(count, packed.get_vector<std::uint64_t>());
+  }
   return p;
 }
 

@@ -7,6 +7,7 @@
 
 #include "pointsweep/math/box.h"
 #include "pointsweep/order/packed.h"
+#include "pointsweep/points/degenerate_rows.h"
 #include "pointsweep/sweep/deferred_point.h"
 
 namespace pointsweep {
@@ -37,8 +38,8 @@ struct SweepProgress {
   std::vector<FullPlace> full_places;
   std::vector<DeferredPoint> deferred;  ///< of finished cells, not yet recalled
   /// Of finished cells and recalled points, as in SweepStatistics.
-  std::uint64_t certified = 0, recalled = 0, recalled_slabs = 0, degenerate = 0;
-  std::uint64_t peak_points = 0;
+  std::uint64_t certified = 0, recalled = 0, recalled_slabs = 0, peak_points = 0;
+  std::vector<DegenerateRows> degenerate;  ///< by stage; may be shorter than the chain
 
   void pack(Packer& out) const;
   static SweepProgress unpacked(Unpacker& packed);

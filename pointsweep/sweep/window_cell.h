@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/search/cell.h"
 #include "pointsweep/search/cell_search.h"
 #include "pointsweep/sweep/deferred_point.h"
@@ -36,7 +37,8 @@ struct WindowCell {
   /// the step.
   std::vector<std::uint8_t> deferred, deferred_before;
   /// What the cell adds to the counts and the deferred points of the run when it is finished.
-  std::uint64_t certified = 0, degenerate = 0;
+  std::uint64_t certified = 0;
+  std::vector<DegeneratePoints> degenerate;  ///< by stage; empty if there are none
   std::vector<DeferredPoint> left_to_recall;
   /// It was finished before the run was resumed: only others still look at it.
   bool was_finished = false;

@@ -155,9 +155,14 @@ TEST_F(Help, TheLastSentenceExplainsResultsThatAreUndefined) {
   write("line.xyz", "0 0 0\n1 0 0\n2 0 0\n3 0 0\n");
   const Result result = tool("normals line.xyz out.ply");
   EXPECT_EQ(result.status, 0);
-  EXPECT_NE(result.err.find("4 results are undefined for want of neighbours (too few, or all on a line"),
-            std::string::npos)
+  EXPECT_NE(
+      result.err.find("4 results are undefined because the points have too few neighbours, or neighbours that all "
+                      "lie on a line"),
+      std::string::npos)
       << result.err;
+  EXPECT_NE(result.err.find("--stats FILE lists the rows of the points"), std::string::npos) << result.err;
+  EXPECT_NE(tool("normals line.xyz out.ply -f --stats s.json").err.find("degenerate_rows in s.json lists the rows"),
+            std::string::npos);
 }
 
 }  // namespace

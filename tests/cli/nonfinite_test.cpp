@@ -99,6 +99,19 @@ TEST_F(NonfinitePoints, AmongSeveralInputsAreDroppedFromEach) {
   EXPECT_EQ(stats["nonfinite_rows"][9], kRows + 500 + 3) << "rows run through the inputs";
 }
 
+TEST_F(NonfinitePoints, DroppedAreCountedInTheRowsOfDegenerateResults) {
+  write("line.xyz", "nan 0 0\n90 0 0\n91 0 0\n92 0 inf\n93 0 0\n94 0 0\n");
+  write("pair.xyz", "nan 0 0\n190 0 0\n191 0 0\n");
+  for (const std::string nonfinite : {"drop", "keep"}) {
+    made("normals line.xyz dirty.xyz pair.xyz -o out.ply --radius 2 -k 8 --stats s.json -f --nonfinite " + nonfinite);
+    const auto stats = nlohmann::json::parse(contents(folder_ / "s.json"));
+    EXPECT_EQ(stats["degenerate"], 6);
+    EXPECT_EQ(stats["degenerate_rows"], nlohmann::json::parse(R"([{"stage": "normals", "count": 6,
+        "rows": [1, 2, 4, 5, 9007, 9008]}])"))
+        << nonfinite;
+  }
+}
+
 TEST_F(NonfinitePoints, AreRefusedWithFileAndRow) {
   ASSERT_EQ(tool("generate sphere good.ply -n 500").status, 0);
   for (const char* verb : {"normals", "sort", "fair"})

@@ -228,6 +228,8 @@ TEST(Fair, LeavesAPointWithoutUsableNeighborsWhereItIsAndCountsIt) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ((Vec3{moved[i][0], moved[i][1], moved[i][2]}), cloud.points[i]) << i;
   EXPECT_GE(result.degenerate, 3u);
   EXPECT_LE(result.degenerate, 7u);
+  ASSERT_EQ(result.degenerate_rows.size(), result.degenerate);
+  for (std::uint64_t i = 0; i < 3; ++i) EXPECT_EQ(result.degenerate_rows[i], i);
   EXPECT_NE(moved[60][2], cloud.points[60].z);
 }
 

@@ -316,6 +316,41 @@ TEST(MovedPoints, TheirBytesDependNeitherOnTheBatchNorOnTheInstructionSet) {
   });
 }
 
+using Rows = std::vector<std::uint64_t>;
+
+/// Rows whose values are all 0.
+Rows zero_rows(const InCoreResult& result, std::size_t points) {
+  Rows rows;
+  for (std::uint64_t i = 0; i < points; ++i) {
+    const bool zero = std::ranges::all_of(result.columns, [&](const Column& made) {
+      const auto width = static_cast<std::ptrdiff_t>(made.size() / points);
+      const auto value = made.begin() + static_cast<std::ptrdiff_t>(i) * width;
+      return std::all_of(value, value + width, [](std::byte b) { return b == std::byte{0}; });
+    });
+    if (zero) rows.push_back(i);
+  }
+  return rows;
+}
+
+TEST(MovedPoints, WithoutAResultAreMarkedOneByOneWhateverTheBatchAndTheInstructionSet) {
+  const MovedCloud cloud = mixed_cloud();
+  const std::size_t n = cloud.points.size();
+  const Column normals = some_normals(n);
+  const auto each = [&](std::size_t cell) {
+    return std::vector<InCoreResult>{cloud.apply(Normals(), {}, {}, cell),
+                                     cloud.apply(Curvature(), {normals}, {normals}, cell),
+                                     cloud.apply(Splats(), {normals}, {}, cell)};
+  };
+  for_each_instruction_set([&] {
+    for (const std::size_t cell : {std::size_t{1}, std::size_t{3}, std::size_t{17}, std::size_t{kCellCapacity}}) {
+      for (const InCoreResult& result : each(cell)) {
+        EXPECT_EQ(result.degenerate_rows, zero_rows(result, n)) << cell;
+        EXPECT_GT(result.degenerate_rows.size(), 20u);
+      }
+    }
+  });
+}
+
 TEST(MovedPoints, NextToAPlaceThatIsNotFiniteNothingIsDefined) {
   MovedCloud cloud = moved_clouds(8)[0];
   const std::uint32_t lost = cloud.lists[0][3];

@@ -24,7 +24,9 @@ class Unoriented : public Operator {
  public:
   std::string name() const override { return "unoriented"; }
   Contract contract() const override { return {{}, {}, {normal_attribute()}}; }
-  void apply(const Neighborhoods& in, Columns& out) const override { unoriented_normals(in, out.column<Normal>(0)); }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    unoriented_normals(in, out.column<Normal>(0), out.degenerate());
+  }
 };
 
 /// A crowd of every kind: volume, plane, line, duplicates, neighbourhoods of 0 to 1000 points, in one batch.

@@ -230,7 +230,7 @@ TEST(Splats, AreZeroAndCountedWithoutNormalOrNeighbor) {
   cloud.lists[2].clear();
   cloud.lists[3].assign(3, 3);
   const InCoreResult made = cloud.make();
-  EXPECT_EQ(made.degenerate, 4u);
+  EXPECT_EQ(made.degenerate_rows, (std::vector<std::uint64_t>{0, 1, 2, 3}));
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_EQ(made.column<Float3>(kAxis)[i] == Float3{}, i < 4);
     EXPECT_EQ(made.column<float>(kLength)[i] == 0, i < 4);

@@ -62,7 +62,7 @@ TEST(Radius, BytesAreTheSameHoweverFewListsAThreadHasInHand) {
           options.spill = again;
           const RunResult result = run_in_memory(points, chain, options);
           ASSERT_EQ(result.records, expected.records) << lists << " bytes of lists, searched again: " << again;
-          ASSERT_EQ(result.statistics.degenerate, expected.statistics.degenerate);
+          ASSERT_EQ(result.statistics.degenerate_results, expected.statistics.degenerate_results);
           ASSERT_EQ(result.statistics.certified, expected.statistics.certified);
         }
       }

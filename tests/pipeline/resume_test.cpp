@@ -100,6 +100,7 @@ class Resume : public testing::Test {
     std::filesystem::remove(folder_ / work.output);
     EXPECT_EQ(got.certified, whole_.certified);
     EXPECT_EQ(got.degenerate, whole_.degenerate);
+    EXPECT_EQ(got.degenerate_results, whole_.degenerate_results);
     EXPECT_EQ(got.nonfinite, whole_.nonfinite);
     EXPECT_EQ(got.sweeps, whole_.sweeps);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "done"));

@@ -120,7 +120,7 @@ TEST(ReferenceRun, GivesTheSameRecordsAsTheEngineInEitherOrder) {
     EXPECT_EQ(reference.statistics.reference->complete, 2999u);
     EXPECT_EQ(reference.statistics.certified, 2999u);
     EXPECT_EQ(reference.statistics.nonfinite, 1u);
-    EXPECT_EQ(reference.statistics.degenerate, engine.statistics.degenerate);
+    EXPECT_EQ(reference.statistics.degenerate_results, engine.statistics.degenerate_results);
     EXPECT_FALSE(engine.statistics.reference);
   }
 }

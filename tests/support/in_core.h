@@ -16,10 +16,11 @@
 
 namespace pointsweep {
 
-/// One column of raw values per attribute an operator makes, and its count of degenerate points.
+/// One column of raw values per attribute an operator makes, and its degenerate points.
 struct InCoreResult {
   std::vector<std::vector<std::byte>> columns;
   std::uint64_t degenerate = 0;
+  std::vector<std::uint64_t> degenerate_rows = {};  ///< ascending
 
   template <class T>
   std::vector<T> column(std::size_t m) const {
@@ -81,7 +82,8 @@ class InCoreCloud {
                              all.subspan(reads.size()), -1, moved_);
       Columns out(made, size);
       op.apply(in, out);
-      result.degenerate += out.degenerate;
+      result.degenerate += out.degenerate().count();
+      out.degenerate().for_each([&](std::size_t i) { result.degenerate_rows.push_back(first + i); });
     }
     return result;
   }

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+/// The rows of points whose data define no result, of any number of batches.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pointsweep {
+
+/// How many rows were added, and the lowest of them. Neither depends on the order in which rows are added, nor on how
+/// they are divided among objects that are added to each other later. Every row may be added once.
+class DegenerateRows {
+ public:
+  static constexpr std::size_t kMostListed = 1000;
+
+  DegenerateRows() = default;
+  /// `lowest`: at most kMostListed.
+  DegenerateRows(std::uint64_t count, std::vector<std::uint64_t> lowest);
+
+  void add(std::uint64_t row);
+  void add(const DegenerateRows& others);
+
+  std::uint64_t count() const { return count_; }
+  /// Ascending, at most kMostListed.
+  std::vector<std::uint64_t> lowest() const;
+
+ private:
+  void keep(std::uint64_t row);
+
+  std::uint64_t count_ = 0;
+  std::vector<std::uint64_t> heap_;  ///< the lowest rows, the greatest of them first
+};
+
+/// Adds the rows of each stage; `to` grows to the length of `from`.
+void add_rows(std::vector<DegenerateRows>& to, const std::vector<DegenerateRows>& from);
+
+}  // namespace pointsweep
