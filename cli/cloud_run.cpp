@@ -40,6 +40,7 @@ RunOptions run_options(const CommonOptions& options) {
   run.nonfinite = options.nonfinite;
   run.replace = options.replace;
   run.prefix = options.prefix;
+  run.provenance = options.provenance;
   run.input_paths = options.provenance_paths;
   return run;
 }

@@ -19,7 +19,7 @@ void print_row(const std::string& name, const std::string& text) {
 
 void print_options(const std::vector<OptionDeclaration>& options) {
   for (const OptionDeclaration& o : options) {
-    const std::string preset = o.preset.empty() ? "" : fmt::format(" (default: {})", o.preset);
+    const std::string preset = has_value(o.preset) ? fmt::format(" (default: {})", text_of_value(o.preset)) : "";
     print_row(o.name, fmt::format("{}: {}{}", o.allowed(), o.meaning, preset));
   }
 }
@@ -58,8 +58,7 @@ void print_neighborhood() {
 void print_operator(const OperatorDeclaration& declaration) {
   print_title(declaration.name, declaration.meaning);
   print_options(declaration.options);
-  const OptionValues presets(declaration.options, {declaration.name, {}, "operators"});
-  const Contract contract = declaration.make(presets, {})->contract();
+  const Contract contract = make_operator(declaration, sample_values(declaration), {})->contract();
   print_attributes("needs", contract.reads);
   print_attributes("of neighbours", contract.reads_neighbors);
   print_attributes("makes", contract.makes);

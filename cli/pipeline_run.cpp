@@ -7,7 +7,6 @@
 #include "pointsweep/error.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/preview.h"
-#include "pointsweep/pipeline/provenance_record.h"
 
 namespace pointsweep {
 namespace {
@@ -85,11 +84,9 @@ void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
     });
     return;
   }
-  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, RunOptions options) {
+  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
     const Chain chain = build_chain(stages, cloud, command.common.keep);
     require_a_mover(chain, command.common);
-    options.resume_key = to_text(stages);
-    if (command.common.provenance) options.stages = canonical_stages(stages);
     return run(cloud, chain, {.points = command.paths.output(), .arrays = {}, .writer = {}}, options);
   });
 }

@@ -22,8 +22,7 @@ void sort_points(const SortCommand& command) {
     });
     return;
   }
-  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, RunOptions options) {
-    if (command.common.provenance) options.stages = {"sort"};
+  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
     return sort(cloud, command.paths.output(), options, keep);
   });
 }

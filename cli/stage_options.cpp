@@ -19,6 +19,8 @@ std::string value_name(const OptionDeclaration& option) {
       return "X,Y,Z";
     case OptionKind::attribute:
       return "NAME";
+    case OptionKind::condition:
+      return "CONDITION";
     case OptionKind::choice:
       break;
   }
@@ -54,13 +56,14 @@ std::string flag_of(std::string name) {
 }  // namespace
 
 void add_stage_options(CLI::App& verb, const std::vector<OptionDeclaration>& options, std::vector<OptionText>& into) {
-  for (const OptionDeclaration& option : options) add_option(verb, flag_of(option.name), option, option.preset, into);
+  for (const OptionDeclaration& option : options)
+    add_option(verb, flag_of(option.name), option, text_of_value(option.preset), into);
 }
 
 void add_neighborhood_options(CLI::App& verb, const std::string& k, std::vector<OptionText>& into) {
   for (const OptionDeclaration& option : neighborhood_declaration().options) {
     const bool is_k = option.name == "k";
-    add_option(verb, is_k ? "-k" : flag_of(option.name), option, is_k ? k : option.preset, into);
+    add_option(verb, is_k ? "-k" : flag_of(option.name), option, is_k ? k : text_of_value(option.preset), into);
   }
 }
 

@@ -16,9 +16,9 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/update_operators.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/planned_sweeps.h"
-#include "pointsweep/pipeline/update_operators.h"
 #include "pointsweep/verify/npy_reader.h"
 #include "pointsweep/verify/verify.h"
 
@@ -36,6 +36,31 @@ struct VerifyCommand {
   bool says_how() const { return !pipeline.empty() || !neighborhood.empty() || !keep.empty(); }
 };
 
+/// Whether this program has all operators of the pipeline. A program that uses the library may have others.
+bool is_known(const std::string& pipeline) {
+  try {
+    build_chain(parse_pipeline(pipeline), Facts{});
+    return true;
+  } catch (const UsageError&) {
+    return false;
+  }
+}
+
+/// The pipeline and what it keeps. With operators that are not known here, inputs have to be named, and the attributes
+/// found say what is checked.
+void take_recorded_pipeline(VerifyCommand& command, const ProvenanceRecord& record) {
+  const std::string pipeline = fmt::format("{}", fmt::join(record.stages, " | "));
+  if (is_known(pipeline)) {
+    command.pipeline = pipeline;
+    if (record.setting("keep")) command.keep = parse_names(*record.setting("keep"));
+  } else if (command.paths.files.size() == 1) {
+    fail_usage(
+        "{}: was made by '{}', of which not all operators are known here; name what was read, and last what was "
+        "written: IN... OUT.",
+        command.paths.output().string(), pipeline);
+  }
+}
+
 /// What the output says of its run, where the command does not say it.
 void take_record(VerifyCommand& command, const ProvenanceRecord& record) {
   const auto setting = [&](const char* name) { return record.setting(name).value_or(""); };
@@ -44,8 +69,7 @@ void take_record(VerifyCommand& command, const ProvenanceRecord& record) {
     command.common.nonfinite = Nonfinite::drop;
   if (command.says_how()) return;
   const bool sorted = record.stages == std::vector<std::string>{"sort"};
-  if (!sorted) command.pipeline = fmt::format("{}", fmt::join(record.stages, " | "));
-  if (!sorted && record.setting("keep")) command.keep = parse_names(setting("keep"));
+  if (!sorted) take_recorded_pipeline(command, record);
   if (!command.check.order)
     command.check.order = setting("order") == "sweep" || sorted ? RowOrder::sweep : RowOrder::input;
   const std::string axis = setting("axis");

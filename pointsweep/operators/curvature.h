@@ -45,6 +45,8 @@ class Curvature : public Operator {
   void apply(const Neighborhoods& in, Columns& out) const override;
 };
 
+OperatorDeclaration curvature_declaration();
+
 Attribute k1_attribute();
 Attribute k2_attribute();
 Attribute k1_direction_attribute();

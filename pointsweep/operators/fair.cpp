@@ -4,13 +4,17 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/error.h"
 #include "pointsweep/math/batch.h"
+#include "pointsweep/operators/declaration.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/operators/tangent_plane.h"
 
@@ -34,7 +38,56 @@ double area(float length, float ratio) {
 
 double square(double v) { return v * v; }
 
+std::shared_ptr<Operator> make_fair(const OptionValues& options, const Facts& facts) {
+  if (!(facts.diagonal > 0))
+    fail_usage("{}: all points lie in one place, so there is nothing to smooth; leave the stage out.", options.where());
+  const double percent = facts.diagonal / 100;
+  return std::make_shared<Fair>(FairOptions{.f = options.number("f") * percent, .g = options.number("g") * percent});
+}
+
+/// The width of one of the Gaussians, as the paper gives it.
+OptionDeclaration width(std::string name, std::string meaning) {
+  return {.name = std::move(name),
+          .kind = OptionKind::number,
+          .preset = 0.5,
+          .meaning = std::move(meaning),
+          .least = 1e-6,
+          .most = 100,
+          .unit = "% of the diagonal"};
+}
+
 }  // namespace
+
+OperatorDeclaration fair_declaration() {
+  return {
+      .name = "fair",
+      .meaning = "edge-preserving smoothing: moves points towards the tangent planes of their neighbours (Equation 3)",
+      .options = {width("f",
+                        "standard deviation of the Gaussian of the distance to a neighbour, in % of the diagonal of "
+                        "the input's bounding box"),
+                  width("g",
+                        "standard deviation of the Gaussian of the distance to its tangent plane, in % of the same "
+                        "diagonal")},
+      .make = make_fair,
+      .needs_diagonal = true,
+      .formula =
+          "p_i' = 1/w_i Σ_j Π_j(p_i) a_j f(|p_j - p_i|) g(|Π_j(p_i) - p_i|), j over N_i and i\n"
+          "Π_j(p_i): projection of p_i onto the tangent plane of p_j; w_i: sum of the weights;\n"
+          "a_j = π length² ratio of the splat of p_j; f and g: Gaussians exp(-r² / 2 width²).",
+      .source =
+          "Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 4.3.4, Equation 3; Π_j as in "
+          "Jones, Durand and Desbrun, Non-iterative, feature-preserving mesh smoothing (2003)",
+      .undefined = "A point stays where it is if no neighbour with a normal and a splat has a weight above 0.",
+      .cost = "one pass over the input for the diagonal",
+      .neighbor_ns = 20,
+      .attributes = {{.name = "position",
+                      .meaning = "moved position; undefined: the one before. float64 in the output too, unless "
+                                 "`--positions float32` (`RunOptions::moved_positions`) or a LAS grid rounds it"}},
+      .example = "knn(k=64) | normals | splats | fair(f=0.3, g=0.3) | normals"};
+}
+
+/// In lengths, which no option of a pipeline is: a chain made by hand is not one with widths in %.
+Options Fair::own_options() const { return {{"f_length", options_.f}, {"g_length", options_.g}}; }
 
 Fair::Fair(const FairOptions& options)
     : options_(options), inverse_f_(inverse_width("f", options.f)), inverse_g_(inverse_width("g", options.g)) {}

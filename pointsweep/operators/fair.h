@@ -43,11 +43,14 @@ class Fair : public Operator {
   const FairOptions& options() const { return options_; }
 
  private:
+  Options own_options() const override;
   struct Pull;
   void collect(const Neighborhoods& in, std::size_t i, std::vector<Pull>& pulls, std::vector<double>& exponents) const;
   static std::optional<Vec3> shift(double own, const std::vector<Pull>& pulls, const std::vector<double>& falloffs);
   FairOptions options_;
   double inverse_f_, inverse_g_;
 };
+
+OperatorDeclaration fair_declaration();
 
 }  // namespace pointsweep

@@ -51,6 +51,13 @@ std::vector<Attribute> LimitsFromAttributes::reads() const {
   return attributes;
 }
 
+Options LimitsFromAttributes::options() const {
+  Options options;
+  if (!limits_.k.empty()) options.push_back({"k_from", limits_.k});
+  if (!limits_.radius.empty()) options.push_back({"radius_from", limits_.radius});
+  return options;
+}
+
 void LimitsFromAttributes::choose(const Neighborhoods& in, std::span<std::uint32_t> counts) const {
   const std::size_t radius = limits_.k.empty() ? 0 : 1;  // its place in reads()
   for (std::size_t i = 0; i < in.size(); ++i) {

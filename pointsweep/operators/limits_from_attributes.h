@@ -26,6 +26,7 @@ class LimitsFromAttributes final : public NeighborhoodRule {
   explicit LimitsFromAttributes(AttributeLimits limits);
   std::string meaning() const override;
   std::vector<Attribute> reads() const override;
+  Options options() const override;
   void choose(const Neighborhoods& in, std::span<std::uint32_t> counts) const override;
   const AttributeLimits& limits() const { return limits_; }
 

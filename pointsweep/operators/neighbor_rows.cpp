@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <tuple>
+
+#include "pointsweep/operators/declaration.h"
 
 namespace pointsweep {
 
@@ -54,6 +57,33 @@ std::vector<std::string> numbered(const std::string& name, std::size_t count) {
   return names;
 }
 }  // namespace
+
+OperatorDeclaration neighbor_rows_declaration() {
+  return {
+      .name = "neighbors",
+      .meaning = "rows of the neighbours, nearest first, and their distances",
+      .options = {{.name = "k",
+                   .kind = OptionKind::whole,
+                   .preset = std::uint64_t{8},
+                   .meaning = "number of columns, at least the number of neighbours",
+                   .least = 1}},
+      .make = [](const OptionValues& options,
+                 const Facts& facts) { return std::make_shared<NeighborRows>(options.whole("k"), facts.points, true); },
+      .formula = "Row i holds the input rows of N_i by distance; equal distances by x, y, z, then by row.",
+      .undefined =
+          "Where a point has fewer than k neighbours, the rest of its row is the largest value of the type, and "
+          "NaN in the distances.",
+      .attributes = {{.name = "neighbors",
+                      .meaning = "input rows of the neighbours, nearest first at the positions the stage sees; "
+                                 "missing: largest value of the type",
+                      .type = "u32, u64 from 2³² - 1 rows on",
+                      .shape = "N×k"},
+                     {.name = "distances", .meaning = "to them; missing: NaN", .shape = "N×k"}}};
+}
+
+Options NeighborRows::own_options() const {
+  return {{"k", std::uint64_t{k_}}, {"distances", std::string(distances_ ? "true" : "false")}};
+}
 
 NeighborRows::NeighborRows(std::size_t k, std::uint64_t rows, bool distances)
     : k_(k), wide_(rows >= std::numeric_limits<std::uint32_t>::max()), distances_(distances) {}

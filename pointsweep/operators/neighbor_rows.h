@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "pointsweep/operators/operator.h"
 
@@ -23,6 +24,7 @@ class NeighborRows : public Operator {
   void apply(const Neighborhoods& in, Columns& out) const override;
 
  private:
+  Options own_options() const override;
   template <class Row>
   void write(const Neighborhoods& in, Row* row, double* distance) const;
 
@@ -30,5 +32,8 @@ class NeighborRows : public Operator {
   bool wide_;
   bool distances_;
 };
+
+/// Of the verb `neighbors`; as a stage it would need the k of its neighbourhoods.
+OperatorDeclaration neighbor_rows_declaration();
 
 }  // namespace pointsweep

@@ -2,9 +2,25 @@
 #include "pointsweep/operators/neighborhood_size.h"
 
 #include <cmath>
+#include <memory>
 #include <span>
 
+#include "pointsweep/operators/declaration.h"
+
 namespace pointsweep {
+
+OperatorDeclaration neighborhood_size_declaration() {
+  return {.name = "neighborhood_size",
+          .meaning = "number of neighbours and distance of the farthest",
+          .make = [](const OptionValues&, const Facts&) { return std::make_shared<NeighborhoodSize>(); },
+          .formula = "|N_i| without p_i, and max_j |p_j - p_i|",
+          .source = "PDAL keeps the same as OptimalKNN and OptimalRadius",
+          .attributes = {{.name = "neighbor_count", .meaning = "how many neighbours the point has"},
+                         {.name = "neighbor_radius",
+                          .meaning = "distance to the farthest of them at the positions the stage sees; without any: "
+                                     "0; if one has no finite place: NaN"}},
+          .example = "knn(radius=0.1) | neighborhood_size"};
+}
 
 Contract NeighborhoodSize::contract() const {
   return {{},

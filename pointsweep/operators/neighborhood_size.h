@@ -19,4 +19,6 @@ class NeighborhoodSize final : public Operator {
   void apply(const Neighborhoods& in, Columns& out) const override;
 };
 
+OperatorDeclaration neighborhood_size_declaration();
+
 }  // namespace pointsweep

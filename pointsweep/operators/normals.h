@@ -43,7 +43,10 @@ class Normals : public Operator {
   const NormalsOptions& options() const { return options_; }
 
  private:
+  Options own_options() const override;
   NormalsOptions options_;
 };
+
+OperatorDeclaration normals_declaration();
 
 }  // namespace pointsweep

@@ -45,8 +45,11 @@ class Splats : public Operator {
   const SplatsOptions& options() const { return options_; }
 
  private:
+  Options own_options() const override;
   SplatsOptions options_;
 };
+
+OperatorDeclaration splats_declaration();
 
 Attribute splat_axis_attribute();
 Attribute splat_length_attribute();

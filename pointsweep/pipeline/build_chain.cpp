@@ -34,10 +34,10 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
     const StageText& stage = stages[i];
     if (stage.name != knn.name) {
       const OperatorDeclaration& declaration = find_operator(stage);
-      chain.operators.push_back(declaration.make(OptionValues(declaration.options, stage), facts));
+      chain.operators.push_back(make_operator(declaration, read_options(declaration.options, stage), facts));
       for (const Attribute& a : chain.operators.back()->contract().makes) facts.made.insert(a.name);
     } else if (i == 0) {
-      chain.neighborhood = make_neighborhood(OptionValues(knn.options, stage));
+      chain.neighborhood = make_neighborhood(read_options(knn.options, stage));
     } else {
       fail_usage("{}: knn comes once and first; for other neighbourhoods from here on write {}.", stage.place,
                  to_text(std::vector<StageText>{{"reneighbor", stage.options, ""}}));

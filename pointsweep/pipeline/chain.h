@@ -8,7 +8,7 @@
 
 #include "pointsweep/operators/operator.h"
 #include "pointsweep/pipeline/kept_fields.h"
-#include "pointsweep/search/best_list.h"
+#include "pointsweep/points/neighborhood.h"
 #include "pointsweep/sweep/plan.h"
 
 namespace pointsweep {

@@ -65,9 +65,9 @@ struct RunOptions {
   /// (output_names.h).
   std::vector<std::string> replace = {};
   std::string prefix = {};  ///< before the names of made attributes in outputs, except positions
-  /// The pipeline as canonical_stages() gives it, for the record of this run in its outputs (formats/provenance.h);
-  /// {"sort"} for sort(). Empty: outputs hold only the records of their inputs.
-  std::vector<std::string> stages = {};
+  /// Outputs hold a record of this run (formats/provenance.h): its operators with their options, and the inputs. The
+  /// records of the inputs stay in any case.
+  bool provenance = true;
   bool input_paths = false;  ///< that record holds the absolute paths of the inputs instead of their file names
   /// Called from one thread at a time, a few times a second at most on average; may throw to end the run, leaving
   /// nothing behind.
@@ -94,8 +94,6 @@ struct RunOptions {
   /// run, given the same folder, goes on from the last one. Refused if another run is in it, removed when the run is
   /// complete. Everything is spilled. Neither with Engine::reference nor with half_way_states. Empty: none.
   std::filesystem::path resume_folder;
-  /// Tells runs apart that differ in what the chain does not show, such as options of operators.
-  std::string resume_key;
   /// Between two checkpoints, not counting those at the end of a phase; more where a checkpoint takes longer than a
   /// hundredth of it. 0: after every slab.
   double checkpoint_seconds = 30;

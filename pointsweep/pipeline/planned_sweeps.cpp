@@ -6,7 +6,7 @@
 #include <set>
 
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/update_operators.h"
+#include "pointsweep/operators/update_operators.h"
 
 namespace pointsweep {
 namespace {

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/pipeline/registry.h"
 
 namespace pointsweep {
 namespace {
@@ -19,7 +19,6 @@ constexpr std::size_t kNearest = 8;  ///< of the sample, from whose distance a d
 
 /// ns for each neighbour and use of its list, measured with `script/bench radius` at about 1,000 neighbours.
 constexpr double kSearchCost = 20, kOtherCost = 10;
-constexpr std::pair<const char*, double> kCosts[] = {{"normals", 4}, {"curvature", 12}, {"splats", 10}, {"fair", 20}};
 
 /// Points of the sample within the radius of sample point `q`, as the number that they stand for.
 double neighbors_of(const Survey& survey, std::size_t q, double radius, double points_per_sample) {
@@ -51,8 +50,8 @@ std::size_t most_within(const std::vector<double>& coordinates, double width) {
 }
 
 double cost_of(const std::string& name) {
-  const auto* const known = std::ranges::find(kCosts, name, [](const auto& cost) { return cost.first; });
-  return known == std::end(kCosts) ? kOtherCost : known->second;
+  const OperatorDeclaration* declaration = declaration_of(name);
+  return declaration != nullptr ? declaration->neighbor_ns : kOtherCost;
 }
 
 /// Two digits, with commas: "4,100".

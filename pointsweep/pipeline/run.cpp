@@ -15,6 +15,7 @@
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/temp_folder.h"
+#include "pointsweep/pipeline/canonical_text.h"
 #include "pointsweep/pipeline/checkpoints.h"
 #include "pointsweep/pipeline/finite_input.h"
 #include "pointsweep/pipeline/nonfinite_points.h"
@@ -76,11 +77,11 @@ class Run {
     warn(names.warning());
     if (by_reference()) require_reference_can(options_);
     note_neighborhoods(planned);
-    open_checkpoints(planned);
+    open_checkpoints(planned, canonical_stages(chain, Presets::spelled_out));
     survey_cloud(in_stream_order || by_reference() || needs_bounds());
     require_distances(survey_.bounds);
     OutputSet files(cloud_, names.made, names.kept, outputs_, options_, bounds_if_known(),
-                    provenance(chain, planned.kept), values_if_las());
+                    provenance(canonical_stages(chain, Presets::left_out), chain, planned.kept), values_if_las());
     const RunMemory memory = plan_run_memory(statistics_.memory_budget_bytes, planned, cloud_.count(), survey_,
                                              options_, files.layout().schema().stride);
     give_notice(memory);
@@ -93,12 +94,12 @@ class Run {
   Statistics sorted(const std::vector<std::string>& keep) {
     PlannedSweeps planned;
     if (!keep.empty()) planned.kept = kept_fields(keep, {}, cloud_.schema());
-    open_checkpoints(planned);
+    open_checkpoints(planned, kSort);
     survey_cloud(true);
     Chain kept;
     kept.keep = keep;
-    OutputSet files(cloud_, {}, planned.kept, outputs_, options_, bounds_if_known(), provenance(kept, planned.kept),
-                    values_if_las());
+    OutputSet files(cloud_, {}, planned.kept, outputs_, options_, bounds_if_known(),
+                    provenance(kSort, kept, planned.kept), values_if_las());
     const MemoryPlan memory = plan_ordering_memory(statistics_.memory_budget_bytes, cloud_.schema().stride,
                                                    cloud_.count(), survey_, options_);
     if (memory.needed_bytes != 0) fail_budget(statistics_.memory_budget_bytes, memory.needed_bytes);
@@ -110,6 +111,8 @@ class Run {
   }
 
  private:
+  inline static const std::vector<std::string> kSort = {"sort"};  ///< the stages of sort()
+
   void give_notice(const RunMemory& memory) const {
     double seconds = 0, neighbors = 0;
     for (const Effort& effort : memory.efforts) {
@@ -154,8 +157,9 @@ class Run {
                         {options_.prefix, options_.replace});
   }
 
-  std::vector<std::string> provenance(const Chain& chain, const KeptFields& kept) const {
-    return provenance_of(cloud_, leaves_out(chain, kept) ? chain.keep : std::vector<std::string>{}, options_,
+  std::vector<std::string> provenance(const std::vector<std::string>& stages, const Chain& chain,
+                                      const KeptFields& kept) const {
+    return provenance_of(cloud_, stages, leaves_out(chain, kept) ? chain.keep : std::vector<std::string>{}, options_,
                          survey_.axis, statistics_.dropped > 0);
   }
 
@@ -191,11 +195,11 @@ class Run {
     }
   }
 
-  void open_checkpoints(const PlannedSweeps& planned) {
+  void open_checkpoints(const PlannedSweeps& planned, const std::vector<std::string>& stages) {
     if (options_.resume_folder.empty()) return;
     if (by_reference() || !options_.half_way_states.empty())
       fail_usage("A run of the reference engine, or one that notes half-way states, cannot be resumed.");
-    checkpoints_.emplace(options_, run_identity(cloud_, planned, outputs_, options_));
+    checkpoints_.emplace(options_, run_identity(cloud_, stages, planned, outputs_, options_));
     if (!checkpoints_->found()) return;
     take_counts(statistics_, checkpoints_->last().counts);
     statistics_.warnings.push_back(

@@ -11,7 +11,7 @@ namespace pointsweep {
 namespace {
 
 /// To be raised with every change to what checkpoints hold or to how points are cut into slabs and cells.
-constexpr int kCheckpointFormat = 3;
+constexpr int kCheckpointFormat = 4;
 
 std::string whole_path(const std::filesystem::path& path) {
   return path.empty() ? "" : std::filesystem::absolute(path).lexically_normal().string();
@@ -47,10 +47,8 @@ std::string kept_text(const KeptFields& kept, const Schema& input) {
 
 std::string sweep_text(const PlannedSweep& sweep) {
   const SweepPlan& plan = sweep.chain.plan;
-  std::string text =
-      fmt::format("neighbourhoods of k = {}, radius = {}", plan.neighborhood.k, plan.neighborhood.radius);
-  if (plan.neighborhood.rule) text += ", " + plan.neighborhood.rule->meaning();
-  for (const Stage& stage : plan.stages) text += " | " + stage.op->name();
+  std::string text = "sweep of";
+  for (const Stage& stage : plan.stages) text += " " + stage.op->name();
   text += ", making";
   for (const Attribute& a : sweep.chain.made) text += " " + a.name;
   return text + "\n";
@@ -58,18 +56,20 @@ std::string sweep_text(const PlannedSweep& sweep) {
 
 }  // namespace
 
-std::string run_identity(const Cloud& cloud, const PlannedSweeps& planned, const Outputs& outputs,
-                         const RunOptions& options) {
+std::string run_identity(const Cloud& cloud, const std::vector<std::string>& stages, const PlannedSweeps& planned,
+                         const Outputs& outputs, const RunOptions& options) {
   std::string text = fmt::format("version {}, checkpoints {}\n", POINTSWEEP_VERSION, kCheckpointFormat);
   text += inputs_text(cloud) + outputs_text(outputs);
   text += fmt::format("order {}, axis {}, cells of {} points\n", options.order == Order::sweep ? "sweep" : "input",
                       options.axis ? "xyz"[*options.axis] : '-', options.cell_points);
   if (options.moved_positions != Type::f64)
     text += fmt::format("moved positions as {}\n", name_of(options.moved_positions));
-  text += fmt::format("outputs named with prefix '{}', replacing '{}', nonfinite points {}, saying '{}'{}\n",
+  text += fmt::format("outputs named with prefix '{}', replacing '{}', nonfinite points {}, {} provenance\n",
                       options.prefix, fmt::join(options.replace, ","), static_cast<int>(options.nonfinite),
-                      fmt::join(options.stages, " | "), options.input_paths ? " with paths" : "");
-  if (!options.resume_key.empty()) text += fmt::format("pipeline {}\n", options.resume_key);
+                      !options.provenance   ? "without"
+                      : options.input_paths ? "paths in the"
+                                            : "names in the");
+  text += fmt::format("pipeline {}\n", fmt::join(stages, " | "));
   for (const PlannedSweep& sweep : planned.sweeps) text += sweep_text(sweep);
   text += kept_text(planned.kept, cloud.schema());
   return text;

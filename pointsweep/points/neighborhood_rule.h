@@ -11,6 +11,7 @@
 
 #include "pointsweep/points/attribute.h"
 #include "pointsweep/points/neighborhoods.h"
+#include "pointsweep/points/option_value.h"
 
 namespace pointsweep {
 
@@ -27,6 +28,9 @@ class NeighborhoodRule {
   virtual std::string meaning() const = 0;
   /// Attributes of the point itself that it looks at; the input has them.
   virtual std::vector<Attribute> reads() const = 0;
+  /// The options that tell rules of one class apart, e.g. {{"k_from", "scale"}}: a run with other options is another
+  /// run.
+  virtual Options options() const { return {}; }
   /// Sets counts[i] to how many neighbours point i keeps, at most in.count(i). Called from many threads at once.
   virtual void choose(const Neighborhoods& in, std::span<std::uint32_t> counts) const = 0;
 };

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pointsweep/math/vec3.h"
-#include "pointsweep/points/neighborhood_rule.h"
+#include "pointsweep/points/neighborhood.h"
 #include "pointsweep/points/neighborhoods.h"
 
 namespace pointsweep {
@@ -38,17 +38,6 @@ inline std::size_t insert_sorted(const Candidate& c, Candidate* list, std::size_
   list[place] = c;
   return std::min(size + 1, most);
 }
-
-/// What a neighbourhood is: the `k` nearest points, those within `radius` (inclusive), or the k nearest of these; and,
-/// where there is a rule, the first of these that it keeps. Searches find what k and radius say; the sweep and the
-/// recall apply the rule.
-struct Neighborhood {
-  static constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
-  std::size_t k = 8;
-  double radius = std::numeric_limits<double>::infinity();
-  SharedRule rule = {};
-  double radius2() const { return radius * radius; }
-};
 
 /// Keeps up to 2k + 32 candidates and cuts them back to k when full: constant time per candidate on average.
 class BestList {

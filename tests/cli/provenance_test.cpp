@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/operators/normals.h"
+#include "pointsweep/pipeline/pipeline.h"
 #include "tests/cli/tool.h"
 
 namespace pointsweep {
@@ -147,6 +149,39 @@ TEST_F(Provenance, LetsVerifyLookInTheFolderOfTheOutputAndInItsOwn) {
   std::filesystem::remove(folder_ / "sub/in.ply");
   refused(1, "verify sub/out.ply", "'in.ply', which is neither in its folder nor in this one");
   refused(2, "verify more.las", "does not say how it was made");
+}
+
+/// An operator that the tool does not know.
+class Height final : public Operator {
+ public:
+  std::string name() const override { return "height"; }
+  Contract contract() const override { return {{}, {}, {scalar("height", Type::f64, "length", "")}}; }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    for (std::size_t i = 0; i < in.size(); ++i) out.column<double>(0)[i] = in.position(i).z + above_;
+  }
+
+ private:
+  Options own_options() const override { return {{"above", above_}}; }
+  double above_ = 0.25;
+};
+
+TEST_F(Provenance, OfARunOfTheLibraryIsThatOfTheTool) {
+  Cloud cloud({folder_ / "in.ply"});
+  const Chain normals{{.k = 12}, {std::make_shared<Normals>(NormalsOptions{Orient::viewpoint, {0, 0, 1.7}})}};
+  run(cloud, normals, {.points = folder_ / "library.ply", .arrays = {}, .writer = {}});
+  EXPECT_EQ(made("normals in.ply tool.ply -k 12 --orient viewpoint 0,0,1.7", "tool.ply"),
+            contents(folder_ / "library.ply"));
+}
+
+TEST_F(Provenance, NamesOperatorsOfTheUserWithTheirOptions) {
+  Cloud cloud({folder_ / "in.ply"});
+  const Chain chain{{.k = 9}, {std::make_shared<Normals>(), std::make_shared<Height>()}};
+  run(cloud, chain, {.points = folder_ / "out.ply", .arrays = {}, .writer = {}});
+  EXPECT_THAT(said("out.ply"), ElementsAre("0.1.0", "stage knn(k=9)", "stage normals", "stage height(above=0.25)",
+                                           input_line("in.ply", 3000)));
+  refused(2, "verify out.ply", "'knn(k=9) | normals | height(above=0.25)', of which not all operators are known here");
+  const Result verified = tool("verify in.ply out.ply -k 9 --sample 100");
+  EXPECT_EQ(verified.status, 0) << verified.err;
 }
 
 TEST_F(Provenance, FindsAnOutputThatIsNotWhatItSays) {

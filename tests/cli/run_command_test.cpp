@@ -173,7 +173,7 @@ TEST_F(RunVerb, OperatorsAreListedWithEveryOption) {
     ASSERT_NE(at, std::string::npos) << declaration.name;
     for (const OptionDeclaration& option : declaration.options)
       EXPECT_NE(out.find("\n  " + option.name + " ", at), std::string::npos) << option.name;
-    const bool makes = !declaration.make(OptionValues(declaration.options, {}), {})->contract().makes.empty();
+    const bool makes = !make_operator(declaration, sample_values(declaration), {})->contract().makes.empty();
     EXPECT_EQ(tool("operators " + declaration.name).out.find("\n  makes ") != std::string::npos, makes);
     EXPECT_NE(out.find(tool("operators " + declaration.name).out), std::string::npos);
   }

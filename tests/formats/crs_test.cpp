@@ -155,7 +155,9 @@ std::string wkt_vlr(const std::string& wkt) { return vlr("LASF_Projection", 2112
 void run_copy(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& out,
               std::vector<std::string>* warnings = nullptr, CloudOptions options = {}) {
   Cloud cloud(inputs, options);
-  const Statistics statistics = sort(cloud, out);
+  RunOptions plain;
+  plain.provenance = false;
+  const Statistics statistics = sort(cloud, out, plain);
   if (warnings != nullptr) *warnings = statistics.warnings;
 }
 

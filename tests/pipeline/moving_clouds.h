@@ -14,8 +14,8 @@
 
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/update_operators.h"
 #include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/update_operators.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
 

@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <random>
 #include <set>
 
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/canonical_text.h"
 #include "pointsweep/pipeline/nearest_names.h"
 #include "pointsweep/pipeline/preview.h"
 #include "tests/pipeline/in_memory.h"
@@ -63,12 +65,70 @@ TEST(Registry, NamesAreUniqueAndCanBeWritten) {
 TEST(Registry, EveryPresetIsAllowedAndMakesTheOperatorOfThatName) {
   for (const OperatorDeclaration& declaration : all_operators()) {
     for (const OptionDeclaration& option : declaration.options) {
-      const std::string value = option.preset;
-      if (!value.empty()) option.check(value, "preset of " + option.name);
+      EXPECT_TRUE(!has_value(option.preset) || option.allows(option.preset)) << option.name;
+      EXPECT_TRUE(!option.required || option.allows(option.sample)) << option.name;
     }
-    const OptionValues presets(declaration.options, {declaration.name, {}, ""});
-    EXPECT_EQ(declaration.make(presets, {})->name(), declaration.name);
+    EXPECT_EQ(make_operator(declaration, sample_values(declaration), {})->name(), declaration.name);
   }
+}
+
+/// A value that the declaration allows and that is not its preset.
+OptionValue another_value(const OptionDeclaration& option) {
+  if (has_value(option.sample)) return option.sample;
+  if (option.kind == OptionKind::choice) return option.choices.back();
+  if (option.kind == OptionKind::whole) return static_cast<std::uint64_t>(option.least) + 41;
+  if (option.kind == OptionKind::number) return option.least + 0.375;
+  return option.kind == OptionKind::point ? OptionValue(Vec3{1, 2, 3}) : OptionValue("s t");
+}
+
+/// Values in which `option` is not its preset, with the options that it requires.
+OptionValues changed(const OperatorDeclaration& declaration, const OptionDeclaration& option) {
+  const Option k{"k", std::uint64_t{64}};
+  const std::map<std::string, Options> requires_others = {{"viewpoint", {{"orient", "viewpoint"}}},
+                                                          {"k_from", {k}},
+                                                          {"radius_from", {k}},
+                                                          {"adaptive", {k}},
+                                                          {"k_min", {k, {"adaptive", "eigenentropy"}}}};
+  OptionValues values = sample_values(declaration);
+  if (!option.required) values.give(option.name, another_value(option));
+  if (const auto others = requires_others.find(option.name); others != requires_others.end())
+    for (const Option& other : others->second) values.give(other.name, other.value);
+  return values;
+}
+
+TEST(Registry, EveryOptionOfEveryOperatorIsInItsCanonicalTextWhichIsReadBack) {
+  for (const OperatorDeclaration& declaration : all_operators()) {
+    for (const OptionDeclaration& option : declaration.options) {
+      const auto made = make_operator(declaration, changed(declaration, option), {});
+      for (const Presets presets : {Presets::left_out, Presets::spelled_out}) {
+        const std::string text = canonical_text(*made, presets);
+        EXPECT_NE(text.find(text_of_value(another_value(option))), std::string::npos) << option.name << ": " << text;
+        EXPECT_EQ(canonical_text(*chain_of(text).operators.front(), presets), text);
+      }
+    }
+  }
+}
+
+TEST(Registry, CanonicalTextsAreEqualWhereverStagesAreEqual) {
+  const auto texts = [](const std::string& text, Presets presets = Presets::left_out) {
+    return fmt::format("{}", fmt::join(canonical_stages(chain_of(text), presets), " | "));
+  };
+  EXPECT_EQ(texts("normals"), "knn(k=8) | normals");
+  EXPECT_EQ(texts("knn(k=08) | normals(orient=none)"), "knn(k=8) | normals");
+  EXPECT_EQ(texts("normals", Presets::spelled_out), "knn(k=8) | normals(orient=none)");
+  EXPECT_EQ(texts("knn(radius=5e-1) | normals(viewpoint=[0.0,-0,1.70], orient=viewpoint)"),
+            "knn(radius=0.5) | normals(orient=viewpoint, viewpoint=[0,0,1.7])");
+  EXPECT_EQ(texts("knn(k=40, k_min=10, adaptive=eigenentropy) | fair(g=0.50, f=3)"),
+            "knn(k=40, adaptive=eigenentropy) | fair(f=3)");
+  EXPECT_EQ(texts("normals | reneighbor(adaptive=none) | normals"), "knn(k=8) | normals | reneighbor(k=8) | normals");
+  EXPECT_EQ(texts("normals | reneighbor(k=30, k_min=10, adaptive=eigenentropy)"),
+            texts("normals | reneighbor(adaptive=eigenentropy, k=30)"));
+  EXPECT_EQ(texts(R"([{"type": "knn", "k": 12, "k_from": "a b"}, {"type": "fair", "f": 0.25}])"),
+            "knn(k=12, k_from=\"a b\") | fair(f=0.25)");
+  for (const char* text : {"normals | splats(axes=positions) | fair(f=2)", "knn(k=9, radius=0.1) | neighborhood_size",
+                           "knn(k=50, adaptive=eigenentropy, k_min=12) | normals(orient=up)"})
+    for (const Presets presets : {Presets::left_out, Presets::spelled_out})
+      EXPECT_EQ(texts(texts(text, presets), presets), texts(text, presets));
 }
 
 TEST(Registry, APresetSpelledOutChangesNothing) {

@@ -10,6 +10,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/arrays.h"
 #include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/normals.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/pipeline.h"
 #include "tests/formats/temporary_folder.h"
@@ -63,7 +64,6 @@ class Resume : public testing::Test {
   RunOptions resuming(const Work& work) const {
     RunOptions resuming = options(work);
     resuming.resume_folder = folder_ / "done";
-    resuming.resume_key = work.pipeline;
     resuming.checkpoint_seconds = 0;
     return resuming;
   }
@@ -220,9 +220,60 @@ TEST_F(Refused, IfThePipelineIsAnother) {
   Work other = work_;
   other.pipeline = "knn(k=9) | normals";
   EXPECT_NE(sentence(other).find("remove the folder"), std::string::npos) << sentence(other);
-  RunOptions options = resuming(work_);
-  options.resume_key = "knn(k=8) | normals(orient=up)";
-  EXPECT_NE(sentence(work_, options).find("orient=up"), std::string::npos) << sentence(work_, options);
+}
+
+TEST_F(Refused, IfAnyOptionOfAStageIsAnother) {
+  for (const char* pipeline : {"knn(k=8) | normals(orient=up)", "knn(k=8, radius=50) | normals",
+                               "knn(k=8, adaptive=eigenentropy, k_min=3) | normals", "knn(k=8, k_from=x) | normals",
+                               "knn(k=8, radius_from=x) | normals"}) {
+    Work other = work_;
+    other.pipeline = pipeline;
+    EXPECT_NE(sentence(other).find("there it is pipeline knn(k=8) | normals(orient=none), here pipeline "),
+              std::string::npos)
+        << pipeline << "\n"
+        << sentence(other);
+  }
+}
+
+/// The number of neighbours times a factor that only the operator knows.
+class Counted final : public Operator {
+ public:
+  explicit Counted(double factor) : factor_(factor) {}
+  std::string name() const override { return "counted"; }
+  Contract contract() const override { return {{}, {}, {scalar("counted", Type::f64, "1", "")}}; }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    for (std::size_t i = 0; i < in.size(); ++i) out.column<double>(0)[i] = factor_ * static_cast<double>(in.count(i));
+  }
+
+ private:
+  Options own_options() const override { return {{"factor", factor_}}; }
+  double factor_;
+};
+
+TEST_F(Resume, IsRefusedToChainsMadeByHandThatDifferInAnOption) {
+  const auto op = [](auto made) { return std::vector<std::shared_ptr<const Operator>>{std::move(made)}; };
+  const auto normals = [&](NormalsOptions options) { return op(std::make_shared<Normals>(options)); };
+  const std::pair<Chain, Chain> pairs[] = {
+      {{{.k = 8}, normals({})}, {{.k = 8}, normals({Orient::up, {}})}},
+      {{{.k = 8}, normals({Orient::viewpoint, {0, 0, 1}})}, {{.k = 8}, normals({Orient::viewpoint, {0, 0, 2}})}},
+      {{{.k = 8}, op(std::make_shared<Counted>(1))}, {{.k = 8}, op(std::make_shared<Counted>(2))}},
+  };
+  const RunOptions options = resuming(works().front());
+  for (const auto& [first, second] : pairs) {
+    const auto run_chain = [&](const Chain& chain, std::uint64_t stop) {
+      Cloud cloud({folder_ / "a.xyz", folder_ / "b.xyz"});
+      RunOptions stopping = options;
+      std::uint64_t reports = 0;
+      stopping.progress = [&](const Progress&) {
+        if (++reports == stop) throw Cancelled();
+      };
+      run(cloud, chain, {folder_ / "out.ply", {}, {}}, stopping);
+    };
+    EXPECT_THROW(run_chain(first, 15), Cancelled);
+    const std::string refused = sentence_of<Error>([&] { run_chain(second, 0); });
+    EXPECT_NE(refused.find("holds another run: there it is pipeline"), std::string::npos) << refused;
+    run_chain(first, 0);
+  }
 }
 
 TEST_F(Refused, IfOtherFieldsAreKept) {

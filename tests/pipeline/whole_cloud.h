@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/operators/update_operators.h"
 #include "pointsweep/pipeline/chain.h"
-#include "pointsweep/pipeline/update_operators.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/in_core.h"
 

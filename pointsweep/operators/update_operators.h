@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "pointsweep/operators/operator.h"
-#include "pointsweep/search/best_list.h"
+#include "pointsweep/points/neighborhood.h"
 
 namespace pointsweep {
 
@@ -30,6 +30,7 @@ class Reneighbor final : public Operator {
   const std::optional<Neighborhood>& neighborhood() const { return neighborhood_; }
 
  private:
+  Options own_options() const override { return neighborhood_ ? neighborhood_->options() : Options(); }
   std::optional<Neighborhood> neighborhood_;
 };
 
@@ -44,5 +45,8 @@ class Resort final : public Operator {
   Contract contract() const override { return {}; }
   void apply(const Neighborhoods&, Columns&) const override {}
 };
+
+OperatorDeclaration reneighbor_declaration();
+OperatorDeclaration resort_declaration();
 
 }  // namespace pointsweep

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/declaration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace pointsweep {
+namespace {
+
+bool is_within(double value, const OptionDeclaration& option) { return value >= option.least && value <= option.most; }
+
+std::string range_text(double least, double most) {
+  return std::isfinite(most) ? fmt::format("{} to {}", least, most) : fmt::format("{} or more", least);
+}
+
+std::string choices_text(const std::vector<std::string>& choices) {
+  std::string text;
+  for (std::size_t i = 0; i < choices.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == choices.size() ? " or " : ", ") + choices[i];
+  return text;
+}
+
+}  // namespace
+
+std::string OptionDeclaration::allowed() const {
+  switch (kind) {
+    case OptionKind::whole:
+    case OptionKind::number:
+      return range_text(least, most);
+    case OptionKind::choice:
+      return choices_text(choices);
+    case OptionKind::point:
+      return "[X,Y,Z]";
+    case OptionKind::attribute:
+      return "the name of an attribute";
+    case OptionKind::condition:
+      break;
+  }
+  return "a condition such as classification == 2 && z < 100";
+}
+
+bool OptionDeclaration::allows(const OptionValue& value) const {
+  const auto* whole = std::get_if<std::uint64_t>(&value);
+  const auto* number = std::get_if<double>(&value);
+  const auto* word = std::get_if<std::string>(&value);
+  const auto* point = std::get_if<Vec3>(&value);
+  switch (kind) {
+    case OptionKind::whole:
+      return whole != nullptr && is_within(static_cast<double>(*whole), *this);
+    case OptionKind::number:
+      return number != nullptr && std::isfinite(*number) && is_within(*number, *this);
+    case OptionKind::choice:
+      return word != nullptr && std::ranges::find(choices, *word) != choices.end();
+    case OptionKind::point:
+      return point != nullptr && is_finite(*point);
+    case OptionKind::attribute:
+    case OptionKind::condition:
+      break;
+  }
+  return word != nullptr && !word->empty();
+}
+
+OptionValues::OptionValues(const std::vector<OptionDeclaration>& declared, std::string where)
+    : where_(std::move(where)) {
+  for (const OptionDeclaration& option : declared) {
+    names_.push_back(option.name);
+    if (has_value(option.preset)) preset_.emplace(option.name, option.preset);
+  }
+}
+
+bool OptionValues::give(const std::string& name, OptionValue value) {
+  return given_.emplace(name, std::move(value)).second;
+}
+
+OptionValues OptionValues::with_presets_of(const std::vector<OptionDeclaration>& declared) const {
+  OptionValues values(declared, where_);
+  values.given_ = given_;
+  return values;
+}
+
+const OptionValue& OptionValues::value(std::string_view name) const {
+  const auto found = given_.find(name);
+  return found != given_.end() ? found->second : preset_.find(name)->second;
+}
+
+Options OptionValues::all() const {
+  Options options;
+  for (const std::string& name : names_)
+    if (given_.contains(name) || preset_.contains(name)) options.push_back({name, value(name)});
+  return options;
+}
+
+std::shared_ptr<const Operator> make_operator(const OperatorDeclaration& declaration, const OptionValues& values,
+                                              const Facts& facts) {
+  std::shared_ptr<Operator> made = declaration.make(values, facts);
+  made->declare_options(values.all());
+  return made;
+}
+
+OptionValues sample_values(const OperatorDeclaration& declaration) {
+  OptionValues values(declaration.options, declaration.name);
+  for (const OptionDeclaration& option : declaration.options)
+    if (option.required) values.give(option.name, option.sample);
+  return values;
+}
+
+}  // namespace pointsweep

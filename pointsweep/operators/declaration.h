@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+/// What an operator says of itself, beside its code. Pipelines as text and JSON, flags of verbs, help, docs,
+/// checkpoints and the records in outputs all come from it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/math/vec3.h"
+#include "pointsweep/operators/operator.h"
+#include "pointsweep/points/option_value.h"
+
+namespace pointsweep {
+
+enum class OptionKind : std::uint8_t {
+  whole,      ///< std::uint64_t from `least` to `most`
+  number,     ///< finite double from `least` to `most`
+  choice,     ///< std::string, one of `choices`
+  point,      ///< Vec3, finite
+  attribute,  ///< std::string, the name of an attribute; not empty
+  condition,  ///< std::string, a condition on attributes; not empty
+};
+
+struct OptionDeclaration {
+  std::string name;
+  OptionKind kind;
+  OptionValue preset = {};  ///< the value where none is given; std::monostate: there is none
+  std::string meaning;      ///< one line that begins in lower case
+  double least = 0;
+  double most = std::numeric_limits<double>::infinity();
+  std::string unit = {};  ///< of a number, e.g. "length"; empty: it has none
+  std::vector<std::string> choices = {};
+  bool required = false;    ///< it has to be given
+  bool positional = false;  ///< its name may be left out, as in where("z < 2"); only the first option of an operator
+  OptionValue sample = {};  ///< a value for examples, where there is no preset
+
+  /// "1 or more", "0 to 90", "none, up or input", "[X,Y,Z]": what may be given.
+  std::string allowed() const;
+  /// Whether `value` has the type of the kind and lies within the limits.
+  bool allows(const OptionValue& value) const;
+};
+
+/// The values of one operator's options: those given, else the presets.
+class OptionValues {
+ public:
+  /// Only presets. `where` begins every sentence about these options, e.g. "pipeline, column 12: normals".
+  OptionValues(const std::vector<OptionDeclaration>& declared, std::string where);
+
+  /// False if the option has been given before. `name` is declared, and its declaration allows `value`.
+  bool give(const std::string& name, OptionValue value);
+  /// The same, with the presets of `declared` for what is not given.
+  OptionValues with_presets_of(const std::vector<OptionDeclaration>& declared) const;
+
+  bool given(std::string_view name) const { return given_.contains(name); }
+  bool any_given() const { return !given_.empty(); }
+  /// By the name of a declared option. One without preset is asked for only if it is given or required.
+  std::uint64_t whole(std::string_view name) const { return std::get<std::uint64_t>(value(name)); }
+  double number(std::string_view name) const { return std::get<double>(value(name)); }
+  Vec3 point(std::string_view name) const { return std::get<Vec3>(value(name)); }
+  /// Of a choice, an attribute or a condition.
+  const std::string& word(std::string_view name) const { return std::get<std::string>(value(name)); }
+  /// All that have a value, in the order of their declaration.
+  Options all() const;
+
+  const std::string& where() const { return where_; }
+
+ private:
+  const OptionValue& value(std::string_view name) const;
+
+  std::string where_;
+  std::vector<std::string> names_;  ///< in the order of their declaration
+  std::map<std::string, OptionValue, std::less<>> given_, preset_;
+};
+
+/// What an operator may have to know of the cloud, and of the stages before it, when it is made.
+struct Facts {
+  std::uint64_t points = 0;
+  double diagonal = 1;  ///< of the box around all finite points; found only for operators that say they need it
+  std::set<std::string> made = {};  ///< names of the attributes that earlier stages make
+};
+
+/// An attribute as docs/attributes.md describes it, where its own words (Attribute::meaning) are too short.
+struct AttributeNote {
+  std::string name;
+  std::string meaning;
+  std::string type = {};   ///< where it is not one type
+  std::string shape = {};  ///< where it is not known in advance, e.g. "N×k"
+};
+
+struct OperatorDeclaration {
+  std::string name;
+  std::string meaning;  ///< one line that begins in lower case
+  std::vector<OptionDeclaration> options = {};
+  /// Makes the operator, which then is `name`. Throws UsageError, beginning with OptionValues::where(), for values that
+  /// do not go together.
+  std::function<std::shared_ptr<Operator>(const OptionValues&, const Facts&)> make;
+  bool needs_diagonal = false;
+  std::string formula = {};    ///< lines of plain text
+  std::string source = {};     ///< the publication and where in it
+  std::string undefined = {};  ///< which points get no value, and what they get
+  std::string cost = {};       ///< besides that of `neighbor_ns`
+  double neighbor_ns = 10;     ///< CPU time for each neighbour, of about 1,000; measured with `script/bench radius`
+  std::vector<AttributeNote> attributes = {};  ///< about what it makes
+  std::string example = {};                    ///< a whole pipeline as one writes it
+};
+
+/// Made by the declaration; knows the values as its options.
+std::shared_ptr<const Operator> make_operator(const OperatorDeclaration& declaration, const OptionValues& values,
+                                              const Facts& facts);
+
+/// The values of examples: presets, and samples of what is required. For docs and checks of a declaration.
+OptionValues sample_values(const OperatorDeclaration& declaration);
+
+}  // namespace pointsweep

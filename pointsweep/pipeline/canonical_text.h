@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+/// Stages as text that is equal whenever they are equal, however they were made: from text, from JSON or by a program.
+/// parse_pipeline() understands it where all operators are registered.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pointsweep/operators/operator.h"
+#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/points/neighborhood.h"
+
+namespace pointsweep {
+
+enum class Presets : bool {
+  left_out,     ///< for people: "normals"
+  spelled_out,  ///< says everything, whatever the presets of another version are: "normals(orient=none)"
+};
+
+/// "normals(orient=up)": name and options, which come in the order of their declaration, numbers in their shortest
+/// form.
+std::string canonical_text(const Operator& op, Presets presets);
+/// "knn(k=12)"; k is always there if it limits anything. A rule that names no options is told by its meaning, which is
+/// no text for parse_pipeline().
+std::string canonical_text(const Neighborhood& neighborhood, Presets presets);
+/// The neighbourhood, then the operators.
+std::vector<std::string> canonical_stages(const Chain& chain, Presets presets);
+
+}  // namespace pointsweep

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/option_text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "pointsweep/error.h"
+#include "pointsweep/pipeline/nearest_names.h"
+
+namespace pointsweep {
+namespace {
+
+template <class Number>
+std::optional<Number> read_number(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+std::optional<Vec3> read_point(std::string_view text) {
+  Vec3 point;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::size_t end = axis < 2 ? text.find(',') : text.size();
+    const auto number = end == text.npos ? std::nullopt : read_number<double>(text.substr(0, end));
+    if (!number) return std::nullopt;
+    point[axis] = *number;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return point;
+}
+
+/// What is written without a name: a value, or the name of an option alone.
+[[noreturn]] void refuse_unnamed(const std::vector<OptionDeclaration>& declarations, const OptionText& option,
+                                 const std::string& stage) {
+  const auto named = std::ranges::find(declarations, option.value, &OptionDeclaration::name);
+  if (named != declarations.end())
+    fail_usage("{}: {}: the option '{}' has no value; write {}=VALUE ({}).", option.place, stage, option.value,
+               option.value, named->allowed());
+  if (declarations.empty()) fail_usage("{}: {} has no options; leave out '{}'.", option.place, stage, option.value);
+  fail_usage("{}: {}: '{}' has no name; write options as NAME=VALUE, e.g. {}={}.", option.place, stage, option.value,
+             declarations.front().name, option.value);
+}
+
+const OptionDeclaration& declared(const std::vector<OptionDeclaration>& declarations, const OptionText& option,
+                                  const std::string& stage) {
+  if (option.name.empty()) refuse_unnamed(declarations, option, stage);
+  std::vector<std::string> names;
+  for (const OptionDeclaration& d : declarations) {
+    if (d.name == option.name) return d;
+    names.push_back(d.name);
+  }
+  if (names.empty()) fail_usage("{}: {} has no options, so it has no '{}'.", option.place, stage, option.name);
+  fail_usage("{}: {} has no option '{}'; the nearest it has {} {}.", option.place, stage, option.name,
+             names.size() == 1 ? "is" : "are", nearest_names(option.name, names));
+}
+
+/// The option without a name is that of the first place, if there is one.
+const OptionDeclaration& declared_for(const std::vector<OptionDeclaration>& declared_options, const OptionText& option,
+                                      const StageText& stage) {
+  const bool first = &option == stage.options.data();
+  if (option.name.empty() && first && !declared_options.empty() && declared_options.front().positional)
+    return declared_options.front();
+  return declared(declared_options, option, stage.name);
+}
+
+[[noreturn]] void refuse_value(const OptionDeclaration& option, const std::string& value, const std::string& where) {
+  const char* what = option.kind == OptionKind::whole    ? "a whole number, "
+                     : option.kind == OptionKind::number ? "a number, "
+                     : option.kind == OptionKind::point  ? "three numbers "
+                                                         : "";
+  fail_usage("{}: {} is {}{}, not '{}'.", where, option.name, what, option.allowed(), value);
+}
+
+std::optional<OptionValue> parse_unchecked(OptionKind kind, std::string_view text) {
+  const auto value = [](const auto& parsed) { return parsed ? std::optional<OptionValue>(*parsed) : std::nullopt; };
+  switch (kind) {
+    case OptionKind::whole:
+      return value(read_number<std::uint64_t>(text));
+    case OptionKind::number:
+      return value(read_number<double>(text));
+    case OptionKind::point:
+      return value(read_point(text));
+    case OptionKind::choice:
+    case OptionKind::attribute:
+    case OptionKind::condition:
+      break;
+  }
+  return std::string(text);
+}
+
+/// -0 as 0.
+std::string shortest_text(double number) { return fmt::format("{}", number == 0 ? 0.0 : number); }
+
+}  // namespace
+
+std::optional<OptionValue> parse_value(const OptionDeclaration& option, std::string_view text) {
+  std::optional<OptionValue> value = parse_unchecked(option.kind, text);
+  if (value && !option.allows(*value)) value.reset();
+  return value;
+}
+
+std::string text_of_value(const OptionValue& value) {
+  if (const auto* whole = std::get_if<std::uint64_t>(&value)) return fmt::format("{}", *whole);
+  if (const auto* number = std::get_if<double>(&value)) return shortest_text(*number);
+  if (const auto* word = std::get_if<std::string>(&value)) return *word;
+  if (const auto* p = std::get_if<Vec3>(&value))
+    return shortest_text(p->x) + "," + shortest_text(p->y) + "," + shortest_text(p->z);
+  return "";
+}
+
+OptionValues read_options(const std::vector<OptionDeclaration>& declared_options, const StageText& stage) {
+  OptionValues values(declared_options, stage.place + ": " + stage.name);
+  for (const OptionText& text : stage.options) {
+    const OptionDeclaration& option = declared_for(declared_options, text, stage);
+    std::optional<OptionValue> value = parse_value(option, text.value);
+    if (!value) refuse_value(option, text.value, text.place + ": " + stage.name);
+    if (!values.give(option.name, *std::move(value)))
+      fail_usage("{}: {}: '{}' is given twice.", text.place, stage.name, option.name);
+  }
+  for (const OptionDeclaration& option : declared_options)
+    if (option.required && !values.given(option.name))
+      fail_usage("{}: the option '{}' is missing; write {}({}{}).", values.where(), option.name, stage.name,
+                 option.positional ? "" : option.name + "=", text_of_value(option.sample));
+  return values;
+}
+
+}  // namespace pointsweep

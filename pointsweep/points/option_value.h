@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+/// Typed values of options, without any text form (pipeline/option_text.h has that).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "pointsweep/math/vec3.h"
+
+namespace pointsweep {
+
+/// A whole number, a number, a word or text, or a point; std::monostate: no value.
+using OptionValue = std::variant<std::monostate, std::uint64_t, double, std::string, Vec3>;
+
+inline bool has_value(const OptionValue& value) { return !std::holds_alternative<std::monostate>(value); }
+
+/// An option that has a value, e.g. {"k", 8}.
+struct Option {
+  std::string name;
+  OptionValue value;
+
+  friend bool operator==(const Option&, const Option&) = default;
+};
+
+/// All options of one object, in the order of their declaration.
+using Options = std::vector<Option>;
+
+}  // namespace pointsweep
