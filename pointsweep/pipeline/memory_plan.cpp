@@ -26,8 +26,8 @@ constexpr std::uint64_t kLoadedPointBytes = 32;
 constexpr std::uint64_t kSlabBytes = 640;
 /// A slab in each series of the statistics: a pair of counts.
 constexpr std::uint64_t kSeriesBytes = 2 * 16;
-/// The box that stays of a cell when it is dropped (sweep/certificate.h), with an eighth of it for growth.
-constexpr std::uint64_t kDroppedCellBytes = 54;
+/// What stays of a cell when it is dropped (DroppedCell), with an eighth of it for growth.
+constexpr std::uint64_t kDroppedCellBytes = 63;
 /// A Block of a SlabStore.
 constexpr std::uint64_t kBlockBytes = 2 * 24;
 /// A key of 8 bytes and a name of 4 for each neighbour of the point in hand, and an eighth more for candidates.
@@ -127,7 +127,6 @@ class Division {
   Division(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand, bool lists)
       : budget_(budget), plan_(plan), demand_(demand), lists_(lists) {
     out_.slab_points = demand.slab_points;
-    out_.recall_bytes = std::max<std::uint64_t>(kMega, budget / 8);
     out_.lists_bytes = lists_bytes(budget, demand);
     // For chunks on their way to their slabs, also where these are in memory.
     out_.stream_buffer_bytes = std::clamp<std::uint64_t>(budget / 8, 8 * kMega, 64 * kMega);
@@ -183,6 +182,7 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
   const std::uint64_t others = out.expected_bytes - cells_bytes(plan, out.slab_points, demand, lists);
   // An eighth is lost between allocations.
   out.cells_bytes = (budget - std::min(budget, others)) / 8 * 7;
+  out.recall_bytes = std::max(kMega, out.cells_bytes);  // the window is empty by then
   return out;
 }
 

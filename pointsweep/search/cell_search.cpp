@@ -51,7 +51,48 @@ class CellSearch {
     }
   }
 
+  /// The same for some of the points, which ascend.
+  void run(std::span<const std::uint32_t> points) {
+    find_cells(0);
+    for (std::size_t n = 0, end = 0; n < points.size(); n = end) {
+      stop_if_cancelled();
+      const std::uint32_t leaf = points[n] / kLeafCapacity;
+      while (end < points.size() && points[end] / kLeafCapacity == leaf) ++end;
+      const std::span<const std::uint32_t> here = points.subspan(n, end - n);
+      end_of_copies(cell_, leaf) > leaf ? search_some_copies(here) : search_some(leaf, here);
+    }
+  }
+
  private:
+  void search_some_copies(std::span<const std::uint32_t> points) {
+    for (std::size_t n = 0, end = 0; n < points.size(); n = end) {
+      for (end = n + 1; end < points.size() && points[end] == points[end - 1] + 1;) ++end;
+      search_copies(directory_, cell_, points[n], points[end - 1] + 1, what_, scratch_, reach2_, out_);
+    }
+  }
+
+  /// Searches the leaf and keeps the lists of `points` alone.
+  void search_some(std::uint32_t leaf, std::span<const std::uint32_t> points) {
+    const std::size_t before = out_.reach2.size();
+    wanted_ = 0;
+    for (const std::uint32_t point : points) wanted_ |= 1u << point % kLeafCapacity;
+    search_leaf(leaf);
+    if (points.size() == cell_.leaf_size(leaf)) return;
+    std::size_t kept = before;
+    std::uint32_t end = out_.begin[before];
+    for (const std::uint32_t point : points) {
+      const std::size_t from = before + point % kLeafCapacity;
+      const std::uint32_t begin = out_.begin[from], behind = out_.begin[from + 1];
+      std::copy(out_.refs.begin() + begin, out_.refs.begin() + behind, out_.refs.begin() + end);
+      out_.reach2[kept] = out_.reach2[from];
+      end += behind - begin;
+      out_.begin[++kept] = end;
+    }
+    out_.refs.resize(end);
+    out_.reach2.resize(kept);
+    out_.begin.resize(kept + 1);
+  }
+
   static constexpr std::uint32_t kGroup = hn::MaxLanes(Lanes()), kGroups = kLeafCapacity / kGroup;
   static constexpr float kWide = 64;               ///< a leaf so many times as wide as that of the queries
   static constexpr std::size_t kFew = 2 * K + 16;  ///< so many are put in order by insertion
@@ -218,7 +259,7 @@ class CellSearch {
     hn::Store(group.reach(d_, packed_.farthest), d_, reach_lane);
     make_room(queries);
     for (std::uint32_t q = 0; q < queries; ++q) {
-      if (set_lane[q] != 0) {
+      if (set_lane[q] != 0 && is_wanted(first + q)) {
         out_.refs.resize(written_);
         settle_in_double(group, first + q, q, reach_lane[q]);
         make_room(queries - q - 1);
@@ -294,6 +335,10 @@ class CellSearch {
   /// The plain search, for queries whose neighbours are too many or too spread for the vector code.
   void search_in_double(std::uint32_t first, std::uint32_t queries) {
     for (std::uint32_t q = first; q < first + queries; ++q) {
+      if (!is_wanted(q)) {
+        finish_point(0);
+        continue;
+      }
       ++scratch_.settled_in_double;
       search_point_plainly(directory_, cell_, q, what_, scratch_, reach2_);
       append_best(what_, scratch_, out_);
@@ -304,6 +349,8 @@ class CellSearch {
     out_.reach2.push_back(reach2);
     out_.begin.push_back(static_cast<std::uint32_t>(out_.refs.size()));
   }
+
+  bool is_wanted(std::uint32_t point) const { return (wanted_ >> point % kLeafCapacity & 1) != 0; }
 
   float lane_of(Vec v, std::uint32_t lane) const {
     HWY_ALIGN float values[kLeafCapacity];
@@ -318,7 +365,8 @@ class CellSearch {
   const Neighborhood what_;
   SearchScratch& scratch_;
   CellNeighbors& out_;
-  double reach2_ = 0;  ///< scratch_.near holds every cell within it of the cell's box
+  double reach2_ = 0;           ///< scratch_.near holds every cell within it of the cell's box
+  std::uint32_t wanted_ = ~0u;  ///< points of the leaf in hand; the lists of the others may be wrong
   double leaf_extent_ = 1;
   bool limited_ = false;
   float radius2_ = 0;
@@ -334,19 +382,30 @@ class CellSearch {
   std::array<std::uint16_t, kCandidates> near_;  ///< numbers of packed candidates
 };
 
-template <std::size_t K>
+template <std::size_t K, class... Points>
 void search_with(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
-                 CellNeighbors& out) {
+                 CellNeighbors& out, Points... points) {
   CellSearch<K> search(directory, slot, what, scratch, out);
-  search.run();
+  search.run(points...);
+}
+
+template <class... Points>
+void search_with_lists(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
+                       SearchScratch& scratch, CellNeighbors& out, Points... points) {
+  if (what.k <= 8) return search_with<8>(directory, slot, what, scratch, out, points...);
+  if (what.k <= 16) return search_with<16>(directory, slot, what, scratch, out, points...);
+  if (what.k <= 32) return search_with<32>(directory, slot, what, scratch, out, points...);
+  return search_with<64>(directory, slot, what, scratch, out, points...);
 }
 
 void search_lanes(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
                   CellNeighbors& out) {
-  if (what.k <= 8) return search_with<8>(directory, slot, what, scratch, out);
-  if (what.k <= 16) return search_with<16>(directory, slot, what, scratch, out);
-  if (what.k <= 32) return search_with<32>(directory, slot, what, scratch, out);
-  return search_with<64>(directory, slot, what, scratch, out);
+  search_with_lists(directory, slot, what, scratch, out);
+}
+
+void search_chosen_lanes(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
+                         SearchScratch& scratch, CellNeighbors& out, std::span<const std::uint32_t> points) {
+  search_with_lists(directory, slot, what, scratch, out, points);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -359,6 +418,10 @@ void search_lanes(const CellDirectory& directory, std::uint32_t slot, const Neig
                   CellNeighbors& out) {
   search_cell_plainly(directory, slot, what, scratch, out);
 }
+void search_chosen_lanes(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
+                         SearchScratch& scratch, CellNeighbors& out, std::span<const std::uint32_t> points) {
+  search_chosen_plainly(directory, slot, points, ~std::uint64_t{0}, what, scratch, out);
+}
 }  // namespace HWY_NAMESPACE
 }  // namespace pointsweep
 #endif
@@ -366,6 +429,19 @@ void search_lanes(const CellDirectory& directory, std::uint32_t slot, const Neig
 #if HWY_ONCE
 namespace pointsweep {
 HWY_EXPORT(search_lanes);
+HWY_EXPORT(search_chosen_lanes);
+
+namespace {
+
+constexpr std::size_t kMostInLanes = 64;
+
+void clear(CellNeighbors& lists) {
+  lists.refs.clear();
+  lists.reach2.clear();
+  lists.begin.assign(1, 0);
+}
+
+}  // namespace
 
 void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
                  CellNeighbors& out) {
@@ -375,16 +451,22 @@ void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neigh
 /// With few neighbours a point, the lists of a whole cell are smaller than any limit worth setting.
 std::uint32_t search_points(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first, std::uint64_t most,
                             const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out) {
-  out.refs.clear();
-  out.reach2.clear();
-  out.begin.assign(1, 0);
-  constexpr std::size_t kMostInLanes = 64;
+  clear(out);
   if (what.k > kMostInLanes) return search_points_gathered(directory, slot, first, most, what, scratch, out);
   if (what.k == 0)
     search_cell_plainly(directory, slot, what, scratch, out);
   else
     HWY_DYNAMIC_DISPATCH(search_lanes)(directory, slot, what, scratch, out);
   return directory.cell(slot).size();
+}
+
+std::size_t search_chosen(const CellDirectory& directory, std::uint32_t slot, std::span<const std::uint32_t> points,
+                          std::uint64_t most, const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out) {
+  clear(out);
+  if (what.k > kMostInLanes) return search_chosen_gathered(directory, slot, points, most, what, scratch, out);
+  if (what.k == 0) return search_chosen_plainly(directory, slot, points, most, what, scratch, out);
+  HWY_DYNAMIC_DISPATCH(search_chosen_lanes)(directory, slot, what, scratch, out, points);
+  return points.size();
 }
 
 }  // namespace pointsweep

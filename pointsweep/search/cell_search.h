@@ -7,7 +7,9 @@
 /// filters: wherever two candidates are too near to a tie to be told apart, the point is settled in double.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pointsweep/search/best_list.h"
@@ -63,5 +65,11 @@ void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neigh
 /// 100 bytes for each of k.
 std::uint32_t search_points(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first, std::uint64_t most,
                             const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out);
+
+/// The same for some of the cell's points, in ascending order: the first ones of `points`, until `most` neighbours are
+/// found or there are no more. Returns how many. Where k is at most 64 a leaf is searched as a whole if any of its
+/// points is among them, at the cost of all 16, and the lists of the others are dropped.
+std::size_t search_chosen(const CellDirectory& directory, std::uint32_t slot, std::span<const std::uint32_t> points,
+                          std::uint64_t most, const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out);
 
 }  // namespace pointsweep

@@ -54,7 +54,38 @@ class GatheredSearch {
     return i;
   }
 
+  /// The same for the first of `points`. Returns how many.
+  std::size_t run(std::span<const std::uint32_t> points, std::uint64_t most) {
+    most_ = most;
+    directory_.find(cell_.box, known2_, scratch_.near);
+    if (!unlimited()) settle_first(points.front());
+    std::size_t n = 0;
+    while (n < points.size() && (n == 0 || out_.refs.size() < most)) {
+      const std::uint32_t i = points[n], leaf = i / kLeafCapacity;
+      const std::uint32_t end_of_same = std::min(end_of_copies(cell_, leaf) * kLeafCapacity, cell_.size());
+      if (end_of_same > leaf * kLeafCapacity) {
+        n += search_same(i, behind_run(points, n, end_of_same)) - i;
+        continue;
+      }
+      const bool gathered = gather(leaf);
+      const std::uint32_t end = leaf * kLeafCapacity + cell_.leaf_size(leaf);
+      for (bool first = true; n < points.size() && points[n] < end && (first || out_.refs.size() < most_); ++n) {
+        search_one(points[n], gathered);
+        first = false;
+      }
+    }
+    return n;
+  }
+
  private:
+  /// The end of the successive points that begin with points[n], at most `end`.
+  static std::uint32_t behind_run(std::span<const std::uint32_t> points, std::size_t n, std::uint32_t end) {
+    const std::uint32_t first = points[n];
+    std::uint32_t i = first;
+    while (i < end && n + (i - first) < points.size() && points[n + (i - first)] == i) ++i;
+    return i;
+  }
+
   /// More points than this around one leaf are not gathered.
   static constexpr std::size_t kMostGathered = 1 << 15;
   static constexpr std::uint64_t kDistanceBits = ~std::uint64_t{0} << 32;
@@ -67,17 +98,21 @@ class GatheredSearch {
   std::uint32_t search_leaf(std::uint32_t leaf, std::uint32_t i, std::uint32_t end) {
     const bool gathered = gather(leaf);
     for (const std::uint32_t begin = i; i < end && (i == begin || out_.refs.size() < most_); ++i) {
-      stop_if_cancelled();
-      if (gathered) {
-        search_point(i);
-      } else if (unlimited()) {
-        append_all(cell_.position(i), make_ref(slot_, i));
-        finish_point(i, what_.radius2());
-      } else {
-        settle_plainly(i);
-      }
+      search_one(i, gathered);
     }
     return i;
+  }
+
+  void search_one(std::uint32_t i, bool gathered) {
+    stop_if_cancelled();
+    if (gathered) {
+      search_point(i);
+    } else if (unlimited()) {
+      append_all(cell_.position(i), make_ref(slot_, i));
+      finish_point(i, what_.radius2());
+    } else {
+      settle_plainly(i);
+    }
   }
 
   /// Points [i, end) of whole leaves that all lie at one place: they share their neighbours, and each other.
@@ -322,6 +357,12 @@ std::uint32_t search_gathered(const CellDirectory& directory, std::uint32_t slot
   return GatheredSearch(directory, slot, what, scratch, out).run(first, most);
 }
 
+std::size_t search_some_gathered(const CellDirectory& directory, std::uint32_t slot,
+                                 std::span<const std::uint32_t> points, std::uint64_t most, const Neighborhood& what,
+                                 SearchScratch& scratch, CellNeighbors& out) {
+  return GatheredSearch(directory, slot, what, scratch, out).run(points, most);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace pointsweep
 HWY_AFTER_NAMESPACE();
@@ -333,6 +374,12 @@ std::uint32_t search_gathered(const CellDirectory& directory, std::uint32_t slot
                               CellNeighbors& out) {
   return search_points_plainly(directory, slot, first, most, what, scratch, out);
 }
+
+std::size_t search_some_gathered(const CellDirectory& directory, std::uint32_t slot,
+                                 std::span<const std::uint32_t> points, std::uint64_t most, const Neighborhood& what,
+                                 SearchScratch& scratch, CellNeighbors& out) {
+  return search_chosen_plainly(directory, slot, points, most, what, scratch, out);
+}
 }  // namespace HWY_NAMESPACE
 }  // namespace pointsweep
 #endif
@@ -340,11 +387,18 @@ std::uint32_t search_gathered(const CellDirectory& directory, std::uint32_t slot
 #if HWY_ONCE
 namespace pointsweep {
 HWY_EXPORT(search_gathered);
+HWY_EXPORT(search_some_gathered);
 
 std::uint32_t search_points_gathered(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first,
                                      std::uint64_t most, const Neighborhood& what, SearchScratch& scratch,
                                      CellNeighbors& out) {
   return HWY_DYNAMIC_DISPATCH(search_gathered)(directory, slot, first, most, what, scratch, out);
+}
+
+std::size_t search_chosen_gathered(const CellDirectory& directory, std::uint32_t slot,
+                                   std::span<const std::uint32_t> points, std::uint64_t most, const Neighborhood& what,
+                                   SearchScratch& scratch, CellNeighbors& out) {
+  return HWY_DYNAMIC_DISPATCH(search_some_gathered)(directory, slot, points, most, what, scratch, out);
 }
 
 }  // namespace pointsweep

@@ -16,4 +16,9 @@ std::uint32_t search_points_gathered(const CellDirectory& directory, std::uint32
                                      std::uint64_t most, const Neighborhood& what, SearchScratch& scratch,
                                      CellNeighbors& out);
 
+/// As search_chosen(), for any k > 0 and any radius; appends to `out`.
+std::size_t search_chosen_gathered(const CellDirectory& directory, std::uint32_t slot,
+                                   std::span<const std::uint32_t> points, std::uint64_t most, const Neighborhood& what,
+                                   SearchScratch& scratch, CellNeighbors& out);
+
 }  // namespace pointsweep

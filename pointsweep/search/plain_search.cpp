@@ -47,6 +47,21 @@ std::uint32_t search_points_plainly(const CellDirectory& directory, std::uint32_
   return i;
 }
 
+std::size_t search_chosen_plainly(const CellDirectory& directory, std::uint32_t slot,
+                                  std::span<const std::uint32_t> points, std::uint64_t most, const Neighborhood& what,
+                                  SearchScratch& scratch, CellNeighbors& out) {
+  const Cell& cell = directory.cell(slot);
+  double reach2 = 0;
+  directory.find(cell.box, reach2, scratch.near);
+  std::size_t n = 0;
+  for (; n < points.size() && (n == 0 || out.refs.size() < most); ++n) {
+    stop_if_cancelled();
+    search_point_plainly(directory, cell, points[n], what, scratch, reach2);
+    append_best(what, scratch, out);
+  }
+  return n;
+}
+
 void search_cell_plainly(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
                          SearchScratch& scratch, CellNeighbors& out) {
   search_points_plainly(directory, slot, 0, std::numeric_limits<std::uint64_t>::max(), what, scratch, out);

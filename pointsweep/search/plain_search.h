@@ -23,6 +23,10 @@ void append_best(const Neighborhood& what, SearchScratch& scratch, CellNeighbors
 std::uint32_t search_points_plainly(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first,
                                     std::uint64_t most, const Neighborhood& what, SearchScratch& scratch,
                                     CellNeighbors& out);
+/// As search_chosen(), for any k; appends to `out`.
+std::size_t search_chosen_plainly(const CellDirectory& directory, std::uint32_t slot,
+                                  std::span<const std::uint32_t> points, std::uint64_t most, const Neighborhood& what,
+                                  SearchScratch& scratch, CellNeighbors& out);
 /// As search_cell(), for any k; appends to `out`.
 void search_cell_plainly(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
                          SearchScratch& scratch, CellNeighbors& out);

@@ -2,12 +2,11 @@
 #include "pointsweep/sweep/cell_runner.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstring>
 
-#include "pointsweep/cancellation.h"
+#include "pointsweep/sweep/apply_step.h"
 #include "pointsweep/sweep/shorten.h"
+#include "pointsweep/sweep/stopwatch.h"
 
 namespace pointsweep {
 
@@ -27,21 +26,6 @@ double reach_of_most(const std::vector<double>& reach2, double share) {
 
 /// One in eight may be left behind before a whole cell waits again.
 constexpr std::size_t kStragglers = 8;
-
-/// Neighbours that an operator is given at once, unless one point has more: so that a run can be cancelled soon.
-constexpr std::uint32_t kMostAtOnce = 1u << 18;
-
-/// Adds the time until its end to `seconds`.
-class Stopwatch {
- public:
-  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
-  ~Stopwatch() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double& seconds_;
-  Clock::time_point start_ = Clock::now();
-};
 
 }  // namespace
 
@@ -65,7 +49,7 @@ void CellRunner::run(std::uint32_t slot, std::uint32_t step, Worker& worker) con
     all_found = find_reaches(slot, worker);
     if (!certify(cell, worker)) return;
   }
-  place_columns(cell, step, worker);
+  place_columns(plan_, step, cell, worker);
   step == 0 ? run_first_step(slot, all_found, worker) : run_later_step(slot, step, worker);
   cell.steps_done = step + 1;
   if (cell.steps_done == plan_.step_count()) finish(cell, worker);
@@ -118,7 +102,7 @@ void CellRunner::run_first_step(std::uint32_t slot, bool all_found, Worker& work
     if (later) note_named(cell, first, worker.neighbors, worker);
     shorten(plan_, own_from(cell, first, worker), end - first, window_.slots(), worker.neighbors);
     kept = kept && keep_lists(cell, worker.neighbors);
-    apply(cell, 0, first, worker.neighbors, worker);
+    apply_step(plan_, 0, cell, first, worker.neighbors, window_.slots(), worker);
   }
   if (!later) return;
   refer_to_named(cell, worker);
@@ -139,7 +123,7 @@ void CellRunner::run_later_step(std::uint32_t slot, std::uint32_t step, Worker& 
   std::uint32_t first = 0;
   const auto use = [&](const CellNeighbors& lists) {
     defer_points_of_deferred_neighbors(cell, first, lists);
-    apply(cell, step, first, lists, worker);
+    apply_step(plan_, step, cell, first, lists, window_.slots(), worker);
     first += lists.size();
   };
   for (const CellNeighbors& lists : cell.lists) use(lists);
@@ -274,116 +258,6 @@ void CellRunner::defer_points_of_deferred_neighbors(WindowCell& cell, std::uint3
   }
   cell.certified -= follow.size();
   for (const std::uint32_t i : follow) defer(cell, i, Box::kInf);
-}
-
-/// Columns that outlast the step are the cell's own. All are 0 where an operator says nothing.
-void CellRunner::place_columns(WindowCell& cell, std::uint32_t step, Worker& worker) const {
-  constexpr std::size_t kLine = 64;
-  std::size_t passing = 0;
-  const auto of_step = [&](auto use) {
-    for (std::size_t s = plan_.steps[step]; s < plan_.steps[step + 1]; ++s) {
-      for (const std::uint16_t c : plan_.stages[s].makes)
-        use(c, (plan_.column_bytes[c] * cell.cell.size() + kLine - 1) / kLine * kLine);
-    }
-  };
-  of_step([&](std::uint16_t c, std::size_t bytes) {
-    if (plan_.lasting[c] == Lasting::its_cell) {
-      cell.make_column(c, plan_.column_bytes[c]);
-    } else {
-      passing += bytes;
-    }
-  });
-  worker.passing.assign(passing, std::byte{0});
-  worker.columns.clear();
-  for (auto& column : cell.columns) worker.columns.push_back(column.data());
-  std::byte* at = worker.passing.data();
-  of_step([&](std::uint16_t c, std::size_t bytes) {
-    if (plan_.lasting[c] != Lasting::its_cell) worker.columns[c] = at, at += bytes;
-  });
-}
-
-/// Applies the stages of the step to the points from `first` on, whose lists are given, a bounded number of neighbours
-/// at a time.
-void CellRunner::apply(WindowCell& cell, std::uint32_t step, std::uint32_t first, const CellNeighbors& lists,
-                       Worker& worker) const {
-  for (std::uint32_t i = 0, end = 0; i < lists.size(); i = end) {
-    stop_if_cancelled();
-    for (end = i + 1; end < lists.size() && lists.begin[end + 1] - lists.begin[i] <= kMostAtOnce;) ++end;
-    const Listed listed{first + i, end - i, lists.begin.data() + i, lists.refs.data()};
-    cell.deferred.empty() ? apply_to_all(cell, step, listed, worker) : apply_to_some(cell, step, listed, worker);
-  }
-}
-
-void CellRunner::apply_to_all(WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const {
-  std::vector<std::byte*>& columns = worker.run_columns;
-  columns.clear();
-  for (std::size_t c = 0; c < worker.columns.size(); ++c) {
-    std::byte* const column = worker.columns[c];
-    columns.push_back(column == nullptr ? nullptr : column + std::size_t{listed.first} * plan_.column_bytes[c]);
-  }
-  const Cell& c = cell.cell;
-  const std::uint32_t first = listed.first;
-  const Batch batch{{c.x + first, c.y + first, c.z + first, c.row + first, columns.data()},
-                    listed.size,
-                    window_.slots(),
-                    listed.begin,
-                    listed.refs,
-                    columns.data()};
-  run_step(plan_, step, batch, worker.tally);
-  for_each_marked(plan_, step, worker.tally,
-                  [&](std::size_t stage, std::size_t i) { mark_degenerate(cell, stage, first + i); });
-}
-
-/// The same for a cell some of whose points are deferred: on a copy that holds only the others.
-void CellRunner::apply_to_some(WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const {
-  std::vector<std::uint32_t> chosen;
-  std::vector<double> x, y, z;
-  std::vector<std::uint64_t> row;
-  CellNeighbors some;
-  some.begin.push_back(0);
-  for (std::uint32_t n = 0; n < listed.size; ++n) {
-    const std::uint32_t i = listed.first + n;
-    if (cell.is_deferred(i)) continue;
-    chosen.push_back(i);
-    x.push_back(cell.cell.x[i]), y.push_back(cell.cell.y[i]), z.push_back(cell.cell.z[i]),
-        row.push_back(cell.cell.row[i]);
-    some.refs.insert(some.refs.end(), listed.refs + listed.begin[n], listed.refs + listed.begin[n + 1]);
-    some.begin.push_back(static_cast<std::uint32_t>(some.refs.size()));
-  }
-  std::vector<std::vector<std::byte>> columns(worker.columns.size());
-  std::vector<std::byte*> pointers;
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (worker.columns[c] != nullptr) {
-      const std::size_t bytes = plan_.column_bytes[c];
-      columns[c].resize(chosen.size() * bytes);
-      for (std::size_t i = 0; i < chosen.size(); ++i) {
-        std::memcpy(columns[c].data() + i * bytes, worker.columns[c] + chosen[i] * bytes, bytes);
-      }
-    }
-    pointers.push_back(columns[c].data());
-  }
-  const Batch batch{{x.data(), y.data(), z.data(), row.data(), pointers.data()},
-                    chosen.size(),
-                    window_.slots(),
-                    some.begin.data(),
-                    some.refs.data(),
-                    pointers.data()};
-  run_step(plan_, step, batch, worker.tally);
-  for_each_marked(plan_, step, worker.tally,
-                  [&](std::size_t stage, std::size_t i) { mark_degenerate(cell, stage, chosen[i]); });
-  for (std::size_t s = plan_.steps[step]; s < plan_.steps[step + 1]; ++s) {
-    for (const std::uint16_t c : plan_.stages[s].makes) {
-      const std::size_t bytes = plan_.column_bytes[c];
-      for (std::size_t i = 0; i < chosen.size(); ++i) {
-        std::memcpy(worker.columns[c] + chosen[i] * bytes, columns[c].data() + i * bytes, bytes);
-      }
-    }
-  }
-}
-
-void CellRunner::mark_degenerate(WindowCell& cell, std::size_t stage, std::size_t i) const {
-  if (cell.degenerate.empty()) cell.degenerate.resize(plan_.stages.size());
-  cell.degenerate[stage].mark(i);
 }
 
 void CellRunner::finish(WindowCell& cell, Worker& worker) const {

@@ -7,30 +7,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "pointsweep/sweep/stage_runner.h"
 #include "pointsweep/sweep/window.h"
+#include "pointsweep/sweep/worker.h"
 
 namespace pointsweep {
-
-/// Memory and counters of one thread.
-struct Worker {
-  SearchScratch search;
-  CellNeighbors neighbors;
-  std::vector<double> reach2;        ///< of the points of a cell
-  std::vector<std::uint32_t> named;  ///< slots that the lists of a cell name
-  std::vector<bool> is_named;        ///< by slot
-  std::vector<Box> dropped;
-  std::vector<std::byte*> columns;  ///< of the cell in hand, by column number
-  std::vector<const std::byte*> own_columns;
-  std::vector<std::byte*> run_columns;  ///< the same from the first point of a run on
-  std::vector<std::byte> passing;       ///< those of them that do not outlast the step
-  std::vector<std::byte> results;
-  StageTally tally;
-  double search_seconds = 0;
-  /// Of finished cells.
-  std::vector<DeferredPoint> deferred;
-  std::uint64_t certified = 0;
-};
 
 struct RunnerMemory {
   /// What the cells of the window may take, lists included. Lists that later steps need and that do not fit are found
@@ -49,13 +29,6 @@ class CellRunner {
   void run(std::uint32_t slot, std::uint32_t step, Worker& worker) const;
 
  private:
-  /// Successive points of a cell and their lists: that of point first + i is refs[begin[i] .. begin[i + 1]).
-  struct Listed {
-    std::uint32_t first, size;
-    const std::uint32_t* begin;
-    const NeighborRef* refs;
-  };
-
   bool find_reaches(std::uint32_t slot, Worker& worker) const;
   bool certify(WindowCell& cell, Worker& worker) const;
   void wait(WindowCell& cell, const std::vector<double>& reach2) const;
@@ -69,12 +42,6 @@ class CellRunner {
   void release_lists(WindowCell& cell) const;
   void defer_points_of_deferred_neighbors(WindowCell& cell, std::uint32_t first, const CellNeighbors& lists) const;
   static void defer(WindowCell& cell, std::uint32_t i, double reach2);
-  void place_columns(WindowCell& cell, std::uint32_t step, Worker& worker) const;
-  void apply(WindowCell& cell, std::uint32_t step, std::uint32_t first, const CellNeighbors& lists,
-             Worker& worker) const;
-  void apply_to_all(WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const;
-  void apply_to_some(WindowCell& cell, std::uint32_t step, const Listed& listed, Worker& worker) const;
-  void mark_degenerate(WindowCell& cell, std::size_t stage, std::size_t i) const;
   void finish(WindowCell& cell, Worker& worker) const;
   void hand_over(const WindowCell& cell, Worker& worker) const;
   void drop_columns(WindowCell& cell) const;

@@ -11,11 +11,11 @@ Outside::Outside(const std::vector<Slab>& slabs, int axis)
   for (std::size_t s = slabs.size(); s-- > 0;) least_begin_[s] = least = std::min(least, slabs[s].box.lo[axis]);
 }
 
-void Outside::cell_was_dropped(std::uint32_t slab, const Box& box) {
+void Outside::cell_was_dropped(std::uint32_t slab, const DroppedCell& cell) {
   if (dropped_[slab].empty()) dropping_slabs_.push_back(slab);
-  std::vector<Box>& boxes = dropped_[slab];
-  if (boxes.size() == boxes.capacity()) boxes.reserve(boxes.size() + std::max<std::size_t>(4, boxes.size() / 8));
-  boxes.push_back(box);
+  std::vector<DroppedCell>& cells = dropped_[slab];
+  if (cells.size() == cells.capacity()) cells.reserve(cells.size() + std::max<std::size_t>(4, cells.size() / 8));
+  cells.push_back(cell);
 }
 
 void Outside::place_is_full(Vec3 place, std::uint64_t row) {
@@ -43,8 +43,8 @@ void Outside::dropped_near(const Box& box, double reach2, std::vector<Box>& out)
   out.clear();
   for (const std::uint32_t slab : dropping_slabs_) {
     if (distance2(slabs_[slab].box, box) > reach2) continue;
-    for (const Box& dropped : dropped_[slab]) {
-      if (distance2(dropped, box) <= reach2) out.push_back(dropped);
+    for (const DroppedCell& cell : dropped_[slab]) {
+      if (distance2(cell.box, box) <= reach2) out.push_back(cell.box);
     }
   }
 }

@@ -13,6 +13,13 @@
 
 namespace pointsweep {
 
+/// A cell that has left the window.
+struct DroppedCell {
+  Box box;
+  std::uint32_t number;  ///< in its slab
+  std::uint32_t points;
+};
+
 /// What lies outside the window: the boxes of the slabs still to come and of the cells that have left.
 /// Changing it is the sweep's alone; asking is thread-safe.
 ///
@@ -27,7 +34,7 @@ class Outside {
   std::size_t slabs_read() const { return read_; }
   void slab_was_read() { ++read_; }
   void slabs_were_read(std::size_t first) { read_ = first; }
-  void cell_was_dropped(std::uint32_t slab, const Box& box);
+  void cell_was_dropped(std::uint32_t slab, const DroppedCell& cell);
   /// Points at `place` with a row above `row` are superfluous.
   void place_is_full(Vec3 place, std::uint64_t row);
 
@@ -39,12 +46,9 @@ class Outside {
   bool unread_within(Vec3 p, double reach2) const { return unread_within(Box{p, p}, reach2); }
   /// The same for any slab still to come.
   bool anything_unread_within(const Box& box, double reach2) const { return unread_within(box, reach2, false); }
-  /// Calls use(slab, box) for the dropped cells, and use(place, row) for the full places.
-  template <class Use>
-  void for_each_dropped(Use use) const {
-    for (const std::uint32_t slab : dropping_slabs_)
-      for (const Box& box : dropped_[slab]) use(slab, box);
-  }
+  /// The cells of a slab that have left, but for superfluous ones, in any order.
+  const std::vector<DroppedCell>& dropped_of(std::uint32_t slab) const { return dropped_[slab]; }
+  /// Calls use(place, row) for the full places.
   template <class Use>
   void for_each_full_place(Use use) const {
     for (const auto& [at, row] : full_places_) use(Vec3{at[0], at[1], at[2]}, row);
@@ -59,8 +63,8 @@ class Outside {
   int axis_;
   std::vector<double> least_begin_;  ///< by slab: where it or any later one begins along the axis
   std::size_t read_ = 0;
-  std::vector<std::uint32_t> dropping_slabs_;  ///< those with dropped cells
-  std::vector<std::vector<Box>> dropped_;      ///< by slab
+  std::vector<std::uint32_t> dropping_slabs_;      ///< those with dropped cells
+  std::vector<std::vector<DroppedCell>> dropped_;  ///< by slab
   std::map<std::array<double, 3>, std::uint64_t> full_places_;
 };
 

@@ -1,35 +1,48 @@
 // SPDX-License-Identifier: MIT
-/// Finishes the points that the sweep deferred: what they need has left the window and is read and evaluated again.
+/// Finishes the points that the sweep deferred: what they need has left the window and is read again.
 ///
-/// The paper has no such thing: its neighbourhoods are approximate there (Section 8). A recall works on a batch of
-/// points: it reads the slabs that their balls touch, each once per level of the chain, finds the exact neighbourhoods,
-/// and evaluates the stages on the points and, where stages look at made attributes, on their neighbours, by the same
-/// code as the sweep.
+/// The paper has no such thing: its neighbourhoods are approximate there (Section 8). A recall loads the cells around
+/// some deferred points into a region, finds the neighbourhoods of these points, of their neighbours, and so on for
+/// each step of the chain, and takes them all through the steps: by the same search, certificate and stages as the
+/// sweep, cell by cell, on all threads, each point at most once in each step.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "pointsweep/sweep/cell_runner.h"
+#include "pointsweep/sweep/certificate.h"
 #include "pointsweep/sweep/slab_loader.h"
+#include "pointsweep/sweep/worker.h"
 
 namespace pointsweep {
 
+struct RecallMemory {
+  std::uint64_t bytes;            ///< for cells, columns and lists. The surroundings of one point may take more.
+  std::uint64_t lists_bytes;      ///< for the lists that each thread has in hand
+  std::size_t slabs_at_once = 1;  ///< that may be read and cut at the same time, besides
+};
+
 class Recall {
  public:
-  Recall(const Stream& stream, const SweepPlan& plan, const SlabLoader& loader)
-      : stream_(stream), plan_(plan), loader_(loader) {}
+  Recall(const Stream& stream, const SweepPlan& plan, const SlabLoader& loader, const Outside& outside,
+         const RecallMemory& memory, std::vector<Worker>& workers)
+      : stream_(stream), plan_(plan), loader_(loader), outside_(outside), memory_(memory), workers_(workers) {}
 
-  /// Finishes `points` and hands them to `sink`. Uses all threads; memory is proportional to points × (k + 1)^steps.
-  void run(std::vector<DeferredPoint> points, Sink& sink, StageTally& tally);
-  /// How many points a batch may hold for that memory to stay below `bytes`.
-  std::size_t batch_points(std::size_t bytes) const;
+  /// Finishes as many points from the end of `points` as there is memory for, at least one, hands them to `sink` and
+  /// returns how many. Fastest where successive points are near to each other.
+  std::size_t run(const std::vector<DeferredPoint>& points, Sink& sink);
   std::uint64_t slabs_read() const { return slabs_read_; }
 
  private:
+  std::size_t first_guess() const;
+
   const Stream& stream_;
   const SweepPlan& plan_;
   const SlabLoader& loader_;
+  const Outside& outside_;
+  RecallMemory memory_;
+  std::vector<Worker>& workers_;
+  std::size_t group_ = 0;  ///< how many points to try next
   std::uint64_t slabs_read_ = 0;
 };
 

@@ -5,15 +5,11 @@
 
 #include "pointsweep/search/cell_search.h"
 #include "pointsweep/sweep/plan.h"
-#include "pointsweep/sweep/stream_search.h"
 
 namespace pointsweep {
 
 /// Leaves of the list of each of the `size` points of `own` what the rule keeps; the lists refer to `slots`.
 void shorten(const SweepPlan& plan, const PointColumns& own, std::size_t size, const PointColumns* slots,
              CellNeighbors& lists);
-
-/// The same for a point of a recall, by the same rule.
-void shorten(const SweepPlan& plan, StreamQuery& query);
 
 }  // namespace pointsweep

@@ -169,42 +169,44 @@ class Sweep {
     p.recalled = statistics_.recalled;
     p.recalled_slabs = statistics_.recalled_slabs;
     p.peak_points = statistics_.peak_points;
-    if (p.slabs_read == stream_.slabs().size()) return p;  // nobody looks at the window any more
+    for (std::uint32_t slab = 0; slab < p.slabs_read; ++slab)
+      for (const DroppedCell& cell : outside_.dropped_of(slab)) p.dropped.push_back({slab, cell});
+    outside_.for_each_full_place([&](Vec3 place, std::uint64_t row) { p.full_places.push_back({place, row}); });
+    if (p.slabs_read == stream_.slabs().size()) return p;  // the recall needs nothing of the window
     for (const std::uint32_t slot : window_.occupied()) {
       const WindowCell& cell = window_.at(slot);
       const bool finished = cell.was_finished || cell.steps_done == plan_.step_count();
       p.window.push_back({cell.slab, cell.number, cell.cell.size(), finished, cell.reach});
     }
-    outside_.for_each_dropped([&](std::uint32_t slab, const Box& box) { p.dropped.push_back({slab, box}); });
-    outside_.for_each_full_place([&](Vec3 place, std::uint64_t row) { p.full_places.push_back({place, row}); });
     return p;
   }
 
-  /// The deferred points of all threads, in the order of the stream.
+  /// The deferred points of all threads, along the axis: successive ones are near to each other.
   std::vector<DeferredPoint> take_deferred() {
     std::vector<DeferredPoint> deferred;
     for (Worker& worker : workers_) {
       deferred.insert(deferred.end(), worker.deferred.begin(), worker.deferred.end());
       worker.deferred = {};
     }
-    std::sort(deferred.begin(), deferred.end(), [](const DeferredPoint& a, const DeferredPoint& b) {
-      return a.slab != b.slab ? a.slab < b.slab : a.index_in_slab < b.index_in_slab;
+    const int axis = stream_.axis();
+    std::sort(deferred.begin(), deferred.end(), [axis](const DeferredPoint& a, const DeferredPoint& b) {
+      return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.row < b.row;
     });
     return deferred;
   }
 
+  /// Group by group; the window is empty, so that they may take its memory.
   void recall() {
     const auto start = std::chrono::steady_clock::now();
-    Recall recall(stream_, plan_, loader_);
-    const std::size_t batch = recall.batch_points(options_.recall_bytes);
+    Recall recall(stream_, plan_, loader_, outside_,
+                  {options_.recall_bytes, options_.lists_bytes, std::max<std::size_t>(1, options_.read_ahead)},
+                  workers_);
     const std::uint64_t slabs_before = statistics_.recalled_slabs;
     Worker& worker = workers_.front();
     worker.deferred = take_deferred();
     while (!worker.deferred.empty()) {
-      const std::size_t points = std::min(batch, worker.deferred.size());
-      const auto begin = worker.deferred.end() - static_cast<std::ptrdiff_t>(points);
-      recall.run({begin, worker.deferred.end()}, sink_, worker.tally);
-      worker.deferred.erase(begin, worker.deferred.end());
+      const std::size_t points = recall.run(worker.deferred, sink_);
+      worker.deferred.erase(worker.deferred.end() - static_cast<std::ptrdiff_t>(points), worker.deferred.end());
       worker.certified += points;
       statistics_.recalled += points;
       statistics_.recalled_slabs = slabs_before + recall.slabs_read();
@@ -222,9 +224,8 @@ class Sweep {
       add_rows(statistics_.degenerate, worker.tally.degenerate);
       if (worker.tally.distances) statistics_.distances.add(*worker.tally.distances);
       statistics_.search_seconds += worker.search_seconds;
-      for (std::size_t s = 0; s < worker.tally.seconds.size(); ++s) {
-        statistics_.stage_seconds[s] += worker.tally.seconds[s];
-      }
+      for (const StageTally* tally : {&worker.tally, &worker.halo})
+        for (std::size_t s = 0; s < tally->seconds.size(); ++s) statistics_.stage_seconds[s] += tally->seconds[s];
     }
     statistics_.mean_points = active_sum_ / static_cast<double>(std::max<std::size_t>(statistics_.series.size(), 1));
     statistics_.lifespan_mean = window_.lifespan_sum() / static_cast<double>(std::max<std::uint64_t>(points_swept_, 1));

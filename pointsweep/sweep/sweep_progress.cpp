@@ -21,7 +21,7 @@ SweepProgress SweepProgress::unpacked(Unpacker& packed) {
   SweepProgress p;
   p.slabs_read = packed.get<std::uint32_t>();
   p.window = packed.get_vector<WindowedCell>();
-  p.dropped = packed.get_vector<DroppedCell>();
+  p.dropped = packed.get_vector<DroppedCellOfSlab>();
   p.full_places = packed.get_vector<FullPlace>();
   p.deferred = packed.get_vector<DeferredPoint>();
   for (std::uint64_t* count : {&p.certified, &p.recalled, &p.recalled_slabs, &p.peak_points})

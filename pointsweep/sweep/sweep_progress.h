@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "pointsweep/math/box.h"
 #include "pointsweep/order/packed.h"
 #include "pointsweep/points/degenerate_rows.h"
+#include "pointsweep/sweep/certificate.h"
 #include "pointsweep/sweep/deferred_point.h"
 
 namespace pointsweep {
@@ -21,9 +21,9 @@ struct WindowedCell {
   double reach;            ///< WindowCell::reach
 };
 
-struct DroppedCell {
-  std::uint32_t slab;
-  Box box;
+struct DroppedCellOfSlab {
+  std::uint64_t slab;
+  DroppedCell cell;
 };
 
 struct FullPlace {
@@ -33,8 +33,8 @@ struct FullPlace {
 
 struct SweepProgress {
   std::uint32_t slabs_read = 0;
-  std::vector<WindowedCell> window;  ///< by slab and number. What was read and is not here has been finished.
-  std::vector<DroppedCell> dropped;
+  std::vector<WindowedCell> window;        ///< by slab and number. What was read and is not here has been finished.
+  std::vector<DroppedCellOfSlab> dropped;  ///< also once all slabs were read, for the recall
   std::vector<FullPlace> full_places;
   std::vector<DeferredPoint> deferred;  ///< of finished cells, not yet recalled
   /// Of finished cells and recalled points, as in SweepStatistics.

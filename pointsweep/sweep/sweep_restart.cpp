@@ -45,8 +45,8 @@ std::uint32_t SweepRestart::slab_to_begin_with() const {
 
 void SweepRestart::restore(const SlabLoader& loader, Window& window, Outside& outside, Sink& sink) const {
   outside.slabs_were_read(first_slab_);
-  for (const DroppedCell& cell : from_.dropped)
-    if (cell.slab < first_slab_) outside.cell_was_dropped(cell.slab, cell.box);
+  for (const auto& [slab, cell] : from_.dropped)
+    if (slab < first_slab_) outside.cell_was_dropped(static_cast<std::uint32_t>(slab), cell);
   for (const FullPlace& full : from_.full_places) outside.place_is_full(full.place, full.row);
   for (std::uint32_t slab = 0; slab < first_slab_; ++slab) {
     if (!was_in_window(slab) && !(sink.wants_records() && deferred_.contains(slab))) continue;

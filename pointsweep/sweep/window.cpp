@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
+#include "pointsweep/sweep/expected_reach.h"
 
 namespace pointsweep {
 
@@ -14,25 +14,6 @@ namespace {
 
 constexpr double kMuchDenser = 4;                              ///< times shorter reach
 constexpr std::uint32_t kMostSlots = 1u << (32 - kIndexBits);  ///< that a NeighborRef can name
-
-/// How far neighbourhoods of a leaf's points should reach, from its own density, taken as a surface or as a volume.
-double expected_reach(const Cell& cell, std::uint32_t leaf, const Neighborhood& what) {
-  double side[3];
-  for (int a = 0; a < 3; ++a) side[a] = double{cell.leaf_box[a + 3][leaf]} - double{cell.leaf_box[a][leaf]};
-  std::sort(side, side + 3);
-  const double per_point = static_cast<double>(what.k) / cell.leaf_size(leaf);
-  const double surface = std::sqrt(per_point * side[2] * side[1] / std::numbers::pi);
-  const double volume = std::cbrt(per_point * side[2] * side[1] * side[0] * 3 / (4 * std::numbers::pi));
-  return 1.3 * std::max(surface, volume);
-}
-
-/// The same by leaf.
-std::vector<double> expected_reaches(const Cell& cell, const Neighborhood& what) {
-  std::vector<double> reach(cell.leaf_count(), what.radius);
-  if (what.k == Neighborhood::kUnlimited) return reach;
-  for (std::uint32_t l = 0; l < reach.size(); ++l) reach[l] = std::min(expected_reach(cell, l, what), what.radius);
-  return reach;
-}
 
 Box leaf_box(const Cell& cell, std::uint32_t leaf) {
   Box b;
@@ -157,7 +138,7 @@ void Window::drop() {
     lifespan_sum_ += lifespan * cell.cell.size();
     lifespan_max_ = std::max(lifespan_max_, lifespan);
     if (!outside_.is_superfluous(cell.cell.box, cell.cell.lowest_row)) {
-      outside_.cell_was_dropped(cell.slab, cell.cell.box);
+      outside_.cell_was_dropped(cell.slab, {cell.cell.box, cell.number, cell.cell.size()});
     }
     directory_.remove(slot);
     points_ -= cell.cell.size();

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <random>
+#include <span>
 
 #include "pointsweep/search/cut.h"
 #include "pointsweep/search/plain_search.h"
@@ -270,6 +271,64 @@ TEST(CellSearch, RunsOfPointsHaveTheListsOfTheWholeCell) {
         ASSERT_EQ(runs.begin, whole.begin);
         ASSERT_EQ(runs.refs, whole.refs);
         ASSERT_EQ(runs.reach2.size(), whole.reach2.size());
+      }
+    }
+  }
+}
+
+/// Lists of some points of one cell, in runs of at most `most` neighbours but for the last point's.
+CellNeighbors search_chosen_by_runs(const CellDirectory& directory, std::uint32_t slot,
+                                    std::span<const std::uint32_t> points, std::uint64_t most,
+                                    const Neighborhood& what) {
+  SearchScratch scratch;
+  CellNeighbors all, run;
+  all.begin = {0};
+  for (std::size_t first = 0; first < points.size(); first += run.size()) {
+    const std::size_t found = search_chosen(directory, slot, points.subspan(first), most, what, scratch, run);
+    EXPECT_EQ(run.size(), found);
+    EXPECT_EQ(run.reach2.size(), found);
+    if (run.size() == 0) break;
+    for (std::uint32_t i = 1; i < run.begin.size(); ++i)
+      all.begin.push_back(static_cast<std::uint32_t>(all.refs.size()) + run.begin[i]);
+    all.refs.insert(all.refs.end(), run.refs.begin(), run.refs.end());
+    all.reach2.insert(all.reach2.end(), run.reach2.begin(), run.reach2.end());
+  }
+  return all;
+}
+
+TEST(CellSearch, SomePointsOfACellHaveTheListsTheyHaveInTheWholeCell) {
+  std::mt19937_64 rng(13);
+  for (const auto& [name, shape] : shapes()) {
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < sized(700); ++i) points.push_back(shape(rng));
+    Cells cells(points, 512);
+    double far = 0;
+    for (const Vec3& p : points) far = std::max(far, length(p - points[0]));
+    for (const Neighborhood& what :
+         {Neighborhood{.k = Neighborhood::kUnlimited, .radius = far / 3}, Neighborhood{.k = 100, .radius = far / 3},
+          Neighborhood{.k = 8}, Neighborhood{.k = 40}, Neighborhood{.k = 100}, Neighborhood{.k = 2000}}) {
+      SearchScratch scratch;
+      CellNeighbors whole;
+      search_cell(cells.directory, 0, what, scratch, whole);
+      for (const double share : {0.01, 0.3, 0.9, 1.0}) {
+        for (const std::uint64_t most : {1, 20'000}) {
+          SCOPED_TRACE(name + ", k " + std::to_string(what.k) + ", share " + std::to_string(share));
+          std::vector<std::uint32_t> chosen = {3};
+          for (std::uint32_t i = 4; i < whole.size(); ++i)
+            if (uniform(rng) <= share) chosen.push_back(i);
+          const CellNeighbors some = search_chosen_by_runs(cells.directory, 0, chosen, most, what);
+          ASSERT_EQ(some.size(), chosen.size());
+          for (std::uint32_t n = 0; n < chosen.size(); ++n) {
+            const std::uint32_t i = chosen[n];
+            ASSERT_EQ(std::vector(some.refs.begin() + some.begin[n], some.refs.begin() + some.begin[n + 1]),
+                      std::vector(whole.refs.begin() + whole.begin[i], whole.refs.begin() + whole.begin[i + 1]));
+            if (some.begin[n + 1] > some.begin[n]) {
+              const NeighborRef last = some.refs[some.begin[n + 1] - 1];
+              const Vec3 p = cells.directory.cell(0).position(i);
+              ASSERT_LE(distance2(cells.directory.cell(slot_of(last)).position(index_of(last)), p), some.reach2[n]);
+            }
+          }
+        }
       }
     }
   }

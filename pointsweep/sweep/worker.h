@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+/// Memory and counters of one thread of a sweep or of a recall.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/search/cell_search.h"
+#include "pointsweep/sweep/chosen_points.h"
+#include "pointsweep/sweep/deferred_point.h"
+#include "pointsweep/sweep/stage_runner.h"
+
+namespace pointsweep {
+
+struct Worker {
+  SearchScratch search;
+  CellNeighbors neighbors;
+  std::vector<double> reach2;        ///< of the points of a cell
+  std::vector<std::uint32_t> named;  ///< slots that the lists of a cell name
+  std::vector<bool> is_named;        ///< by slot
+  std::vector<Box> dropped;
+  std::vector<std::byte*> columns;  ///< of the cell in hand, by column number
+  std::vector<const std::byte*> own_columns;
+  std::vector<std::byte*> run_columns;  ///< the same from the first point of a run on
+  std::vector<std::byte> passing;       ///< those of them that do not outlast the step
+  ChosenPoints chosen;                  ///< where only some points of the cell take the step
+  CellNeighbors chosen_lists;
+  std::vector<std::byte> results;
+  StageTally tally;
+  StageTally halo;  ///< of points that a recall evaluates only because others need their values
+  double search_seconds = 0;
+  /// Of finished cells.
+  std::vector<DeferredPoint> deferred;
+  std::uint64_t certified = 0;
+};
+
+}  // namespace pointsweep
