@@ -24,17 +24,25 @@ void SweepOrderSink::finished(const Finished& points) {
   std::shared_ptr<Open> open;
   {
     const std::lock_guard lock(mutex_);
-    const auto kept = points.size == 1 ? kept_.find({points.slab, points.index_in_slab[0]}) : kept_.end();
-    if (kept != kept_.end()) {
-      std::vector<std::byte> record(layout_.schema().stride);
-      layout_.assemble(kept->second.record.data(), points.results, 1, record.data());
-      store_.put(std::span(&kept->second.place, 1), record);
-      return;
-    }
     open = slabs_[points.slab];
   }
   put(*open, points);
   leave(points.slab, points.size);
+}
+
+void SweepOrderSink::recalled(const Finished& points) {
+  std::vector<std::byte> inputs, outputs(points.size * layout_.schema().stride);
+  std::vector<std::uint64_t> places;
+  {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; i < points.size; ++i) {
+      const Kept& kept = kept_.at({points.slab, points.index_in_slab[i]});
+      inputs.insert(inputs.end(), kept.record.begin(), kept.record.end());
+      places.push_back(kept.place);
+    }
+  }
+  layout_.assemble(inputs.data(), points.results, points.size, outputs.data());
+  store_.put(places, outputs);
 }
 
 void SweepOrderSink::put(const Open& open, const Finished& points) {

@@ -35,6 +35,7 @@ class SweepOrderSink final : public Sink {
   bool wants_records() const override { return true; }
   void slab_read(std::uint32_t slab, std::vector<std::byte> records) override;
   void finished(const Finished& points) override;
+  void recalled(const Finished& points) override;
   void deferred(std::uint32_t slab, std::uint32_t index_in_slab) override;
   void were_finished(std::uint32_t slab, std::uint64_t points) override { leave(slab, points); }
 

@@ -73,6 +73,7 @@ nlohmann::ordered_json counts(const ReferenceCounts& r) {
 void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep) {
   to.certified = to.sweeps == 0 ? sweep.certified : std::min(to.certified, sweep.certified);
   to.recalled += sweep.recalled;
+  to.recall_seconds += sweep.recall_seconds;
   to.read_seconds += sweep.read_seconds, to.search_seconds += sweep.search_seconds;
   for (std::size_t i = 0; i < plan.stages.size(); ++i) {
     to.operator_seconds.emplace_back(plan.stages[i].op->name(), sweep.stage_seconds[i]);
@@ -114,6 +115,7 @@ std::string to_json(const Statistics& s) {
       {"k", s.k},
       {"certified", s.certified},
       {"recalled", s.recalled},
+      {"recall_share", s.total_seconds > 0 ? s.recall_seconds / s.total_seconds : 0},
       {"degenerate", s.degenerate},
       {"degenerate_rows", degenerate_rows(s)},
       {"nonfinite", s.nonfinite},
@@ -124,6 +126,7 @@ std::string to_json(const Statistics& s) {
         {"order", s.order_seconds},
         {"read", s.read_seconds},
         {"search", s.search_seconds},
+        {"recall", s.recall_seconds},
         {"write", s.write_seconds},
         {"operators", operators}}},
       {"bytes", {{"read", s.bytes_read}, {"spilled", s.bytes_spilled}, {"written", s.bytes_written}}},

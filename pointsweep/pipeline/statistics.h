@@ -52,6 +52,7 @@ struct Statistics {
   std::vector<DegenerateResults> degenerate_results;  ///< of every stage of the chain, in its order
   double total_seconds = 0;                           ///< wall
   double order_seconds = 0;                           ///< wall: survey and distribution
+  double recall_seconds = 0;                          ///< wall: after each sweep, for what it could not finish
   double read_seconds = 0;                            ///< loading and cutting slabs, summed over threads
   double search_seconds = 0;                          ///< summed over threads
   double write_seconds = 0;  ///< wall: bringing the results into the output, or to the next sweep

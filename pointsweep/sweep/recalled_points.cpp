@@ -331,7 +331,7 @@ void RecalledPoints::hand_over(std::uint32_t slot, std::span<const std::uint32_t
   collect_results(plan_, worker.chosen.columns(), points.size(), worker.results);
   std::vector<std::uint32_t> index_in_slab;
   for (const std::uint32_t i : points) index_in_slab.push_back(cell.index_in_slab[i]);
-  sink.finished({cell.slab, index_in_slab.data(), worker.chosen.rows(), worker.results.data(), points.size()});
+  sink.recalled({cell.slab, index_in_slab.data(), worker.chosen.rows(), worker.results.data(), points.size()});
 }
 
 }  // namespace pointsweep
