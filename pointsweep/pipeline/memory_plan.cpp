@@ -22,7 +22,7 @@ constexpr std::uint64_t kLeastSlabPoints = 4096;
 /// A point on its way from the stream into a cell: its CutPoint, and that of a sparse place (sweep/slab_loader.cpp).
 constexpr std::uint64_t kLoadedPointBytes = 32;
 /// A slab in every list that has one entry for each: Slab, PiecedSlab, StreamPiece and SlabList of the stream, its
-/// entries in Outside, and heap overhead.
+/// entries in Frontier, and heap overhead.
 constexpr std::uint64_t kSlabBytes = 640;
 /// A slab in each series of the statistics: a pair of counts.
 constexpr std::uint64_t kSeriesBytes = 2 * 16;

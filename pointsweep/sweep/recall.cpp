@@ -28,7 +28,7 @@ std::size_t Recall::run(const std::vector<DeferredPoint>& points, Sink& sink) {
   if (group_ == 0) group_ = first_guess();
   for (;;) {
     const std::size_t size = std::min(group_, points.size());
-    RecalledPoints recalled(stream_, plan_, loader_, outside_, memory_, workers_);
+    RecalledPoints recalled(stream_, plan_, loader_, frontier_, memory_, workers_);
     const bool fits = recalled.gather(std::span(points).last(size));
     slabs_read_ += recalled.slabs_read();
     if (!fits) {

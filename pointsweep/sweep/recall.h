@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pointsweep/sweep/certificate.h"
+#include "pointsweep/sweep/frontier.h"
 #include "pointsweep/sweep/slab_loader.h"
 #include "pointsweep/sweep/worker.h"
 
@@ -24,9 +24,9 @@ struct RecallMemory {
 
 class Recall {
  public:
-  Recall(const Stream& stream, const SweepPlan& plan, const SlabLoader& loader, const Outside& outside,
+  Recall(const Stream& stream, const SweepPlan& plan, const SlabLoader& loader, const Frontier& frontier,
          const RecallMemory& memory, std::vector<Worker>& workers)
-      : stream_(stream), plan_(plan), loader_(loader), outside_(outside), memory_(memory), workers_(workers) {}
+      : stream_(stream), plan_(plan), loader_(loader), frontier_(frontier), memory_(memory), workers_(workers) {}
 
   /// Finishes as many points from the end of `points` as there is memory for, at least one, hands them to `sink` and
   /// returns how many. Fastest where successive points are near to each other.
@@ -39,7 +39,7 @@ class Recall {
   const Stream& stream_;
   const SweepPlan& plan_;
   const SlabLoader& loader_;
-  const Outside& outside_;
+  const Frontier& frontier_;
   RecallMemory memory_;
   std::vector<Worker>& workers_;
   std::size_t group_ = 0;  ///< how many points to try next

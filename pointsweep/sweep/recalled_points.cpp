@@ -7,8 +7,8 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/sweep/apply_step.h"
 #include "pointsweep/sweep/expected_reach.h"
-#include "pointsweep/sweep/shorten.h"
 #include "pointsweep/sweep/stopwatch.h"
+#include "pointsweep/sweep/truncate_lists.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -237,17 +237,17 @@ std::vector<std::uint32_t> RecalledPoints::certify(std::uint32_t slot, std::span
 }
 
 /// Applies the rule of the plan to worker.neighbors.
-void RecalledPoints::shorten_lists(std::uint32_t slot, std::span<const std::uint32_t> points, Worker& worker) {
+void RecalledPoints::truncate_found_lists(std::uint32_t slot, std::span<const std::uint32_t> points, Worker& worker) {
   if (!plan_.neighborhood.rule) return;
   WindowCell& cell = region_.at(slot);
   std::vector<std::byte*> columns;
   for (auto& column : cell.columns) columns.push_back(column.empty() ? nullptr : column.data());
   worker.chosen.take(plan_, cell.cell, points, columns);
-  shorten(plan_, worker.chosen.view(), points.size(), region_.slots(), worker.neighbors);
+  truncate_lists(plan_, worker.chosen.view(), points.size(), region_.slots(), worker.neighbors);
 }
 
 void RecalledPoints::keep(std::uint32_t slot, std::uint32_t level, std::vector<std::uint32_t> points, Worker& worker) {
-  shorten_lists(slot, points, worker);
+  truncate_found_lists(slot, points, worker);
   if (level > 0) reach_neighbors(worker.neighbors);
   Listed listed{.level = level, .points = std::move(points), .lists = {}, .has_lists = true};
   const std::uint64_t bytes = worker.neighbors.list_bytes() + listed.points.size() * sizeof(std::uint32_t);
@@ -285,7 +285,7 @@ void RecalledPoints::take_step(std::uint32_t slot, std::uint32_t step, Worker& w
     }
     for (std::size_t first = 0, end = 0; first < points.size(); first = end) {
       end = first + search(slot, points.subspan(first), worker);
-      shorten_lists(slot, points.subspan(first, end - first), worker);
+      truncate_found_lists(slot, points.subspan(first, end - first), worker);
       use(listed.level, points.subspan(first, end - first), worker.neighbors);
     }
   }

@@ -19,12 +19,12 @@ namespace pointsweep {
 /// step to the last.
 class RecalledPoints {
  public:
-  RecalledPoints(const Stream& stream, const SweepPlan& plan, const SlabLoader& loader, const Outside& outside,
+  RecalledPoints(const Stream& stream, const SweepPlan& plan, const SlabLoader& loader, const Frontier& frontier,
                  const RecallMemory& memory, std::vector<Worker>& workers)
       : plan_(plan),
         memory_(memory),
         workers_(workers),
-        region_(stream, loader, outside, memory.slabs_at_once),
+        region_(stream, loader, frontier, memory.slabs_at_once),
         point_bytes_(kWindowPointBytes + plan.lasting_bytes()) {}
 
   /// Loads the surroundings of `points` and finds all lists. False if they take more memory than allowed; one point is
@@ -80,7 +80,7 @@ class RecalledPoints {
   std::size_t search(std::uint32_t slot, std::span<const std::uint32_t> points, Worker& worker);
   void find_lists(std::uint32_t slot, std::uint32_t level, Worker& worker);
   std::vector<std::uint32_t> certify(std::uint32_t slot, std::span<const Pending> searched, Worker& worker);
-  void shorten_lists(std::uint32_t slot, std::span<const std::uint32_t> points, Worker& worker);
+  void truncate_found_lists(std::uint32_t slot, std::span<const std::uint32_t> points, Worker& worker);
   void keep(std::uint32_t slot, std::uint32_t level, std::vector<std::uint32_t> points, Worker& worker);
   void reach_neighbors(const CellNeighbors& lists);
   void take_step(std::uint32_t slot, std::uint32_t step, Worker& worker, Sink& sink);

@@ -60,7 +60,7 @@ std::vector<std::uint32_t> Region::slabs_to_read(std::span<const NeededBalls> ba
     const auto is_needed = [&](const DroppedCell& cell) {
       return !is_present(slab, cell.number) && any_touches(balls, cell.box);
     };
-    const std::vector<DroppedCell>& cells = outside_.dropped_of(slab);
+    const std::vector<DroppedCell>& cells = frontier_.dropped_of(slab);
     wanted[s] = !places_of(slab, places).empty() ||
                 (any_touches(balls, stream_.slabs()[s].box) && std::any_of(cells.begin(), cells.end(), is_needed));
   });
@@ -77,7 +77,7 @@ void Region::take(std::uint32_t slab, LoadedSlab loaded, std::span<const NeededB
   for (auto& cell : loaded.cells) {
     if (present_[slab][cell->number]) continue;
     const bool needed =
-        any_touches(balls, cell->cell.box) && !outside_.is_superfluous(cell->cell.box, cell->cell.lowest_row);
+        any_touches(balls, cell->cell.box) && !frontier_.is_superfluous(cell->cell.box, cell->cell.lowest_row);
     if (needed || holds_any(*cell, here)) admit(std::move(cell));
   }
   ++slabs_read_;
@@ -95,7 +95,7 @@ void Region::missing_near(const Box& box, double reach2, std::vector<Box>& out) 
   out.clear();
   for (std::uint32_t slab = 0; slab < present_.size(); ++slab) {
     if (distance2(stream_.slabs()[slab].box, box) > reach2) continue;
-    for (const DroppedCell& cell : outside_.dropped_of(slab))
+    for (const DroppedCell& cell : frontier_.dropped_of(slab))
       if (distance2(cell.box, box) <= reach2 && !is_present(slab, cell.number)) out.push_back(cell.box);
   }
 }
@@ -110,7 +110,7 @@ double Region::reach2_of(Vec3 p, std::uint64_t count) const {
   double reach2 = Box::kInf;
   for (const auto& [nearest2, slab] : slabs) {
     if (nearest2 > reach2) break;
-    for (const DroppedCell& cell : outside_.dropped_of(slab)) {
+    for (const DroppedCell& cell : frontier_.dropped_of(slab)) {
       const double farthest2 = farthest_distance2(cell.box, p);
       if (farthest2 < reach2) held.emplace_back(farthest2, cell.points);
     }

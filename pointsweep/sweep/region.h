@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pointsweep/search/directory.h"
-#include "pointsweep/sweep/certificate.h"
+#include "pointsweep/sweep/frontier.h"
 #include "pointsweep/sweep/slab_loader.h"
 
 namespace pointsweep {
@@ -37,11 +37,11 @@ struct NeededPlace {
 /// thread-safe.
 class Region {
  public:
-  /// `outside`: of a sweep that has come to its end, so that it holds every cell of the cloud but superfluous ones.
-  Region(const Stream& stream, const SlabLoader& loader, const Outside& outside, std::size_t slabs_at_once)
+  /// `frontier`: of a sweep that has come to its end, so that it holds every cell of the cloud but superfluous ones.
+  Region(const Stream& stream, const SlabLoader& loader, const Frontier& frontier, std::size_t slabs_at_once)
       : stream_(stream),
         loader_(loader),
-        outside_(outside),
+        frontier_(frontier),
         slabs_at_once_(slabs_at_once),
         present_(stream.slabs().size()) {}
 
@@ -74,7 +74,7 @@ class Region {
 
   const Stream& stream_;
   const SlabLoader& loader_;
-  const Outside& outside_;
+  const Frontier& frontier_;
   std::size_t slabs_at_once_;
   std::vector<std::vector<bool>> present_;  ///< by slab and number
   std::vector<std::unique_ptr<WindowCell>> cells_;

@@ -37,9 +37,9 @@ class Sweep {
         sink_(sink),
         options_(options),
         loader_(stream, plan, options.cell_points),
-        outside_(stream.slabs(), stream.axis()),
-        window_(plan, outside_),
-        runner_(plan, window_, outside_, sink, {options.cells_bytes, options.lists_bytes}),
+        frontier_(stream.slabs(), stream.axis()),
+        window_(plan, frontier_),
+        runner_(plan, window_, frontier_, sink, {options.cells_bytes, options.lists_bytes}),
         workers_(thread_count()) {
     if (!options.count_distances) return;
     for (Worker& worker : workers_) worker.tally.distances = std::make_unique<NeighborDistances>();
@@ -70,7 +70,7 @@ class Sweep {
     if (options_.resume_from == nullptr) return 0;
     const SweepProgress& from = *options_.resume_from;
     restart_.emplace(from, stream_, plan_);
-    restart_->restore(loader_, window_, outside_, sink_);
+    restart_->restore(loader_, window_, frontier_, sink_);
     workers_.front().deferred = from.deferred;
     workers_.front().certified = from.certified;
     workers_.front().tally.degenerate = from.degenerate;
@@ -89,7 +89,7 @@ class Sweep {
   }
 
   void read(LoadedSlab loaded, std::uint32_t slab) {
-    outside_.slab_was_read();
+    frontier_.slab_was_read();
     points_read_ += stream_.slabs()[slab].count;
     points_swept_ += stream_.slabs()[slab].count;
     if (options_.resume_from != nullptr && slab < options_.resume_from->slabs_read)
@@ -153,14 +153,14 @@ class Sweep {
   /// Not while slabs are read again: what had been finished in those still to come would be forgotten.
   void keep_progress() {
     const bool reads_again =
-        options_.resume_from != nullptr && outside_.slabs_read() < options_.resume_from->slabs_read;
+        options_.resume_from != nullptr && frontier_.slabs_read() < options_.resume_from->slabs_read;
     if (options_.keeper == nullptr || reads_again || !options_.keeper->wants_progress()) return;
     options_.keeper->keep(progress());
   }
 
   SweepProgress progress() const {
     SweepProgress p;
-    p.slabs_read = static_cast<std::uint32_t>(outside_.slabs_read());
+    p.slabs_read = static_cast<std::uint32_t>(frontier_.slabs_read());
     for (const Worker& worker : workers_) {
       p.deferred.insert(p.deferred.end(), worker.deferred.begin(), worker.deferred.end());
       p.certified += worker.certified;
@@ -170,8 +170,10 @@ class Sweep {
     p.recalled_slabs = statistics_.recalled_slabs;
     p.peak_points = statistics_.peak_points;
     for (std::uint32_t slab = 0; slab < p.slabs_read; ++slab)
-      for (const DroppedCell& cell : outside_.dropped_of(slab)) p.dropped.push_back({slab, cell});
-    outside_.for_each_full_place([&](Vec3 place, std::uint64_t row) { p.full_places.push_back({place, row}); });
+      for (const DroppedCell& cell : frontier_.dropped_of(slab)) p.dropped.push_back({slab, cell});
+    frontier_.for_each_saturated_location([&](Vec3 place, std::uint64_t row) {
+      p.saturated_locations.push_back({place, row});
+    });
     if (p.slabs_read == stream_.slabs().size()) return p;  // the recall needs nothing of the window
     for (const std::uint32_t slot : window_.occupied()) {
       const WindowCell& cell = window_.at(slot);
@@ -198,7 +200,7 @@ class Sweep {
   /// Group by group; the window is empty, so that they may take its memory.
   void recall() {
     const auto start = std::chrono::steady_clock::now();
-    Recall recall(stream_, plan_, loader_, outside_,
+    Recall recall(stream_, plan_, loader_, frontier_,
                   {options_.recall_bytes, options_.lists_bytes, std::max<std::size_t>(1, options_.read_ahead)},
                   workers_);
     const std::uint64_t slabs_before = statistics_.recalled_slabs;
@@ -238,7 +240,7 @@ class Sweep {
   Sink& sink_;
   const SweepOptions& options_;
   const SlabLoader loader_;
-  Outside outside_;
+  Frontier frontier_;
   Window window_;
   const CellRunner runner_;
   std::vector<Worker> workers_;

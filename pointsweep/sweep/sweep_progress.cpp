@@ -7,7 +7,7 @@ void SweepProgress::pack(Packer& out) const {
   out.put(slabs_read);
   out.put(window);
   out.put(dropped);
-  out.put(full_places);
+  out.put(saturated_locations);
   out.put(deferred);
   for (const std::uint64_t count : {certified, recalled, recalled_slabs, peak_points}) out.put(count);
   out.put<std::uint64_t>(degenerate.size());
@@ -22,7 +22,7 @@ SweepProgress SweepProgress::unpacked(Unpacker& packed) {
   p.slabs_read = packed.get<std::uint32_t>();
   p.window = packed.get_vector<WindowedCell>();
   p.dropped = packed.get_vector<DroppedCellOfSlab>();
-  p.full_places = packed.get_vector<FullPlace>();
+  p.saturated_locations = packed.get_vector<SaturatedLocation>();
   p.deferred = packed.get_vector<DeferredPoint>();
   for (std::uint64_t* count : {&p.certified, &p.recalled, &p.recalled_slabs, &p.peak_points})
     *count = packed.get<std::uint64_t>();

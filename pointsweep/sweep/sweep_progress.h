@@ -7,8 +7,8 @@
 
 #include "pointsweep/order/packed.h"
 #include "pointsweep/points/degenerate_rows.h"
-#include "pointsweep/sweep/certificate.h"
 #include "pointsweep/sweep/deferred_point.h"
+#include "pointsweep/sweep/frontier.h"
 
 namespace pointsweep {
 
@@ -26,7 +26,7 @@ struct DroppedCellOfSlab {
   DroppedCell cell;
 };
 
-struct FullPlace {
+struct SaturatedLocation {
   Vec3 place;
   std::uint64_t row;
 };
@@ -35,7 +35,7 @@ struct SweepProgress {
   std::uint32_t slabs_read = 0;
   std::vector<WindowedCell> window;        ///< by slab and number. What was read and is not here has been finished.
   std::vector<DroppedCellOfSlab> dropped;  ///< also once all slabs were read, for the recall
-  std::vector<FullPlace> full_places;
+  std::vector<SaturatedLocation> saturated_locations;
   std::vector<DeferredPoint> deferred;  ///< of finished cells, not yet recalled
   /// Of finished cells and recalled points, as in SweepStatistics.
   std::uint64_t certified = 0, recalled = 0, recalled_slabs = 0, peak_points = 0;

@@ -43,11 +43,11 @@ std::uint32_t SweepRestart::slab_to_begin_with() const {
   return slab - std::min(slab, static_cast<std::uint32_t>(plan_.step_count()));
 }
 
-void SweepRestart::restore(const SlabLoader& loader, Window& window, Outside& outside, Sink& sink) const {
-  outside.slabs_were_read(first_slab_);
+void SweepRestart::restore(const SlabLoader& loader, Window& window, Frontier& frontier, Sink& sink) const {
+  frontier.slabs_were_read(first_slab_);
   for (const auto& [slab, cell] : from_.dropped)
-    if (slab < first_slab_) outside.cell_was_dropped(static_cast<std::uint32_t>(slab), cell);
-  for (const FullPlace& full : from_.full_places) outside.place_is_full(full.place, full.row);
+    if (slab < first_slab_) frontier.cell_was_dropped(static_cast<std::uint32_t>(slab), cell);
+  for (const SaturatedLocation& full : from_.saturated_locations) frontier.location_is_saturated(full.place, full.row);
   for (std::uint32_t slab = 0; slab < first_slab_; ++slab) {
     if (!was_in_window(slab) && !(sink.wants_records() && deferred_.contains(slab))) continue;
     LoadedSlab loaded = loader.load(slab, sink.wants_records());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Puts a sweep back to where another process has left it (docs/adr/0008).
 ///
-/// The cells that were in the window come back to it, and the boxes of dropped ones to what lies outside. Where later
+/// The cells that were in the window come back to it, and the boxes of dropped ones to what lies frontier. Where later
 /// steps look at what earlier ones made, the last slabs are read again and their cells go through all steps once more,
 /// for others to look at; what had been handed over is not handed over again. No value depends on how far this goes
 /// back: what cannot be certified is recalled.
@@ -26,7 +26,7 @@ class SweepRestart {
   /// Slabs are to be read from here on, some of them for the second time.
   std::uint32_t first_slab() const { return first_slab_; }
   /// Everything of the slabs before the first.
-  void restore(const SlabLoader& loader, Window& window, Outside& outside, Sink& sink) const;
+  void restore(const SlabLoader& loader, Window& window, Frontier& frontier, Sink& sink) const;
   /// A slab read again, before its cells go into the window: marks those that had been finished, and tells the sink.
   void prepare(std::uint32_t slab, LoadedSlab& loaded, Sink& sink) const;
 

@@ -50,7 +50,7 @@ void Window::admit(std::unique_ptr<WindowCell> cell) {
   }
   cell->leaf_reach = expected_reaches(cell->cell, plan_.neighborhood);
   cell->wait_reach = reach_of_most(cell->leaf_reach);
-  note_full_place(*cell);
+  note_saturated_location(*cell);
   cell->read_at = std::chrono::steady_clock::now();
   points_ += cell->cell.size();
   directory_.add(slot, &cell->cell);
@@ -58,19 +58,18 @@ void Window::admit(std::unique_ptr<WindowCell> cell) {
   cells_[slot] = std::move(cell);
 }
 
-/// More than k points at one place, the lowest rows of all there: nobody will ever look at a point of a higher row
-/// there.
-void Window::note_full_place(const WindowCell& cell) {
+/// After k + 1 coincident points, points with higher rows can never be neighbours.
+void Window::note_saturated_location(const WindowCell& cell) {
   const std::size_t k = plan_.neighborhood.k;
   if (cell.cell.lowest_row == Cell::kSeveralPlaces || cell.cell.size() <= k) return;
-  outside_.place_is_full(cell.cell.box.lo, cell.cell.row[k]);
+  frontier_.location_is_saturated(cell.cell.box.lo, cell.cell.row[k]);
 }
 
 bool Window::ready(const WindowCell& cell, std::uint32_t step) const {
   if (cell.steps_done != step) return false;
   if (step == 0) {
     const double reach2 = cell.wait_reach * cell.wait_reach;
-    return outside_.slabs_read() >= cell.wait_for_slabs && !outside_.unread_within(cell.cell.box, reach2);
+    return frontier_.slabs_read() >= cell.wait_for_slabs && !frontier_.unread_within(cell.cell.box, reach2);
   }
   return std::all_of(cell.refers_to.begin(), cell.refers_to.end(),
                      [&](std::uint32_t slot) { return cells_[slot]->steps_done >= step; });
@@ -108,7 +107,7 @@ bool Window::asks_for(const WindowCell& waiting, const WindowCell& cell) const {
 /// look from are kept clear of unread slabs.
 bool Window::still_needed(const WindowCell& cell, const std::vector<const WindowCell*>& unsearched) const {
   const double own = kept_clear(cell.reach);
-  return outside_.anything_unread_within(cell.cell.box, own * own) ||
+  return frontier_.anything_unread_within(cell.cell.box, own * own) ||
          std::any_of(unsearched.begin(), unsearched.end(),
                      [&](const WindowCell* waiting) { return asks_for(*waiting, cell); });
 }
@@ -127,7 +126,7 @@ void Window::drop() {
     stop_if_cancelled();
     const WindowCell& cell = *cells_[slot];
     if (cell.steps_done < plan_.step_count() || referred[slot]) continue;
-    if (outside_.is_superfluous(cell.cell.box, cell.cell.lowest_row) || !still_needed(cell, unsearched)) {
+    if (frontier_.is_superfluous(cell.cell.box, cell.cell.lowest_row) || !still_needed(cell, unsearched)) {
       leaving.push_back(slot);
     }
   }
@@ -137,8 +136,8 @@ void Window::drop() {
     const double lifespan = std::chrono::duration<double>(now - cell.read_at).count();
     lifespan_sum_ += lifespan * cell.cell.size();
     lifespan_max_ = std::max(lifespan_max_, lifespan);
-    if (!outside_.is_superfluous(cell.cell.box, cell.cell.lowest_row)) {
-      outside_.cell_was_dropped(cell.slab, {cell.cell.box, cell.number, cell.cell.size()});
+    if (!frontier_.is_superfluous(cell.cell.box, cell.cell.lowest_row)) {
+      frontier_.cell_was_dropped(cell.slab, {cell.cell.box, cell.number, cell.cell.size()});
     }
     directory_.remove(slot);
     points_ -= cell.cell.size();

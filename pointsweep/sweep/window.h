@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pointsweep/search/directory.h"
-#include "pointsweep/sweep/certificate.h"
+#include "pointsweep/sweep/frontier.h"
 #include "pointsweep/sweep/plan.h"
 #include "pointsweep/sweep/window_cell.h"
 
@@ -17,7 +17,7 @@ namespace pointsweep {
 /// outlier nor a scanner's far field holds the dense part in memory. Changed by the sweep's own thread only.
 class Window {
  public:
-  Window(const SweepPlan& plan, Outside& outside) : plan_(plan), outside_(outside) {}
+  Window(const SweepPlan& plan, Frontier& frontier) : plan_(plan), frontier_(frontier) {}
 
   void admit(std::unique_ptr<WindowCell> cell);
   /// Slots of the cells that can take step `step` now, ascending.
@@ -37,13 +37,13 @@ class Window {
 
  private:
   bool ready(const WindowCell& cell, std::uint32_t step) const;
-  void note_full_place(const WindowCell& cell);
+  void note_saturated_location(const WindowCell& cell);
   double kept_clear(double reach) const;
   bool asks_for(const WindowCell& waiting, const WindowCell& cell) const;
   bool still_needed(const WindowCell& cell, const std::vector<const WindowCell*>& unsearched) const;
 
   const SweepPlan& plan_;
-  Outside& outside_;
+  Frontier& frontier_;
   std::vector<std::unique_ptr<WindowCell>> cells_;  ///< by slot
   std::vector<PointColumns> views_;                 ///< by slot
   std::vector<std::uint32_t> free_;

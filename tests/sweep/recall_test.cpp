@@ -16,6 +16,7 @@
 #include "pointsweep/pipeline/chain.h"
 #include "pointsweep/sweep/sweep.h"
 #include "pointsweep/threads.h"
+#include "tests/support/memory_source.h"
 #include "tests/support/sized.h"
 
 namespace pointsweep {
@@ -53,18 +54,6 @@ Chain deep_chain(std::size_t k) {
           .operators = {std::make_shared<Normals>(), std::make_shared<Curvature>(), std::make_shared<Splats>(),
                         std::make_shared<Fair>(FairOptions{.f = 0.05, .g = 0.05}), std::make_shared<Normals>(),
                         std::make_shared<Splats>()}};
-}
-
-PointSource source_of(const std::vector<Vec3>& points) {
-  Schema schema;
-  for (const char* name : {"x", "y", "z"})
-    schema.fields.push_back({.name = name, .type = Type::f64, .offset = static_cast<std::uint32_t>(schema.stride)}),
-        schema.stride += sizeof(double);
-  return {schema, points.size(), [&points](std::uint64_t row, std::span<std::byte> records) {
-            const std::size_t n = std::min<std::size_t>(records.size() / sizeof(Vec3), points.size() - row);
-            std::memcpy(records.data(), &points[row], n * sizeof(Vec3));
-            return n;
-          }};
 }
 
 Swept swept(const std::vector<Vec3>& points, const Chain& chain, std::uint64_t slab_points,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/sweep/certificate.h"
+#include "pointsweep/sweep/frontier.h"
 
 #include <gtest/gtest.h>
 
@@ -20,47 +20,47 @@ Box random_box(std::mt19937_64& random) {
 
 Slab slab_at(Vec3 place, std::uint64_t least_row) { return {0, 100, {place, place}, least_row}; }
 
-TEST(Outside, FindsUnreadSlabsInWhateverOrderTheyCome) {
+TEST(Frontier, FindsUnreadSlabsInWhateverOrderTheyCome) {
   std::mt19937_64 random(1);
   std::vector<Slab> slabs(40);
   for (Slab& slab : slabs) slab.box = random_box(random);
-  Outside outside(slabs, 0);
+  Frontier frontier(slabs, 0);
   for (std::size_t read = 0; read <= slabs.size(); ++read) {
     for (int i = 0; i < 50; ++i) {
       const Box box = random_box(random);
       const double reach2 = std::uniform_real_distribution<double>(0, 4)(random);
       const bool expected = std::any_of(slabs.begin() + static_cast<std::ptrdiff_t>(read), slabs.end(),
                                         [&](const Slab& slab) { return distance2(slab.box, box) <= reach2; });
-      ASSERT_EQ(outside.unread_within(box, reach2), expected);
-      ASSERT_EQ(outside.anything_unread_within(box, reach2), expected);
+      ASSERT_EQ(frontier.unread_within(box, reach2), expected);
+      ASSERT_EQ(frontier.anything_unread_within(box, reach2), expected);
     }
-    if (read < slabs.size()) outside.slab_was_read();
+    if (read < slabs.size()) frontier.slab_was_read();
   }
 }
 
-TEST(Outside, FurtherCopiesAtAFullPlaceDoNotCount) {
+TEST(Frontier, FurtherCopiesAtASaturatedLocationDoNotCount) {
   const Vec3 here{1, 2, 3}, there{1, 2, 4};
   const std::vector<Slab> slabs{slab_at(here, 0), slab_at(here, 5000), slab_at(there, 5000)};
-  Outside outside(slabs, 0);
-  outside.slab_was_read();
-  EXPECT_TRUE(outside.unread_within(here, 0));
-  outside.place_is_full(here, 4999);
-  EXPECT_FALSE(outside.unread_within(here, 0));
-  EXPECT_TRUE(outside.anything_unread_within({here, here}, 0)) << "they look at what fills the place";
-  EXPECT_TRUE(outside.unread_within(here, 1)) << "the other place";
-  EXPECT_TRUE(outside.unread_within(there, 0));
+  Frontier frontier(slabs, 0);
+  frontier.slab_was_read();
+  EXPECT_TRUE(frontier.unread_within(here, 0));
+  frontier.location_is_saturated(here, 4999);
+  EXPECT_FALSE(frontier.unread_within(here, 0));
+  EXPECT_TRUE(frontier.anything_unread_within({here, here}, 0)) << "they look at what fills the place";
+  EXPECT_TRUE(frontier.unread_within(here, 1)) << "the other place";
+  EXPECT_TRUE(frontier.unread_within(there, 0));
 }
 
-TEST(Outside, APlaceIsFullByItsLowestRows) {
+TEST(Frontier, APlaceIsFullByItsLowestRows) {
   const Vec3 here{1, 2, 3};
   const std::vector<Slab> none;
-  Outside outside(none, 0);
-  outside.place_is_full(here, 30);
-  outside.place_is_full(here, 10);
-  outside.place_is_full(here, 20);
-  EXPECT_TRUE(outside.is_superfluous({here, here}, 11));
-  EXPECT_FALSE(outside.is_superfluous({here, here}, 10));
-  EXPECT_FALSE(outside.is_superfluous({here, {1, 2, 4}}, 11)) << "more than one place";
+  Frontier frontier(none, 0);
+  frontier.location_is_saturated(here, 30);
+  frontier.location_is_saturated(here, 10);
+  frontier.location_is_saturated(here, 20);
+  EXPECT_TRUE(frontier.is_superfluous({here, here}, 11));
+  EXPECT_FALSE(frontier.is_superfluous({here, here}, 10));
+  EXPECT_FALSE(frontier.is_superfluous({here, {1, 2, 4}}, 11)) << "more than one place";
 }
 
 }  // namespace

@@ -1,35 +1,35 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/sweep/certificate.h"
+#include "pointsweep/sweep/frontier.h"
 
 #include <algorithm>
 
 namespace pointsweep {
 
-Outside::Outside(const std::vector<Slab>& slabs, int axis)
+Frontier::Frontier(const std::vector<Slab>& slabs, int axis)
     : slabs_(slabs), axis_(axis), least_begin_(slabs.size()), dropped_(slabs.size()) {
   double least = Box::kInf;
   for (std::size_t s = slabs.size(); s-- > 0;) least_begin_[s] = least = std::min(least, slabs[s].box.lo[axis]);
 }
 
-void Outside::cell_was_dropped(std::uint32_t slab, const DroppedCell& cell) {
+void Frontier::cell_was_dropped(std::uint32_t slab, const DroppedCell& cell) {
   if (dropped_[slab].empty()) dropping_slabs_.push_back(slab);
   std::vector<DroppedCell>& cells = dropped_[slab];
   if (cells.size() == cells.capacity()) cells.reserve(cells.size() + std::max<std::size_t>(4, cells.size() / 8));
   cells.push_back(cell);
 }
 
-void Outside::place_is_full(Vec3 place, std::uint64_t row) {
-  const auto [at, is_new] = full_places_.try_emplace({place.x, place.y, place.z}, row);
+void Frontier::location_is_saturated(Vec3 place, std::uint64_t row) {
+  const auto [at, is_new] = saturated_locations_.try_emplace({place.x, place.y, place.z}, row);
   if (!is_new) at->second = std::min(at->second, row);
 }
 
-bool Outside::is_superfluous(const Box& box, std::uint64_t least_row) const {
-  if (full_places_.empty() || !(box.lo == box.hi)) return false;
-  const auto at = full_places_.find({box.lo.x, box.lo.y, box.lo.z});
-  return at != full_places_.end() && least_row > at->second;
+bool Frontier::is_superfluous(const Box& box, std::uint64_t least_row) const {
+  if (saturated_locations_.empty() || !(box.lo == box.hi)) return false;
+  const auto at = saturated_locations_.find({box.lo.x, box.lo.y, box.lo.z});
+  return at != saturated_locations_.end() && least_row > at->second;
 }
 
-bool Outside::unread_within(const Box& box, double reach2, bool needed_only) const {
+bool Frontier::unread_within(const Box& box, double reach2, bool needed_only) const {
   for (std::size_t s = read_; s < slabs_.size(); ++s) {
     const double ahead = least_begin_[s] - box.hi[axis_];
     if (ahead > 0 && ahead * ahead > reach2) return false;
@@ -39,7 +39,7 @@ bool Outside::unread_within(const Box& box, double reach2, bool needed_only) con
   return false;
 }
 
-void Outside::dropped_near(const Box& box, double reach2, std::vector<Box>& out) const {
+void Frontier::dropped_near(const Box& box, double reach2, std::vector<Box>& out) const {
   out.clear();
   for (const std::uint32_t slab : dropping_slabs_) {
     if (distance2(slabs_[slab].box, box) > reach2) continue;

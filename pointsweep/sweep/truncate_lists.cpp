@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/sweep/shorten.h"
+#include "pointsweep/sweep/truncate_lists.h"
 
 #include <algorithm>
 
 namespace pointsweep {
 
-void shorten(const SweepPlan& plan, const PointColumns& own, std::size_t size, const PointColumns* slots,
-             CellNeighbors& lists) {
+void truncate_lists(const SweepPlan& plan, const PointColumns& own, std::size_t size, const PointColumns* slots,
+                    CellNeighbors& lists) {
   if (!plan.neighborhood.rule) return;
   std::vector<std::uint32_t> counts(size);
   plan.neighborhood.rule->choose(

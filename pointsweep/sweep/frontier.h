@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Which balls are certain to hold nothing unknown: neither a point not yet read nor one already dropped (Definition of
-/// exactness, Section 2 of the design; the paper only looks ahead, Section 4.2.2).
+/// What is not in memory: a ball that touches none of it is certain to hold nothing unknown, neither a point not yet
+/// read nor one already dropped. The paper only looks ahead (Section 4.2.2).
 #pragma once
 
 #include <array>
@@ -20,23 +20,23 @@ struct DroppedCell {
   std::uint32_t points;
 };
 
-/// What lies outside the window: the boxes of the slabs still to come and of the cells that have left.
-/// Changing it is the sweep's alone; asking is thread-safe.
+/// The boxes of the slabs still to come and of the cells that have left the window. Only the thread of the sweep
+/// changes it; asking is thread-safe.
 ///
-/// Of points at one place only the lowest rows belong to any neighbourhood. A place is full when a cell has been read
-/// that holds more than k points there, of the lowest rows; slabs and cells that hold nothing but further copies are
+/// Of coincident points only the k + 1 lowest rows belong to any neighbourhood. A location is saturated when a cell has
+/// been read that holds more than k points there, of the lowest rows. Slabs and cells that hold only further copies are
 /// superfluous, unread or dropped, so that more copies of a point than fit in memory can pass.
-class Outside {
+class Frontier {
  public:
   /// Slabs in any order; they ascend along the axis only by and large.
-  Outside(const std::vector<Slab>& slabs, int axis);
+  Frontier(const std::vector<Slab>& slabs, int axis);
 
   std::size_t slabs_read() const { return read_; }
   void slab_was_read() { ++read_; }
   void slabs_were_read(std::size_t first) { read_ = first; }
   void cell_was_dropped(std::uint32_t slab, const DroppedCell& cell);
   /// Points at `place` with a row above `row` are superfluous.
-  void place_is_full(Vec3 place, std::uint64_t row);
+  void location_is_saturated(Vec3 place, std::uint64_t row);
 
   /// Whether all points in a box, none of a row below `least_row`, are superfluous.
   bool is_superfluous(const Box& box, std::uint64_t least_row) const;
@@ -48,10 +48,10 @@ class Outside {
   bool anything_unread_within(const Box& box, double reach2) const { return unread_within(box, reach2, false); }
   /// The cells of a slab that have left, but for superfluous ones, in any order.
   const std::vector<DroppedCell>& dropped_of(std::uint32_t slab) const { return dropped_[slab]; }
-  /// Calls use(place, row) for the full places.
+  /// Calls use(place, row) for the saturated locations.
   template <class Use>
-  void for_each_full_place(Use use) const {
-    for (const auto& [at, row] : full_places_) use(Vec3{at[0], at[1], at[2]}, row);
+  void for_each_saturated_location(Use use) const {
+    for (const auto& [at, row] : saturated_locations_) use(Vec3{at[0], at[1], at[2]}, row);
   }
   /// Boxes of dropped cells within sqrt(reach2) of a box.
   void dropped_near(const Box& box, double reach2, std::vector<Box>& out) const;
@@ -65,7 +65,7 @@ class Outside {
   std::size_t read_ = 0;
   std::vector<std::uint32_t> dropping_slabs_;      ///< those with dropped cells
   std::vector<std::vector<DroppedCell>> dropped_;  ///< by slab
-  std::map<std::array<double, 3>, std::uint64_t> full_places_;
+  std::map<std::array<double, 3>, std::uint64_t> saturated_locations_;
 };
 
 }  // namespace pointsweep

@@ -9,7 +9,7 @@
 namespace pointsweep {
 
 /// Leaves of the list of each of the `size` points of `own` what the rule keeps; the lists refer to `slots`.
-void shorten(const SweepPlan& plan, const PointColumns& own, std::size_t size, const PointColumns* slots,
-             CellNeighbors& lists);
+void truncate_lists(const SweepPlan& plan, const PointColumns& own, std::size_t size, const PointColumns* slots,
+                    CellNeighbors& lists);
 
 }  // namespace pointsweep

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/sweep/cell_lists.h"
+
+#include <algorithm>
+
+#include "pointsweep/sweep/stopwatch.h"
+#include "pointsweep/sweep/truncate_lists.h"
+
+namespace pointsweep {
+
+bool CellLists::find_reaches(std::uint32_t slot, Worker& worker) const {
+  const std::uint32_t size = window_.at(slot).cell.size();
+  worker.reach2.clear();
+  if (plan_.neighborhood.k == Neighborhood::kUnlimited) {
+    worker.reach2.assign(size, plan_.neighborhood.radius2());
+    return false;
+  }
+  std::uint32_t end = 0;
+  bool one_run = true;
+  while (end < size) {
+    one_run = end == 0;
+    end = find(slot, end, worker);
+    worker.reach2.insert(worker.reach2.end(), worker.neighbors.reach2.begin(), worker.neighbors.reach2.end());
+  }
+  return one_run;
+}
+
+std::uint32_t CellLists::find(std::uint32_t slot, std::uint32_t first, Worker& worker) const {
+  const Stopwatch watch(worker.search_seconds);
+  const std::uint64_t most = memory_.lists_bytes / sizeof(NeighborRef);
+  return search_points(window_.directory(), slot, first, most, plan_.neighborhood, worker.search, worker.neighbors);
+}
+
+/// The points of a cell from `first` on, with what the file gave.
+PointColumns CellLists::own_from(const WindowCell& cell, std::uint32_t first, Worker& worker) const {
+  worker.own_columns.clear();
+  for (std::size_t c = 0; c < cell.column_pointers.size(); ++c) {
+    const std::byte* const column = cell.column_pointers[c];
+    worker.own_columns.push_back(column == nullptr ? nullptr : column + std::size_t{first} * plan_.column_bytes[c]);
+  }
+  const Cell& c = cell.cell;
+  return {c.x + first, c.y + first, c.z + first, c.row + first, worker.own_columns.data()};
+}
+
+/// Most neighbours are in one of two cells, so sixteen at a time are compared with these first.
+void CellLists::note_references(const WindowCell& cell, std::uint32_t first, const CellNeighbors& lists,
+                                Worker& worker) {
+  constexpr std::ptrdiff_t kTogether = 16;
+  std::vector<std::uint32_t>& slots = worker.named;
+  std::uint32_t last = ~0u, before = ~0u;
+  const auto known = [&](const NeighborRef* refs) {
+    std::uint32_t others = 0;
+    for (std::ptrdiff_t j = 0; j < kTogether; ++j) others |= (slot_of(refs[j]) ^ last) & -(slot_of(refs[j]) != before);
+    return others == 0;
+  };
+  const auto note = [&](NeighborRef ref) {
+    const std::uint32_t slot = slot_of(ref);
+    if (slot == last || slot == before) return;
+    before = last, last = slot;
+    if (slot >= worker.is_named.size()) worker.is_named.resize(slot + 1, false);
+    if (!worker.is_named[slot]) slots.push_back(slot);
+    worker.is_named[slot] = true;
+  };
+  const auto note_all = [&](std::uint32_t begin, std::uint32_t end) {
+    const NeighborRef *ref = lists.refs.data() + begin, *const behind = lists.refs.data() + end;
+    for (; behind - ref >= kTogether; ref += kTogether) {
+      if (!known(ref)) std::for_each_n(ref, kTogether, note);
+    }
+    std::for_each(ref, behind, note);
+  };
+  if (cell.deferred.empty()) return note_all(lists.begin.front(), lists.begin.back());
+  for (std::uint32_t i = 0; i < lists.size(); ++i)
+    if (!cell.is_deferred(first + i)) note_all(lists.begin[i], lists.begin[i + 1]);
+}
+
+void CellLists::hold_references(WindowCell& cell, Worker& worker) {
+  for (const std::uint32_t slot : worker.named) worker.is_named[slot] = false;
+  std::sort(worker.named.begin(), worker.named.end());
+  cell.refers_to.assign(worker.named.begin(), worker.named.end());
+  worker.named.clear();
+}
+
+bool CellLists::keep(WindowCell& cell, const CellNeighbors& found) const {
+  const std::uint64_t bytes = found.list_bytes();
+  if (bytes_.fetch_add(bytes) + bytes + window_.points() * point_bytes_ > memory_.cells_bytes) {
+    bytes_ -= bytes;
+    return false;
+  }
+  cell.lists.emplace_back();
+  cell.lists.back().begin = found.begin;
+  cell.lists.back().refs = found.refs;
+  return true;
+}
+
+void CellLists::release(WindowCell& cell) const {
+  for (const CellNeighbors& lists : cell.lists) bytes_ -= lists.list_bytes();
+  cell.lists = {};
+}
+
+void CellLists::truncate(const WindowCell& cell, std::uint32_t first, Worker& worker) const {
+  if (!plan_.neighborhood.rule) return;
+  truncate_lists(plan_, own_from(cell, first, worker), worker.neighbors.size(), window_.slots(), worker.neighbors);
+}
+
+}  // namespace pointsweep

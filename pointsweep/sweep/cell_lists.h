@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+/// Neighbour lists of the cells of a window: finds them, keeps those that later steps need as far as there is memory,
+/// and notes which cells they name.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "pointsweep/sweep/window.h"
+#include "pointsweep/sweep/worker.h"
+
+namespace pointsweep {
+
+struct ListMemory {
+  /// For the cells of the window, lists included. Lists that later steps need and that do not fit are found again then,
+  /// the same ones.
+  std::uint64_t cells_bytes;
+  /// For the lists that a thread has in hand, unless those of one point take more. The lists of a cell that need more
+  /// are found, used and dropped run by run.
+  std::uint64_t lists_bytes;
+};
+
+/// Thread-safe for different cells, each thread with a worker of its own.
+class CellLists {
+ public:
+  CellLists(const SweepPlan& plan, const Window& window, const ListMemory& memory)
+      : plan_(plan), window_(window), memory_(memory), point_bytes_(kWindowPointBytes + plan.lasting_bytes()) {}
+
+  /// Fills worker.reach2: how far each neighbourhood of the cell reaches. True if all lists were found on the way and
+  /// are in worker.neighbors. Without a limit k the reach is the radius, and no search is needed to know it.
+  bool find_reaches(std::uint32_t slot, Worker& worker) const;
+  /// Lists of the points from `first` on, as many as the memory for them allows, in worker.neighbors, before the rule.
+  /// Returns their end.
+  std::uint32_t find(std::uint32_t slot, std::uint32_t first, Worker& worker) const;
+  /// Applies the rule of the plan to worker.neighbors, which begin with point `first`.
+  void truncate(const WindowCell& cell, std::uint32_t first, Worker& worker) const;
+
+  /// Notes in the worker which cells the lists name.
+  static void note_references(const WindowCell& cell, std::uint32_t first, const CellNeighbors& lists, Worker& worker);
+  /// The cells noted since the last call stay in the window until this cell is finished.
+  static void hold_references(WindowCell& cell, Worker& worker);
+
+  /// Keeps a copy in the cell if there is room.
+  bool keep(WindowCell& cell, const CellNeighbors& found) const;
+  void release(WindowCell& cell) const;
+
+ private:
+  PointColumns own_from(const WindowCell& cell, std::uint32_t first, Worker& worker) const;
+
+  const SweepPlan& plan_;
+  const Window& window_;
+  ListMemory memory_;
+  std::uint64_t point_bytes_;                     ///< of a point in the window, with its columns
+  mutable std::atomic<std::uint64_t> bytes_ = 0;  ///< of all lists kept now
+};
+
+}  // namespace pointsweep

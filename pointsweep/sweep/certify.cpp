@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/sweep/certify.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pointsweep {
+namespace {
+
+/// The `share` quantile of the reach of a cell's points, from at most 128 of them.
+double reach_of_most(const std::vector<double>& reach2, double share) {
+  constexpr std::size_t kMost = 128;
+  std::vector<double> sample;
+  sample.reserve(kMost);
+  const std::size_t step = (reach2.size() + kMost - 1) / kMost;
+  for (std::size_t i = 0; i < reach2.size(); i += step) sample.push_back(reach2[i]);
+  const auto at = sample.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(sample.size() - 1) * share);
+  std::nth_element(sample.begin(), at, sample.end());
+  return std::sqrt(*at);
+}
+
+/// Up to one point in eight of a cell is deferred; of more the cell waits. A deferred point costs several times what
+/// one costs that is searched twice.
+constexpr std::size_t kStragglers = 8;
+
+/// The share of the points of a cell whose reach counts as that of the cell: it decides how long the cell is kept.
+constexpr double kCountedShare = 0.9;
+
+/// The cell waits with a better idea of its reach than its density gave.
+void wait(WindowCell& cell, const std::vector<double>& reach2, const Frontier& frontier) {
+  const double needed = reach_of_most(reach2, 1 - 1.0 / kStragglers);
+  cell.wait_reach = std::max(cell.wait_reach, std::isfinite(needed) ? needed : 0);
+  cell.wait_for_slabs = frontier.slabs_read() + 1;
+  for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
+    double& reach = cell.leaf_reach[i / kLeafCapacity];
+    if (std::isfinite(reach2[i])) reach = std::max(reach, std::sqrt(reach2[i]));
+  }
+}
+
+void defer(WindowCell& cell, std::uint32_t i, double reach2) {
+  if (cell.deferred.empty()) cell.deferred.resize(cell.cell.size(), 0);
+  cell.deferred[i] = 1;
+  cell.left_to_recall.push_back(
+      {cell.cell.position(i), cell.cell.row[i], cell.slab, cell.index_in_slab[i], reach2, cell.steps_done});
+}
+
+}  // namespace
+
+bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
+  const std::vector<double>& reach2s = worker.reach2;
+  const Box& box = cell.cell.box;
+  const double most = *std::max_element(reach2s.begin(), reach2s.end());
+  const bool ahead = frontier.unread_within(box, most);
+  frontier.dropped_near(box, most, worker.dropped);
+  std::vector<std::uint32_t> early, behind;
+  for (std::uint32_t i = 0; (ahead || !worker.dropped.empty()) && i < cell.cell.size(); ++i) {
+    const Vec3 p = cell.cell.position(i);
+    const double reach2 = reach2s[i];
+    if (ahead && frontier.unread_within(p, reach2)) {
+      early.push_back(i);
+    } else if (std::any_of(worker.dropped.begin(), worker.dropped.end(),
+                           [&](const Box& b) { return distance2(b, p) <= reach2; })) {
+      behind.push_back(i);
+    }
+  }
+  if (early.size() * kStragglers > cell.cell.size()) {
+    wait(cell, reach2s, frontier);
+    return false;
+  }
+  for (const std::uint32_t i : early) defer(cell, i, reach2s[i]);
+  for (const std::uint32_t i : behind) defer(cell, i, reach2s[i]);
+  cell.certified = cell.cell.size() - early.size() - behind.size();
+  cell.reach = std::min(reach_of_most(reach2s, kCountedShare), cell.cell.box.diagonal() + cell.wait_reach);
+  return true;
+}
+
+void defer_dependents(WindowCell& cell, std::uint32_t first, const CellNeighbors& lists, const Window& window) {
+  const auto any = std::any_of(cell.refers_to.begin(), cell.refers_to.end(),
+                               [&](std::uint32_t slot) { return !window.at(slot).deferred_before.empty(); });
+  if (!any) return;
+  std::vector<std::uint32_t> follow;
+  for (std::uint32_t i = 0; i < lists.size(); ++i) {
+    if (cell.is_deferred(first + i)) continue;
+    for (std::uint32_t j = lists.begin[i]; j < lists.begin[i + 1]; ++j) {
+      const NeighborRef ref = lists.refs[j];
+      if (window.at(slot_of(ref)).was_deferred(index_of(ref))) {
+        follow.push_back(first + i);
+        break;
+      }
+    }
+  }
+  cell.certified -= follow.size();
+  for (const std::uint32_t i : follow) defer(cell, i, Box::kInf);
+}
+
+}  // namespace pointsweep

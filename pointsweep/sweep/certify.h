@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+/// Certificates of the cells of a window: which neighbourhoods are proven complete, and which points are left to the
+/// recall.
+#pragma once
+
+#include <cstdint>
+
+#include "pointsweep/sweep/frontier.h"
+#include "pointsweep/sweep/window.h"
+#include "pointsweep/sweep/worker.h"
+
+namespace pointsweep {
+
+/// Every ball, of worker.reach2, must touch no unread slab and no dropped cell; points whose balls do are deferred.
+/// False if they are so many that the cell is to wait and be searched again.
+bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker);
+
+/// Defers the points of the cell, from `first` on, whose lists name a point that was deferred before this step: what it
+/// could not give in time they cannot use.
+void defer_dependents(WindowCell& cell, std::uint32_t first, const CellNeighbors& lists, const Window& window);
+
+}  // namespace pointsweep
