@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+/// Conditions on attributes as people write them: classification == 2 && z < 100 (docs/adr/0009).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pointsweep {
+
+/// The values of one attribute for a batch of points: either as float64, which holds every type up to 53 bits exactly,
+/// or, where `whole` is not null, as 64-bit integers, signed or not.
+struct ExpressionValues {
+  const double* real = nullptr;
+  const std::uint64_t* whole = nullptr;  ///< two's complement if `is_signed`
+  bool is_signed = false;
+};
+
+/// A condition. Grammar, loosest first; blanks count only between words:
+///   condition = both {"||" both}         both = test {"&&" test}
+///   test = "!" test | "(" condition ")" | sum ("==" | "!=" | "<" | "<=" | ">" | ">=") sum
+///   sum = product {("+" | "-") product}  product = factor {("*" | "/") factor}
+///   factor = ["-"] factor | number | name | "(" sum ")"        name = letter or _ {letter, digit, _ or .}
+/// Numbers are float64 and follow IEEE 754: a comparison with NaN is false, != true, and x / 0 is infinite or NaN.
+/// A comparison of a 64-bit integer attribute with another one or with a whole number is exact; everything else is done
+/// in float64, to which such attributes are then rounded.
+class Expression {
+ public:
+  /// Throws UsageError that begins with `where` and names the column, from 1 on, and what is expected there.
+  explicit Expression(std::string_view text, std::string_view where = "where");
+
+  struct Name {
+    std::string text;
+    std::size_t column;  ///< of its first appearance, from 1 on
+  };
+  /// The attributes it looks at, each once, in the order of appearance.
+  const std::vector<Name>& names() const { return names_; }
+  const std::string& text() const { return text_; }  ///< as given, without blanks at both ends
+  /// The same for conditions that differ in nothing but blanks: "a < 2 && !(b == 3)".
+  const std::string& canonical() const { return canonical_; }
+
+  /// Sets kept[i] to 1 where the condition holds for point i, else to 0. `values`: by number in names().
+  void evaluate(std::span<const ExpressionValues> values, std::span<std::uint8_t> kept) const;
+
+  struct Node;
+
+ private:
+  std::string text_, canonical_;
+  std::vector<Name> names_;
+  std::shared_ptr<const Node> root_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/expression.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// For a = 1, 2, ... each value of `a`, with b = 10 and c the 64-bit values beside it.
+std::vector<int> kept(const std::string& text, std::vector<double> a, std::vector<std::uint64_t> c = {},
+                      bool is_signed = false) {
+  const Expression expression(text);
+  const std::vector<double> b(a.size(), 10);
+  c.resize(a.size());
+  std::vector<ExpressionValues> values;
+  for (const Expression::Name& name : expression.names()) {
+    if (name.text == "a") values.push_back({.real = a.data()});
+    if (name.text == "b") values.push_back({.real = b.data()});
+    if (name.text == "c") values.push_back({.whole = c.data(), .is_signed = is_signed});
+  }
+  std::vector<std::uint8_t> out(a.size(), 7);
+  expression.evaluate(values, out);
+  return {out.begin(), out.end()};
+}
+
+std::string refused(const std::string& text) {
+  try {
+    const Expression expression(text, "stage");
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+using Bits = std::vector<int>;
+
+TEST(Expression, ComparesAsTheSignsSay) {
+  EXPECT_EQ(kept("a == 2", {1, 2, 3}), (Bits{0, 1, 0}));
+  EXPECT_EQ(kept("a != 2", {1, 2, 3}), (Bits{1, 0, 1}));
+  EXPECT_EQ(kept("a < 2", {1, 2, 3}), (Bits{1, 0, 0}));
+  EXPECT_EQ(kept("a <= 2", {1, 2, 3}), (Bits{1, 1, 0}));
+  EXPECT_EQ(kept("a > 2", {1, 2, 3}), (Bits{0, 0, 1}));
+  EXPECT_EQ(kept("2<=a", {1, 2, 3}), (Bits{0, 1, 1}));
+}
+
+TEST(Expression, AndBindsTighterThanOr) {
+  EXPECT_EQ(kept("a == 1 || a == 2 && b == 9", {1, 2}), (Bits{1, 0}));
+  EXPECT_EQ(kept("(a == 1 || a == 2) && b == 9", {1, 2}), (Bits{0, 0}));
+  EXPECT_EQ(kept("!(a == 1) && !(a == 3)", {1, 2, 3}), (Bits{0, 1, 0}));
+  EXPECT_EQ(kept("!!(a == 1)", {1, 2}), (Bits{1, 0}));
+}
+
+TEST(Expression, ArithmeticIsThatOfSchool) {
+  EXPECT_EQ(kept("a + b * 2 - 1 == 20", {1, 2}), (Bits{1, 0}));
+  EXPECT_EQ(kept("(a + b) * 2 == 22", {1, 2}), (Bits{1, 0}));
+  EXPECT_EQ(kept("b - a - 1 == 7", {2, 4}), (Bits{1, 0}));
+  EXPECT_EQ(kept("b / a / 5 == 1", {2, 4}), (Bits{1, 0}));
+  EXPECT_EQ(kept("-a < -(-1) - 3", {1, 3}), (Bits{0, 1}));
+  EXPECT_EQ(kept("a > 1e-3 && a < .5", {0.25, 1e-4}), (Bits{1, 0}));
+}
+
+TEST(Expression, FollowsIeeeWhereValuesAreMissing) {
+  EXPECT_EQ(kept("a == a", {kNaN, 1}), (Bits{0, 1}));
+  EXPECT_EQ(kept("a != 1", {kNaN, 1}), (Bits{1, 0}));
+  EXPECT_EQ(kept("a < 1 || a >= 1", {kNaN, 1}), (Bits{0, 1}));
+  EXPECT_EQ(kept("!(a < 1)", {kNaN, 0}), (Bits{1, 0}));
+  EXPECT_EQ(kept("1 / a > 1e300", {0.0, 1}), (Bits{1, 0}));
+}
+
+TEST(Expression, Compares64BitIntegersExactly) {
+  const std::vector<std::uint64_t> large = {9007199254740992, 9007199254740993, ~std::uint64_t{0}};
+  EXPECT_EQ(kept("c == 9007199254740993", {0, 0, 0}, large), (Bits{0, 1, 0}));
+  EXPECT_EQ(kept("c < 9007199254740993", {0, 0, 0}, large), (Bits{1, 0, 0}));
+  EXPECT_EQ(kept("c == 18446744073709551615", {0, 0, 0}, large), (Bits{0, 0, 1}));
+  EXPECT_EQ(kept("c == 18446744073709551614", {0, 0, 0}, large), (Bits{0, 0, 0}));
+  EXPECT_EQ(kept("c < 0", {0, 0, 0}, large, true), (Bits{0, 0, 1}));
+  EXPECT_EQ(kept("c == -1", {0, 0, 0}, large, true), (Bits{0, 0, 1}));
+  EXPECT_EQ(kept("c > -1", {0, 0, 0}, large), (Bits{1, 1, 1}));
+  EXPECT_EQ(kept("c > 1.5e19", {0, 0, 0}, large), (Bits{0, 0, 1}));
+}
+
+TEST(Expression, NamesAreListedOnceWithTheirPlace) {
+  const Expression expression(" a.x_1 < b && b > a.x_1 ");
+  ASSERT_EQ(expression.names().size(), 2u);
+  EXPECT_EQ(expression.names()[0].text, "a.x_1");
+  EXPECT_EQ(expression.names()[0].column, 1u);
+  EXPECT_EQ(expression.names()[1].column, 9u);
+  EXPECT_EQ(expression.text(), "a.x_1 < b && b > a.x_1");
+}
+
+TEST(Expression, BlanksMakeNoDifference) {
+  EXPECT_EQ(Expression("a<-2&&!(b==3||c>= 1e3)||a+1*b-2/c!=0").canonical(),
+            "a < -2 && !(b == 3 || c >= 1e3) || a + 1 * b - 2 / c != 0");
+  EXPECT_EQ(Expression(Expression(" ! ( a <2 ) ").canonical()).canonical(), "!(a < 2)");
+}
+
+TEST(Expression, TellsTheColumnOfAMistake) {
+  EXPECT_EQ(refused("a < 2 && z = 3"), "stage: 'a < 2 && z = 3', column 12: '=' compares nothing; write ==.");
+  EXPECT_EQ(refused("a <"), "stage: 'a <', column 4: an attribute or a number is expected, but the condition ends.");
+  EXPECT_EQ(refused("a < 2)"), "stage: 'a < 2)', column 6: an operator such as && or the end is expected, not ')'.");
+  EXPECT_EQ(refused("(a < 2"), "stage: '(a < 2', column 7: ')' is expected, but the condition ends.");
+  EXPECT_EQ(refused("a && b < 1"), "stage: 'a && b < 1', column 1: a comparison is expected, such as z < 100.");
+  EXPECT_EQ(refused("a < 1 || b"), "stage: 'a < 1 || b', column 10: a comparison is expected, such as z < 100.");
+  EXPECT_EQ(refused("(a < 1) + 2 > 3"),
+            "stage: '(a < 1) + 2 > 3', column 1: an attribute or a number is expected, not a comparison.");
+  EXPECT_EQ(refused("a < b < c"),
+            "stage: 'a < b < c', column 7: an operator such as && or the end is expected, not '<'.");
+  EXPECT_EQ(refused("a < 2x"), "stage: 'a < 2x', column 5: an attribute or a number is expected, not '2'.");
+  EXPECT_NE(refused("a & b").find("column 3"), std::string::npos);
+  EXPECT_NE(refused("  ").find("the condition is empty"), std::string::npos);
+  EXPECT_NE(refused(std::string(5000, '(') + "a < 1" + std::string(5000, ')')).find("more than 100"),
+            std::string::npos);
+  EXPECT_NE(refused(std::string(5000, '!') + "(a < 1)").find("more than 100"), std::string::npos);
+  EXPECT_NE(refused(std::string(5000, '-') + "a < 1").find("more than 100"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pointsweep
