@@ -84,7 +84,10 @@ NonfiniteRows Cloud::drop_nonfinite(const std::function<void(std::uint64_t)>& pr
   return found;
 }
 
+void Cloud::select(RowSelection selection) { selection_.emplace(std::move(selection)); }
+
 void Cloud::keep_all() {
+  selection_.reset();
   for (auto& reader : readers_)
     if (auto* finite = dynamic_cast<FiniteRows*>(reader.get())) reader = finite->release();
   number_rows();
@@ -119,6 +122,15 @@ std::uint64_t Cloud::bytes() const {
 }
 
 std::size_t Cloud::read(std::uint64_t row, std::span<std::byte> records) {
+  if (!selection_) return read_any(row, records);
+  return selection_->read(row, schema_.stride, records, [this](std::uint64_t first, std::span<std::byte> all) {
+    if (read_any(first, all) * schema_.stride != all.size())
+      fail("{}: ends before its last point; run again when it is complete.", readers_.back()->info().path.string());
+  });
+}
+
+/// As read(), of all rows, selected or not.
+std::size_t Cloud::read_any(std::uint64_t row, std::span<std::byte> records) {
   std::size_t done = 0;
   for (const std::size_t wanted = records.size() / schema_.stride; done < wanted && row + done < count_;) {
     const auto next = std::upper_bound(first_row_.begin(), first_row_.end(), row + done);

@@ -16,6 +16,7 @@
 #include "pointsweep/formats/file_state.h"
 #include "pointsweep/formats/finite_rows.h"
 #include "pointsweep/formats/reader.h"
+#include "pointsweep/formats/row_selection.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -36,7 +37,8 @@ class Cloud {
   explicit Cloud(std::vector<std::unique_ptr<Reader>> readers, CloudOptions options = {});
 
   const Schema& schema() const { return schema_; }
-  std::uint64_t count() const { return count_; }
+  /// Of all inputs, or of the rows that are selected.
+  std::uint64_t count() const { return selection_ ? selection_->count() : count_; }
   const std::vector<std::unique_ptr<Reader>>& readers() const { return readers_; }
   /// Extras of the first input.
   std::shared_ptr<const FormatExtras> extras() const;
@@ -65,6 +67,11 @@ class Cloud {
   /// The number that row `row` has when no rows are left out. Not thread-safe.
   std::uint64_t input_row(std::uint64_t row);
 
+  /// Leaves out all rows that `selection` does not keep, until keep_all() or the next select(): the kept ones follow
+  /// each other, numbered from 0. It is made for all rows that drop_nonfinite() has left.
+  void select(RowSelection selection);
+  const RowSelection* selection() const { return selection_ ? &*selection_ : nullptr; }
+
   /// Of each input, before it was opened.
   const std::vector<FileState>& states() const { return states_; }
   /// Throws Error if an input was written to since it was opened: what was read may be a mixture of old and new.
@@ -73,6 +80,7 @@ class Cloud {
  private:
   void begin(CloudOptions options);
   void number_rows();
+  std::size_t read_any(std::uint64_t row, std::span<std::byte> records);
   std::size_t read_input(std::size_t input, std::uint64_t row, std::span<std::byte> records);
 
   std::vector<FileState> states_;  ///< of the inputs before they were opened
@@ -85,7 +93,8 @@ class Cloud {
   std::optional<LasOrigin> las_;
   std::vector<ValueRange> ranges_;
   std::vector<std::string> warnings_;
-  std::uint64_t count_ = 0;
+  std::uint64_t count_ = 0;  ///< before the selection
+  std::optional<RowSelection> selection_;
 };
 
 }  // namespace pointsweep
