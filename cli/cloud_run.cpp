@@ -67,7 +67,8 @@ void complete(OutputFile& file, const std::string& text) {
 /// point to show.
 std::optional<Rendering> picture_of(const std::filesystem::path& output, const Schema& input,
                                     const Statistics& statistics, ProgressDisplay& display) {
-  if (extension_of(output) == ".npy" || statistics.nonfinite - statistics.dropped == statistics.points)
+  if (extension_of(output) == ".npy" || statistics.points_written == 0 ||
+      statistics.nonfinite - statistics.dropped == statistics.points)
     return std::nullopt;
   Cloud cloud({output});
   RenderOptions options;
@@ -108,7 +109,9 @@ std::string about_degenerate(const Statistics& s, const std::filesystem::path& s
 
 /// "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory"
 std::string conclusion(const std::filesystem::path& output, const Statistics& s, const std::filesystem::path& stats) {
-  std::string text = fmt::format("wrote {}: {} points in {:.1f} s", output.string(), s.points, s.total_seconds);
+  std::string text = fmt::format("wrote {}: {} points", output.string(), s.points_written);
+  if (s.points_written < s.points) text += fmt::format(" of {}", s.points);
+  text += fmt::format(" in {:.1f} s", s.total_seconds);
   if (s.total_seconds > 0) text += fmt::format(", {}/s", count_text(static_cast<double>(s.points) / s.total_seconds));
   text += fmt::format(", at most {} of memory", size_text(s.peak_rss_bytes));
   if (s.degenerate > 0) text += "; " + about_degenerate(s, stats);

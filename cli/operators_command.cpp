@@ -61,7 +61,7 @@ void print_operator(const OperatorDeclaration& declaration) {
   const Contract contract = make_operator(declaration, sample_values(declaration), {})->contract();
   print_attributes("needs", contract.reads);
   print_attributes("of neighbours", contract.reads_neighbors);
-  print_attributes("makes", contract.makes);
+  if (contract.selects == Selects::nothing) print_attributes("makes", contract.makes);
   print_example(declaration.example);
 }
 

@@ -16,10 +16,13 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/outliers.h"
 #include "pointsweep/operators/update_operators.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/planned_sweeps.h"
+#include "pointsweep/verify/kept_rows.h"
 #include "pointsweep/verify/npy_reader.h"
+#include "pointsweep/verify/outlier_threshold.h"
 #include "pointsweep/verify/verify.h"
 
 namespace pointsweep {
@@ -130,6 +133,32 @@ void leave_out(const KeptFields& kept, const Schema& input, MadeBy& made) {
     if (std::ranges::find(*kept.input, f) == kept.input->end()) made.left_out_input.insert(input.fields[f].name);
 }
 
+bool leaves_out_rows(const std::shared_ptr<const Operator>& op) { return op->contract().selects != Selects::nothing; }
+
+/// Selects the rows that the first stages keep, and takes these stages out of the chain.
+void select_rows(const VerifyOptions& options, Cloud& cloud, Chain& chain) {
+  chain.operators = flattened(chain.operators, cloud.schema());
+  const std::size_t done = select_kept_rows(cloud, chain.operators, options.memory_bytes, options.progress);
+  chain.operators.erase(chain.operators.begin(), chain.operators.begin() + static_cast<std::ptrdiff_t>(done));
+  const auto later = std::ranges::find_if(chain.operators, leaves_out_rows);
+  if (later != chain.operators.end())
+    fail_usage(
+        "verify: the stage '{}' leaves out rows after other stages, and a sample of the input does not tell which; "
+        "verify "
+        "the output of the stages before it.",
+        (*later)->name());
+}
+
+/// Outliers are held against the mean distances in the output, which are themselves held against the input.
+void find_outlier_threshold(const VerifyOptions& options, Reader& out, MadeBy& made) {
+  const auto at = std::ranges::find_if(
+      made.operators, [](const auto& op) { return dynamic_cast<const Outlier*>(op.get()) != nullptr; });
+  if (at == made.operators.end()) return;
+  const auto& outlier = dynamic_cast<const Outlier&>(**at);
+  made.outlier_threshold =
+      outlier_threshold(out, options.prefix + mean_distance_attribute().name, outlier.multiplier(), options.progress);
+}
+
 void refuse_resorted(const VerifyCommand& command, const Chain& chain) {
   const bool resorted = std::any_of(chain.operators.begin(), chain.operators.end(),
                                     [](const auto& op) { return dynamic_cast<const Resort*>(op.get()) != nullptr; });
@@ -188,7 +217,7 @@ class MadeAttributes {
   const std::set<std::string>& changed_;
 };
 
-MadeBy made_by_pipeline(const VerifyCommand& command, Cloud& cloud, const Reader& out,
+MadeBy made_by_pipeline(const VerifyCommand& command, const VerifyOptions& options, Cloud& cloud, Reader& out,
                         const std::set<std::string>& changed = {}) {
   const MadeAttributes attributes(cloud.schema(), out.info().schema, changed);
   const std::string likely = attributes.likely_pipeline();
@@ -204,8 +233,10 @@ MadeBy made_by_pipeline(const VerifyCommand& command, Cloud& cloud, const Reader
   refuse_resorted(command, chain);
   const KeptFields kept = plan_sweeps(chain, cloud.schema()).kept;
   if (!command.keep.empty()) chain.keep = kept.attributes;
+  select_rows(options, cloud, chain);
   MadeBy made = made_by(chain);
   leave_out(kept, cloud.schema(), made);
+  find_outlier_threshold(options, out, made);
   if (!command.pipeline.empty() || !command.keep.empty()) return made;
   for (const auto& op : made.operators)
     for (const Attribute& a : op->contract().makes)
@@ -249,11 +280,11 @@ Verdict checked(const VerifyCommand& command, Cloud& cloud, ProgressDisplay& dis
     return verify(cloud, *array, true, made_by_neighbors(command, cloud, *array), options);
   }
   const std::unique_ptr<Reader> out = open_reader(path);
-  const MadeBy made = made_by_pipeline(command, cloud, *out);
+  const MadeBy made = made_by_pipeline(command, options, cloud, *out);
   const Verdict verdict = verify(cloud, *out, false, made, options);
   if (verdict.same() || !command.pipeline.empty()) return verdict;
   // Nobody said what was made: normals, say, that the input had already may have been made anew.
-  const MadeBy anew = made_by_pipeline(command, cloud, *out, changed_attributes(verdict.arrivals));
+  const MadeBy anew = made_by_pipeline(command, options, cloud, *out, changed_attributes(verdict.arrivals));
   return anew.keep == made.keep ? verdict : verify(cloud, *out, false, anew, options);
 }
 

@@ -31,6 +31,9 @@ std::vector<std::byte> Checkpoint::packed() const {
   out.put(sweep);
   out.put(slab_points);
   for (const auto& part : {&stream, &results, &progress}) out.put(*part);
+  out.put(mask);
+  out.put<std::uint64_t>(values.size());
+  for (const std::vector<double>& value : values) out.put(value);
   for (const auto count : kCounts) out.put(counts.*count);
   out.put<std::uint64_t>(counts.degenerate_results.size());
   for (const DegenerateResults& degenerate : counts.degenerate_results) {
@@ -52,6 +55,9 @@ Checkpoint Checkpoint::unpacked(std::span<const std::byte> bytes) {
   c.sweep = in.get<std::uint64_t>();
   c.slab_points = in.get<std::uint64_t>();
   for (auto* part : {&c.stream, &c.results, &c.progress}) *part = in.get_vector<std::byte>();
+  c.mask = in.get<std::uint64_t>();
+  const auto values = in.get<std::uint64_t>();
+  for (std::uint64_t v = 0; v < values; ++v) c.values.push_back(in.get_vector<double>());
   for (const auto count : kCounts) c.counts.*count = in.get<std::uint64_t>();
   for (auto stages = in.get<std::uint64_t>(); stages > 0; --stages) {
     std::string stage = in.get_text();

@@ -16,14 +16,16 @@ namespace pointsweep {
 /// Of a sweep, first the stream is in order; then it and the results grow side by side; when it has been swept, only
 /// the results are left; at last they have become the rows that the next sweep begins with, or the output.
 struct Checkpoint {
-  std::string identity;             ///< run_identity()
-  Survey survey;                    ///< of the input, without its sample
-  std::uint64_t sweep = 0;          ///< to begin, or to go on with; rows carried into it are complete
-  std::uint64_t slab_points = 0;    ///< the aim of the slabs of `stream`
-  std::vector<std::byte> stream;    ///< packed Stream; empty before it is in order, and when it has been swept
-  std::vector<std::byte> results;   ///< packed RowStore; empty before the stream is in order
-  std::vector<std::byte> progress;  ///< packed SweepProgress; empty before the first slab
-  Statistics counts;                ///< of the sweeps that are over: as take_counts()
+  std::string identity;                     ///< run_identity()
+  Survey survey;                            ///< of the input, without its sample
+  std::uint64_t sweep = 0;                  ///< pass to begin, or to go on with; rows carried into it are complete
+  std::uint64_t slab_points = 0;            ///< the aim of the slabs of `stream`
+  std::vector<std::byte> stream;            ///< packed Stream; empty before it is in order, and when it has been swept
+  std::vector<std::byte> results;           ///< packed RowStore; empty before the stream is in order
+  std::vector<std::byte> progress;          ///< packed SweepProgress; empty before the first slab
+  std::uint64_t mask = 0;                   ///< the pass whose select decided which rows are left; 0: all are
+  std::vector<std::vector<double>> values;  ///< of the whole cloud that are known, by number; empty: not known
+  Statistics counts;                        ///< of the sweeps that are over: as take_counts()
 
   bool is_in_order() const { return !stream.empty(); }
   bool is_swept() const { return stream.empty() && !results.empty(); }

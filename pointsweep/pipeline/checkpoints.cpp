@@ -81,10 +81,16 @@ void Checkpoints::swept(RowStore& results, const Statistics& counts) {
   save(begun);
 }
 
-void Checkpoints::updated() {
+void Checkpoints::updated(bool selects, const CloudValues& values, const Statistics& counts) {
   const auto begun = Clock::now();
   last_.results = {};
   ++last_.sweep;
+  if (selects) last_.mask = last_.sweep;
+  take_counts(last_.counts, counts);
+  for (const auto& [number, value] : values) {
+    if (last_.values.size() <= number) last_.values.resize(number + 1);
+    last_.values[number] = value;
+  }
   save(begun);
 }
 
@@ -99,6 +105,7 @@ void Checkpoints::save(Clock::time_point begun) {
 std::set<std::string> Checkpoints::files() const {
   std::set<std::string> names;
   if (last_.sweep > 0) names.insert(place("rows", last_.sweep).file().filename());
+  if (last_.mask > 0) names.insert(place("mask", last_.mask).file().filename());
   if (last_.is_in_order()) names.insert(place("stream", last_.sweep).file().filename());
   if (!last_.results.empty()) names.insert(place("results", last_.sweep).file().filename());
   return names;

@@ -10,6 +10,7 @@
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/pipeline/checkpoint.h"
+#include "pointsweep/pipeline/pass_values.h"
 #include "pointsweep/pipeline/pipeline.h"
 #include "pointsweep/pipeline/resume_folder.h"
 #include "pointsweep/sweep/sweep_progress.h"
@@ -24,7 +25,7 @@ class Checkpoints {
   /// What is done already: to begin with, what an earlier process has left.
   const Checkpoint& last() const { return last_; }
   bool found() const { return found_; }  ///< that there was such a process
-  /// What a stream, the "results" of a sweep, or the "rows" carried into it are spilled to.
+  /// What a stream, the "results" of a pass, or the "rows" carried into it and their "mask" are spilled to.
   SpillPlace place(const char* kind, std::uint64_t sweep) const;
   std::optional<SweepProgress> progress() const;
   /// Throws Error if the stream was cut into larger slabs than these, for more memory than there is now.
@@ -34,8 +35,8 @@ class Checkpoints {
   /// `results` may be null where there will be none.
   void in_order(const Stream& stream, std::uint64_t slab_points, RowStore* results);
   void swept(RowStore& results, const Statistics& counts);
-  /// The rows for the next sweep are complete.
-  void updated();
+  /// The rows for the next pass are complete, and the mask of its number if `selects`.
+  void updated(bool selects, const CloudValues& values, const Statistics& counts);
   /// The run is complete: nothing is left of the folder.
   void finish() { folder_.remove(); }
 

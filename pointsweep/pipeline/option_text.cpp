@@ -58,11 +58,20 @@ const OptionDeclaration& declared(const std::vector<OptionDeclaration>& declarat
 
 /// The option without a name is that of the first place, if there is one.
 const OptionDeclaration& declared_for(const std::vector<OptionDeclaration>& declared_options, const OptionText& option,
-                                      const StageText& stage) {
-  const bool first = &option == stage.options.data();
+                                      bool first, const StageText& stage) {
   if (option.name.empty() && first && !declared_options.empty() && declared_options.front().positional)
     return declared_options.front();
   return declared(declared_options, option, stage.name);
+}
+
+/// where(level = 3) is meant as a condition with a mistake, not as an option `level`.
+OptionText as_condition(const std::vector<OptionDeclaration>& declared_options, const OptionText& option) {
+  const bool takes_one = !declared_options.empty() && declared_options.front().kind == OptionKind::condition &&
+                         declared_options.front().positional;
+  const bool is_known =
+      std::ranges::find(declared_options, option.name, &OptionDeclaration::name) != declared_options.end();
+  if (option.name.empty() || is_known || !takes_one) return option;
+  return {"", option.name + " = " + option.value, option.place};
 }
 
 [[noreturn]] void refuse_value(const OptionDeclaration& option, const std::string& value, const std::string& where) {
@@ -112,8 +121,9 @@ std::string text_of_value(const OptionValue& value) {
 
 OptionValues read_options(const std::vector<OptionDeclaration>& declared_options, const StageText& stage) {
   OptionValues values(declared_options, stage.place + ": " + stage.name);
-  for (const OptionText& text : stage.options) {
-    const OptionDeclaration& option = declared_for(declared_options, text, stage);
+  for (const OptionText& given : stage.options) {
+    const OptionText text = as_condition(declared_options, given);
+    const OptionDeclaration& option = declared_for(declared_options, text, &given == stage.options.data(), stage);
     std::optional<OptionValue> value = parse_value(option, text.value);
     if (!value) refuse_value(option, text.value, text.place + ": " + stage.name);
     if (!values.give(option.name, *std::move(value)))

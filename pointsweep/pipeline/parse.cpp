@@ -23,7 +23,9 @@ bool is_bare(char c) { return is_name_character(c) || c == '+' || c == '%' || c 
 
 /// Recursive descent through
 ///   pipeline = stage {"|" stage}            stage = name ["(" [option {"," option}] ")"]
-///   option = [name "="] value               value = bare | quoted | "[" bare {"," bare} "]"
+///   option = [name "="] (value | condition)  value = bare | quoted | "[" bare {"," bare} "]"
+/// A condition (operators/expression.h) has signs that no value has. It ends before the "," or ")" that closes none of
+/// its own parentheses.
 /// An option without a name is an error, but one of its operator, which has to be known to say what is meant.
 class Parser {
  public:
@@ -54,14 +56,43 @@ class Parser {
   OptionText option() {
     skip_space();
     OptionText option{{}, {}, place()};
+    if (is_condition()) option.value = condition();
+    if (!option.value.empty()) return option;
     option.value = value("the name of an option");
     if (!is_name(option.value) || !take('=')) return option;
     option.name = std::exchange(option.value, value("a value"));
     return option;
   }
 
+  /// Where the option that begins here ends, but for quoted ones.
+  std::size_t end_of_option() const {
+    int open = 0;
+    for (std::size_t i = at_; i < text_.size(); ++i) {
+      if (text_[i] == '(') ++open;
+      if (text_[i] == ')' && open-- == 0) return i;
+      if (text_[i] == ',' && open == 0) return i;
+    }
+    return text_.size();
+  }
+
+  /// Whether a condition stands here: not a value, and with a sign that no option has.
+  bool is_condition() const {
+    if (at_ >= text_.size() || text_[at_] == '"' || text_[at_] == '\'' || text_[at_] == '[') return false;
+    const std::string_view option = text_.substr(at_, end_of_option() - at_);
+    if (option.find_first_of("\"'[") < option.find_first_of("<>!&")) return false;
+    return option.find("==") != option.npos || option.find_first_of("<>!&") != option.npos;
+  }
+
+  std::string condition() {
+    const std::size_t end = end_of_option();
+    const std::string_view text = text_.substr(at_, end - at_);
+    at_ = end;
+    return std::string(text.substr(0, text.find_last_not_of(kSpace) + 1));
+  }
+
   std::string value(std::string_view what) {
     skip_space();
+    if (is_condition()) return condition();
     if (at_ < text_.size() && (text_[at_] == '"' || text_[at_] == '\'')) return quoted();
     if (!take('[')) return word(is_bare, what);
     std::string list = word(is_bare, "a value");

@@ -7,6 +7,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/operators/update_operators.h"
+#include "pointsweep/pipeline/pass_schedule.h"
 
 namespace pointsweep {
 namespace {
@@ -37,6 +38,13 @@ bool is_update(const std::shared_ptr<const Operator>& op) {
   return dynamic_cast<const Reneighbor*>(op.get()) != nullptr || dynamic_cast<const Resort*>(op.get()) != nullptr;
 }
 
+bool selects(const std::shared_ptr<const Operator>& op) { return op->contract().selects != Selects::nothing; }
+
+Attributes without_selection(Attributes made) {
+  std::erase_if(made, [](const Attribute& a) { return a.name == selection_attribute().name; });
+  return made;
+}
+
 /// The Resort that decides the order of the output: the last one, if points may have moved before it.
 Operators::const_iterator deciding_resort(const Operators& operators) {
   const auto is_resort = [](const auto& op) { return dynamic_cast<const Resort*>(op.get()) != nullptr; };
@@ -46,26 +54,27 @@ Operators::const_iterator deciding_resort(const Operators& operators) {
   return std::prev(found.base());
 }
 
-/// The chain without its update operators: every contract must hold in it, whatever is cut where.
-Chain without_updates(const Chain& chain) {
+/// The chain without what makes nothing to be written: every contract must hold in it, whatever is cut where.
+Chain stages_of(const Chain& chain, const Operators& operators) {
   Chain out = chain;
-  std::erase_if(out.operators, is_update);
+  out.operators = operators;
+  std::erase_if(out.operators, [](const auto& op) { return is_update(op) || selects(op); });
   return out;
 }
 
-std::vector<Chain> cut(const Chain& chain, bool note_stream_position) {
-  const auto deciding = note_stream_position ? deciding_resort(chain.operators) : chain.operators.end();
-  std::vector<Chain> pieces = {{.neighborhood = chain.neighborhood, .operators = {}}};
-  for (auto op = chain.operators.begin(); op != chain.operators.end(); ++op) {
-    if (const auto* update = dynamic_cast<const Reneighbor*>(op->get())) {
-      pieces.push_back({.neighborhood = update->neighborhood().value_or(pieces.back().neighborhood), .operators = {}});
-    } else if (op == deciding) {
-      pieces.back().operators.push_back(std::make_shared<NoteStreamPosition>());
-    } else if (!is_update(*op)) {
-      pieces.back().operators.push_back(*op);
-    }
+std::vector<ScheduledPass> schedule(const Neighborhood& neighborhood, const Operators& operators,
+                                    bool note_stream_position) {
+  const auto deciding = note_stream_position ? deciding_resort(operators) : operators.end();
+  PassSchedule schedule(neighborhood);
+  for (auto op = operators.begin(); op != operators.end(); ++op) {
+    if (const auto* update = dynamic_cast<const Reneighbor*>(op->get()))
+      schedule.renew(update->neighborhood());
+    else if (op == deciding)
+      schedule.add(std::make_shared<NoteStreamPosition>());
+    else if (!is_update(*op))
+      schedule.add(*op);
   }
-  return pieces;
+  return std::move(schedule).passes();
 }
 
 /// `before`, with the newer versions and the new ones of `made`.
@@ -86,44 +95,61 @@ bool reads(const PlannedChain& planned, const Schema& schema, const Attribute& a
   return std::ranges::any_of(attribute.fields, is_read);
 }
 
-/// A sweep of the chain while it is not known yet what of its results anybody needs.
+/// A pass while it is not known yet which of its results are used.
 struct Draft {
-  Chain chain;
+  ScheduledPass pass;
   Attributes carried;  ///< before it
   Attributes makes;
   std::set<std::string> needed;  ///< after it
 };
 
-/// From the last to the first: what is kept, and what later sweeps read and do not make. One that makes nothing of that
-/// is left out.
+/// From the last to the first: what is kept, and what later passes read and do not make. One that makes nothing of that
+/// and leaves out no rows is dropped.
 void find_needed(std::vector<Draft>& drafts, std::set<std::string> needed, const Schema& input) {
+  std::set<std::size_t> needed_values;
   for (std::size_t d = drafts.size(); d-- > 0;) {
     Draft& draft = drafts[d];
-    draft.chain.keep.clear();
+    std::erase_if(draft.pass.values, [&](const PlannedValue& v) { return !needed_values.contains(v.number); });
+    for (const PlannedValue& v : draft.pass.values)
+      for (const Attribute& a : v.reduction->reads()) needed.insert(a.name);
+    std::vector<std::string>& keep = draft.pass.chain.keep;
     for (const Attribute& a : draft.makes)
-      if (needed.contains(a.name)) draft.chain.keep.push_back(a.name);
-    if (draft.chain.keep.empty()) {
+      if (needed.contains(a.name)) keep.push_back(a.name);
+    if (keep.empty() && !draft.pass.selects && draft.pass.values.empty()) {
       drafts.erase(drafts.begin() + static_cast<std::ptrdiff_t>(d));
       continue;
     }
     draft.needed = needed;
+    if (draft.pass.selects) keep.push_back(selection_attribute().name);
+    for (const auto& numbers : draft.pass.values_of_stages) needed_values.insert(numbers.begin(), numbers.end());
     for (const Attribute& a : draft.makes) needed.erase(a.name);
     const Schema schema = with_carried(input, draft.carried);
-    const PlannedChain planned = plan_chain(draft.chain, schema);
+    const PlannedChain planned = plan_chain(draft.pass.chain, schema);
     for (const Attribute& a : draft.carried)
       if (a.name == position_attribute().name || reads(planned, schema, a)) needed.insert(a.name);
   }
 }
 
-std::vector<Draft> draft_sweeps(const Chain& chain, const Schema& input, bool ordered) {
+std::vector<Draft> draft_passes(std::vector<ScheduledPass> passes, const Schema& input) {
   std::vector<Draft> drafts;
   Attributes carried;
-  for (Chain& piece : cut(chain, ordered)) {
-    PlannedChain planned = plan_chain(piece, with_carried(input, carried));
-    drafts.push_back({std::move(piece), carried, planned.made, {}});
-    carried = updated(std::move(carried), planned.made);
+  for (ScheduledPass& pass : passes) {
+    PlannedChain planned = plan_chain(pass.chain, with_carried(input, carried));
+    const Attributes made = without_selection(std::move(planned.made));
+    drafts.push_back({std::move(pass), carried, made, {}});
+    carried = updated(std::move(carried), made);
   }
   return drafts;
+}
+
+/// Makes what the pass is to keep; nothing if that is nothing.
+PlannedChain planned_pass(const Chain& chain, const Schema& input) {
+  PlannedChain planned = plan_chain(chain, input);
+  if (!chain.keep.empty()) return planned;
+  planned.made.clear();
+  planned.plan.results.clear();
+  planned.plan.result_bytes = 0;
+  return planned;
 }
 
 Attributes only(Attributes attributes, const std::set<std::string>& names) {
@@ -169,32 +195,57 @@ Schema with_carried(const Schema& input, const Attributes& carried) {
   return schema;
 }
 
+bool PlannedSweeps::selects() const {
+  return std::ranges::any_of(sweeps, [](const PlannedSweep& sweep) { return sweep.selects; });
+}
+
+Operators flattened(const Operators& operators, const Schema& input) {
+  Operators out;
+  Attributes made;
+  for (const auto& op : operators) {
+    Operators parts = op->parts();
+    if (parts.empty()) parts = {op};
+    for (auto& part : parts) {
+      if (auto bound = part->bound(input, made)) part = std::move(bound);
+      if (!selects(part)) made = updated(std::move(made), part->contract().makes);
+      out.push_back(std::move(part));
+    }
+  }
+  return out;
+}
+
 PlannedSweeps plan_sweeps(const Chain& chain, const Schema& input, bool ordered) {
   PlannedSweeps out;
-  PlannedChain whole = plan_chain(without_updates(chain), input);
+  const Operators operators = flattened(chain.operators, input);
+  PlannedChain whole = plan_chain(stages_of(chain, operators), input);
   out.made = std::move(whole.made);
   out.kept = std::move(whole.kept);
-  if (out.made.empty()) fail_usage("The pipeline makes nothing; add an operator, as in knn(k=8) | normals.");
-  out.by_moved_positions = ordered && deciding_resort(chain.operators) != chain.operators.end();
+  if (out.made.empty() && std::ranges::none_of(operators, selects))
+    fail_usage("The pipeline makes nothing; add an operator, as in knn(k=8) | normals.");
+  out.by_moved_positions = ordered && deciding_resort(operators) != operators.end();
   std::set<std::string> needed;
   for (const Attribute& a : out.made) needed.insert(a.name);
   if (out.by_moved_positions) needed.insert(stream_position_attribute().name);
 
-  std::vector<Draft> drafts = draft_sweeps(chain, input, ordered);
+  std::vector<Draft> drafts = draft_passes(schedule(chain.neighborhood, operators, ordered), input);
   find_needed(drafts, std::move(needed), input);
   Attributes carried;
   for (const Draft& draft : drafts) {
     PlannedSweep& sweep = out.sweeps.emplace_back();
+    sweep.kind = draft.pass.kind;
+    sweep.selects = draft.pass.selects;
+    sweep.values = draft.pass.values;
+    sweep.values_of_stages = draft.pass.values_of_stages;
     sweep.input = with_carried(input, carried);
-    sweep.chain = plan_chain(draft.chain, sweep.input);
-    carried = only(updated(std::move(carried), sweep.chain.made), draft.needed);
+    sweep.chain = planned_pass(draft.pass.chain, sweep.input);
+    carried = only(updated(std::move(carried), without_selection(sweep.chain.made)), draft.needed);
     sweep.carried = carried;
   }
   out.sweeps.back().carried = out.made;
   if (out.by_moved_positions) out.sweeps.back().carried.push_back(stream_position_attribute());
   // Where others were left out, it may make things in another order than the whole chain.
-  if (out.sweeps.size() == 1) put_in_order(out.sweeps.back().chain, out.sweeps.back().carried);
-  out.reorders = ordered && (out.sweeps.size() > 1 || out.by_moved_positions);
+  if (out.sweeps.size() == 1 && !out.selects()) put_in_order(out.sweeps.back().chain, out.sweeps.back().carried);
+  out.reorders = ordered && (out.sweeps.size() > 1 || out.by_moved_positions || out.selects());
   return out;
 }
 

@@ -46,7 +46,7 @@ std::vector<ColumnPlan> plan_columns(const SweepPlan& plan, std::size_t first_st
   }
   for (const FileColumn& file : plan.file_columns)
     if (std::ranges::find(carried, columns[file.column].attribute, &Attribute::name) != carried.end())
-      columns[file.column].made_by = "a sweep before";
+      columns[file.column].made_by = "a pass before";
   for (const ResultColumn& result : plan.results) {
     columns[result.column].written = true;
     columns[result.column].last_step = plan.step_count() - 1;
@@ -55,6 +55,7 @@ std::vector<ColumnPlan> plan_columns(const SweepPlan& plan, std::size_t first_st
 }
 
 std::string stages_text(const SweepPlan& plan, std::size_t first_stage) {
+  if (plan.stages.empty()) return "";
   std::string text = "stages        step  buffer\n";
   for (std::size_t s = 0; s < plan.stages.size(); ++s) {
     const std::size_t step = step_of(plan, s);
@@ -106,16 +107,34 @@ std::string slabs_text(const MemoryPlan& memory, std::uint64_t points, std::uint
                      memory.spill_stream ? "spilled" : "in memory");
 }
 
-std::string sweep_text(const Preview& p, std::size_t s, std::size_t first_stage) {
-  const PlannedSweep& sweep = p.planned.sweeps[s];
-  const bool goes_on = s + 1 < p.planned.sweeps.size();
-  std::string text =
-      p.planned.sweeps.size() == 1 ? "" : fmt::format("sweep {} of {}\n", s + 1, p.planned.sweeps.size());
-  text += fmt::format("neighbours    {}\n", neighborhood_text(sweep.chain.plan.neighborhood));
+/// How a pass goes through the points.
+std::string passage_text(const Preview& p, std::size_t s) {
+  const PlannedSweep& pass = p.planned.sweeps[s];
+  if (pass.kind == PassKind::rows) return "reads         the rows in their order; no neighbours are searched\n";
+  if (pass.kind == PassKind::order)
+    return "reads         the points in order, equal ones together; no neighbours are searched\n";
+  std::string text = fmt::format("neighbours    {}\n", neighborhood_text(pass.chain.plan.neighborhood));
   if (const Effort& effort = p.memory.efforts[s]; effort.neighbors_per_point > 0)
     text += fmt::format("effort        {}\n", effort_text(effort.neighbors_per_point, effort.seconds));
-  text += stages_text(sweep.chain.plan, first_stage) + columns_text(p.columns[s]);
-  if (goes_on) text += "carried on    " + attributes_text(sweep.carried);
+  return text;
+}
+
+std::string values_text(const PlannedSweep& pass) {
+  std::string text;
+  for (const PlannedValue& value : pass.values)
+    text += fmt::format("{}{}\n", text.empty() ? "values        " : "              ", value.reduction->text());
+  return text;
+}
+
+std::string sweep_text(const Preview& p, std::size_t s, std::size_t first_stage) {
+  const PlannedSweep& pass = p.planned.sweeps[s];
+  const bool goes_on = s + 1 < p.planned.sweeps.size();
+  std::string text = p.planned.sweeps.size() == 1 ? "" : fmt::format("pass {} of {}\n", s + 1, p.planned.sweeps.size());
+  text += passage_text(p, s) + stages_text(pass.chain.plan, first_stage) + columns_text(p.columns[s]);
+  if (pass.selects) text += "rows          are left out here; all that follows sees the others only\n";
+  text += values_text(pass);
+  if (goes_on && !pass.carried.empty()) text += "carried on    " + attributes_text(pass.carried);
+  if (pass.kind == PassKind::rows) return text;
   return text + slabs_text(p.memory.sweeps[s], p.points, p.memory.record_bytes[s]);
 }
 
@@ -130,7 +149,7 @@ std::string memory_text(const Preview& p) {
                                  megabytes(p.memory.expected_bytes), megabytes(p.budget), megabytes(window),
                                  spill_results ? "spilled" : "in memory");
   if (p.memory.row_bytes > 0)
-    text += fmt::format(", {:.1f} MB between sweeps {}", megabytes(p.memory.row_bytes),
+    text += fmt::format(", {:.1f} MB between passes {}", megabytes(p.memory.row_bytes),
                         p.memory.spill_rows ? "spilled" : "in memory");
   return text + "\n";
 }
@@ -173,7 +192,7 @@ std::string to_text(const Preview& p) {
     text += sweep_text(p, s, first_stage);
     first_stage += p.planned.sweeps[s].chain.plan.stages.size();
   }
-  text += "results       " + attributes_text(p.names.made);
+  if (!p.names.made.empty()) text += "results       " + attributes_text(p.names.made);
   if (!p.names.replaced.empty()) text += "note          " + p.names.warning() + "\n";
   if (p.planned.reorders)
     text += fmt::format("order         of the {} positions: the output is put in order once more, {}\n",

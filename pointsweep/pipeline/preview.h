@@ -16,7 +16,7 @@ namespace pointsweep {
 /// A column of the window: one version of an attribute.
 struct ColumnPlan {
   std::string attribute;
-  std::string made_by;  ///< "the file", "a sweep before", or the stage as "2 normals"
+  std::string made_by;  ///< "the file", "a pass before", or the stage as "2 normals"
   std::uint32_t bytes = 0;
   std::size_t last_step = 0;  ///< the step after which nobody reads it any more; a kept one is written after the last
   bool written = false;
@@ -25,7 +25,7 @@ struct ColumnPlan {
 struct Preview {
   PlannedSweeps planned;
   OutputNames names;
-  std::vector<std::vector<ColumnPlan>> columns;  ///< by sweep and column number
+  std::vector<std::vector<ColumnPlan>> columns;  ///< by pass and column number
   std::uint64_t points = 0;
   std::uint64_t budget = 0;
   RunMemory memory;
@@ -36,7 +36,7 @@ struct Preview {
 Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options = {},
                 const std::filesystem::path& output = {});
 
-/// Sweep by sweep the stages with their steps and buffers, the columns, what is carried on and the slabs; then the
+/// Pass by pass the stages with their steps and buffers, the columns, what is carried on and the slabs; then the
 /// record of results and memory, as a text of lines.
 std::string to_text(const Preview& preview);
 

@@ -8,16 +8,20 @@
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/outliers.h"
 #include "pointsweep/operators/splats.h"
+#include "pointsweep/operators/unique.h"
 #include "pointsweep/operators/update_operators.h"
+#include "pointsweep/operators/where.h"
 #include "pointsweep/pipeline/nearest_names.h"
 
 namespace pointsweep {
 
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = {
-      normals_declaration(),           curvature_declaration(),  splats_declaration(), fair_declaration(),
-      neighborhood_size_declaration(), reneighbor_declaration(), resort_declaration(),
+      normals_declaration(),           curvature_declaration(), splats_declaration(), fair_declaration(),
+      neighborhood_size_declaration(), where_declaration(),     sor_declaration(),    unique_declaration(),
+      reneighbor_declaration(),        resort_declaration(),
   };
   return operators;
 }

@@ -29,7 +29,7 @@ class ResumeFolder {
   const std::filesystem::path& path() const { return path_; }
   /// What was saved last, by whatever process; empty if nothing was.
   const std::vector<std::byte>& saved() const { return saved_; }
-  /// A file for spilled data; `name` begins with "stream-", "results-" or "rows-".
+  /// A file for spilled data; `name` begins with "stream-", "results-", "rows-" or "mask-".
   SpillPlace place(const std::string& name) const { return SpillPlace::kept(path_ / name); }
   /// Begins to save `bytes`, which speak of the data in the files `names` as they are now, and returns while a thread
   /// of its own brings both to the disk: first the data, then the bytes under their name, so that not even a loss of

@@ -15,6 +15,7 @@
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/temp_folder.h"
+#include "pointsweep/order/working_record.h"
 #include "pointsweep/pipeline/canonical_text.h"
 #include "pointsweep/pipeline/checkpoints.h"
 #include "pointsweep/pipeline/finite_input.h"
@@ -23,12 +24,16 @@
 #include "pointsweep/pipeline/ordered_output.h"
 #include "pointsweep/pipeline/output_names.h"
 #include "pointsweep/pipeline/output_set.h"
+#include "pointsweep/pipeline/pass_update.h"
+#include "pointsweep/pipeline/pass_values.h"
 #include "pointsweep/pipeline/pipeline.h"
 #include "pointsweep/pipeline/planned_sweeps.h"
 #include "pointsweep/pipeline/provenance_record.h"
 #include "pointsweep/pipeline/radius_estimate.h"
 #include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/result_sinks.h"
+#include "pointsweep/pipeline/row_mask.h"
+#include "pointsweep/pipeline/row_pass.h"
 #include "pointsweep/pipeline/run_identity.h"
 #include "pointsweep/pipeline/run_memory.h"
 #include "pointsweep/pipeline/updated_cloud.h"
@@ -51,7 +56,7 @@ class Run {
         options_(options),
         started_(Clock::now()),
         input_(cloud, outputs, options) {
-    statistics_.points = cloud.count();
+    statistics_.points = statistics_.points_written = cloud.count();
     statistics_.threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
     statistics_.memory_budget_bytes = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
     statistics_.machine = machine_description();
@@ -78,17 +83,25 @@ class Run {
     if (by_reference()) require_reference_can(options_);
     note_neighborhoods(planned);
     open_checkpoints(planned, canonical_stages(chain, Presets::spelled_out));
-    survey_cloud(in_stream_order || by_reference() || needs_bounds());
+    survey_cloud(in_stream_order || by_reference() || needs_bounds() || planned.sweeps.front().kind == PassKind::order);
     require_distances(survey_.bounds);
-    OutputSet files(cloud_, names.made, names.kept, outputs_, options_, bounds_if_known(),
-                    provenance(canonical_stages(chain, Presets::left_out), chain, planned.kept), values_if_las());
+    const OutputLayout layout(cloud_.schema(), names.made, names.kept,
+                              type_of_moved_positions(cloud_.schema(), outputs_.points, options_));
     const RunMemory memory = plan_run_memory(statistics_.memory_budget_bytes, planned, cloud_.count(), survey_,
-                                             options_, files.layout().schema().stride);
+                                             options_, layout.schema().stride);
+    open_files_ = [&] {
+      files_.emplace(cloud_, names.made, names.kept, outputs_, options_, bounds_if_known(),
+                     provenance(canonical_stages(chain, Presets::left_out), chain, planned.kept), values_if_las());
+    };
+    planned.selects() ? require_writable(names) : open_files_();
     give_notice(memory);
     make_folder(memory.spills());
-    for (std::size_t s = first_sweep(planned); s < planned.sweeps.size(); ++s) sweep_once(s, planned, memory, files);
-    if (planned.reorders) write_reordered(planned, memory.reordering, files);
-    return finish(files);
+    const std::size_t begin = first_pass(planned);
+    for (std::size_t s = begin; s < planned.sweeps.size() && cloud_.count() > 0; ++s)
+      run_pass(s, planned, memory, layout);
+    if (planned.reorders && cloud_.count() > 0) write_reordered(planned, memory.reordering, layout);
+    if (!files_) write_rows(planned);
+    return finish();
   }
 
   Statistics sorted(const std::vector<std::string>& keep) {
@@ -98,16 +111,16 @@ class Run {
     survey_cloud(true);
     Chain kept;
     kept.keep = keep;
-    OutputSet files(cloud_, {}, planned.kept, outputs_, options_, bounds_if_known(),
-                    provenance(kSort, kept, planned.kept), values_if_las());
+    files_.emplace(cloud_, std::vector<Attribute>{}, planned.kept, outputs_, options_, bounds_if_known(),
+                   provenance(kSort, kept, planned.kept), values_if_las());
     const MemoryPlan memory = plan_ordering_memory(statistics_.memory_budget_bytes, cloud_.schema().stride,
                                                    cloud_.count(), survey_, options_);
     if (memory.needed_bytes != 0) fail_budget(statistics_.memory_budget_bytes, memory.needed_bytes);
     make_folder(memory.spill_stream);
     order(0, memory, true, {});
     if (checkpoints_) checkpoints_->in_order(*stream_, memory.slab_points, nullptr);
-    write_stream(cloud_.schema().stride, [&](std::span<const std::byte> inputs) { files.write_inputs(inputs); });
-    return finish(files);
+    write_stream(cloud_.schema().stride, [&](std::span<const std::byte> inputs) { files_->write_inputs(inputs); });
+    return finish();
   }
 
  private:
@@ -147,7 +160,8 @@ class Run {
   static bool leaves_out(const Chain& chain, const KeptFields& kept) {
     std::set<std::string> made;
     for (const auto& op : chain.operators)
-      for (const Attribute& a : op->contract().makes) made.insert(a.name);
+      if (const Contract contract = op->contract(); contract.selects == Selects::nothing)
+        for (const Attribute& a : contract.makes) made.insert(a.name);
     return kept.input || !kept.left_out.empty() || kept.attributes.size() < made.size();
   }
 
@@ -169,8 +183,26 @@ class Run {
 
   /// A format that stores integers must know the bounds before the first record, unless these integers come.
   bool needs_bounds() const {
-    return extension_of(outputs_.points) == ".las" && input_.dropped().bounds.empty() &&
+    return extension_of(outputs_.points) == ".las" && (input_.dropped().bounds.empty() || cloud_.selection()) &&
            !las_keeps_scale(position_fields(cloud_.schema(), name_of_cloud()));
+  }
+  /// That the files can be written is known before the work, what is in their headers after the last select.
+  void require_writable(const OutputNames& names) const {
+    Box somewhere = survey_.bounds;
+    if (somewhere.empty()) somewhere.include(Vec3{});
+    OutputSet(cloud_, names.made, names.kept, outputs_, options_, somewhere);
+  }
+  /// The files of a run that has left out rows. `survey_` is that of the order of the output, if it has one.
+  void open_late() {
+    if (needs_bounds() && cloud_.count() > 0) {
+      source_ = cloud_source();
+      const int axis = survey_.axis;
+      look(true);
+      survey_.axis = axis;
+    }
+    statistics_.points_written = cloud_.count();
+    if (cloud_.count() == 0) warn(fmt::format("No point is left: {} holds none.", outputs_.points.string()));
+    open_files_();
   }
   /// What a LAS output has to know of all values before the first record.
   std::shared_ptr<const LasValues> values_if_las() {
@@ -178,13 +210,15 @@ class Run {
     return std::make_shared<LasValues>(las_values(cloud_, [this](std::uint64_t rows) { report("ordering", rows, 0); }));
   }
   std::optional<Box> bounds_if_known() const {
-    if (const Box& box = input_.dropped().bounds; !box.empty()) return box;
+    if (const Box& box = input_.dropped().bounds; !box.empty() && !cloud_.selection()) return box;
+    if (cloud_.count() == 0) return Box{Vec3{}, Vec3{}};
     return survey_.exact && !survey_.bounds.empty() ? std::optional(survey_.bounds) : std::nullopt;
   }
 
   void note_neighborhoods(const PlannedSweeps& planned) {
     std::set<std::size_t> noted;
     for (const PlannedSweep& sweep : planned.sweeps) {
+      if (sweep.kind != PassKind::sweep) continue;
       const std::size_t k = sweep.chain.plan.neighborhood.k;
       const bool limited = k != Neighborhood::kUnlimited;
       if (noted.empty()) statistics_.k = limited ? k : 0;
@@ -215,12 +249,15 @@ class Run {
     return spills ? &*folder_ : nullptr;
   }
 
+  PointSource cloud_source() {
+    return {cloud_.schema(), cloud_.count(), [this](std::uint64_t row, std::span<std::byte> records) {
+              const std::size_t n = cloud_.read(row, records);
+              statistics_.bytes_read += n * cloud_.schema().stride;
+              return n;
+            }};
+  }
   void survey_cloud(bool exact) {
-    source_ = {cloud_.schema(), cloud_.count(), [this](std::uint64_t row, std::span<std::byte> records) {
-                 const std::size_t n = cloud_.read(row, records);
-                 statistics_.bytes_read += n * cloud_.schema().stride;
-                 return n;
-               }};
+    source_ = cloud_source();
     if (checkpoints_ && checkpoints_->found()) return void(survey_ = checkpoints_->last().survey);
     look(exact);
     if (checkpoints_) checkpoints_->surveyed(survey_);
@@ -231,12 +268,14 @@ class Run {
     statistics_.order_seconds += seconds_since(start);
   }
 
-  void order(std::size_t s, const MemoryPlan& memory, bool whole, const std::vector<std::size_t>& payload) {
+  void order(std::size_t s, const MemoryPlan& memory, bool whole, const std::vector<std::size_t>& payload,
+             bool canonical = false) {
+    canonical = canonical || whole || by_reference();
     const auto start = Clock::now();
     const StreamOptions options{.axis = survey_.axis,
                                 .slab_points = memory.slab_points,
                                 .max_slab_points = 0,
-                                .canonical = whole || by_reference(),
+                                .canonical = canonical,
                                 .whole_records = whole,
                                 .payload = payload,
                                 .spill = place("stream", s, memory.spill_stream),
@@ -247,7 +286,7 @@ class Run {
       Unpacker packed(checkpoints_->last().stream);
       stream_.emplace(packed, source_, options);
     } else {
-      if (s > 0) look(by_reference());
+      if (s > 0) look(by_reference() || (canonical && !whole));
       stream_.emplace(source_, survey_, options);
     }
     survey_.sample = {};
@@ -255,54 +294,129 @@ class Run {
     statistics_.order_seconds += seconds_since(start);
   }
 
+  /// Numbers of rows of the cloud before any select.
+  std::vector<std::uint64_t> rows_of_cloud(std::vector<std::uint64_t> rows) const {
+    if (const RowSelection* selection = cloud_.selection())
+      for (std::uint64_t& row : rows) row = selection->row_of(row);
+    return rows;
+  }
+
   void note_nonfinite() {
     if (statistics_.nonfinite_rows.empty() && stream_->nonfinite_count() > 0)
-      statistics_.nonfinite_rows = first_nonfinite_rows(*stream_, NonfiniteRows::kMostListed);
+      statistics_.nonfinite_rows = rows_of_cloud(first_nonfinite_rows(*stream_, NonfiniteRows::kMostListed));
     statistics_.nonfinite = std::max(statistics_.nonfinite, statistics_.dropped + stream_->nonfinite_count());
   }
 
-  /// One sweep, from the rows as they are (sweep 0: the input) to the rows as it leaves them, or to the files.
-  void sweep_once(std::size_t s, PlannedSweeps& planned, const RunMemory& memory, OutputSet& files) {
-    PlannedSweep& sweep = planned.sweeps[s];
-    if (s > 0)
-      source_ = updated_source(cloud_, *rows_, sweep, [this](std::uint64_t n) { statistics_.bytes_read += n; });
+  /// One pass, from the rows as they are (pass 0: the input) to the rows as it leaves them, or to the files.
+  void run_pass(std::size_t s, PlannedSweeps& planned, const RunMemory& memory, const OutputLayout& layout) {
+    PlannedSweep& pass = planned.sweeps[s];
+    if (s > 0) source_ = updated_source(cloud_, *rows_, pass, [this](std::uint64_t n) { statistics_.bytes_read += n; });
+    give_values(pass, values_);
     const bool whole = leaves_in_order(planned, options_);
-    const auto results = results_of(s, whole ? files.layout().schema().stride : sweep.chain.plan.result_bytes, memory);
-    if (!checkpoints_ || !checkpoints_->last().is_swept()) {
-      order(s, memory.sweeps[s], whole, sweep.chain.payload(sweep.input));
-      if (checkpoints_) checkpoints_->in_order(*stream_, memory.sweeps[s].slab_points, results.get());
-      sweep.chain.bind(stream_->record_schema());
-      sweep_into(*results, sweep.chain, memory.sweeps[s], whole ? &files.layout() : nullptr);
-      statistics_.bytes_spilled += stream_->spilled_bytes();
-      stream_.reset();  // nothing is read from it any more
-      if (checkpoints_) checkpoints_->swept(*results, statistics_);
-    }
+    std::unique_ptr<RowStore> results;
+    if (pass.kind != PassKind::rows) results = results_of(s, planned, memory, whole ? &layout : nullptr);
+    if (results && !(checkpoints_ && checkpoints_->last().is_swept()))
+      fill(*results, s, planned, memory.sweeps[s], whole ? &layout : nullptr);
     const auto start = Clock::now();
-    if (s + 1 < planned.sweeps.size() || planned.reorders)
-      update(*results, s, planned, memory.spill_rows);
+    if (whole)
+      write_whole(*results);
+    else if (s + 1 < planned.sweeps.size() || planned.reorders || pass.selects)
+      update(made_by(pass, results.get()), s, planned, memory.spill_rows);
     else
-      write(*results, s, planned, whole, files);
-    statistics_.bytes_spilled += results->spilled_bytes();
+      write(made_by(pass, results.get()), s, planned);
+    if (results) statistics_.bytes_spilled += results->spilled_bytes();
     statistics_.write_seconds += seconds_since(start);
   }
 
-  std::unique_ptr<RowStore> results_of(std::size_t s, std::size_t bytes, const RunMemory& memory) const {
+  /// Puts what the pass makes into `results`.
+  void fill(RowStore& results, std::size_t s, PlannedSweeps& planned, const MemoryPlan& memory,
+            const OutputLayout* whole) {
+    PlannedSweep& pass = planned.sweeps[s];
+    const bool by_order = pass.kind == PassKind::order;
+    order(s, memory, whole != nullptr, pass.chain.payload(pass.input), by_order);
+    if (checkpoints_) checkpoints_->in_order(*stream_, memory.slab_points, &results);
+    pass.chain.bind(stream_->record_schema());
+    by_order ? leave_out_equal(results) : sweep_into(results, pass.chain, memory, whole);
+    statistics_.bytes_spilled += stream_->spilled_bytes();
+    stream_.reset();  // nothing is read from it any more
+    if (checkpoints_) checkpoints_->swept(results, statistics_);
+  }
+
+  /// What a pass has made, by row.
+  MadeRows made_by(PlannedSweep& pass, RowStore* results) {
+    if (results != nullptr) {
+      return [results, bytes = pass.chain.plan.result_bytes](const auto& use) {
+        results->drain([&](std::uint64_t first, std::span<const std::byte> made) {
+          use(first, made.size() / bytes, made.data());
+        });
+      };
+    }
+    return [this, &pass](const auto& use) {
+      pass.chain.bind(pass.input);
+      RowPass rows(pass);
+      rows.run(source_, use);
+      note_rows_pass(pass.chain.plan, rows.tally());
+    };
+  }
+
+  void note_rows_pass(const SweepPlan& plan, const StageTally& tally) {
+    const std::size_t before = statistics_.degenerate_results.size();
+    for (std::size_t i = 0; i < plan.stages.size(); ++i) {
+      const std::string name = plan.stages[i].op->name();
+      statistics_.operator_seconds.emplace_back(name, tally.seconds[i]);
+      statistics_.degenerate_results.push_back({name, tally.degenerate[i].count(), tally.degenerate[i].lowest()});
+      statistics_.degenerate += tally.degenerate[i].count();
+    }
+    number_rows_from(before);
+  }
+  /// Gives the rows of the results from `first` on the numbers they had before any select.
+  void number_rows_from(std::size_t first) {
+    for (std::size_t r = first; r < statistics_.degenerate_results.size(); ++r)
+      statistics_.degenerate_results[r].rows = rows_of_cloud(std::move(statistics_.degenerate_results[r].rows));
+  }
+
+  /// Of the points of the stream with equal coordinates, all but the first get 0; a row that gets nothing is kept.
+  void leave_out_equal(RowStore& results) {
+    const Schema& schema = stream_->record_schema();
+    const PositionFields fields = position_fields(schema, "the stream");
+    std::optional<Vec3> last;
+    std::vector<std::uint64_t> equal;
+    const auto compare = [&](std::span<const std::byte> records) {
+      equal.clear();
+      for (std::size_t at = 0; at < records.size(); at += schema.stride) {
+        const std::byte* record = records.data() + at;
+        const Vec3 p{value_of(fields.x, record), value_of(fields.y, record), value_of(fields.z, record)};
+        if (last && p == *last) equal.push_back(row_of(schema, record));
+        last = p;
+      }
+      results.put(equal, std::vector<std::byte>(equal.size()));
+    };
+    write_in_order(*stream_, schema.stride, compare, [this](std::uint64_t done) { report("updating", done, 0); });
+  }
+
+  std::unique_ptr<RowStore> results_of(std::size_t s, const PlannedSweeps& planned, const RunMemory& memory,
+                                       const OutputLayout* whole) const {
     const MemoryPlan& plan = memory.sweeps[s];
+    const PlannedSweep& pass = planned.sweeps[s];
+    const std::size_t bytes = whole != nullptr ? whole->schema().stride : pass.chain.plan.result_bytes;
+    const std::byte fill = pass.kind == PassKind::order ? selection_attribute().fill : std::byte{0};
     const SpillPlace spill = place("results", s, plan.spill_results);
     const std::uint64_t rows = cloud_.count(), buffer = plan.result_buffer_bytes;
     if (!checkpoints_ || checkpoints_->last().results.empty())
-      return std::make_unique<RowStore>(rows, bytes, std::byte{0}, spill, buffer);
+      return std::make_unique<RowStore>(rows, bytes, fill, spill, buffer);
     Unpacker packed(checkpoints_->last().results);
-    return std::make_unique<RowStore>(packed, rows, bytes, std::byte{0}, spill, buffer);
+    return std::make_unique<RowStore>(packed, rows, bytes, fill, spill, buffer);
   }
 
   /// Into `results` go result records by row, or, with a layout, output records by place in the stream.
   void sweep_into(RowStore& results, const PlannedChain& planned, const MemoryPlan& memory, const OutputLayout* whole) {
+    const std::size_t before = statistics_.degenerate_results.size();
     if (by_reference()) {
       add_sweep(statistics_, planned.plan, sweep_by_reference(results, planned, memory, whole));
     } else {
       add_sweep(statistics_, planned.plan, sweep_by_cells(results, planned, memory, whole));
     }
+    number_rows_from(before);
     put_nonfinite(results, planned, whole);
   }
 
@@ -368,56 +482,88 @@ class Run {
     return {s == 0 ? none : planned.sweeps[s - 1].carried, sweep.chain.made, sweep.carried};
   }
 
-  void update(RowStore& results, std::size_t s, const PlannedSweeps& planned, bool spills) {
+  void update(const MadeRows& made, std::size_t s, const PlannedSweeps& planned, bool spills) {
+    const PlannedSweep& pass = planned.sweeps[s];
     const RowUpdate after = update_after(s, planned);
-    auto updated = std::make_unique<RowFile>(cloud_.count(), after.record_bytes(), place("rows", s + 1, spills));
-    update_rows(results, rows_.get(), after, planned.sweeps[s].chain.plan.result_bytes,
-                [&](std::uint64_t first, std::span<const std::byte> records) {
-                  updated->append(records);
-                  report("updating", first + records.size() / updated->record_bytes(), 0);
-                });
-    statistics_.bytes_spilled += updated->spilled_bytes();
-    rows_ = std::move(updated);
-    if (checkpoints_) checkpoints_->updated();
+    PassUpdate to(pass, cloud_, after.record_bytes(), place("rows", s + 1, spills), place("mask", s + 1, spills));
+    update_rows(made, rows_.get(), after, pass.chain.plan.result_bytes, [&](const UpdatedRows& rows) {
+      statistics_.bytes_read += to.add(rows);
+      report("updating", rows.first + rows.count, 0);
+    });
+    rows_ = to.finish(values_);
+    statistics_.bytes_spilled += to.spilled_bytes();
+    if (checkpoints_) checkpoints_->updated(pass.selects, values_, statistics_);
   }
 
-  /// The sweep to begin with. The rows carried into it are there.
-  std::size_t first_sweep(const PlannedSweeps& planned) {
-    const std::size_t s = checkpoints_ ? checkpoints_->last().sweep : 0;
-    if (s > 0) {
-      const std::size_t bytes = update_after(s - 1, planned).record_bytes();
-      rows_ = std::make_unique<RowFile>(RowFile::kept(cloud_.count(), bytes, checkpoints_->place("rows", s)));
-    }
+  /// The pass to begin with. The rows carried into it are there.
+  std::size_t first_pass(const PlannedSweeps& planned) {
+    if (!checkpoints_ || checkpoints_->last().sweep == 0) return 0;
+    const Checkpoint& last = checkpoints_->last();
+    const std::uint64_t s = last.sweep;
+    if (last.mask > 0) cloud_.select(RowMask::kept(cloud_.count(), checkpoints_->place("mask", last.mask)));
+    for (std::size_t v = 0; v < last.values.size(); ++v)
+      if (!last.values[v].empty()) values_[v] = last.values[v];
+    const std::size_t bytes = update_after(s - 1, planned).record_bytes();
+    rows_ = std::make_unique<RowFile>(RowFile::kept(cloud_.count(), bytes, checkpoints_->place("rows", s)));
+    source_ = cloud_source();
     return s;
   }
 
-  void write(RowStore& results, std::size_t s, const PlannedSweeps& planned, bool whole, OutputSet& files) {
-    const std::size_t stride = whole ? files.layout().schema().stride : planned.sweeps[s].chain.plan.result_bytes;
-    const auto use = [&](std::uint64_t first, std::span<const std::byte> records) {
-      whole ? files.write_records(records) : files.write_results(cloud_, first, records);
-    };
-    if (s == 0) {
-      results.drain([&](std::uint64_t first, std::span<const std::byte> records) {
-        use(first, records);
-        report("writing", first + records.size() / stride, 0);
-      });
-      return;
-    }
-    const RowUpdate after = update_after(s, planned);
-    update_rows(results, rows_.get(), after, stride, [&](std::uint64_t first, std::span<const std::byte> records) {
-      use(first, records);
-      report("writing", first + records.size() / after.record_bytes(), 0);
+  /// Whole output records, in the order of the stream.
+  void write_whole(RowStore& results) {
+    const std::size_t stride = files_->layout().schema().stride;
+    results.drain([&](std::uint64_t first, std::span<const std::byte> records) {
+      files_->write_records(records);
+      report("writing", first + records.size() / stride, 0);
     });
   }
 
-  void write_reordered(const PlannedSweeps& planned, const MemoryPlan& memory, OutputSet& files) {
-    Reordering reordering(cloud_, *rows_, files.layout(), planned.by_moved_positions);
+  /// What the last pass makes, while it is made or behind it.
+  void write(const MadeRows& made, std::size_t s, const PlannedSweeps& planned) {
+    if (!files_) open_late();
+    const auto use = [&](std::uint64_t first, std::size_t n, const std::byte* records, std::size_t bytes) {
+      files_->write_results(cloud_, first, {records, n * bytes});
+      report("writing", first + n, 0);
+    };
+    const std::size_t bytes = planned.sweeps[s].chain.plan.result_bytes;
+    if (s == 0)
+      return made([&](std::uint64_t first, std::size_t n, const std::byte* records) { use(first, n, records, bytes); });
+    const RowUpdate after = update_after(s, planned);
+    update_rows(made, rows_.get(), after, bytes,
+                [&](const UpdatedRows& rows) { use(rows.first, rows.count, rows.after, after.record_bytes()); });
+  }
+
+  /// The rows that the last pass has left.
+  void write_rows(const PlannedSweeps& planned) {
+    const auto start = Clock::now();
+    open_late();
+    std::size_t bytes = 0;
+    for (const Attribute& a : planned.made) bytes += a.bytes();
+    const std::size_t stride = bytes != 0 ? bytes : cloud_.schema().stride;
+    const std::uint64_t chunk = std::max<std::size_t>(1, (std::size_t{4} << 20) / stride);
+    std::vector<std::byte> records;
+    for (std::uint64_t first = 0; first < cloud_.count(); first += chunk) {
+      records.resize(std::min(chunk, cloud_.count() - first) * stride);
+      if (bytes != 0) {
+        rows_->read(first, records);
+        files_->write_results(cloud_, first, records);
+      } else {
+        read_fully(cloud_source(), first, records);
+        files_->write_inputs(records);
+      }
+      report("writing", first + records.size() / stride, 0);
+    }
+    statistics_.write_seconds += seconds_since(start);
+  }
+
+  void write_reordered(const PlannedSweeps& planned, const MemoryPlan& memory, const OutputLayout& layout) {
+    Reordering reordering(cloud_, *rows_, layout, planned.by_moved_positions);
     source_ = reordering.positions();
     look(true);
+    if (!files_) open_late();
     source_ = reordering.records();
     order(0, memory, true, {});
-    write_stream(files.layout().schema().stride,
-                 [&](std::span<const std::byte> records) { files.write_records(records); });
+    write_stream(layout.schema().stride, [&](std::span<const std::byte> records) { files_->write_records(records); });
   }
 
   void write_stream(std::size_t bytes, const std::function<void(std::span<const std::byte>)>& write_records) {
@@ -431,12 +577,12 @@ class Run {
     if (options_.progress) options_.progress({phase, done, cloud_.count(), active});
   }
 
-  Statistics finish(OutputSet& files) {
-    for (const std::string& warning : files.warnings()) statistics_.warnings.push_back(warning);
-    files.finish(cloud_);
+  Statistics finish() {
+    for (const std::string& warning : files_->warnings()) statistics_.warnings.push_back(warning);
+    files_->finish(cloud_);
     if (checkpoints_) checkpoints_->finish();
     number_degenerate_rows();
-    statistics_.bytes_written = files.bytes_written();
+    statistics_.bytes_written = files_->bytes_written();
     statistics_.total_seconds = seconds_since(started_);
     statistics_.peak_rss_bytes = peak_resident_bytes();
     return std::move(statistics_);
@@ -458,7 +604,10 @@ class Run {
   Survey survey_;
   std::optional<TempFolder> folder_;
   std::optional<Checkpoints> checkpoints_;
-  std::unique_ptr<RowFile> rows_;  ///< what the sweep before has left
+  std::unique_ptr<RowFile> rows_;  ///< what the pass before has left
+  CloudValues values_;             ///< that are known by now
+  std::function<void()> open_files_;
+  std::optional<OutputSet> files_;  ///< opened before the work, or after the last select
   std::optional<Stream> stream_;
 };
 

@@ -5,17 +5,18 @@
 #include <thread>
 
 #include "pointsweep/pipeline/radius_estimate.h"
+#include "pointsweep/pipeline/row_mask.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kMovedPositionBytes = 3 * sizeof(double);
 
-/// Of a point, the most at once: while a sweep ends, what came into it and what goes out of it.
+/// Of a point, the most at once: while a pass ends, what came into it and what goes out of it.
 std::uint64_t most_carried(const PlannedSweeps& planned) {
   std::uint64_t most = 0, before = 0;
   for (const PlannedSweep& sweep : planned.sweeps) {
-    const bool stays = planned.reorders || &sweep != &planned.sweeps.back();
+    const bool stays = planned.reorders || sweep.selects || &sweep != &planned.sweeps.back();
     std::uint64_t after = 0;
     for (const Attribute& a : sweep.carried) after += stays ? a.bytes() : 0;
     most = std::max(most, before + after);
@@ -59,6 +60,26 @@ MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand
   return memory;
 }
 
+/// Points that are put in order and go through no stage.
+SweepPlan unswept(std::uint32_t result_bytes) {
+  SweepPlan none;
+  none.steps = {0, 0};
+  none.result_bytes = result_bytes;
+  return none;
+}
+
+/// Reads rows in their order: a megabyte of them at once.
+MemoryPlan plan_rows() {
+  MemoryPlan memory;
+  memory.expected_bytes = kFixedBytes;
+  return memory;
+}
+
+/// The masks of the select before and of the one that is decided.
+std::uint64_t mask_bytes(const PlannedSweeps& planned, std::uint64_t points) {
+  return planned.selects() ? 2 * RowMask::bytes(points) : 0;
+}
+
 std::uint64_t travelling_bytes(const PlannedSweep& sweep) {
   const PositionFields p = position_fields(sweep.input, "The input");
   return size_of(p.x.type) + size_of(p.y.type) + size_of(p.z.type) + 8 * sweep.chain.payload(sweep.input).size();
@@ -75,7 +96,14 @@ RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, st
   RunMemory memory;
   const bool whole = leaves_in_order(planned, options);
   for (const PlannedSweep& sweep : planned.sweeps) {
-    const SweepPlan& stages = sweep.chain.plan;
+    if (sweep.kind == PassKind::rows) {
+      memory.efforts.emplace_back();
+      memory.record_bytes.push_back(sweep.input.stride);
+      memory.sweeps.push_back(plan_rows());
+      continue;
+    }
+    SweepPlan stages = sweep.chain.plan;
+    if (sweep.kind == PassKind::order) stages = unswept(sweep.chain.plan.result_bytes);
     MemoryDemand needs = demand(whole ? sweep.input.stride : travelling_bytes(sweep),
                                 whole ? output_bytes : stages.result_bytes, points, survey, options);
     memory.efforts.push_back(add_radius(needs, stages, survey));
@@ -90,7 +118,7 @@ RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, st
   std::uint64_t needed = memory.reordering.needed_bytes;
   for (const MemoryPlan& sweep : memory.sweeps) needed = std::max(needed, sweep.needed_bytes);
   if (needed != 0) fail_budget(budget, needed);
-  memory.row_bytes = points * most_carried(planned);
+  memory.row_bytes = points * most_carried(planned) + mask_bytes(planned, points);
   memory.spill_rows = memory.row_bytes > 0 && (memory.spills() || memory.expected_bytes + memory.row_bytes > budget);
   if (!memory.spill_rows) memory.expected_bytes += memory.row_bytes;
   return memory;
@@ -98,9 +126,7 @@ RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, st
 
 MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
                                 const Survey& survey, const RunOptions& options) {
-  SweepPlan none;
-  none.steps = {0, 0};
-  return plan(budget, none, demand(record_bytes, 0, points, survey, options), options);
+  return plan(budget, unswept(0), demand(record_bytes, 0, points, survey, options), options);
 }
 
 bool leaves_in_order(const PlannedSweeps& planned, const RunOptions& options) {

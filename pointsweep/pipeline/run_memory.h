@@ -20,11 +20,11 @@ struct Effort {
 
 /// Of all phases, decided before the first.
 struct RunMemory {
-  std::vector<MemoryPlan> sweeps;
-  std::vector<std::uint64_t> record_bytes;  ///< of a point on its way through the stream, by sweep
-  std::vector<Effort> efforts;              ///< by sweep
+  std::vector<MemoryPlan> sweeps;           ///< by pass
+  std::vector<std::uint64_t> record_bytes;  ///< of a point on its way through the stream, by pass
+  std::vector<Effort> efforts;              ///< by pass
   MemoryPlan reordering;                    ///< of the output, if planned.reorders
-  bool spill_rows = false;                  ///< what is carried between sweeps
+  bool spill_rows = false;                  ///< what is carried between passes, and which rows are left
   std::uint64_t row_bytes = 0;              ///< what that takes at most, in memory or in the temporary folder
   std::uint64_t expected_bytes = 0;         ///< the most at any time
   bool spills() const;

@@ -111,6 +111,7 @@ std::string to_json(const Statistics& s) {
   for (const auto& [name, seconds] : s.operator_seconds) operators[unique.of(name)] = seconds;
   nlohmann::ordered_json json = {
       {"points", s.points},
+      {"points_written", s.points_written},
       {"sweeps", s.sweeps},
       {"k", s.k},
       {"certified", s.certified},

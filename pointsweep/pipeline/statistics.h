@@ -40,10 +40,12 @@ struct DegenerateResults {
 /// Of a run of several sweeps, sums over them unless it is said otherwise. Of a run that was resumed, counts of points
 /// are those of the whole; times, bytes, series and distances those of the last process alone.
 struct Statistics {
-  std::uint64_t points = 0;
-  std::uint64_t sweeps = 0;      ///< one, and one more for each `reneighbor` whose neighbourhoods are used
-  std::uint64_t k = 0;           ///< of the first sweep; 0: no limit
-  std::uint64_t certified = 0;   ///< points whose neighbourhoods are proven exact in every sweep: all finite ones
+  std::uint64_t points = 0;          ///< of the input, without those dropped
+  std::uint64_t points_written = 0;  ///< those of them that no select has left out
+  std::uint64_t sweeps = 0;          ///< passes that find neighbourhoods
+  std::uint64_t k = 0;               ///< of the first sweep; 0: no limit
+  std::uint64_t certified = 0;   ///< points whose neighbourhoods are proven exact in every sweep: all finite ones that
+                                 ///< are left in the last
   std::uint64_t recalled = 0;    ///< neighbourhoods proven by reading a part of the stream again
   std::uint64_t degenerate = 0;  ///< results that got the documented value, of all stages
   std::uint64_t nonfinite = 0;   ///< points whose coordinates are NaN or infinite, in the input or when a sweep begins

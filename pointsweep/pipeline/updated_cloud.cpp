@@ -59,20 +59,20 @@ void RowUpdate::run(const std::byte* carried, const std::byte* made, std::size_t
   }
 }
 
-void update_rows(RowStore& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
-                 const std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>& use) {
+void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
+                 const std::function<void(const UpdatedRows&)>& use) {
   const std::size_t before = carried == nullptr ? 0 : carried->record_bytes();
-  const std::size_t chunk = std::max<std::size_t>(1, kUpdateBytes / std::max(before, update.record_bytes()));
+  const std::size_t chunk =
+      std::max<std::size_t>(1, kUpdateBytes / std::max<std::size_t>({before, update.record_bytes(), 1}));
   std::vector<std::byte> old, updated;
-  results.drain([&](std::uint64_t first, std::span<const std::byte> made) {
-    const std::size_t rows = made.size() / made_bytes;
+  results([&](std::uint64_t first, std::size_t rows, const std::byte* made) {
     for (std::size_t at = 0; at < rows; at += chunk) {
       const std::size_t n = std::min(chunk, rows - at);
       old.resize(n * before);
       updated.resize(n * update.record_bytes());
       if (carried != nullptr) carried->read(first + at, old);
-      update.run(old.data(), made.data() + at * made_bytes, n, updated.data());
-      use(first + at, updated);
+      update.run(old.data(), made + at * made_bytes, n, updated.data());
+      use({first + at, n, made + at * made_bytes, updated.data()});
     }
   });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The cloud between two sweeps: the input, with what has been made in the place of what the input has.
+/// The cloud between two passes: the input, with what has been made in the place of what the input has.
 #pragma once
 
 #include <cstddef>
@@ -36,13 +36,25 @@ class RowUpdate {
   std::size_t carried_bytes_, made_bytes_, after_bytes_;
 };
 
-/// Takes the rows of `results`, updated, in their order: `use(first_row, records)` with at most a megabyte at once.
-/// `carried` is null before the first sweep.
-void update_rows(RowStore& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
-                 const std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>& use);
+/// Successive rows: what a pass has made of them, and the same updated. Either may be empty records.
+struct UpdatedRows {
+  std::uint64_t first;
+  std::size_t count;
+  const std::byte* made;
+  const std::byte* after;
+};
 
-/// The cloud as `sweep` sees it. What is borrowed must outlive the source. The input itself is read only where the
-/// sweep needs something of it; `note_read` is told its bytes.
+/// Gives what a pass has made of all rows, in their order.
+using MadeRows = std::function<void(
+    const std::function<void(std::uint64_t first_row, std::size_t count, const std::byte* made)>& use)>;
+
+/// Takes the rows of `results`, updated, in their order, at most a megabyte at once. `carried` is null before the first
+/// pass; `made_bytes` is the size of a record of `results`.
+void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
+                 const std::function<void(const UpdatedRows&)>& use);
+
+/// The cloud as a pass sees it. What is borrowed must outlive the source. The input itself is read only where the
+/// pass needs something of it; `note_read` is told its bytes.
 PointSource updated_source(Cloud& cloud, const RowFile& carried, const PlannedSweep& sweep,
                            std::function<void(std::uint64_t bytes)> note_read);
 

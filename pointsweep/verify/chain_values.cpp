@@ -68,7 +68,7 @@ std::vector<PointColumns> slots_of(const Surroundings& around, const std::vector
 }  // namespace
 
 ChainValues::ChainValues(std::vector<std::shared_ptr<const Operator>> operators, const std::vector<std::string>& keep,
-                         const Schema& input, SharedRule rule)
+                         const Schema& input, SharedRule rule, const CloudThreshold& threshold)
     : rule_(std::move(rule)) {
   if (rule_) rule_formula_ = formula_of(*rule_);
   for (const Attribute& a : rule_ ? rule_->reads() : std::vector<Attribute>{}) {
@@ -82,7 +82,7 @@ ChainValues::ChainValues(std::vector<std::shared_ptr<const Operator>> operators,
     const Contract contract = op->contract();
     Stage stage{
         .op = op, .reads = {}, .reads_neighbors = {}, .makes = {}, .position = position, .alone = contract.alone};
-    stage.formula = formula_of(*op);
+    stage.formula = formula_of(*op, threshold);
     for (const Attribute& a : contract.reads) stage.reads.push_back(column_of(a, *op, input));
     for (const Attribute& a : contract.reads_neighbors) stage.reads_neighbors.push_back(column_of(a, *op, input));
     for (const Attribute& a : contract.makes) {

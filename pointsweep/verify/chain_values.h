@@ -28,7 +28,7 @@ class ChainValues {
   /// UsageError if an operator reads what neither the input nor an earlier stage has, or the rule what the input has
   /// not.
   ChainValues(std::vector<std::shared_ptr<const Operator>> operators, const std::vector<std::string>& keep,
-              const Schema& input, SharedRule rule = {});
+              const Schema& input, SharedRule rule = {}, const CloudThreshold& threshold = {});
 
   /// The last version of each kept attribute, in the order first made.
   const std::vector<Attribute>& made() const { return made_; }

@@ -13,6 +13,7 @@
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/outliers.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/verify/formulas/curvature.h"
 #include "pointsweep/verify/formulas/distances.h"
@@ -116,6 +117,24 @@ class SizeFormula final : public StageFormula {
   }
 };
 
+class MeanDistanceFormula final : public StageFormula {
+ public:
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {formulas::mean_distance(in.place, in.neighbors)};
+  }
+};
+
+class OutlierFormula final : public StageFormula {
+ public:
+  explicit OutlierFormula(const CloudThreshold& threshold) : threshold_(threshold) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {formulas::outlier(in.reads[0], threshold_.value, threshold_.error)};
+  }
+
+ private:
+  CloudThreshold threshold_;
+};
+
 class GraphFormula final : public StageFormula {
  public:
   explicit GraphFormula(const Contract& c)
@@ -152,7 +171,7 @@ class GraphFormula final : public StageFormula {
 
 }  // namespace
 
-std::unique_ptr<StageFormula> formula_of(const Operator& op) {
+std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold) {
   // Exactly these classes: one derived from them may mean something else.
   const std::type_info& type = typeid(op);
   const Contract contract = op.contract();
@@ -163,6 +182,8 @@ std::unique_ptr<StageFormula> formula_of(const Operator& op) {
                                           static_cast<const Splats&>(op).options().axes == SplatAxes::curvature);
   if (type == typeid(Fair)) return std::make_unique<FairFormula>(contract, static_cast<const Fair&>(op).options());
   if (type == typeid(NeighborhoodSize)) return std::make_unique<SizeFormula>();
+  if (type == typeid(MeanDistance)) return std::make_unique<MeanDistanceFormula>();
+  if (type == typeid(Outlier)) return std::make_unique<OutlierFormula>(threshold);
   if (type == typeid(NeighborRows)) return std::make_unique<GraphFormula>(contract);
   return nullptr;
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -36,8 +37,14 @@ class StageFormula {
 /// Estimates that an attribute takes.
 inline std::size_t estimates_of(const Attribute& a) { return a.fields.size() <= 3 ? 1 : a.fields.size(); }
 
-/// Nothing for operators that are not of this library.
-std::unique_ptr<StageFormula> formula_of(const Operator& op);
+/// A value of the whole cloud that a stage needs, as the user's own check found it; NaN: not found.
+struct CloudThreshold {
+  formulas::Real value = std::numeric_limits<formulas::Real>::quiet_NaN();
+  formulas::Real error = 0;
+};
+
+/// Nothing for operators that are not of this library. `threshold`: of Outlier, the only one that needs it.
+std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold = {});
 
 /// How many neighbours a rule keeps of those found; `values` are its reads() of the point.
 using RuleFormula = std::function<formulas::Kept(const formulas::Place&, std::span<const formulas::Place> neighbors,

@@ -53,7 +53,7 @@ class Verification {
         out_(out),
         made_by_(made_by),
         options_(options),
-        chain_(made_by.operators, made_by.keep, in_.schema(), made_by.rule),
+        chain_(made_by.operators, made_by.keep, in_.schema(), made_by.rule, made_by.outlier_threshold),
         rows_(rows_to_check(in_.count(), options)) {
     verdict_.input = in_.name(), verdict_.output = out_.name();
     verdict_.attributes_compared = !is_array;

@@ -13,6 +13,7 @@
 #include "pointsweep/operators/operator.h"
 #include "pointsweep/points/neighborhood_rule.h"
 #include "pointsweep/verify/row_source.h"
+#include "pointsweep/verify/stage_formula.h"
 #include "pointsweep/verify/surroundings.h"
 #include "pointsweep/verify/verdict.h"
 
@@ -39,6 +40,8 @@ struct MadeBy {
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
   /// Made too, but from neighbours of moved points, which no sample of the input tells: they are not checked.
   std::vector<Attribute> unchecked = {};
+  /// The threshold of outliers, found in the output (outlier_threshold.h).
+  CloudThreshold outlier_threshold = {};
   /// Fields that were not written: of kept made attributes, and of the input under the input's own names.
   std::set<std::string> left_out_made = {}, left_out_input = {};
 };

@@ -130,6 +130,13 @@ const std::vector<Work>& works() {
       {"fairing in sweep order", "normals | splats | fair(f=9, g=9) | resort | reneighbor | normals", "out.ply",
        Order::sweep},
       {"sort", "", "out.ply"},
+      {"outliers left out", "knn(k=6) | sor(multiplier=1) | where(outlier == 0) | normals"},
+      {"outliers left out in sweep order",
+       "knn(k=6) | sor(multiplier=1) | where(outlier == 0) | normals",
+       "out.las",
+       Order::sweep,
+       {"finite.xyz"}},
+      {"equal points and others left out", "unique | where(z > 0.1) | normals | where(nz > 0 || x < 0.5) | sor"},
       {"a part of the normals in sweep order", "normals", "out.ply", Order::sweep, {"a.xyz", "b.xyz"}, {"nx"}},
   };
   return works;

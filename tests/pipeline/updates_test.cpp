@@ -207,11 +207,11 @@ TEST(Updates, ThePreviewTellsTheSweepsApart) {
   RunOptions options = tiny(100);
   options.order = Order::sweep;
   const std::string text = to_text(preview(*cloud, chain, options));
-  for (const char* words : {"sweep 1 of 2\nneighbours    the 5 nearest", "sweep 2 of 2\nneighbours    the 9 nearest",
+  for (const char* words : {"pass 1 of 2\nneighbours    the 5 nearest", "pass 2 of 2\nneighbours    the 9 nearest",
                             "  1 normals", "  2 throw", "  3 resort", "  4 normals",
                             "carried on    60 bytes a point: normal (nx ny nz float32) position (x y z float64)",
-                            "a sweep before", "results       36 bytes a point", "order         of the moved positions",
-                            "MB between sweeps", "3 resort       1  through"})
+                            "a pass before", "results       36 bytes a point", "order         of the moved positions",
+                            "MB between passes", "3 resort       1  through"})
     EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << text;
 }
 

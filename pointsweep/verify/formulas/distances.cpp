@@ -28,6 +28,27 @@ Estimate farthest(const Place& p, std::span<const Place> neighbors) {
   return result;
 }
 
+Estimate mean_distance(const Place& p, std::span<const Place> neighbors) {
+  Estimate mean;
+  const auto n = static_cast<Real>(neighbors.size());
+  for (const Place& q : neighbors) {
+    const Estimate d = distance(p, q);
+    mean.value.x += d.value.x / n;
+    mean.error += d.error / n;
+  }
+  if (neighbors.empty() || !std::isfinite(mean.value.x))
+    return {.value = {std::numeric_limits<Real>::quiet_NaN(), 0, 0}};
+  mean.error += rounding_of_sum(neighbors.size()) * mean.value.x;
+  return mean;
+}
+
+Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_error) {
+  const Real mean = mean_distance.value.x;
+  if (mean_distance.is_open() || std::isnan(threshold)) return open();
+  if (std::fabs(mean - threshold) <= mean_distance.error + threshold_error) return open();
+  return {.value = {!(mean <= threshold) ? Real{1} : Real{0}, 0, 0}};
+}
+
 GraphRow graph_row(const Place& p, std::span<const Place> neighbors, std::span<const std::uint64_t> rows) {
   GraphRow row;
   for (std::size_t j = 0; j < neighbors.size(); ++j)

@@ -19,6 +19,13 @@ Estimate distance(const Place& p, const Place& q);
 /// The farthest of `neighbors`, float64; 0 without any, NaN if one of them, moved, has no finite place.
 Estimate farthest(const Place& p, std::span<const Place> neighbors);
 
+/// The mean distance to `neighbors`, float64; NaN without any, or if one of them, moved, has no finite place.
+Estimate mean_distance(const Place& p, std::span<const Place> neighbors);
+
+/// Whether a mean distance is that of an outlier: 1 if it is NaN or above the threshold, else 0. Open if the threshold
+/// is NaN.
+Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_error);
+
 /// A neighbour in the graph.
 struct GraphNeighbor {
   Estimate distance;

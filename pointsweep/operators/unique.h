@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+/// Keeping one of the points that lie at one place.
+#pragma once
+
+#include <string>
+
+#include "pointsweep/operators/operator.h"
+
+namespace pointsweep {
+
+OperatorDeclaration unique_declaration();
+
+/// Keeps, of all points with equal coordinates at the positions of now, the one of the first row. Coordinates are equal
+/// if all three are equal numbers (-0 and 0 are); points without a finite place are all kept. Needs no neighbourhoods:
+/// the points are put in order once.
+class Unique final : public Operator {
+ public:
+  std::string name() const override { return "unique"; }
+  Contract contract() const override { return {{}, {}, {selection_attribute()}, true, Selects::first_of_equal}; }
+  void apply(const Neighborhoods&, Columns&) const override {}
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/pass_values.h"
+
+#include <algorithm>
+
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+namespace {
+constexpr std::size_t kValueBatch = 4096;
+}  // namespace
+
+PassValues::PassValues(const PlannedSweep& pass, const Schema& input) : input_bytes_(input.stride) {
+  for (const Attribute& a : pass.carried) carried_bytes_ += a.bytes();
+  for (const PlannedValue& value : pass.values) {
+    Sum& sum = sums_.emplace_back();
+    sum.value = value;
+    for (const Attribute& a : value.reduction->reads())
+      for (std::size_t c = 0; c < a.fields.size(); ++c) sum.reads.push_back(component_of(a, c, pass, input));
+    for (unsigned t = 0; t < thread_count(); ++t) sum.parts.push_back(value.reduction->start());
+  }
+}
+
+PassValues::Component PassValues::component_of(const Attribute& attribute, std::size_t c, const PlannedSweep& pass,
+                                               const Schema& input) {
+  std::size_t offset = 0;
+  for (const Attribute& a : pass.carried) {
+    if (a.name == attribute.name)
+      return {{.name = "", .type = a.type, .offset = static_cast<std::uint32_t>(offset + c * size_of(a.type))}, true};
+    offset += a.bytes();
+  }
+  needs_input_ = true;
+  return {input.fields[input.find(attribute.fields[c]).value()], false};
+}
+
+void PassValues::add(const std::byte* carried, const std::byte* inputs, std::size_t n) {
+  if (!any()) return;
+  parallel_for((n + kValueBatch - 1) / kValueBatch, [&](std::size_t batch, unsigned worker) {
+    const std::size_t first = batch * kValueBatch, size = std::min(kValueBatch, n - first);
+    const std::byte* own = inputs == nullptr ? nullptr : inputs + first * input_bytes_;
+    for (Sum& sum : sums_) add_batch(sum, carried + first * carried_bytes_, own, size, worker);
+  });
+}
+
+void PassValues::add_batch(Sum& sum, const std::byte* carried, const std::byte* inputs, std::size_t n,
+                           unsigned worker) const {
+  std::vector<double> values;
+  values.reserve(n * sum.reads.size());
+  for (std::size_t i = 0; i < n; ++i)
+    for (const Component& c : sum.reads)
+      values.push_back(value_of(c.field, c.carried ? carried + i * carried_bytes_ : inputs + i * input_bytes_));
+  sum.parts[worker]->add(values.data(), n);
+}
+
+void PassValues::finish(CloudValues& into) const {
+  for (const Sum& sum : sums_) {
+    const std::unique_ptr<Accumulator> all = sum.value.reduction->start();
+    for (const auto& part : sum.parts) all->merge(*part);
+    into[sum.value.number] = all->finish();
+  }
+}
+
+void give_values(PlannedSweep& pass, const CloudValues& values) {
+  for (std::size_t s = 0; s < pass.values_of_stages.size(); ++s) {
+    if (pass.values_of_stages[s].empty()) continue;
+    std::vector<std::vector<double>> given;
+    for (const std::size_t number : pass.values_of_stages[s]) given.push_back(values.at(number));
+    Stage& stage = pass.chain.plan.stages[s];
+    stage.op = stage.op->with_values(given);
+  }
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+/// The values of the whole cloud that are known when a pass has ended.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "pointsweep/pipeline/planned_sweeps.h"
+
+namespace pointsweep {
+
+/// By number in the whole chain.
+using CloudValues = std::map<std::size_t, std::vector<double>>;
+
+class PassValues {
+ public:
+  /// `input`: of the cloud's own records.
+  PassValues(const PlannedSweep& pass, const Schema& input);
+
+  bool any() const { return !sums_.empty(); }
+  /// Whether it reads the cloud's own records, too.
+  bool needs_input() const { return needs_input_; }
+  /// Takes `n` rows that the pass leaves: records of what is carried from it, and of the cloud; the latter may be null
+  /// if they are not needed. On all threads.
+  void add(const std::byte* carried, const std::byte* inputs, std::size_t n);
+  void finish(CloudValues& into) const;
+
+ private:
+  struct Component {
+    Field field;
+    bool carried;
+  };
+  struct Sum {
+    PlannedValue value;
+    std::vector<Component> reads;
+    std::vector<std::unique_ptr<Accumulator>> parts;  ///< by thread
+  };
+  Component component_of(const Attribute& attribute, std::size_t c, const PlannedSweep& pass, const Schema& input);
+  void add_batch(Sum& sum, const std::byte* carried, const std::byte* inputs, std::size_t n, unsigned worker) const;
+
+  std::vector<Sum> sums_;
+  std::size_t carried_bytes_ = 0, input_bytes_;
+  bool needs_input_ = false;
+};
+
+/// Gives the stages of a pass the values they wait for.
+void give_values(PlannedSweep& pass, const CloudValues& values);
+
+}  // namespace pointsweep

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+/// The rows that a select keeps, written as they are decided and read by the cloud.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "pointsweep/formats/row_selection.h"
+#include "pointsweep/order/row_file.h"
+
+namespace pointsweep {
+
+/// Appends one decision for each row of a cloud, which may be a selection itself; the result is one of the whole cloud.
+class RowMask {
+ public:
+  /// `before`: what earlier selects have left of `rows` rows; null: all. It must outlive this.
+  RowMask(std::uint64_t rows, const RowSelection* before, const SpillPlace& spill);
+  /// Of the next row of `before`.
+  void append(bool kept);
+  /// After the last row.
+  RowSelection finish();
+  std::uint64_t spilled_bytes() const { return file_->spilled_bytes(); }
+
+  /// A finished one that a checkpoint has kept.
+  static RowSelection kept(std::uint64_t rows, const SpillPlace& kept);
+  /// What the bits of so many rows take.
+  static std::uint64_t bytes(std::uint64_t rows);
+
+ private:
+  void append_any(bool kept);
+
+  std::uint64_t rows_, next_ = 0;  ///< of all rows
+  const RowSelection* before_;
+  std::shared_ptr<RowFile> file_;
+  std::vector<std::byte> block_;
+};
+
+}  // namespace pointsweep

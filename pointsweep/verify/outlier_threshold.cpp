@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/outlier_threshold.h"
+
+#include <cmath>
+
+namespace pointsweep {
+namespace {
+
+using formulas::Real;
+
+template <class Use>
+void for_each_finite(RowSource& source, const Field& field, const PhaseProgress& progress, Use use) {
+  for (std::uint64_t row = 0; row < source.count();) {
+    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(source.block_rows(), source.count() - row));
+    const std::span<const std::byte> records = source.read(row, n);
+    for (std::size_t i = 0; i < n; ++i)
+      if (const double v = value_of(field, records.data() + i * source.schema().stride); std::isfinite(v)) use(v);
+    row += n;
+    if (progress) progress("reading", row, source.count());
+  }
+}
+
+}  // namespace
+
+CloudThreshold outlier_threshold(Reader& out, const std::string& name, double multiplier,
+                                 const PhaseProgress& progress) {
+  RowSource source(out);
+  const auto at = source.schema().find(name);
+  if (!at) return {};
+  const Field& field = source.schema().fields[*at];
+  Real sum = 0, n = 0, squares = 0;
+  for_each_finite(source, field, progress, [&](double v) { sum += v, n += 1; });
+  const Real mean = sum / n;
+  for_each_finite(source, field, progress, [&](double v) { squares += (v - mean) * (v - mean); });
+  const Real deviation = n > 1 ? std::sqrt(squares / (n - 1)) : 0;
+  // What n additions lose in extended precision, and what a text or a float32 output has rounded.
+  const Real lost = field.type == Type::f64 ? n * 0x1p-63L + 8 * formulas::kDouble : 4 * formulas::kSingle;
+  const Real threshold = mean + multiplier * deviation;
+  return {threshold, lost * (mean + multiplier * deviation)};
+}
+
+}  // namespace pointsweep

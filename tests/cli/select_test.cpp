@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+/// where, sor and unique as a user runs them, on files of every format.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/tool.h"
+
+namespace pointsweep {
+namespace {
+
+class SelectStages : public Tool {
+ protected:
+  /// Text with x y z and a number for each row; those of `rows` only.
+  void write_rows(const std::string& name, bool (*keep)(int)) {
+    std::string text = "x y z level\n";
+    for (int i = 0; i < 900; ++i)
+      if (keep(i)) text += fmt::format("{} {} {} {}\n", i % 30, i / 30 * 0.5, (i * 37 % 101) * 0.01, i % 7);
+    write(name, text);
+  }
+  nlohmann::json info(const std::string& name) { return nlohmann::json::parse(tool("info --json " + name).out); }
+};
+
+TEST_F(SelectStages, EveryFormatGetsTheRowsThatAreLeft) {
+  write_rows("all.txt", [](int) { return true; });
+  write_rows("some.txt", [](int i) { return i % 7 > 3 || i % 30 == 2; });
+  for (const char* extension : {"ply", "las", "txt", "csv"}) {
+    for (const char* order : {"input", "sweep"}) {
+      const std::string options = fmt::format(" --no-provenance -f -q --order {} --pipeline ", order);
+      const std::string got = fmt::format("got.{}", extension), expected = fmt::format("expected.{}", extension);
+      EXPECT_EQ(made("run all.txt " + got + options + "'where(level > 3 || x == 2) | normals'", got),
+                made("run some.txt " + expected + options + "'normals'", expected))
+          << extension << ", " << order;
+      EXPECT_EQ(made("run all.txt " + got + options + "'where(level > 3 || x == 2)'", got),
+                made("run some.txt " + expected + options + "'unique'", expected))
+          << extension << ", " << order;
+    }
+  }
+}
+
+TEST_F(SelectStages, ALasHeaderCountsThoseThatAreLeft) {
+  write_rows("all.txt", [](int) { return true; });
+  made("run all.txt all.las -q --pipeline 'unique'");
+  made("run all.las some.las -q --pipeline 'where(y >= 3 && y < 5)'");
+  const nlohmann::json some = info("some.las");
+  const nlohmann::json& file = some.is_array() ? some[0] : some.contains("files") ? some["files"][0] : some;
+  EXPECT_EQ(file["points"], 120);
+  EXPECT_NE(file.dump().find("4.5"), std::string::npos) << file.dump();
+}
+
+TEST_F(SelectStages, NoRowLeavesAFileWithoutPoints) {
+  write_rows("all.txt", [](int) { return true; });
+  for (const char* extension : {"ply", "las", "txt"}) {
+    for (const char* order : {"input", "sweep"}) {
+      const std::string name = fmt::format("none.{}", extension);
+      const Result result = tool(
+          fmt::format("run all.txt {} -f --order {} --pipeline 'sor | where(level > 100) | normals'", name, order));
+      EXPECT_EQ(result.status, 0) << result.err;
+      EXPECT_NE(result.err.find("No point is left: " + name + " holds none."), std::string::npos) << result.err;
+      EXPECT_NE(result.err.find("0 points of 900"), std::string::npos) << result.err;
+      EXPECT_NE(tool("info " + name).out.find("points      0"), std::string::npos);
+    }
+  }
+}
+
+TEST_F(SelectStages, SeveralInputsOfDifferentAttributesAreOneCloud) {
+  write_rows("a.txt", [](int i) { return i < 500; });
+  write("b.txt", "x y z\n0 0 0\n1 1 9\n1 1 9\n");
+  const std::string text =
+      made("run a.txt b.txt -o out.txt --no-provenance --pipeline 'unique | where(level == 0 && z < 5)'", "out.txt");
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
+            72 + 1 + 0);  // rows 0, 7, ... 497 and the header; b's first equals a's
+}
+
+TEST_F(SelectStages, VerifyFindsAMissingRowAndAWrongOutlier) {
+  write_rows("all.txt", [](int) { return true; });
+  made("run all.txt out.txt --pipeline 'where(level != 3) | sor(multiplier=1)' -q");
+  EXPECT_NE(tool("verify out.txt").out.find("mean_distance outlier"), std::string::npos);
+  std::string text = contents(folder_ / "out.txt");
+  const std::size_t last = text.rfind('\n', text.size() - 2) + 1;
+  write("less.txt", text.substr(0, last));
+  refused(1, "verify all.txt less.txt", "points came out of");
+  std::string wrong = text;
+  wrong[wrong.size() - 2] = wrong[wrong.size() - 2] == '0' ? '1' : '0';  // of the last point
+  write("wrong.txt", wrong);
+  refused(1, "verify all.txt wrong.txt", "outlier");
+  made("run all.txt kept.txt --pipeline 'sor | where(outlier == 0)' -q");
+  refused(2, "verify all.txt kept.txt", "'where' leaves out rows after other stages");
+}
+
+TEST_F(SelectStages, MistakesNameTheirPlace) {
+  write_rows("all.txt", [](int) { return true; });
+  refused(2, "run all.txt o.txt --pipeline 'where(level = 3)'", "column 7: '=' compares nothing; write ==.");
+  refused(2, "run all.txt o.txt --pipeline 'where(lvel == 3)'",
+          "there is no attribute 'lvel'; there are x, y, z, level");
+  refused(2, "run all.txt o.txt --pipeline 'where(level == 3'", "column");
+  refused(2, "run all.txt o.txt --pipeline 'where'", "'condition' is missing");
+  refused(2, "run all.txt o.txt --pipeline 'sor(multiplier=-1)'", "0 or more");
+  EXPECT_FALSE(exists("o.txt"));
+}
+
+}  // namespace
+}  // namespace pointsweep

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+/// sor against a plain evaluation in long double over neighbours found by brute force, and its sums against each other.
+#include "pointsweep/operators/outliers.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pointsweep/pipeline/build_chain.h"
+#include "tests/oracles/clouds.h"
+#include "tests/oracles/grid_neighbors.h"
+#include "tests/oracles/oracle.h"
+#include "tests/pipeline/in_memory.h"
+#include "tests/pipeline/moving_clouds.h"
+#include "tests/support/brute_force.h"
+
+namespace pointsweep {
+namespace {
+
+using Real = long double;
+
+Real distance(Vec3 a, Vec3 b) {
+  const Real dx = Real{a.x} - b.x, dy = Real{a.y} - b.y, dz = Real{a.z} - b.z;
+  return std::sqrt(dx * dx + dy * dy + dz * dz);
+}
+
+/// Mean distances, mean + multiplier * deviation, from lists and the positions at which to look.
+struct PlainOutliers {
+  std::vector<Real> mean_distance;  ///< NaN where there is none
+  Real threshold = 0;
+
+  PlainOutliers(const std::vector<Vec3>& now, const std::vector<std::vector<std::uint32_t>>& lists, Real multiplier) {
+    Real sum = 0, n = 0;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      Real mean = 0;
+      for (const std::uint32_t j : lists[i]) mean += distance(now[i], now[j]) / static_cast<Real>(lists[i].size());
+      if (lists[i].empty() || !std::isfinite(mean)) mean = std::nanl("");
+      mean_distance.push_back(mean);
+      if (!std::isnan(mean)) sum += mean, n += 1;
+    }
+    Real squares = 0;
+    for (const Real d : mean_distance)
+      if (!std::isnan(d)) squares += (d - sum / n) * (d - sum / n);
+    threshold = sum / n + multiplier * (n > 1 ? std::sqrt(squares / (n - 1)) : 0);
+  }
+};
+
+void expect_plain(const RunResult& got, const PlainOutliers& plain) {
+  const std::vector<double> mean = got.field("mean_distance"), outlier = got.field("outlier");
+  ASSERT_EQ(mean.size(), plain.mean_distance.size());
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    const Real expected = plain.mean_distance[i];
+    if (std::isnan(expected)) {
+      EXPECT_TRUE(std::isnan(mean[i])) << i;
+      EXPECT_EQ(outlier[i], 1) << i;
+      continue;
+    }
+    ASSERT_NEAR(mean[i], static_cast<double>(expected), 1e-13 * static_cast<double>(expected)) << i;
+    const bool decided = std::abs(expected - plain.threshold) > 1e-12L * plain.threshold;
+    ASSERT_TRUE(!decided || (outlier[i] != 0) == (expected > plain.threshold)) << i;
+  }
+}
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+Chain sor_chain(Neighborhood neighborhood, double multiplier) {
+  return {std::move(neighborhood), {std::make_shared<StatisticalOutliers>(multiplier)}};
+}
+
+TEST(Outliers, OfHostileCloudsAreThoseOfThePlainFormula) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    SCOPED_TRACE(name);
+    const std::vector<Vec3> points = make_cloud(shape, 700, 21);
+    for (const auto& [k, radius] :
+         {std::pair(std::size_t{6}, kFar), {std::size_t{12}, 0.05}, {Neighborhood::kUnlimited, 0.1}}) {
+      const PlainOutliers plain(points, brute_force_neighbors(points, k, radius), 1.5L);
+      RunResult first;
+      for (const RunOptions& options : {tiny(60, false, 1), tiny(200, true, 3), tiny(50'000, false, 2)}) {
+        RunResult got = run_in_memory(points, sor_chain({.k = k, .radius = radius}, 1.5), options);
+        expect_plain(got, plain);
+        if (first.records.empty()) first = got;
+        ASSERT_TRUE(got.records == first.records);
+      }
+    }
+  }
+}
+
+TEST(Outliers, BehindAMoverAreThoseOfMovedPositionsInTheOldLists) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 800, 22);
+  const Throw mover(0.1);
+  std::vector<Vec3> moved;
+  for (std::size_t i = 0; i < points.size(); ++i) moved.push_back(mover.moved(points[i], i));
+  const auto sor = std::make_shared<StatisticalOutliers>(2.0);
+  expect_plain(run_in_memory(points, {{.k = 7}, {thrown(0.1), sor}}, tiny(90)),
+               PlainOutliers(moved, brute_force_neighbors(points, 7, kFar), 2));
+  expect_plain(run_in_memory(points, {{.k = 7}, {thrown(0.1), reneighbor(5), sor}}, tiny(90, true)),
+               PlainOutliers(moved, brute_force_neighbors(moved, 5, kFar), 2));
+}
+
+TEST(Outliers, WithNeighborhoodsThatAdapt) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 500, 23);
+  const std::string rest = " | neighborhood_size | sor(multiplier=1)";
+  const RunResult got = run_in_memory(
+      points, build_chain(parse_pipeline("knn(k=20, adaptive=eigenentropy, k_min=4)" + rest), Facts{}), tiny(90));
+  const std::vector<double> counts = got.field("neighbor_count");
+  std::vector<std::vector<std::uint32_t>> lists = brute_force_neighbors(points, 20, kFar);
+  for (std::size_t i = 0; i < lists.size(); ++i) lists[i].resize(static_cast<std::size_t>(counts[i]));
+  expect_plain(got, PlainOutliers(points, lists, 1));
+}
+
+TEST(Outliers, TheDeviationOfCloseValuesFarFromZeroIsExact) {
+  const MeanAndDeviation reduction(mean_distance_attribute());
+  const std::vector<double> values = {1e8 + 1e-7, 1e8 - 1e-7, 1e8, std::nan(""), 1e8 + 2e-8};
+  const std::unique_ptr<Accumulator> all = reduction.start(), a = reduction.start(), b = reduction.start();
+  all->add(values.data(), values.size());
+  b->add(values.data(), 2), a->add(values.data() + 2, 3);
+  a->merge(*b);
+  Real mean = 0, squares = 0;
+  for (const double v : values)
+    if (!std::isnan(v)) mean += Real{v} / 4;
+  for (const double v : values)
+    if (!std::isnan(v)) squares += (v - mean) * (v - mean);
+  EXPECT_EQ(all->finish(), a->finish());
+  EXPECT_EQ(all->finish()[0], static_cast<double>(mean));
+  EXPECT_NEAR(all->finish()[1], static_cast<double>(std::sqrt(squares / 3)), 1e-18);
+  EXPECT_EQ(all->finish()[2], 4);
+}
+
+TEST(Outliers, OfRealCloudsAreThoseOfThePlainFormula) {
+  for (const RealCloud& real : real_clouds()) {
+    SCOPED_TRACE(real.name);
+    Cloud cloud({real.file});
+    RowSource source(cloud);
+    const std::vector<Vec3> points = positions_of(source);
+    const GridNeighbors grid(points);
+    std::vector<std::vector<std::uint32_t>> lists;
+    for (std::uint32_t i = 0; i < points.size(); ++i)
+      lists.push_back(is_finite(points[i]) ? grid.of(i, 8, kFar) : std::vector<std::uint32_t>{});
+    expect_plain(run_in_memory(cloud, sor_chain({.k = 8}, 2), tiny(20'000, true)), PlainOutliers(points, lists, 2));
+  }
+}
+
+TEST(Outliers, EqualDistancesHaveNoOutliers) {
+  const RunResult got = run_in_memory(std::vector<Vec3>(50, {1, 2, 3}), sor_chain({.k = 4}, 0), tiny(100));
+  for (const double outlier : got.field("outlier")) EXPECT_EQ(outlier, 0);
+  for (const double mean : got.field("mean_distance")) EXPECT_EQ(mean, 0);
+}
+
+}  // namespace
+}  // namespace pointsweep

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: MIT
+/// Rows that leave the cloud: what is written, and what later stages see, is that of a file without them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "pointsweep/error.h"
+#include "pointsweep/operators/unique.h"
+#include "pointsweep/operators/where.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/preview.h"
+#include "tests/pipeline/attribute_cloud.h"
+#include "tests/pipeline/moving_clouds.h"
+#include "tests/pipeline/refusal.h"
+#include "tests/support/brute_force.h"
+#include "tests/support/sized.h"
+
+namespace pointsweep {
+namespace {
+
+RunResult run_text(const Records& input, const std::string& pipeline, const RunOptions& options,
+                   const std::vector<std::string>& keep = {}) {
+  Cloud cloud = input.cloud();
+  return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud, keep), options);
+}
+
+using Keeps = std::function<bool(const Records&, std::size_t)>;
+
+/// Conditions and the same in C++.
+const std::vector<std::pair<std::string, Keeps>>& conditions() {
+  static const std::vector<std::pair<std::string, Keeps>> all = {
+      {"classification == 2 || classification > 6",
+       [](const Records& r, std::size_t i) {
+         return r.value(i, "classification") == 2 || r.value(i, "classification") > 6;
+       }},
+      {"!(gain < 0.5) && intensity / 2 >= 1000.5",
+       [](const Records& r, std::size_t i) {
+         return !(r.value(i, "gain") < 0.5) && r.value(i, "intensity") / 2 >= 1000.5;
+       }},
+      {"id != 9223372036854775809 && x + y * 2 - z < 3.5",
+       [](const Records& r, std::size_t i) {
+         return i != 1 && r.value(i, "x") + r.value(i, "y") * 2 - r.value(i, "z") < 3.5;
+       }},
+      {"gain == gain", [](const Records& r, std::size_t i) { return !std::isnan(r.value(i, "gain")); }},
+      {"1 < 2", [](const Records&, std::size_t) { return true; }},
+  };
+  return all;
+}
+
+/// Threads, slabs, spilling.
+std::vector<RunOptions> ways(Order order) {
+  std::vector<RunOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3)};
+  for (RunOptions& options : all) options.order = order;
+  return all;
+}
+
+/// That the bytes of `pipeline` over `input` are those of `rest` over `kept`, in both orders and however it is done.
+void expect_as_over(const Records& input, const std::string& pipeline, const Records& kept, const std::string& rest) {
+  for (const Order order : {Order::input, Order::sweep}) {
+    RunOptions plain = tiny(300);
+    plain.order = order;
+    const RunResult expected = run_text(kept, rest, plain);
+    for (const RunOptions& options : ways(order)) {
+      SCOPED_TRACE(pipeline + (order == Order::input ? ", input order" : ", sweep order"));
+      const RunResult got = run_text(input, pipeline, options);
+      ASSERT_EQ(got.schema, expected.schema);
+      ASSERT_TRUE(got.records == expected.records);
+      ASSERT_EQ(got.statistics.points, input.size());
+      ASSERT_EQ(got.statistics.points_written, kept.size());
+    }
+  }
+}
+
+TEST(Where, LeavesTheCloudOfTheKeptRowsForAllLaterStages) {
+  std::size_t turn = 0;
+  for (const auto& [name, shape] : hostile_shapes()) {
+    SCOPED_TRACE(name);
+    const Records input = with_attributes(make_cloud(shape, sized(700), 3));
+    const auto& [text, keeps] = conditions()[turn++ % conditions().size()];
+    const Records kept = input.those([&](std::size_t i) { return keeps(input, i); });
+    if (kept.size() == 0) continue;
+    expect_as_over(input, "knn(k=6) | where(" + text + ") | normals | curvature", kept,
+                   "knn(k=6) | normals | curvature");
+  }
+}
+
+TEST(Where, KeepsWhatThePlainLoopKeeps) {
+  for (const auto& [text, keeps] : conditions()) {
+    SCOPED_TRACE(text);
+    const Records input = with_attributes(make_cloud(hostile_shapes()[13].second, 9001, 4));  // some not finite
+    const Records kept = input.those([&, &k = keeps](std::size_t i) { return k(input, i); });
+    const RunResult got = run_text(input, "where(" + text + ")", tiny(1000));
+    EXPECT_TRUE(got.records == kept.bytes);
+    EXPECT_EQ(got.statistics.sweeps, 0u);
+  }
+}
+
+TEST(Where, SeesWhatEarlierStagesHaveMade) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, sized(900), 6));
+  const Records made = records_of(run_text(input, "knn(k=7) | normals | neighborhood_size", tiny(200)));
+  const Records kept =
+      made.those([&](std::size_t i) { return made.value(i, "nz") > 0.2 && made.value(i, "neighbor_count") == 7; });
+  ASSERT_GT(kept.size(), 50u);
+  for (const RunOptions& options : ways(Order::input)) {
+    const RunResult got = run_text(
+        input, "knn(k=7) | normals | neighborhood_size | where(nz > 0.2 && neighbor_count == 7) | curvature", options);
+    const RunResult rest = run_text(kept, "knn(k=7) | curvature", tiny(100));
+    EXPECT_EQ(got.field("k1"), rest.field("k1"));
+    EXPECT_EQ(got.field("nx"), rest.field("nx"));
+    EXPECT_EQ(got.field("id"), rest.field("id"));
+  }
+}
+
+TEST(Where, AttributesThatItNeedsNeedNotBeKept) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[1].second, 500, 7));
+  const Records whole = records_of(run_text(input, "normals | where(nx > 0 && classification < 5)", tiny(100)));
+  const RunResult got =
+      run_text(input, "normals | where(nx > 0 && classification < 5)", tiny(100), {"ny", "intensity"});
+  EXPECT_EQ(got.field("ny"), run_text(input, "normals | where(nx > 0 && classification < 5)", tiny(100)).field("ny"));
+  EXPECT_EQ(got.schema.fields.size(), 5u);  // x y z intensity ny
+  EXPECT_EQ(got.records.size() / got.schema.stride, whole.size());
+  EXPECT_TRUE(run_text(input, "where(classification < 5)", tiny(100), {"intensity"}).records.size() > 0);
+}
+
+TEST(Where, SeveralOfThemLeaveWhatAllKeep) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[4].second, 9000, 8));
+  const Records kept = input.those([&](std::size_t i) {
+    return input.value(i, "classification") < 7 && input.value(i, "intensity") > 9000 && input.value(i, "x") > 1;
+  });
+  expect_as_over(input, "knn(k=5) | where(classification < 7) | where(intensity > 9000) | where(x > 1) | normals", kept,
+                 "knn(k=5) | normals");
+}
+
+TEST(Where, OfNoRowWritesNone) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 300, 9));
+  for (const Order order : {Order::input, Order::sweep}) {
+    for (const char* pipeline :
+         {"where(z > 1e9)", "where(z > 1e9) | normals", "normals | where(nz > 9) | normals | sor"}) {
+      RunOptions options = tiny(100, true);
+      options.order = order;
+      const RunResult got = run_text(input, pipeline, options);
+      EXPECT_TRUE(got.records.empty());
+      ASSERT_EQ(got.statistics.warnings.size(), 1u) << pipeline;
+      EXPECT_NE(got.statistics.warnings[0].find("No point is left"), std::string::npos);
+      EXPECT_EQ(got.statistics.points_written, 0u);
+    }
+  }
+}
+
+TEST(Where, SeesMovedPositionsAndEndsTheOldNeighborhoods) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, sized(600), 10);
+  const Throw mover(0.5);
+  std::vector<Vec3> moved;
+  for (std::size_t i = 0; i < points.size(); ++i) moved.push_back(mover.moved(points[i], i));
+  const Chain chain{{.k = 6}, {thrown(0.5), std::make_shared<Where>("z > 0"), normals()}};
+  std::vector<Vec3> kept;
+  for (const Vec3& p : moved)
+    if (p.z > 0) kept.push_back(p);
+  const RunResult expected = run_in_memory(kept, {{.k = 6}, {normals()}}, tiny(100));
+  for (const RunOptions& options : ways(Order::input)) {
+    const RunResult got = run_in_memory(points, chain, options);
+    for (const char* field : {"nx", "ny", "nz"}) EXPECT_EQ(got.field(field), expected.field(field));
+    EXPECT_EQ(got.field("x"), expected.field("x"));
+  }
+}
+
+TEST(Where, ResortOrdersThoseThatAreLeft) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 400, 11);
+  RunOptions options = tiny(100);
+  options.order = Order::sweep;
+  options.axis = 2;
+  const Chain chain{{.k = 6}, {thrown(0.3), std::make_shared<Where>("x > 0.2"), reneighbor(4), normals(), resort()}};
+  const RunResult got = run_in_memory(points, chain, options);
+  const std::vector<double> z = got.field("z");
+  ASSERT_GT(z.size(), 100u);
+  std::size_t finite = 0;
+  for (const double y : got.field("y")) finite += std::isfinite(y);
+  EXPECT_TRUE(std::is_sorted(z.begin(), z.begin() + static_cast<std::ptrdiff_t>(finite)));
+  for (const double x : got.field("x")) EXPECT_GT(x, 0.2);
+}
+
+TEST(Where, NumbersOfRowsCountThoseThatAreLeft) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[1].second, 500, 12));
+  const Records kept = input.those([&](std::size_t i) { return input.value(i, "classification") < 3; });
+  const auto lists = brute_force_neighbors(kept.positions(), 4);
+  for (const RunOptions& options : ways(Order::input)) {
+    Cloud cloud = input.cloud();
+    const Chain chain{{.k = 4}, {std::make_shared<Where>("classification < 3"), graph(4, 500)}};
+    const RunResult got = run_in_memory(cloud, chain, options);
+    for (std::size_t j = 0; j < 4; ++j) {
+      std::vector<double> expected;
+      for (const auto& list : lists) expected.push_back(list[j]);
+      EXPECT_EQ(got.field(fmt::format("neighbor_{}", j)), expected);
+    }
+  }
+}
+
+TEST(Where, TellsWhichNameIsWrongAndWhichThereAre) {
+  const Records input = with_attributes({{0, 0, 0}, {1, 1, 1}});
+  const auto refused = [&](const std::string& text) { return refusal([&] { run_text(input, text, tiny(100)); }); };
+  EXPECT_NE(
+      refused("where(clas == 2)").find("column 1: there is no attribute 'clas'; there are x, y, z, classification"),
+      std::string::npos);
+  EXPECT_NE(refused("normals | where(z < 1 && normal > 0)").find("column 10: 'normal' has the components nx, ny, nz"),
+            std::string::npos);
+  EXPECT_NE(refused("where(nx > 0) | normals").find("no attribute 'nx'"), std::string::npos);
+  EXPECT_NE(refused("where").find("'condition' is missing"), std::string::npos);
+}
+
+/// Rows of the first of equal coordinates, by a map.
+std::vector<bool> firsts(const std::vector<Vec3>& points) {
+  std::map<std::tuple<double, double, double>, std::size_t> first;
+  std::vector<bool> keep;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3& p = points[i];
+    keep.push_back(!is_finite(p) || first.try_emplace({p.x, p.y, p.z}, i).second);
+  }
+  return keep;
+}
+
+TEST(Unique, KeepsTheFirstRowOfEqualCoordinates) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    SCOPED_TRACE(name);
+    std::vector<Vec3> points = make_cloud(shape, sized(1500), 13);
+    for (std::size_t i = 0; i < 400; ++i) points.push_back(points[(7 * i) % 1000]);
+    points.push_back({0.0, -0.0, 0.0}), points.push_back({-0.0, 0.0, 0.0}), points.push_back({0, 0, 1e-200});
+    const Records input = with_attributes(points);
+    const std::vector<bool> keep = firsts(points);
+    const Records kept = input.those([&](std::size_t i) { return keep[i]; });
+    for (const RunOptions& options : ways(Order::input)) {
+      const RunResult got = run_text(input, "unique", options);
+      ASSERT_TRUE(got.records == kept.bytes);
+      EXPECT_EQ(got.statistics.sweeps, 0u);
+    }
+    if (kept.size() > 1) expect_as_over(input, "knn(k=5) | unique | normals", kept, "knn(k=5) | normals");
+  }
+}
+
+/// Moves every point to a corner of a coarse grid.
+class Snap final : public Operator {
+ public:
+  std::string name() const override { return "snap"; }
+  Contract contract() const override { return {{}, {}, {position_attribute()}}; }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const auto position = out.column<std::array<double, 3>>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) position[i] = snapped(in.position(i));
+  }
+  static std::array<double, 3> snapped(Vec3 p) {
+    return {std::nearbyint(8 * p.x) / 8, std::nearbyint(8 * p.y) / 8, std::nearbyint(8 * p.z) / 8};
+  }
+};
+
+TEST(Unique, ComparesMovedPositions) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, sized(800), 14);
+  std::vector<Vec3> snapped;
+  for (const Vec3& p : points) {
+    const auto [x, y, z] = Snap::snapped(p);
+    snapped.push_back({x, y, z});
+  }
+  const std::vector<bool> keep = firsts(snapped);
+  std::vector<Vec3> kept;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (keep[i]) kept.push_back(snapped[i]);
+  ASSERT_LT(kept.size(), points.size());
+  const RunResult expected = run_in_memory(kept, {{.k = 5}, {normals()}}, tiny(100));
+  for (const RunOptions& options : ways(Order::input)) {
+    const Chain chain{{.k = 5}, {std::make_shared<Snap>(), std::make_shared<Unique>(), normals()}};
+    const RunResult got = run_in_memory(points, chain, options);
+    for (const char* field : {"x", "z", "nx", "nz"}) EXPECT_EQ(got.field(field), expected.field(field));
+  }
+}
+
+TEST(Select, OutliersLeaveTheCloudOfTheOthers) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    SCOPED_TRACE(name);
+    const Records input = with_attributes(make_cloud(shape, sized(700), 17));
+    const Records marked = records_of(run_text(input, "knn(k=6) | sor(multiplier=1)", tiny(200)));
+    const Records kept = marked.those([&](std::size_t i) { return marked.value(i, "outlier") == 0; });
+    if (kept.size() < 2) continue;
+    expect_as_over(input, "knn(k=6) | sor(multiplier=1) | where(outlier == 0) | normals", kept, "knn(k=6) | normals");
+  }
+}
+
+TEST(Select, TheReferenceEngineGetsTheSameRows) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 300, 18));
+  const std::string text =
+      "knn(k=300) | unique | where(classification < 8) | sor(multiplier=1) | where(outlier == 0) | normals";
+  for (const Order order : {Order::input, Order::sweep}) {
+    RunOptions options = tiny(200);
+    options.engine = Engine::reference;
+    options.order = order;
+    const RunResult got = run_text(input, text, options);
+    ASSERT_EQ(got.statistics.reference->incomplete, 0u);
+    options.engine = Engine::exact;
+    EXPECT_TRUE(got.records == run_text(input, text, options).records);
+  }
+}
+
+TEST(Select, PassesAreAsFewAsTheChainAllows) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 100, 15));
+  const auto kinds = [&](const std::string& text) {
+    Cloud cloud = input.cloud();
+    std::string letters;
+    for (const PlannedSweep& pass : plan_sweeps(build_chain(parse_pipeline(text), cloud), cloud.schema()).sweeps)
+      letters += pass.kind == PassKind::sweep ? 's' : pass.kind == PassKind::rows ? 'r' : 'o';
+    return letters;
+  };
+  EXPECT_EQ(kinds("normals"), "s");
+  EXPECT_EQ(kinds("where(z > 0)"), "r");
+  EXPECT_EQ(kinds("where(z > 0) | normals | curvature"), "rs");
+  EXPECT_EQ(kinds("normals | where(nz > 0)"), "sr");
+  EXPECT_EQ(kinds("sor"), "sr");
+  EXPECT_EQ(kinds("sor | normals | curvature"), "sr");
+  EXPECT_EQ(kinds("sor | where(outlier == 0) | normals"), "srs");
+  EXPECT_EQ(kinds("unique | sor | where(outlier == 0) | normals | where(nz > 0)"), "osrsr");
+}
+
+TEST(Select, TheDryRunNamesThePasses) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 100, 16));
+  Cloud cloud = input.cloud();
+  const std::string text = to_text(
+      preview(cloud, build_chain(parse_pipeline("unique | sor | where(outlier == 0) | normals"), cloud), tiny(100)));
+  for (const char* words : {"pass 1 of 4", "pass 4 of 4", "mean and deviation of mean_distance", "are left out here"})
+    EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << text;
+}
+
+}  // namespace
+}  // namespace pointsweep
