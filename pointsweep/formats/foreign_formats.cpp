@@ -9,7 +9,6 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr std::string_view kWithPcl = "convert it to PLY, e.g. with 'pcl_pcd2ply IN.pcd OUT.ply'";
 constexpr std::string_view kWithPdal = "convert it to LAS, e.g. with 'pdal translate IN OUT.las'";
 constexpr std::string_view kWithMeshTool = "export its points as PLY, e.g. with MeshLab or CloudCompare";
 constexpr std::string_view kUnpack = "unpack it first";
@@ -20,9 +19,6 @@ struct Magic {
   std::string_view remedy;
 };
 constexpr Magic kMagics[] = {
-    {"# .PCD"sv, "a PCD file", kWithPcl},
-    {"VERSION .7"sv, "a PCD file", kWithPcl},
-    {"VERSION 0.7"sv, "a PCD file", kWithPcl},
     {"ASTM-E57"sv, "an E57 file", kWithPdal},
     {"\x1f\x8b"sv, "a gzip archive", kUnpack},
     {"PK\x03\x04"sv, "a zip archive", kUnpack},
@@ -47,7 +43,7 @@ constexpr Magic kMagics[] = {
 
 /// Text formats without a magic number go by their extension.
 constexpr Magic kExtensions[] = {
-    {".pcd"sv, "a PCD file", kWithPcl},       {".ptx"sv, "a PTX file", kWithPdal},
+    {".ptx"sv, "a PTX file", kWithPdal},
     {".obj"sv, "an OBJ file", kWithMeshTool}, {".off"sv, "an OFF file", kWithMeshTool},
     {".stl"sv, "an STL file", kWithMeshTool},
 };

@@ -9,6 +9,7 @@
 #include "pointsweep/formats/input_file.h"
 #include "pointsweep/formats/las_reader.h"
 #include "pointsweep/formats/las_writer.h"
+#include "pointsweep/formats/pcd/pcd_reader.h"
 #include "pointsweep/formats/ply_reader.h"
 #include "pointsweep/formats/ply_writer.h"
 #include "pointsweep/formats/qsplat_reader.h"
@@ -50,6 +51,7 @@ std::unique_ptr<Reader> open_reader(const std::filesystem::path& path) {
   if (starts_as_ply(head)) return open_ply(path);
   if (head.starts_with("LASF")) return open_las(path);
   if (head.starts_with("QSplat")) return open_qsplat(path);
+  if (starts_as_pcd(head)) return open_pcd(path);
   refuse_foreign_format(path, head);
   return open_text(path);
 }

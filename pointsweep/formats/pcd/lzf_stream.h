@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// LZF (Marc Lehmann's format) decompressed in pieces, from any place.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pointsweep/formats/input_file.h"
+
+namespace pointsweep {
+
+/// Decompresses a block of a file front to back in little memory, however long the block is. liblzf needs all input and
+/// all output in memory at once.
+class LzfStream {
+ public:
+  /// Where a stream stands: 8 KB.
+  struct State {
+    std::uint64_t in = 0;                                                 ///< bytes of the block taken
+    std::uint64_t out = 0;                                                ///< bytes given
+    std::uint32_t match_distance = 0, match_left = 0, literals_left = 0;  ///< of the run in hand
+    std::array<std::byte, 8192> history{};  ///< the last bytes given, at their place modulo its size
+  };
+
+  /// Block of `bytes` compressed bytes from `offset` on.
+  LzfStream(const InputFile& file, std::uint64_t offset, std::uint64_t bytes)
+      : file_(&file), offset_(offset), bytes_(bytes) {}
+
+  const State& state() const { return state_; }
+  void go_to(const State& state);
+  /// Gives the next bytes. Throws Error where the block ends before, or refers to what is before its begin.
+  void read(std::span<std::byte> out);
+  void skip(std::uint64_t bytes);
+
+ private:
+  void begin_run();
+  std::uint8_t next();
+  [[noreturn]] void fail_damaged() const;
+
+  const InputFile* file_;
+  std::uint64_t offset_, bytes_;
+  State state_;
+  std::vector<std::byte> buffer_;  ///< compressed bytes from buffer_begin_ on
+  std::uint64_t buffer_begin_ = 0;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/pcd/pcd_header.h"
+
+#include <limits>
+#include <optional>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/line_reader.h"
+#include "pointsweep/formats/number_text.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::uint64_t kMostHeaderLines = 1000;
+constexpr std::uint32_t kMostBytes = 1u << 20;  ///< of a record
+
+std::vector<std::string_view> words_of(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (std::size_t at = 0; at < line.size();) {
+    const std::size_t start = line.find_first_not_of(" \t\r", at);
+    if (start == line.npos) break;
+    at = std::min(line.find_first_of(" \t\r", start), line.size());
+    words.push_back(line.substr(start, at - start));
+  }
+  return words;
+}
+
+std::optional<Type> type_of(std::string_view kind, std::uint64_t size) {
+  const auto among = [&](Type one, Type two, Type four, Type eight) -> std::optional<Type> {
+    return size == 1   ? std::optional(one)
+           : size == 2 ? std::optional(two)
+           : size == 4 ? std::optional(four)
+           : size == 8 ? std::optional(eight)
+                       : std::nullopt;
+  };
+  if (kind == "I") return among(Type::i8, Type::i16, Type::i32, Type::i64);
+  if (kind == "U") return among(Type::u8, Type::u16, Type::u32, Type::u64);
+  if (kind != "F" || size < 4) return std::nullopt;
+  return among(Type::u8, Type::u16, Type::f32, Type::f64);
+}
+
+class HeaderParser {
+ public:
+  explicit HeaderParser(const InputFile& file) : file_(file), lines_(file) {}
+
+  PcdHeader parse() {
+    while (!has_data_) {
+      const std::optional<std::string_view> line = lines_.next();
+      if (!line || lines_.line() > kMostHeaderLines)
+        fail("{}: is a PCD file without the line DATA, which ends its header; get the whole file.", name());
+      take(words_of(*line), *line);
+    }
+    make_fields();
+    if (!points_) points_ = header_.width * header_.height;
+    header_.points = *points_;
+    header_.body_offset = lines_.offset();
+    header_.body_line = lines_.next_line();
+    return std::move(header_);
+  }
+
+ private:
+  std::string name() const { return file_.path().string(); }
+  [[noreturn]] void complain(std::string_view what) const {
+    fail("{}: line {} of the PCD header: {}; correct it or write the file again.", name(), lines_.line(), what);
+  }
+
+  void take(const std::vector<std::string_view>& words, std::string_view line) {
+    if (words.empty() || words[0].starts_with('#')) return;
+    const std::string_view key = words[0];
+    const std::vector<std::string_view> values(words.begin() + 1, words.end());
+    if (key == "FIELDS" || key == "COLUMNS") names_.assign(values.begin(), values.end());
+    if (key == "SIZE") sizes_ = numbers(values);
+    if (key == "TYPE") types_.assign(values.begin(), values.end());
+    if (key == "COUNT") counts_ = numbers(values);
+    if (key == "WIDTH") header_.width = number(values);
+    if (key == "HEIGHT") header_.height = number(values);
+    if (key == "POINTS") points_ = number(values);
+    if (key == "VIEWPOINT") header_.viewpoint = line.substr(0, line.find_last_not_of(" \t\r") + 1);
+    if (key == "DATA") take_data(values);
+  }
+
+  void take_data(const std::vector<std::string_view>& values) {
+    const std::string_view word = values.empty() ? "" : values[0];
+    if (word != "ascii" && word != "binary" && word != "binary_compressed")
+      complain(fmt::format("'DATA {}' is none of ascii, binary and binary_compressed", word));
+    header_.data = word == "ascii" ? PcdData::ascii : word == "binary" ? PcdData::binary : PcdData::binary_compressed;
+    has_data_ = true;
+  }
+
+  std::vector<std::uint64_t> numbers(const std::vector<std::string_view>& values) const {
+    std::vector<std::uint64_t> out;
+    for (const std::string_view word : values) out.push_back(number({word}));
+    return out;
+  }
+  std::uint64_t number(const std::vector<std::string_view>& values) const {
+    std::uint64_t value = 0;
+    if (values.empty() || !parse_number(values[0], value)) complain("a whole number is missing");
+    return value;
+  }
+
+  void make_fields() {
+    if (counts_.empty()) counts_.assign(names_.size(), 1);
+    if (names_.empty() || sizes_.size() != names_.size() || types_.size() != names_.size() ||
+        counts_.size() != names_.size())
+      fail("{}: its PCD header names {} fields, but has {} sizes, {} types and {} counts; correct these lines.", name(),
+           names_.size(), sizes_.size(), types_.size(), counts_.size());
+    for (std::size_t f = 0; f < names_.size(); ++f) {
+      const std::optional<Type> type = type_of(types_[f], sizes_[f]);
+      if (!type)
+        fail("{}: the PCD field '{}' has the type {} with {} bytes, which is unknown.", name(), names_[f], types_[f],
+             sizes_[f]);
+      if (counts_[f] > kMostBytes || header_.stride > kMostBytes)
+        fail("{}: the PCD field '{}' makes a point larger than 1 MB; correct the line COUNT.", name(), names_[f]);
+      const PcdField field{names_[f], *type, static_cast<std::uint32_t>(counts_[f]), header_.stride};
+      header_.stride += field.bytes();
+      header_.fields.push_back(field);
+    }
+    if (header_.stride == 0) fail("{}: the points of this PCD file have no bytes; correct the line COUNT.", name());
+  }
+
+  const InputFile& file_;
+  LineReader lines_;
+  PcdHeader header_;
+  std::vector<std::string> names_, types_;
+  std::vector<std::uint64_t> sizes_, counts_;
+  std::optional<std::uint64_t> points_;
+  bool has_data_ = false;
+};
+
+}  // namespace
+
+Schema PcdHeader::schema() const {
+  Schema schema;
+  schema.stride = stride;
+  for (const PcdField& field : fields) {
+    if (field.name == "_" || field.count == 0) continue;
+    if ((field.name == "rgb" || field.name == "rgba") && field.bytes() == 4) {
+      // One byte each, from the highest on: unused or alpha, red, green, blue.
+      const auto part = [&](const char* name, std::uint8_t shift) {
+        schema.fields.push_back(
+            {.name = name, .type = Type::u32, .offset = field.offset, .bit_shift = shift, .bit_width = 8});
+      };
+      part("red", 16), part("green", 8), part("blue", 0);
+      if (field.name == "rgba") part("alpha", 24);
+      continue;
+    }
+    schema.fields.push_back({.name = field.name, .type = field.type, .offset = field.offset, .count = field.count});
+  }
+  return schema;
+}
+
+PcdHeader read_pcd_header(const InputFile& file) { return HeaderParser(file).parse(); }
+
+}  // namespace pointsweep

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// The header of a PCD file (Point Cloud Library, versions .5 to 0.7).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/input_file.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+enum class PcdData : std::uint8_t { ascii, binary, binary_compressed };
+
+/// A field as the file has it: `count` values of `type`.
+struct PcdField {
+  std::string name;
+  Type type;
+  std::uint32_t count;
+  std::uint32_t offset;  ///< in a record of the binary encodings
+  std::uint32_t bytes() const { return count * static_cast<std::uint32_t>(size_of(type)); }
+};
+
+struct PcdHeader {
+  std::vector<PcdField> fields;  ///< padding, which is called `_`, included
+  std::uint32_t stride = 0;      ///< bytes of a record
+  std::uint64_t width = 0, height = 1, points = 0;
+  std::string viewpoint;  ///< the line as it is, "" if there is none
+  PcdData data = PcdData::ascii;
+  std::uint64_t body_offset = 0;
+  std::uint64_t body_line = 1;
+
+  /// Fields as operators see them: without padding, and with the bytes of a packed colour as red, green and blue.
+  Schema schema() const;
+};
+
+/// Throws Error with the line of the header that is wrong.
+PcdHeader read_pcd_header(const InputFile& file);
+
+}  // namespace pointsweep
