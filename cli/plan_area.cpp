@@ -41,6 +41,8 @@ void PlanArea::add(double x, double y) {
   while (count_ > limit_) coarsen();
 }
 
+double PlanArea::area() const { return side_ == kSmallestSide ? 0 : static_cast<double>(count_) * side_ * side_; }
+
 bool PlanArea::insert(Cell cell) {
   std::size_t i = place_of(cell.x, cell.y, table_.size());
   for (; table_[i].taken; i = (i + 1) & (table_.size() - 1))

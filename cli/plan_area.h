@@ -19,8 +19,8 @@ class PlanArea {
   void add(double x, double y);
 
   double cell_side() const { return side_; }
-  /// Square of the coordinates' unit; 0 without points.
-  double area() const { return static_cast<double>(count_) * side_ * side_; }
+  /// Square of the coordinates' unit; 0 where points lie at fewer than 16 places, which cover no area.
+  double area() const;
 
  private:
   struct Cell {

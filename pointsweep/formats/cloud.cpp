@@ -49,6 +49,7 @@ void Cloud::begin(CloudOptions options) {
   schema_ = std::move(common.schema);
   mappings_ = std::move(common.mappings);
   ranges_ = std::move(common.ranges);
+  warnings_.insert(warnings_.end(), common.warnings.begin(), common.warnings.end());
   const PositionFields p = position_fields(schema_, readers_.front()->info().path.string());
   if (las_ && p.x.type == Type::i32)  // all on one grid, which may have another offset
     las_->grid = {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};

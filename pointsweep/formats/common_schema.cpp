@@ -145,6 +145,44 @@ class Union {
   std::size_t schemas_ = 0;
 };
 
+bool has_field(const Schema& schema, const std::string& name) {
+  return std::ranges::any_of(schema.fields, [&](const Field& field) { return field.name == name; });
+}
+
+/// What point formats 0 to 5 of LAS have no bits for. 0 is their meaning there.
+bool is_flag_of_las14(std::string_view name) { return name == "overlap" || name == "scanner_channel"; }
+
+/// "b.las: has no red, green and blue, which a.las has; they are 0 for its points." `schemas` use the names of `all`.
+std::string what_is_missing(const Readers& readers, const std::vector<Schema>& schemas, std::size_t input,
+                            const Schema& all) {
+  std::string names;
+  std::size_t missing = 0, other = 0;
+  for (const Field& field : all.fields) {
+    if (has_field(schemas[input], field.name) || is_flag_of_las14(field.name)) continue;
+    if (missing++ == 0)
+      while (!has_field(schemas[other], field.name)) ++other;
+    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", field.name);
+  }
+  if (missing == 0) return "";
+  return fmt::format("{}: has no {}, which {} {}; {} 0 for its points.", readers[input]->info().path.string(), names,
+                     readers[other]->info().path.string(), missing == 1 ? "has" : "and others have",
+                     missing == 1 ? "it is" : "they are");
+}
+
+std::vector<std::string> missing_fields(const Readers& readers, const std::vector<Schema>& schemas, const Schema& all) {
+  constexpr std::size_t kMostNamed = 5;
+  std::vector<std::string> warnings;
+  std::size_t more = 0;
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    std::string warning = what_is_missing(readers, schemas, i, all);
+    if (warning.empty()) continue;
+    warnings.size() < kMostNamed ? warnings.push_back(std::move(warning)) : void(++more);
+  }
+  if (more > 0)
+    warnings.push_back(fmt::format("{} more inputs lack attributes that others have; these are 0 there.", more));
+  return warnings;
+}
+
 }  // namespace
 
 CommonSchema common_schema(const Readers& readers) {
@@ -167,6 +205,7 @@ CommonSchema common_schema(const Readers& readers) {
   for (Schema& schema : schemas) schema = all.add(std::move(schema));
   common.schema = all.schema();
   common.ranges = all.ranges();
+  common.warnings = missing_fields(readers, schemas, common.schema);
   for (std::size_t i = 0; i < readers.size(); ++i) {
     common.mappings[i].conversion = std::make_unique<RecordConversion>(schemas[i], common.schema);
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "pointsweep/formats/common_grid.h"
@@ -22,6 +23,8 @@ struct CommonSchema {
   Schema schema;
   std::vector<InputMapping> mappings;  ///< one for each input
   std::vector<ValueRange> ranges;      ///< of the values of each field, as far as the types of the inputs tell
+  /// One sentence for each input that lacks fields of another one, at most five.
+  std::vector<std::string> warnings;
 };
 
 /// As class Cloud documents it. Names that mean the same (`nx`, `NormalX`) are one field, under the first one's name.

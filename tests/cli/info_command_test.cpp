@@ -244,13 +244,19 @@ TEST(PlanArea, TheResultDoesNotDependOnTheOrderOfPoints) {
 }
 
 TEST(PlanArea, AnyCoordinatesHaveAnArea) {
-  for (const double far : {0.0, 1e-300, 1e18, 1e300}) {
-    PlanArea plan(100);
-    plan.add(far, -far);
-    plan.add(-far, far);
-    EXPECT_GT(plan.area(), 0) << far;
+  for (const double far : {1e-3, 1.0, 1e18, 1e150}) {
+    PlanArea plan(1000);
+    for (int i = 0; i < 1000; ++i) plan.add(far * (i % 32) / 32, -far * (i / 32) / 32);
+    EXPECT_GT(plan.area(), 0.5 * far * far) << far;
+    EXPECT_LT(plan.area(), 5 * far * far) << far;
   }
+}
+
+TEST(PlanArea, AFewPlacesCoverNoArea) {
   EXPECT_EQ(PlanArea(100).area(), 0);
+  PlanArea plan(6);
+  for (const double x : {0.0, 1.0, 0.0}) plan.add(x, 1 - x), plan.add(x, 1 - x);
+  EXPECT_EQ(plan.area(), 0) << "a density of their cells would be that of the smallest cell there is";
 }
 
 TEST(NearestDistances, AreThoseOfBruteForce) {

@@ -105,6 +105,26 @@ TEST(Cloud, UnitesFieldsByMeaningAndFillsWithZeros) {
   EXPECT_THAT(values_of(cloud, "id"), ElementsAre(0, 7));
 }
 
+TEST(Cloud, SaysWhichInputLacksWhatAnotherHas) {
+  const Schema plain = schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}});
+  Schema more = plain, other = plain;
+  more.append("nx", Type::f32);
+  more.append("gain", Type::f32);
+  other.append("NormalX", Type::f32);
+  const auto warnings_of = [](std::vector<Schema> schemas) {
+    std::vector<std::unique_ptr<Reader>> readers;
+    for (Schema& schema : schemas)
+      readers.push_back(std::make_unique<MemoryReader>(std::move(schema), std::vector<std::vector<double>>{}));
+    return Cloud(std::move(readers)).warnings();
+  };
+  EXPECT_TRUE(warnings_of({plain, plain}).empty());
+  EXPECT_THAT(warnings_of({more, plain}),
+              ElementsAre("memory: has no 'nx', 'gain', which memory and others have; they are 0 for its points."));
+  EXPECT_THAT(warnings_of({other, more}),
+              ElementsAre("memory: has no 'gain', which memory has; it is 0 for its points."));
+  EXPECT_EQ(warnings_of({more, plain, plain, plain, plain, plain, plain, plain}).size(), 6u);
+}
+
 TEST(Cloud, CoordinatesOfDifferentTypesBecomeDouble) {
   const std::vector<std::pair<std::string, Type>> xy{{"x", Type::f32}, {"y", Type::f32}};
   Cloud cloud =
