@@ -18,7 +18,8 @@ std::string npy_header(const OutputPlan& plan) {
                plan.schema.fields.size());
   }
   const Field& field = plan.schema.fields[0];
-  const std::string columns = field.count == 1 ? "" : fmt::format(" {}", field.count);
+  const bool is_list = field.count != 1 || (plan.made.size() == 1 && plan.made.front().is_list());
+  const std::string columns = is_list ? fmt::format(" {}", field.count) : "";
   std::string dictionary = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({},{}), }}",
                                        kTypeStrings[static_cast<std::size_t>(field.type)], plan.count, columns);
   constexpr std::size_t kPrefix = 10;

@@ -6,8 +6,9 @@
 
 namespace pointsweep {
 
-/// The schema of the plan has one plain field; the array has shape (n,) if its count is 1 and (n, count) otherwise,
-/// in C order and little-endian. numpy.load(path, mmap_mode="r") opens one of any size.
+/// The schema of the plan has one plain field; the array has shape (n, count), or (n,) if the count is 1 and the
+/// attribute in OutputPlan::made is not a list, in C order and little-endian. numpy.load(path, mmap_mode="r") opens one
+/// of any size.
 class NpyWriter final : public RecordWriter {
  public:
   explicit NpyWriter(const OutputPlan& plan);

@@ -58,8 +58,12 @@ OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, con
       if (name != attribute.name) continue;
       Schema schema;
       schema.append(name, attribute.type, static_cast<std::uint32_t>(attribute.fields.size()));
-      const OutputPlan array{
-          .path = path, .schema = schema, .count = cloud.count(), .extras = nullptr, .overwrite = options.overwrite};
+      const OutputPlan array{.path = path,
+                             .schema = schema,
+                             .count = cloud.count(),
+                             .extras = nullptr,
+                             .overwrite = options.overwrite,
+                             .made = {attribute}};
       arrays_.emplace_back().file.add(std::make_unique<NpyWriter>(array));
       arrays_.back().offset = result_bytes_;
       arrays_.back().bytes = attribute.bytes();

@@ -55,6 +55,21 @@ TEST(NpyWriter, WritesAColumnInAnyOrderOfRows) {
                std::string(reinterpret_cast<const char*>(values), sizeof values));
 }
 
+TEST(NpyWriter, AListOfOneValueIsATableAndANumberIsNot) {
+  const TemporaryFolder folder;
+  OutputPlan list = plan_of(folder / "list.npy", Type::u32, 1, 2), number = plan_of(folder / "n.npy", Type::u32, 1, 2);
+  list.made = {{"neighbors", Type::u32, Kind::index, {"neighbor_0"}, "", ""}};
+  number.made = {scalar("neighbors", Type::u32, "", "")};
+  const std::uint32_t values[] = {1, 0};
+  for (const OutputPlan& plan : {list, number}) {
+    NpyWriter writer(plan);
+    writer.write(std::as_bytes(std::span(values)));
+    writer.finish();
+  }
+  EXPECT_THAT(content_of(folder / "list.npy"), HasSubstr("'shape': (2, 1), }"));
+  EXPECT_THAT(content_of(folder / "n.npy"), HasSubstr("'shape': (2,), }"));
+}
+
 TEST(NpyWriter, WritesAnEmptyTable) {
   const TemporaryFolder folder;
   NpyWriter(plan_of(folder / "out.npy", Type::u8, 8, 0)).finish();
