@@ -65,7 +65,7 @@ void generate(const GenerateOptions& options) {
                            options.shape, seconds));
 }
 
-/// Made when somebody asks for help: shapes take a moment to set up.
+/// Made only for help, because setting up the shapes takes a moment.
 std::string footer() {
   std::string text = "Shapes, in metres:\n";
   for (const auto& shape : all_shapes()) text += fmt::format("  {:<10}{}\n", shape->name(), shape->meaning());
@@ -118,6 +118,7 @@ void add_generate_command(CLI::App& app) {
   add_thread_option(verb, options->common);
   add_force_option(verb, options->common);
   add_progress_options(verb, options->common);
+  verb.footer("");  // without that of the tool, which the parser would add
   verb.footer(footer);
   verb.callback([options] {
     if (options->positional.empty() == options->output.empty())

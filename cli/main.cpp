@@ -7,7 +7,6 @@
 #include <exception>
 #include <new>
 
-#include "cli/arguments.h"
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/help.h"
@@ -28,7 +27,7 @@ int complain(int status, const std::string& sentence) {
 int run(CLI::App& app, int argc, char** argv) {
   using namespace pointsweep;
   try {
-    app.parse(arguments_for_parser(argc, argv));
+    app.parse(argc, argv);
     return 0;
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);

@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
 
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
-#include "cli/quantities.h"
+#include "cli/stage_options.h"
 #include "pointsweep/error.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/preview.h"
@@ -15,11 +14,12 @@
 namespace pointsweep {
 namespace {
 
+constexpr const char* kDefaultK = "8";
+
 struct NeighborsCommand {
   CommonOptions common;
   InputsAndOutput paths;
-  std::size_t k = 8;
-  std::optional<double> radius;
+  std::vector<OptionText> neighborhood;
   std::filesystem::path distances;
 };
 
@@ -48,12 +48,18 @@ Arrays arrays_of(const NeighborsCommand& command) {
   return arrays;
 }
 
+/// An array has k columns, so there is always a k.
+Neighborhood neighborhood_of(const NeighborsCommand& command) {
+  StageText knn{neighborhood_declaration().name, command.neighborhood, "neighbors"};
+  if (std::ranges::find(knn.options, "k", &OptionText::name) == knn.options.end())
+    knn.options.push_back({"k", kDefaultK, "neighbors"});
+  return make_neighborhood(read_options(neighborhood_declaration().options, knn));
+}
+
 Chain chain_of(const NeighborsCommand& command, const Arrays& arrays, std::uint64_t points) {
-  Neighborhood neighborhood;
-  neighborhood.k = command.k;
-  if (command.radius) neighborhood.radius = *command.radius;
+  const Neighborhood neighborhood = neighborhood_of(command);
   const bool distances = arrays.back().first == "distances";
-  Chain chain{neighborhood, {std::make_shared<NeighborRows>(command.k, points, distances)}};
+  Chain chain{neighborhood, {std::make_shared<NeighborRows>(neighborhood.k, points, distances)}};
   if (arrays.front().first == "distances") chain.keep = {"distances"};
   return chain;
 }
@@ -63,6 +69,7 @@ void neighbors(const NeighborsCommand& command) {
   paths.other_outputs.push_back(command.distances);
   require_named_files(paths);
   require_npy(paths.output());
+  neighborhood_of(command);  // wrong options are refused before files are opened
   if (!command.distances.empty()) require_npy(command.distances);
   if (command.common.dry_run) {
     look_at_cloud(paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
@@ -83,12 +90,9 @@ void add_neighbors_command(CLI::App& app) {
   auto command = std::make_shared<NeighborsCommand>();
   add_inputs_and_output(verb, command->paths, ".npy array: n rows of k input rows, nearest first");
   add_output_option(verb, command->paths.named_output);
-  verb.add_option_function<std::string>(
-          "-k", [command](const std::string& text) { command->k = parse_count("-k", text); },
-          "Number of neighbours, excluding the point (default: 8)")
-      ->type_name("N");
-  verb.add_option("--radius", command->radius, "Maximum distance, in the unit of the coordinates (default: no limit)")
-      ->type_name("D");
+  add_neighborhood_options(verb, kDefaultK, command->neighborhood);
+  verb.get_option("-k")->description(
+      fmt::format("Number of neighbours, excluding the point, and of columns (default: {})", kDefaultK));
   verb.add_option("--distances", command->distances, "Write the distances, float64, to this .npy file")
       ->type_name("FILE");
   add_keep_option(verb, command->common.keep,
@@ -98,8 +102,8 @@ void add_neighbors_command(CLI::App& app) {
   add_run_options(verb, command->common);
   verb.footer(
       "Row numbers count through the inputs in the order given, from 0. Equal distances are ordered by x, y, z, then "
-      "by row. Where a point has fewer than k neighbours, the rest of its row is the largest value of the type, and "
-      "NaN in the distances.\n"
+      "by row. The array has k columns, also with --radius. Where a point has fewer than k neighbours, the rest of its "
+      "row is the largest value of the type, and NaN in the distances.\n"
       "\nExample:\n"
       "  pointsweep neighbors scan.ply graph.npy -k 16 --distances distances.npy");
   verb.callback([command] { neighbors(*command); });

@@ -16,7 +16,7 @@ struct ShortForm {
   const char* meaning;
   const char* output;        ///< what OUT holds besides the input's attributes
   const char* stages;        ///< after knn
-  const char* with_options;  ///< the stage whose options are those of the verb; empty: none
+  const char* with_options;  ///< the stage, besides normals, whose options are those of the verb; empty: none
   const char* neighbors;     ///< k where neither k nor a radius is given
   const char* remark;
   const char* example;
@@ -26,13 +26,13 @@ constexpr ShortForm kShortForms[] = {
     {"normals", "Compute a unit normal for every point from its exact neighbours", "nx, ny, nz", "normals", "", "8",
      "A point whose neighbours define no plane gets the normal 0 0 0.",
      "Example: a scan of any size in 2 GB of memory, normals towards the scanner:\n"
-     "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G --orient viewpoint 0,0,1.7"},
+     "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G --orient viewpoint --viewpoint 0,0,1.7"},
     {"curvature", "Compute normals and principal curvatures", "normals and curvatures", "normals | curvature", "", "8",
      "'pointsweep operators curvature' lists the computed attributes.",
      "Example: the principal curvatures alone, beside the attributes of the input:\n"
      "  pointsweep curvature scan.ply curvature.ply -k 64 --keep k1,k2"},
     {"splats", "Compute normals and elliptical splats that cover the surface", "normals and splats", "normals | splats",
-     "", "8", "'pointsweep operators splats' lists the computed attributes.",
+     "splats", "8", "'pointsweep operators splats' lists the computed attributes.",
      "Example:\n"
      "  pointsweep splats scan.ply splats.ply -k 12"},
     {"fair", "Smooth the surface, edge-preserving: move the points, then compute normals and splats",
@@ -62,8 +62,8 @@ void add_short_form(CLI::App& app, const ShortForm& form) {
   add_inputs_and_output(verb, command->run.paths, output.c_str());
   add_output_option(verb, command->run.paths.named_output);
   add_neighborhood_options(verb, form.neighbors, command->neighborhood);
-  for (const OperatorDeclaration& declaration : all_operators())
-    if (declaration.name == form.with_options) add_stage_options(verb, declaration.options, command->options);
+  if (const OperatorDeclaration* own = declaration_of(form.with_options))
+    add_stage_options(verb, own->options, command->options);
   add_pipeline_options(verb, command->run);
   verb.footer(fmt::format("Same as 'pointsweep run' with the pipeline 'knn(k={}) | {}'. {}\n\n{}", form.neighbors,
                           form.stages, form.remark, form.example));

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "cli/quantities.h"
+#include "cli/stage_options.h"
 #include "pointsweep/error.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/preview.h"
@@ -11,29 +11,15 @@
 namespace pointsweep {
 namespace {
 
-/// "none", "up", "input" or "viewpoint X,Y,Z" as options of the operator `normals`.
-std::vector<OptionText> parse_orientation(const std::string& text) {
-  const std::string place = "--orient", viewpoint = "viewpoint ";
-  if (text.starts_with(viewpoint)) {
-    const std::string point = text.substr(viewpoint.size());
-    parse_vector("--orient viewpoint", point);
-    return {{"orient", "viewpoint", place}, {"viewpoint", point, place}};
-  }
-  if (text != "none" && text != "up" && text != "input")
-    fail_usage("--orient: '{}' is not none, up, viewpoint X,Y,Z or input.", text);
-  return {{"orient", text, place}};
+bool says(const std::vector<OptionText>& options, const std::string& name) {
+  return std::ranges::find(options, name, &OptionText::name) != options.end();
 }
 
-bool says_orient(const StageText& stage) {
-  return std::ranges::find(stage.options, "orient", &OptionText::name) != stage.options.end();
-}
-
-void add_orient_option(CLI::App& verb, PipelineRun& run) {
-  verb.add_option_function<std::string>(
-          "--orient", [&run](const std::string& text) { run.orientation = parse_orientation(text); },
-          "How to orient normals: none, up, viewpoint X,Y,Z (towards that point), or input (to the side of the normals "
-          "that the input has) (default: none)")
-      ->type_name("HOW");
+/// As a flag the point stands apart from what it is for.
+void require_viewpoint(const std::vector<OptionText>& orientation) {
+  const auto orient = std::ranges::find(orientation, "orient", &OptionText::name);
+  if (orient != orientation.end() && orient->value == "viewpoint" && !says(orientation, "viewpoint"))
+    fail_usage("--orient viewpoint needs the position of the scanner; add --viewpoint X,Y,Z.");
 }
 
 /// An option that would change nothing is refused.
@@ -50,7 +36,7 @@ void require_a_mover(const Chain& chain, const CommonOptions& options) {
 }  // namespace
 
 void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
-  add_orient_option(verb, run);
+  add_stage_options(verb, declaration_of("normals")->options, run.orientation);
   add_keep_option(verb, run.common.keep, kKeepMeaning);
   add_order_option(verb, run.common);
   add_engine_option(verb, run.common);
@@ -62,15 +48,18 @@ void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
 
 void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation) {
   if (orientation.empty()) return;
+  require_viewpoint(orientation);
   bool any = false;
   for (StageText& stage : stages) {
     if (stage.name != "normals") continue;
-    if (says_orient(stage))
+    if (says(stage.options, "orient") || says(stage.options, "viewpoint"))
       fail_usage("{}: normals has an orientation in the pipeline; leave out --orient or that one.", stage.place);
     stage.options.insert(stage.options.end(), orientation.begin(), orientation.end());
     any = true;
   }
-  if (!any) fail_usage("--orient: the pipeline makes no normals; add the stage normals, or leave out --orient.");
+  if (!any)
+    fail_usage("{0}: the pipeline makes no normals; add the stage normals, or leave out {0}.",
+               orientation.front().place);
 }
 
 void run_stages(std::vector<StageText> stages, const PipelineRun& command) {

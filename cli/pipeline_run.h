@@ -12,10 +12,11 @@ namespace pointsweep {
 struct PipelineRun {
   CommonOptions common;
   InputsAndOutput paths;
-  std::vector<OptionText> orientation;  ///< options of the stages `normals`; empty: not given
+  std::vector<OptionText> orientation;  ///< options of all stages `normals`; empty: not given
 };
 
-/// --orient, --keep, --dry-run, --order, --engine and all common options. `run` outlives the parsing.
+/// The options of the operator `normals`, --keep, --dry-run, --order, --engine and all common options. `run` outlives
+/// the parsing.
 void add_pipeline_options(CLI::App& verb, PipelineRun& run);
 
 /// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or one that has its own.

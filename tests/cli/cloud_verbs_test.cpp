@@ -17,16 +17,16 @@ class CloudVerbs : public Tool {
 
 TEST_F(CloudVerbs, EveryOptionOfNormalsThatSpeaksOfValuesChangesThem) {
   const std::string plain = made("normals in.ply out.ply --no-provenance", "out.ply");
-  for (const char* option :
-       {"-k 12", "--radius 0.05", "--orient up", "--orient viewpoint 3,0,0", "--orient input", "--order sweep"})
+  for (const char* option : {"-k 12", "--radius 0.05", "--orient up", "--orient viewpoint --viewpoint 3,0,0",
+                             "--orient input", "--order sweep"})
     EXPECT_NE(made(std::string("normals in.ply out.ply --no-provenance --force ") + option, "out.ply"), plain)
         << option;
   EXPECT_NE(made("normals in.ply out.ply --no-provenance --force --radius 0.05", "out.ply"),
             made("normals in.ply out.ply --no-provenance --force -k 8 --radius 0.05", "out.ply"));
   EXPECT_NE(made("normals in.ply out.ply --no-provenance --force --order sweep", "out.ply"),
             made("normals in.ply out.ply --no-provenance --force --order sweep --axis x", "out.ply"));
-  EXPECT_NE(made("normals in.ply out.ply --no-provenance --force --orient viewpoint 3,0,0", "out.ply"),
-            made("normals in.ply out.ply --no-provenance --force --orient viewpoint -3,0,0", "out.ply"));
+  EXPECT_NE(made("normals in.ply out.ply --no-provenance --force --orient viewpoint --viewpoint 3,0,0", "out.ply"),
+            made("normals in.ply out.ply --no-provenance --force --orient viewpoint --viewpoint -3,0,0", "out.ply"));
 }
 
 TEST_F(CloudVerbs, OptionsThatSpeakOfTheMachineDoNotChangeNormals) {
@@ -46,6 +46,15 @@ TEST_F(CloudVerbs, NeighborsAreANumpyArrayAndEveryOptionChangesIt) {
   EXPECT_TRUE(plain.starts_with("\x93NUMPY"));
   EXPECT_NE(plain.find("'shape': (4000, 8)"), std::string::npos);
   EXPECT_NE(made("neighbors in.ply out.npy --force -k 3", "out.npy").find("(4000, 3)"), std::string::npos);
+  EXPECT_NE(made("neighbors in.ply out.npy --force -k 1 --distances d.npy", "out.npy").find("(4000, 1)"),
+            std::string::npos);
+  EXPECT_NE(contents(folder_ / "d.npy").find("(4000, 1)"), std::string::npos);
+  EXPECT_EQ(tool("verify in.ply out.npy").status, 0);
+  EXPECT_EQ(tool("verify in.ply d.npy").status, 0);
+  std::filesystem::remove(folder_ / "d.npy");
+  EXPECT_NE(made("neighbors in.ply out.npy --force -k 30 --adaptive eigenentropy", "out.npy"),
+            made("neighbors in.ply all.npy -k 30", "all.npy"));
+  EXPECT_EQ(tool("verify in.ply out.npy -k 30 --adaptive eigenentropy --sample 500").status, 0);
   EXPECT_NE(made("neighbors in.ply out.npy --force --radius 0.03", "out.npy"), plain);
   EXPECT_EQ(made("neighbors in.ply out.npy --force --distances d.npy", "out.npy"), plain);
   EXPECT_NE(contents(folder_ / "d.npy").find("'<f8'"), std::string::npos);

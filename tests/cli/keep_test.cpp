@@ -165,7 +165,7 @@ TEST_F(SharedOptions, EveryVerbOverACloudHasADryRun) {
 TEST_F(SharedOptions, EveryVerbThatMakesNormalsOrientsThem) {
   for (const std::string verb : {"normals", "curvature", "splats", "fair -k 12"}) {
     made(verb + " in.ply up.ply -f --orient up");
-    made(verb + " in.ply down.ply -f --orient viewpoint 15,15,-1e6");
+    made(verb + " in.ply down.ply -f --orient viewpoint --viewpoint 15,15,-1e6");
     const Table up = table("up.ply"), down = table("down.ply");
     for (const double nz : up.at("nz")) ASSERT_GT(nz, 0) << verb;
     for (const double nz : down.at("nz")) ASSERT_LT(nz, 0) << verb;

@@ -124,8 +124,9 @@ TEST_F(Provenance, NamesOfAnyBytesStayOneLineOfAscii) {
 
 TEST_F(Provenance, IsAllThatVerifyNeeds) {
   for (const std::string run :
-       {"normals in.ply out.ply -k 5 --orient viewpoint 1,2,3", "normals in.ply out.las -k 5 --order sweep --axis x",
-        "sort in.ply out.xyz", "fair in.ply out.ply", "splats in.ply more.las -o out.ply --prefix p_ --radius 0.05",
+       {"normals in.ply out.ply -k 5 --orient viewpoint --viewpoint 1,2,3",
+        "normals in.ply out.las -k 5 --order sweep --axis x", "sort in.ply out.xyz", "fair in.ply out.ply",
+        "splats in.ply more.las -o out.ply --prefix p_ --radius 0.05",
         "curvature in.ply more.las -o out.las -k 20 --keep k1", "normals in.ply out.ply --provenance paths"}) {
     ASSERT_EQ(tool(run + " -f").status, 0) << run;
     const std::string out = run.find("out.ply") != run.npos   ? "out.ply"
@@ -169,7 +170,7 @@ TEST_F(Provenance, OfARunOfTheLibraryIsThatOfTheTool) {
   Cloud cloud({folder_ / "in.ply"});
   const Chain normals{{.k = 12}, {std::make_shared<Normals>(NormalsOptions{Orient::viewpoint, {0, 0, 1.7}})}};
   run(cloud, normals, {.points = folder_ / "library.ply", .arrays = {}, .writer = {}});
-  EXPECT_EQ(made("normals in.ply tool.ply -k 12 --orient viewpoint 0,0,1.7", "tool.ply"),
+  EXPECT_EQ(made("normals in.ply tool.ply -k 12 --orient viewpoint --viewpoint 0,0,1.7", "tool.ply"),
             contents(folder_ / "library.ply"));
 }
 

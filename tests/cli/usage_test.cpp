@@ -35,7 +35,11 @@ TEST_F(Usage, NonsenseIsStatus2) {
   refused(2, "normals a.ply b.ply --order random", "'random' is not input or sweep");
   refused(2, "normals a.ply b.ply --memory lots", "'lots' is not a size");
   refused(2, "normals a.ply b.ply --orient sideways", "'sideways'");
-  refused(2, "normals a.ply b.ply --orient viewpoint 1,2", "X,Y,Z");
+  refused(2, "normals a.ply b.ply --orient viewpoint --viewpoint 1,2", "X,Y,Z");
+  refused(2, "normals a.ply b.ply --orient viewpoint", "add --viewpoint X,Y,Z");
+  refused(2, "normals a.ply b.ply --orient viewpoint 0,0,1.7", "add --viewpoint X,Y,Z");
+  refused(2, "normals a.ply b.ply --viewpoint 0,0,1.7", "viewpoint is used only with orient=viewpoint");
+  refused(2, "neighbors a.ply b.npy -k 0", "k is a whole number, 1 or more, not '0'");
   refused(2, "normals a.ply b.ply -k -1", "-k: knn: k is a whole number, 1 or more, not '-1'");
 }
 
