@@ -13,6 +13,8 @@ void add_commands(CLI::App& app) {
   add_info_command(app);
   add_generate_command(app);
   add_render_command(app);
+  add_completion_command(app);
+  add_man_command(app);
   add_help_command(app);
   for (CLI::App* verb : app.get_subcommands({})) verb->group("Verbs");
 }

@@ -16,6 +16,8 @@ void add_verify_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_generate_command(CLI::App& app);
 void add_render_command(CLI::App& app);
+void add_completion_command(CLI::App& app);
+void add_man_command(CLI::App& app);
 void add_help_command(CLI::App& app);
 
 /// All of them, in the order of the help.

@@ -143,7 +143,7 @@ void add_nonfinite_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
           "--nonfinite", [&options](const std::string& name) { options.nonfinite = parse_nonfinite(name); },
           "Points with NaN or infinite coordinates: keep (default), drop (default for LAS) or refuse")
-      ->type_name("WHAT");
+      ->type_name("keep|drop|refuse");
 }
 
 void add_naming_options(CLI::App& verb, CommonOptions& options) {

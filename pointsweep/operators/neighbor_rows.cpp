@@ -78,7 +78,7 @@ OperatorDeclaration neighbor_rows_declaration() {
                                  "missing: largest value of the type",
                       .type = "u32, u64 from 2³² - 1 rows on",
                       .shape = "N×k"},
-                     {.name = "distances", .meaning = "to them; missing: NaN", .shape = "N×k"}}};
+                     {.name = "distances", .meaning = "distances to these neighbours; missing: NaN", .shape = "N×k"}}};
 }
 
 Options NeighborRows::own_options() const {

@@ -78,8 +78,9 @@ OperatorDeclaration normals_declaration() {
           "n_i: eigenvector of the smallest eigenvalue of\n"
           "M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)^T θ(|p_j - p_i|)\n"
           "θ(r) = exp(-r² / 2σ²), σ² = π max_j |p_j - p_i|² / |N_i|; |N_i| does not count p_i.\n"
-          "orient=none: the first of the largest components is positive. Where the dot product that decides is 0,\n"
-          "so for every other choice.",
+          "orient=none: the first of the largest components is positive.\n"
+          "orient=up, viewpoint, input: the dot product with +z, the direction to the viewpoint or the\n"
+          "normal of the input is positive; where it is 0, as for none.",
       .source = "Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 3.2, Equation 1",
       .undefined =
           "(0, 0, 0) where the neighbours define no plane: fewer than two, all on the point, or all on a line.",

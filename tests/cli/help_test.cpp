@@ -11,8 +11,9 @@ namespace {
 
 using Help = Tool;
 
-constexpr const char* kEveryVerb[] = {"normals", "curvature", "splats", "fair",     "neighbors", "sort", "run",
-                                      "verify",  "operators", "info",   "generate", "render",    "help"};
+constexpr const char* kEveryVerb[] = {"normals",  "curvature", "splats",     "fair",      "neighbors",
+                                      "sort",     "run",       "verify",     "operators", "info",
+                                      "generate", "render",    "completion", "man",       "help"};
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream in(text);
@@ -57,6 +58,11 @@ TEST_F(Help, IsTheSameByVerbAndByOption) {
   refused(2, "help nieghbors", "'nieghbors' is not a verb. Did you mean 'neighbors'?");
 }
 
+TEST_F(Help, OfAVerbDoesNotRepeatThatOfTheTool) {
+  for (const std::string verb : kEveryVerb)
+    EXPECT_EQ(tool("help " + verb).out.find("explains a verb"), std::string::npos) << verb;
+}
+
 TEST_F(Help, IsShownWhereNoVerbIsGiven) {
   const Result result = tool("");
   EXPECT_EQ(result.status, 2);
@@ -96,15 +102,20 @@ TEST_F(Help, VersionTellsBuildInstructionSetAndFormats) {
   EXPECT_NE(result.out.find("GCC") + result.out.find("Clang"), 2 * std::string::npos);
 }
 
+/// Whether examples of the verb write a point file, which may exist.
+bool takes_force(const std::string& verb) {
+  return verb != "operators" && verb != "help" && verb != "completion" && verb != "man";
+}
+
 TEST_F(Help, ExamplesRunAsPasted) {
   made("generate statue scan.ply -n 4000 --noise 0.002", "scan.ply");
   for (const char* tile : {"tile_1", "tile_2"}) made(std::string("generate sphere -n 900 -o ") + tile + ".las");
-  for (const std::string verb :
-       {"normals", "curvature", "splats", "fair", "neighbors", "sort", "run", "operators", "help"}) {
+  for (const std::string verb : {"normals", "curvature", "splats", "fair", "neighbors", "sort", "run", "operators",
+                                 "completion", "man", "help"}) {
     const auto examples = lines_after(tool("help " + verb).out, "pointsweep");
     EXPECT_FALSE(examples.empty()) << verb;
     for (const std::string& example : examples) {
-      const Result result = tool(example + (verb == "operators" || verb == "help" ? "" : " --force"));
+      const Result result = tool(example + (takes_force(verb) ? " --force" : ""));
       EXPECT_EQ(result.status, 0) << example << "\n" << result.err;
     }
   }
@@ -125,7 +136,7 @@ TEST_F(Help, AViewpointIsDocumentedAsItIsParsed) {
   const std::string listing = tool("operators normals").out;
   EXPECT_NE(listing.find("viewpoint      [X,Y,Z]: "), std::string::npos) << listing;
   EXPECT_EQ(made("run in.ply a.ply --pipeline 'normals(orient=viewpoint, viewpoint=[3,0,0.5])'", "a.ply"),
-            made("normals in.ply b.ply --orient viewpoint 3,0,0.5", "b.ply"));
+            made("normals in.ply b.ply --orient viewpoint --viewpoint 3,0,0.5", "b.ply"));
   refused(2, "run in.ply c.ply --pipeline 'normals(orient=viewpoint, viewpoint=3)'", "three numbers [X,Y,Z], not '3'");
 }
 

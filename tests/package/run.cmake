@@ -11,6 +11,12 @@ function(run)
 endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${scratch}/prefix --config "${CONFIG}")
+foreach(file bash-completion/completions/pointsweep zsh/site-functions/_pointsweep fish/vendor_completions.d/pointsweep.fish
+    man/man1/pointsweep.1 man/man1/pointsweep-normals.1)
+  if(NOT EXISTS ${scratch}/prefix/share/${file})
+    message(FATAL_ERROR "${file} is not installed")
+  endif()
+endforeach()
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${scratch}/build -G ${GENERATOR} -D CMAKE_BUILD_TYPE=Release
   -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_PREFIX_PATH=${scratch}/prefix -D WANTED_VERSION=${VERSION})
 run(${CMAKE_COMMAND} --build ${scratch}/build --config Release)

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+/// What the tool and the docs say of operators is what these declare.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "cli/operator_listing.h"
+#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/pipeline/registry.h"
+#include "tests/cli/tool.h"
+
+namespace pointsweep {
+namespace {
+
+using OperatorListing = Tool;
+
+std::string document(const std::string& name) {
+  return contents(std::filesystem::path(POINTSWEEP_SOURCE_DIR) / "docs" / name);
+}
+
+TEST_F(OperatorListing, DocsAreWhatTheToolPrints) {
+  EXPECT_EQ(tool("operators --markdown").out, document("operators.md")) << "run script/docs";
+  const std::string page = document("attributes.md"), begin = "<!-- attributes:", end = "<!-- end of attributes -->";
+  const std::size_t from = page.find('\n', page.find(begin)) + 1;
+  EXPECT_EQ(tool("operators --attributes").out, page.substr(from, page.find(end) - from)) << "run script/docs";
+}
+
+TEST_F(OperatorListing, JsonHoldsEveryOptionWithTypeDefaultAndRange) {
+  const auto listed = nlohmann::json::parse(tool("operators --json").out);
+  ASSERT_EQ(listed.size(), 1 + all_operators().size());
+  EXPECT_EQ(listed[0]["name"], "knn");
+  EXPECT_EQ(listed[0]["options"][0]["default"], 8);
+  EXPECT_EQ(listed[0]["options"][0]["range"], nlohmann::json({1, nullptr}));
+  for (std::size_t i = 0; i < all_operators().size(); ++i) {
+    const OperatorDeclaration& declaration = all_operators()[i];
+    const auto& json = listed[i + 1];
+    EXPECT_EQ(json["name"], declaration.name);
+    EXPECT_EQ(json["options"].size(), declaration.options.size());
+  }
+  const auto fair = nlohmann::json::parse(tool("operators fair --json").out).at(0);
+  EXPECT_EQ(fair["options"][0]["default"], 0.5);
+  EXPECT_EQ(fair["options"][0]["unit"], "% of the diagonal");
+  EXPECT_EQ(fair["makes"][0]["fields"], nlohmann::json({"x", "y", "z"}));
+  refused(2, "operators --json --markdown", "--markdown");
+}
+
+TEST_F(OperatorListing, EveryMadeAttributeIsDescribedOnce) {
+  std::vector<OperatorDeclaration> declarations = all_operators();
+  declarations.push_back(neighbor_rows_declaration());
+  for (const OperatorDeclaration& declaration : declarations) {
+    std::set<std::string> made, described;
+    for (const Attribute& a : contract_of(declaration).makes) made.insert(a.name);
+    for (const AttributeNote& note : declaration.attributes) EXPECT_TRUE(described.insert(note.name).second);
+    for (const std::string& name : described) EXPECT_TRUE(made.contains(name)) << declaration.name << ": " << name;
+  }
+}
+
+TEST_F(OperatorListing, FlagsOfVerbsAreTheOptionsOfTheirOperators) {
+  for (const auto& [verb, names] : {std::pair<std::string, std::vector<std::string>>{"normals", {"normals"}},
+                                    {"curvature", {"normals", "curvature"}},
+                                    {"splats", {"normals", "splats"}},
+                                    {"fair", {"normals", "fair"}},
+                                    {"neighbors", {}},
+                                    {"run", {"normals"}}}) {
+    const std::string help = tool("help " + verb).out;
+    const auto expect_flag = [&, &verb = verb](const OptionDeclaration& option) {
+      std::string flag = option.name == "k" ? "-k" : "--" + option.name;
+      std::ranges::replace(flag, '_', '-');
+      EXPECT_NE(help.find("\n  " + flag + " "), std::string::npos) << verb << " " << flag;
+    };
+    for (const std::string& name : names)
+      for (const OptionDeclaration& option : declaration_of(name)->options) expect_flag(option);
+    if (verb == "run") continue;
+    for (const OptionDeclaration& option : neighborhood_declaration().options) expect_flag(option);
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep
