@@ -82,7 +82,6 @@ class OptionValues {
 /// What an operator may have to know of the cloud, and of the stages before it, when it is made.
 struct Facts {
   std::uint64_t points = 0;
-  double diagonal = 1;  ///< of the box around all finite points; found only for operators that say they need it
   std::set<std::string> made = {};  ///< names of the attributes that earlier stages make
 };
 
@@ -101,7 +100,6 @@ struct OperatorDeclaration {
   /// Makes the operator, which then is `name`. Throws UsageError, beginning with OptionValues::where(), for values that
   /// do not go together.
   std::function<std::shared_ptr<Operator>(const OptionValues&, const Facts&)> make;
-  bool needs_diagonal = false;
   std::string formula = {};    ///< lines of plain text
   std::string source = {};     ///< the publication and where in it
   std::string undefined = {};  ///< which points get no value, and what they get

@@ -15,6 +15,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/math/batch.h"
 #include "pointsweep/operators/declaration.h"
+#include "pointsweep/operators/input_diagonal.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/operators/tangent_plane.h"
 
@@ -38,11 +39,9 @@ double area(float length, float ratio) {
 
 double square(double v) { return v * v; }
 
-std::shared_ptr<Operator> make_fair(const OptionValues& options, const Facts& facts) {
-  if (!(facts.diagonal > 0))
-    fail_usage("{}: all points lie in one place, so there is nothing to smooth; leave the stage out.", options.where());
-  const double percent = facts.diagonal / 100;
-  return std::make_shared<Fair>(FairOptions{.f = options.number("f") * percent, .g = options.number("g") * percent});
+std::shared_ptr<Operator> make_fair(const OptionValues& options, const Facts&) {
+  return std::make_shared<FairInPercent>(FairOptions{.f = options.number("f"), .g = options.number("g")},
+                                         options.where());
 }
 
 /// The width of one of the Gaussians, as the paper gives it.
@@ -69,7 +68,6 @@ OperatorDeclaration fair_declaration() {
                         "standard deviation of the Gaussian of the distance to its tangent plane, in % of the same "
                         "diagonal")},
       .make = make_fair,
-      .needs_diagonal = true,
       .formula =
           "p_i' = 1/w_i Σ_j Π_j(p_i) a_j f(|p_j - p_i|) g(|Π_j(p_i) - p_i|), j over N_i and i\n"
           "Π_j(p_i): projection of p_i onto the tangent plane of p_j; w_i: sum of the weights;\n"
@@ -78,7 +76,7 @@ OperatorDeclaration fair_declaration() {
           "Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 4.3.4, Equation 3; Π_j as in "
           "Jones, Durand and Desbrun, Non-iterative, feature-preserving mesh smoothing (2003)",
       .undefined = "A point stays where it is if no neighbour with a normal and a splat has a weight above 0.",
-      .cost = "one pass over the input for the diagonal",
+      .cost = "one reading of the input for the diagonal",
       .neighbor_ns = 20,
       .attributes = {{.name = "position",
                       .meaning = "moved position; undefined: the one before. float64 in the output too, unless "
@@ -96,6 +94,20 @@ Contract Fair::contract() const {
   return {{splat_length_attribute(), splat_ratio_attribute()},
           {normal_attribute(), splat_length_attribute(), splat_ratio_attribute()},
           {position_attribute()}};
+}
+
+Contract FairInPercent::contract() const {
+  Contract contract = Fair({.f = 1, .g = 1}).contract();
+  contract.values = {std::make_shared<InputDiagonal>()};
+  return contract;
+}
+
+std::shared_ptr<const Operator> FairInPercent::with_values(std::span<const std::vector<double>> values) const {
+  const double diagonal = values[0][0];
+  if (!(diagonal > 0))
+    fail_usage("{}: all points lie in one place, so there is nothing to smooth; leave the stage out.", place_);
+  const double percent = diagonal / 100;
+  return std::make_shared<Fair>(FairOptions{.f = percent_.f * percent, .g = percent_.g * percent});
 }
 
 /// A neighbour that counts: the point moves off_plane along its normal onto its plane.

@@ -2,8 +2,11 @@
 /// Feature-preserving smoothing in one pass (paper Section 4.3.4, Equation 3).
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/operators/operator.h"
@@ -13,9 +16,7 @@ namespace pointsweep {
 /// Standard deviations of the two Gaussians, f(r) = exp(-r² / 2 f²), in length units of the cloud.
 ///
 /// The paper sets "the variance" of both to 0.5 % of the diagonal of the bounding box (Section 7.3). A variance is a
-/// squared length, so this is read as the standard deviation. Pipelines give both in % of the diagonal of the box
-/// around the finite points of the INPUT, for every `fair` of a chain: a second one, and one behind `reneighbor`, do
-/// not measure the moved cloud.
+/// squared length, so this is read as the standard deviation. Pipelines give both in % of the diagonal (FairInPercent).
 struct FairOptions {
   double f = 0;  ///< of |p_j - p_i|: how far smoothing reaches; > 0
   double g =
@@ -52,5 +53,26 @@ class Fair : public Operator {
 };
 
 OperatorDeclaration fair_declaration();
+
+/// The same with both widths in % of the diagonal of the box around the finite points of the INPUT that are left, for
+/// every `fair` of a chain: a second one, and one behind `reneighbor`, do not measure the moved cloud.
+class FairInPercent final : public Operator {
+ public:
+  /// `place`: for messages, e.g. "pipeline, column 20: fair".
+  explicit FairInPercent(const FairOptions& percent, std::string place = "fair")
+      : percent_(percent), place_(std::move(place)) {}
+  std::string name() const override { return "fair"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods&, Columns&) const override {}
+  /// Fair. Throws UsageError if all points lie in one place.
+  std::shared_ptr<const Operator> with_values(std::span<const std::vector<double>> values) const override;
+
+ protected:
+  Options own_options() const override { return {{"f", percent_.f}, {"g", percent_.g}}; }
+
+ private:
+  FairOptions percent_;
+  std::string place_;
+};
 
 }  // namespace pointsweep

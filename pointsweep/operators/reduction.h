@@ -30,6 +30,8 @@ class Reduction {
   /// What it is, with its options. Reductions of one text over the same attributes are done once.
   virtual std::string text() const = 0;
   virtual std::vector<Attribute> reads() const = 0;
+  /// Whether it reads the values that the input has, whatever earlier stages have made; it costs no sweep then.
+  virtual bool of_input() const { return false; }
   virtual std::unique_ptr<Accumulator> start() const = 0;
 };
 

@@ -1,30 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/build_chain.h"
 
-#include <algorithm>
-
 #include "pointsweep/error.h"
-#include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/planned_sweeps.h"
 
 namespace pointsweep {
-namespace {
-
-double diagonal_of(Cloud& cloud) {
-  const PointSource source{cloud.schema(), cloud.count(),
-                           [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
-  const Box bounds = survey(source, std::nullopt, true).bounds;
-  return bounds.diagonal();
-}
-
-bool any_needs_diagonal(const std::vector<StageText>& stages) {
-  return std::any_of(stages.begin(), stages.end(), [](const StageText& stage) {
-    return stage.name != neighborhood_declaration().name && find_operator(stage).needs_diagonal;
-  });
-}
-
-}  // namespace
-
 Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
   const NeighborhoodDeclaration& knn = neighborhood_declaration();
   for (const StageText& stage : stages)
@@ -47,13 +27,9 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
 }
 
 Chain build_chain(const std::vector<StageText>& stages, Cloud& cloud, const std::vector<std::string>& keep) {
-  Facts facts{.points = cloud.count()};
-  Chain chain = build_chain(stages, facts);
+  Chain chain = build_chain(stages, Facts{.points = cloud.count()});
   chain.keep = keep;
   plan_sweeps(chain, cloud.schema());
-  if (!any_needs_diagonal(stages)) return chain;
-  facts.diagonal = diagonal_of(cloud);
-  chain.operators = build_chain(stages, facts).operators;
   return chain;
 }
 

@@ -15,8 +15,7 @@ namespace pointsweep {
 /// stage. Without knn, the 8 nearest are the neighbours.
 Chain build_chain(const std::vector<StageText>& stages, Facts facts);
 
-/// The same for a cloud that is at hand. The chain is checked against the cloud's attributes before any point is read;
-/// only then, and only where an operator needs it, all points are read once for their bounds.
+/// The same for a cloud that is at hand, against whose attributes the chain is checked. Reads no point.
 Chain build_chain(const std::vector<StageText>& stages, Cloud& cloud, const std::vector<std::string>& keep = {});
 
 }  // namespace pointsweep

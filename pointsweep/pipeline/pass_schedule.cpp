@@ -43,6 +43,7 @@ void PassSchedule::add_select(const std::shared_ptr<const Operator>& op) {
   pass.selects = true;
   pass.chain.operators.push_back(op);
   pass.values_of_stages.emplace_back();
+  input_values_.clear();
   begin_segment();
 }
 
@@ -70,24 +71,37 @@ std::size_t PassSchedule::known_after(const Reduction& reduction) const {
   return pass;
 }
 
+/// The end of the pass before the segment tells it, or the reading of rows at the beginning of the chain.
+std::size_t PassSchedule::find_input_value(const std::shared_ptr<const Reduction>& reduction, std::size_t& earliest) {
+  const std::size_t after = segment_ == 0 ? 0 : segment_ - 1;
+  const auto [known, is_new] = input_values_.try_emplace(reduction->text(), values_, after);
+  if (is_new) passes_[after].values.push_back({reduction, values_++});
+  earliest = std::max(earliest, known->second.second + 1);
+  return known->second.first;
+}
+
+std::size_t PassSchedule::find_value(const std::shared_ptr<const Reduction>& reduction, std::size_t& earliest) {
+  const std::size_t after = known_after(*reduction);
+  if (after >= passes_.size()) new_pass(PassKind::rows);
+  // It reads what the pass leaves, so a stage that remakes that comes later.
+  for (const Attribute& a : reduction->reads()) {
+    Use& use = used_.try_emplace(a.name, Use{segment_, segment_}).first->second;
+    use.read = std::max(use.read, after + 1);
+  }
+  earliest = std::max(earliest, after + 1);
+  std::vector<PlannedValue>& values = passes_[after].values;
+  const auto same = [&](const PlannedValue& v) { return v.reduction->text() == reduction->text(); };
+  const auto known = std::ranges::find_if(values, same);
+  if (known != values.end()) return known->number;
+  values.push_back({reduction, values_});
+  return values_++;
+}
+
 /// Finds a place for the values that a stage needs; it comes after all of them.
 std::vector<std::size_t> PassSchedule::find_values(const Contract& contract, std::size_t& earliest) {
   std::vector<std::size_t> numbers;
-  for (const auto& reduction : contract.values) {
-    const std::size_t after = known_after(*reduction);
-    if (after >= passes_.size()) new_pass(PassKind::rows);
-    std::vector<PlannedValue>& values = passes_[after].values;
-    const auto same = [&](const PlannedValue& v) { return v.reduction->text() == reduction->text(); };
-    const auto known = std::ranges::find_if(values, same);
-    numbers.push_back(known == values.end() ? values_ : known->number);
-    if (known == values.end()) values.push_back({reduction, values_++});
-    // It reads what the pass leaves, so a stage that remakes that comes later.
-    for (const Attribute& a : reduction->reads()) {
-      const std::size_t made = used_.contains(a.name) ? used_[a.name].made : segment_;
-      used_[a.name] = {made, std::max(used_[a.name].read, after + 1)};
-    }
-    earliest = std::max(earliest, after + 1);
-  }
+  for (const auto& reduction : contract.values)
+    numbers.push_back(reduction->of_input() ? find_input_value(reduction, earliest) : find_value(reduction, earliest));
   return numbers;
 }
 

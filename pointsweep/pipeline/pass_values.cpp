@@ -16,7 +16,8 @@ PassValues::PassValues(const PlannedSweep& pass, const Schema& input) : input_by
     Sum& sum = sums_.emplace_back();
     sum.value = value;
     for (const Attribute& a : value.reduction->reads())
-      for (std::size_t c = 0; c < a.fields.size(); ++c) sum.reads.push_back(component_of(a, c, pass, input));
+      for (std::size_t c = 0; c < a.fields.size(); ++c)
+        sum.reads.push_back(value.reduction->of_input() ? of_input(a, c, input) : component_of(a, c, pass, input));
     for (unsigned t = 0; t < thread_count(); ++t) sum.parts.push_back(value.reduction->start());
   }
 }
@@ -29,6 +30,10 @@ PassValues::Component PassValues::component_of(const Attribute& attribute, std::
       return {{.name = "", .type = a.type, .offset = static_cast<std::uint32_t>(offset + c * size_of(a.type))}, true};
     offset += a.bytes();
   }
+  return of_input(attribute, c, input);
+}
+
+PassValues::Component PassValues::of_input(const Attribute& attribute, std::size_t c, const Schema& input) {
   needs_input_ = true;
   return {input.fields[input.find(attribute.fields[c]).value()], false};
 }

@@ -38,6 +38,7 @@ class PassValues {
     std::vector<std::unique_ptr<Accumulator>> parts;  ///< by thread
   };
   Component component_of(const Attribute& attribute, std::size_t c, const PlannedSweep& pass, const Schema& input);
+  Component of_input(const Attribute& attribute, std::size_t c, const Schema& input);
   void add_batch(Sum& sum, const std::byte* carried, const std::byte* inputs, std::size_t n, unsigned worker) const;
 
   std::vector<Sum> sums_;

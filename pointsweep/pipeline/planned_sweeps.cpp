@@ -62,10 +62,20 @@ Chain stages_of(const Chain& chain, const Operators& operators) {
   return out;
 }
 
+/// Whether a stage of the first segment needs a value of the input.
+bool begins_with_input_values(const Operators& operators) {
+  for (const auto& op : operators) {
+    if (selects(op) || dynamic_cast<const Reneighbor*>(op.get()) != nullptr) return false;
+    const Contract contract = op->contract();
+    if (std::ranges::any_of(contract.values, [](const auto& value) { return value->of_input(); })) return true;
+  }
+  return false;
+}
+
 std::vector<ScheduledPass> schedule(const Neighborhood& neighborhood, const Operators& operators,
                                     bool note_stream_position) {
   const auto deciding = note_stream_position ? deciding_resort(operators) : operators.end();
-  PassSchedule schedule(neighborhood);
+  PassSchedule schedule(neighborhood, begins_with_input_values(operators));
   for (auto op = operators.begin(); op != operators.end(); ++op) {
     if (const auto* update = dynamic_cast<const Reneighbor*>(op->get()))
       schedule.renew(update->neighborhood());
@@ -111,7 +121,8 @@ void find_needed(std::vector<Draft>& drafts, std::set<std::string> needed, const
     Draft& draft = drafts[d];
     std::erase_if(draft.pass.values, [&](const PlannedValue& v) { return !needed_values.contains(v.number); });
     for (const PlannedValue& v : draft.pass.values)
-      for (const Attribute& a : v.reduction->reads()) needed.insert(a.name);
+      if (!v.reduction->of_input())
+        for (const Attribute& a : v.reduction->reads()) needed.insert(a.name);
     std::vector<std::string>& keep = draft.pass.chain.keep;
     for (const Attribute& a : draft.makes)
       if (needed.contains(a.name)) keep.push_back(a.name);
@@ -243,9 +254,11 @@ PlannedSweeps plan_sweeps(const Chain& chain, const Schema& input, bool ordered)
   }
   out.sweeps.back().carried = out.made;
   if (out.by_moved_positions) out.sweeps.back().carried.push_back(stream_position_attribute());
+  const PlannedSweep& last = out.sweeps.back();
+  const bool makes_all = last.kind == PassKind::sweep && last.input.stride == input.stride && !last.selects;
   // Where others were left out, it may make things in another order than the whole chain.
-  if (out.sweeps.size() == 1 && !out.selects()) put_in_order(out.sweeps.back().chain, out.sweeps.back().carried);
-  out.reorders = ordered && (out.sweeps.size() > 1 || out.by_moved_positions || out.selects());
+  if (makes_all) put_in_order(out.sweeps.back().chain, out.sweeps.back().carried);
+  out.reorders = ordered && (!makes_all || out.by_moved_positions);
   return out;
 }
 

@@ -271,6 +271,8 @@ class Run {
   void order(std::size_t s, const MemoryPlan& memory, bool whole, const std::vector<std::size_t>& payload,
              bool canonical = false) {
     canonical = canonical || whole || by_reference();
+    const bool is_in_order = checkpoints_ && checkpoints_->last().is_in_order();
+    if (s > 0 && !is_in_order) look(canonical);
     const auto start = Clock::now();
     const StreamOptions options{.axis = survey_.axis,
                                 .slab_points = memory.slab_points,
@@ -281,12 +283,11 @@ class Run {
                                 .spill = place("stream", s, memory.spill_stream),
                                 .buffer_bytes = memory.stream_buffer_bytes,
                                 .progress = [this](std::uint64_t rows) { report("ordering", rows, 0); }};
-    if (checkpoints_ && checkpoints_->last().is_in_order()) {
+    if (is_in_order) {
       checkpoints_->require_slabs_of(memory.slab_points);
       Unpacker packed(checkpoints_->last().stream);
       stream_.emplace(packed, source_, options);
     } else {
-      if (s > 0) look(by_reference() || (canonical && !whole));
       stream_.emplace(source_, survey_, options);
     }
     survey_.sample = {};
@@ -312,7 +313,7 @@ class Run {
     PlannedSweep& pass = planned.sweeps[s];
     if (s > 0) source_ = updated_source(cloud_, *rows_, pass, [this](std::uint64_t n) { statistics_.bytes_read += n; });
     give_values(pass, values_);
-    const bool whole = leaves_in_order(planned, options_);
+    const bool whole = leaves_in_order(planned, options_) && s + 1 == planned.sweeps.size();
     std::unique_ptr<RowStore> results;
     if (pass.kind != PassKind::rows) results = results_of(s, planned, memory, whole ? &layout : nullptr);
     if (results && !(checkpoints_ && checkpoints_->last().is_swept()))
@@ -349,6 +350,13 @@ class Run {
         results->drain([&](std::uint64_t first, std::span<const std::byte> made) {
           use(first, made.size() / bytes, made.data());
         });
+      };
+    }
+    if (pass.chain.plan.stages.empty()) {  // it is there for the values that are found of its rows
+      return [this](const auto& use) {
+        constexpr std::uint64_t kRows = 1 << 16;
+        for (std::uint64_t row = 0; row < cloud_.count(); row += kRows)
+          use(row, static_cast<std::size_t>(std::min(kRows, cloud_.count() - row)), nullptr);
       };
     }
     return [this, &pass](const auto& use) {
@@ -511,6 +519,7 @@ class Run {
 
   /// Whole output records, in the order of the stream.
   void write_whole(RowStore& results) {
+    if (!files_) open_late();
     const std::size_t stride = files_->layout().schema().stride;
     results.drain([&](std::uint64_t first, std::span<const std::byte> records) {
       files_->write_records(records);

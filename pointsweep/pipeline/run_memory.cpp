@@ -94,7 +94,6 @@ bool RunMemory::spills() const {
 RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, std::uint64_t points,
                           const Survey& survey, const RunOptions& options, std::uint64_t output_bytes) {
   RunMemory memory;
-  const bool whole = leaves_in_order(planned, options);
   for (const PlannedSweep& sweep : planned.sweeps) {
     if (sweep.kind == PassKind::rows) {
       memory.efforts.emplace_back();
@@ -104,6 +103,7 @@ RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, st
     }
     SweepPlan stages = sweep.chain.plan;
     if (sweep.kind == PassKind::order) stages = unswept(sweep.chain.plan.result_bytes);
+    const bool whole = leaves_in_order(planned, options) && &sweep == &planned.sweeps.back();
     MemoryDemand needs = demand(whole ? sweep.input.stride : travelling_bytes(sweep),
                                 whole ? output_bytes : stages.result_bytes, points, survey, options);
     memory.efforts.push_back(add_radius(needs, stages, survey));

@@ -7,6 +7,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/verify/chain_values.h"
+#include "pointsweep/verify/input_values.h"
 #include "pointsweep/verify/made_value.h"
 #include "pointsweep/verify/sample_rows.h"
 #include "pointsweep/verify/sweep_rows.h"
@@ -292,7 +293,9 @@ class Verification {
 }  // namespace
 
 Verdict verify(Cloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options) {
-  return Verification(in, out, is_array, made_by, options).run();
+  MadeBy known = made_by;
+  known.operators = with_input_values(std::move(known.operators), in);
+  return Verification(in, out, is_array, known, options).run();
 }
 
 }  // namespace pointsweep

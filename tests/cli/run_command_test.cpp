@@ -83,7 +83,7 @@ TEST_F(RunVerb, UpdateOperatorsWorkInTextAndJson) {
   EXPECT_NE(stats.find("\"sweeps\": 2"), std::string::npos) << stats;
   EXPECT_NE(stats.find("\"certified\": 4000"), std::string::npos) << stats;
   const Result dry = tool("run in.ply e.ply --dry-run --pipeline '" + before + "reneighbor(k=5) | normals'");
-  for (const char* words : {"pass 1 of 2", "pass 2 of 2", "the 5 nearest", "carried on"})
+  for (const char* words : {"pass 1 of 3", "diagonal of the input", "pass 3 of 3", "the 5 nearest", "carried on"})
     EXPECT_NE(dry.out.find(words), std::string::npos) << words << "\n" << dry.out;
 }
 

@@ -99,8 +99,7 @@ TEST(OraclesOfMovedPoints, NewNeighborhoodsAreThoseOfTheMovedPositions) {
     Chain chain = build_chain(parse_pipeline("knn(k=11) | " + behind), after.cloud());
     // The widths of fairing are those of the input's diagonal.
     for (auto& op : chain.operators)
-      if (dynamic_cast<const Fair*>(op.get()) != nullptr)
-        op = build_chain(parse_pipeline("normals | splats | fair"), points.cloud()).operators.back();
+      if (dynamic_cast<const FairInPercent*>(op.get()) != nullptr) op = with_input_values({op}, points.cloud()).front();
     const OracleReport report = Oracle(after.cloud(), chain).compare(whole);
     EXPECT_EQ(report.wrong, 0u) << behind << ", of " << report.values;
     for (const std::string& difference : report.differences) ADD_FAILURE() << behind << ": " << difference;

@@ -11,6 +11,7 @@
 
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/verify/chain_values.h"
+#include "pointsweep/verify/input_values.h"
 #include "pointsweep/verify/made_value.h"
 #include "tests/oracles/grid_neighbors.h"
 #include "tests/pipeline/in_memory.h"
@@ -63,7 +64,8 @@ inline Surroundings surroundings_of_all(const std::vector<Vec3>& points, const N
 class Oracle {
  public:
   Oracle(Cloud& cloud, const Chain& chain)
-      : source_(cloud), values_(chain.operators, chain.keep, cloud.schema(), chain.neighborhood.rule) {
+      : source_(cloud),
+        values_(with_input_values(chain.operators, cloud), chain.keep, cloud.schema(), chain.neighborhood.rule) {
     const Surroundings all = surroundings_of_all(positions_of(source_), chain.neighborhood, values_.rings());
     rows_ = all.row;
     expected_ = values_.evaluate(all, source_);

@@ -223,9 +223,9 @@ TEST(Registry, WidthsOfFairFollowTheDiagonal) {
 }
 
 TEST(Registry, FairRefusesACloudInOnePlace) {
-  Facts facts{.points = 9, .diagonal = 0};
-  const auto stages = parse_pipeline("normals | splats | fair");
-  EXPECT_NE(refusal([&] { build_chain(stages, facts); }).find("column 20: fair: all points lie in one place"),
+  const Chain chain = chain_of("normals | splats | fair");
+  const std::vector<Vec3> points(9, {1, 2, 3});
+  EXPECT_NE(refusal([&] { run_in_memory(points, chain, {}); }).find("column 20: fair: all points lie in one place"),
             std::string::npos);
 }
 

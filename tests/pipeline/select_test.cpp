@@ -298,6 +298,14 @@ TEST(Select, TheReferenceEngineGetsTheSameRows) {
   }
 }
 
+TEST(Select, WidthsOfFairingAreThoseOfTheRowsThatAreLeft) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[9].second, 600, 19));
+  const Records kept = input.those([&](std::size_t i) { return std::abs(input.value(i, "x")) < 0.5; });
+  ASSERT_LT(kept.size(), input.size());
+  expect_as_over(input, "knn(k=9) | where(x < 0.5 && x > -0.5) | normals | splats | fair(f=5, g=5) | normals", kept,
+                 "knn(k=9) | normals | splats | fair(f=5, g=5) | normals");
+}
+
 TEST(Select, PassesAreAsFewAsTheChainAllows) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 100, 15));
   const auto kinds = [&](const std::string& text) {
@@ -312,6 +320,11 @@ TEST(Select, PassesAreAsFewAsTheChainAllows) {
   EXPECT_EQ(kinds("where(z > 0) | normals | curvature"), "rs");
   EXPECT_EQ(kinds("normals | where(nz > 0)"), "sr");
   EXPECT_EQ(kinds("sor"), "sr");
+  EXPECT_EQ(kinds("normals | splats | fair | normals"), "rs");
+  EXPECT_EQ(kinds("normals | splats | fair | normals | splats | fair"), "rs");
+  EXPECT_EQ(kinds("where(z > 0) | normals | splats | fair | normals | splats | fair"), "rs");
+  EXPECT_EQ(kinds("normals | splats | fair | reneighbor | normals | splats | fair"), "rss");
+  EXPECT_EQ(kinds("normals | splats | fair | where(z > 0) | normals | splats | fair"), "rsrs");
   EXPECT_EQ(kinds("sor | normals | curvature"), "sr");
   EXPECT_EQ(kinds("sor | where(outlier == 0) | normals"), "srs");
   EXPECT_EQ(kinds("unique | sor | where(outlier == 0) | normals | where(nz > 0)"), "osrsr");

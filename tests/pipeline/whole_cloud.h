@@ -19,7 +19,7 @@ class WholeCloud {
  public:
   using Column = std::vector<std::byte>;
 
-  WholeCloud(std::vector<Vec3> points, const Chain& chain) : points_(std::move(points)) {
+  WholeCloud(std::vector<Vec3> points, const Chain& chain) : input_(points), points_(std::move(points)) {
     neighborhood_ = chain.neighborhood;
     begin_sweep();
     for (const auto& op : chain.operators) {
@@ -27,7 +27,8 @@ class WholeCloud {
         neighborhood_ = update->neighborhood().value_or(neighborhood_);
         begin_sweep();
       } else {
-        apply(*op);
+        const std::vector<std::vector<double>> values = values_for(*op);
+        apply(values.empty() ? *op : *op->with_values(values));
       }
     }
   }
@@ -43,6 +44,18 @@ class WholeCloud {
   }
 
  private:
+  /// All values of the input that the operator needs.
+  std::vector<std::vector<double>> values_for(const Operator& op) const {
+    std::vector<std::vector<double>> values;
+    const Contract contract = op.contract();
+    for (const auto& reduction : contract.values) {
+      const auto all = reduction->start();
+      all->add(&input_.data()->x, input_.size());
+      values.push_back(all->finish());
+    }
+    return values;
+  }
+
   void begin_sweep() {
     lists_ = brute_force_neighbors(points_, neighborhood_.k, neighborhood_.radius);
     moved_ = false;
@@ -73,7 +86,7 @@ class WholeCloud {
     made_[attribute.name] = std::move(column);
   }
 
-  std::vector<Vec3> points_;
+  std::vector<Vec3> input_, points_;
   Neighborhood neighborhood_;
   std::vector<std::vector<std::uint32_t>> lists_;
   std::vector<bool> is_somewhere_;

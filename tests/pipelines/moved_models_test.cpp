@@ -54,12 +54,6 @@ std::vector<Vec3> vertices_of(const std::filesystem::path& path) {
   return vertices;
 }
 
-Facts facts_of(const std::vector<Vec3>& points) {
-  Box box;
-  for (const Vec3& p : points) box.include(p);
-  return {.points = points.size(), .diagonal = box.diagonal()};
-}
-
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
 Lists neighbors_of(const std::vector<Vec3>& points) {
@@ -119,7 +113,7 @@ TEST(MovedModels, NormalsAreThoseOfEquation1InEveryWayToRun) {
     SCOPED_TRACE(end);
     const std::string text =
         fmt::format("knn(k={}) | normals | splats | {} | normals | neighborhood_size", kNeighbors, end);
-    const Chain chain = build_chain(parse_pipeline(text), facts_of(points));
+    const Chain chain = build_chain(parse_pipeline(text), Facts{});
     const RunResult plain = run_in_memory(points, chain, {});
     expect_equation1(plain, lists);
     for (const std::uint64_t slab : {400u, 3000u}) {
@@ -136,7 +130,7 @@ TEST(MovedModels, SnappedToAGridHaveNormalsWhereverTheyHavePlanes) {
   if (data.empty()) GTEST_SKIP() << "POINTSWEEP_DATA names no folder of real scans";
   const std::vector<Vec3> points = vertices_of(data / "models/stanford_dragon/dragon_vrip_res3.ply");
   Chain chain =
-      build_chain(parse_pipeline(fmt::format("knn(k={}) | normals | neighborhood_size", kNeighbors)), facts_of(points));
+      build_chain(parse_pipeline(fmt::format("knn(k={}) | normals | neighborhood_size", kNeighbors)), Facts{});
   chain.operators.insert(chain.operators.begin(), std::make_shared<Snap>(0.004));
   expect_equation1(run_in_memory(points, chain, {}), neighbors_of(points));
 }

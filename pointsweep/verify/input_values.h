@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+/// Operators with the values of the whole input that they need, for those who apply them without a run.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pointsweep/formats/cloud.h"
+#include "pointsweep/operators/operator.h"
+
+namespace pointsweep {
+
+/// `operators`, those that need values of the input (Reduction::of_input) given them. Reads the cloud once for each
+/// such value; operators that need other values stay as they are.
+std::vector<std::shared_ptr<const Operator>> with_input_values(std::vector<std::shared_ptr<const Operator>> operators,
+                                                               Cloud& cloud);
+
+}  // namespace pointsweep
