@@ -84,6 +84,30 @@ TEST_F(Interrupt, TerminationEndsWithStatus143AndLeavesNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
+/// The handler of the timer that ends a run which does not stop by itself, called before the run sees the first signal.
+TEST_F(Interrupt, WhatEndsAtOnceLeavesNothingEither) {
+  ASSERT_EQ(tool("generate statue s.ply -n 300K").status, 0);
+  std::filesystem::create_directory(folder_ / "tmp");
+  const std::set<std::string> before = files();
+  std::string ten;
+  for (int i = 0; i < 10; ++i) ten += "s.ply ";
+  const pid_t child = start("normals " + ten + "-o out.ply -k 300 --memory 64M --temp-dir tmp");
+  wait_for_handlers(child);
+  const auto grows = [&](const std::filesystem::path& folder, const std::string& begin) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      if (entry.path().filename().string().starts_with(begin)) return true;
+    return false;
+  };
+  const Clock::time_point begun = Clock::now();
+  while (!grows(folder_, ".out.ply.") || !grows(folder_ / "tmp", "pointsweep-")) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_LT(Clock::now() - begun, std::chrono::seconds(60)) << "the run never began";
+  }
+  for (const int signal : {SIGSTOP, SIGTERM, SIGALRM, SIGCONT}) kill(child, signal);
+  EXPECT_EQ(status_of(child), 143);
+  EXPECT_EQ(files(), before);
+}
+
 /// Runs that take from seconds to hours. `many` is a cloud of 12 million points: one file forty times.
 std::vector<std::string> long_runs() {
   std::string many;

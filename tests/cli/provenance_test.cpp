@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/operators/normals.h"
@@ -12,6 +13,7 @@
 namespace pointsweep {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 
 class Provenance : public Tool {
@@ -60,6 +62,26 @@ TEST_F(Provenance, OfLasIsAVlrOfTheUserPointsweep) {
       "pointsweep 0.1.0\npointsweep stage sort\npointsweep axis x\npointsweep " + input_line("in.ply", 3000) + "\n";
   EXPECT_EQ(las.substr(user - 2 + 54, text.size()), text);
   EXPECT_EQ(static_cast<unsigned char>(las[user + 18]) + 256 * static_cast<unsigned char>(las[user + 19]), text.size());
+}
+
+TEST_F(Provenance, TellsEveryOptionThatDecidesWhatIsWritten) {
+  std::string rows = "# x y z curvature\nnan 0 0 5\n";
+  for (int i = 0; i < 40; ++i)
+    rows += std::to_string(i % 7) + " " + std::to_string(i / 7) + " " + std::to_string(0.01 * (i % 3)) + " 5\n";
+  write("lost.xyz", rows);
+  for (const auto& [run, line] : std::vector<std::pair<std::string, std::string>>{
+           {"fair in.ply out.ply --positions float32", "positions float32"},
+           {"normals in.ply out.ply --prefix p_", "prefix p_"},
+           {"curvature lost.xyz out.ply --replace curvature", "replace curvature"},
+           {"normals lost.xyz out.ply --nonfinite drop", "nonfinite drop"},
+           {"normals in.ply out.ply --order sweep --axis x", "axis x"},
+           {"run in.ply out.ply --pipeline 'knn(k=20) | normals | splats | fair | reneighbor(k=8) | normals'",
+            "stage reneighbor(k=8)"}}) {
+    ASSERT_EQ(tool(run + " -f").status, 0) << run;
+    EXPECT_THAT(said("out.ply"), Contains(line)) << run;
+    const Result result = tool("verify out.ply --sample 20");
+    EXPECT_EQ(result.status, 0) << run << "\n" << result.out << result.err;
+  }
 }
 
 TEST_F(Provenance, DoesNotTellThreadsMemoryFoldersOrTheWayTheOptionsWereGiven) {

@@ -298,6 +298,15 @@ TEST_F(Refused, IfOrderOrAxisAreOthers) {
   EXPECT_NE(sentence(work_, options).find("axis y"), std::string::npos) << sentence(work_, options);
 }
 
+TEST_F(Refused, IfNamesTypesOrPointsOfTheOutputAreOthers) {
+  RunOptions prefix = resuming(work_), positions = prefix, nonfinite = prefix;
+  prefix.prefix = "p_";
+  positions.moved_positions = Type::f32;
+  nonfinite.nonfinite = Nonfinite::keep;
+  for (const RunOptions& other : {prefix, positions, nonfinite})
+    EXPECT_NE(sentence(work_, other).find("holds another run"), std::string::npos) << sentence(work_, other);
+}
+
 TEST_F(Resume, RefusesAnInputThatWasWrittenTo) {
   const Work work = works().front();
   EXPECT_FALSE(run_until(15, work, resuming(work)));
