@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: MIT
+"""Mistakes in ordering, searching and sweeping."""
+from mutant import Mutant
+
+SWEEP = "pointsweep/sweep/"
+ORDER = "pointsweep/order/"
+SEARCH = "pointsweep/search/"
+
+MUTANTS = [
+    Mutant("equal distances by y before x", "ties", SEARCH + "best_list.h",
+           "if (a.position.x != b.position.x) return a.position.x < b.position.x;\n"
+           "  if (a.position.y != b.position.y) return a.position.y < b.position.y;",
+           "if (a.position.y != b.position.y) return a.position.y < b.position.y;\n"
+           "  if (a.position.x != b.position.x) return a.position.x < b.position.x;", ("search:CellSearch*", "pipeline:Run.*")),
+    Mutant("equal positions by the higher row", "ties", SEARCH + "best_list.h", "return a.row < b.row;",
+           "return a.row > b.row;", ("search:CellSearch*", "pipeline:Run.*")),
+    Mutant("runs of close distances one too short", "ties", SEARCH + "exact_order.cpp",
+           "const int length = std::countr_one(close_to_next >> begin) + 1;",
+           "const int length = std::max(2, std::countr_one(close_to_next >> begin));", ("search:CellSearch*", "pipeline:Run.*")),
+    Mutant("no margin for single precision", "ties", SEARCH + "leaf_query-inl.h", "kRelativeMargin = 0x1p-11f;",
+           "kRelativeMargin = 0x1p-20f;", ("search:CellSearch*", "pipeline:Run.*")),
+    Mutant("no margin far from the centre", "ties", SEARCH + "leaf_query-inl.h", "kAbsoluteMargin = 0x1p-28f;",
+           "kAbsoluteMargin = 0x1p-60f;", ("search:CellSearch*", "pipeline:Run.*")),
+    Mutant("leaves left out that are a little too near", "certificates", SEARCH + "exact_search.cpp",
+           "constexpr double kSafety = 1 - 1e-12;", "constexpr double kSafety = 1.02;", ("search:CellSearch*", "pipeline:Run.*")),
+    Mutant("canonical order by z before y", "order", ORDER + "canonical_order.cpp",
+           "for (std::size_t a = 0, level = 1; a < 3; ++a)", "for (std::size_t a = 2, level = 1; a < 3; --a)", ("order",)),
+    Mutant("copies of a point without the last one", "ties", SEARCH + "copies.cpp", "++with_self.k;", "",
+           ("search:CellSearch*", "pipeline:Run.*")),
+    Mutant("unread slabs are noticed at half their distance", "certificates", SWEEP + "certificate.cpp",
+           "if (distance2(slabs_[s].box, box) > reach2) continue;\n    if (!needed_only",
+           "if (4 * distance2(slabs_[s].box, box) > reach2) continue;\n    if (!needed_only", ("sweep", "pipeline:Run.*")),
+    Mutant("dropped cells are noticed at half their distance", "certificates", SWEEP + "certificate.cpp",
+           "if (distance2(dropped, box) <= reach2) out.push_back(dropped);",
+           "if (4 * distance2(dropped, box) <= reach2) out.push_back(dropped);", ("sweep", "pipeline:Run.*")),
+    Mutant("a dropped cell is not remembered", "certificates", SWEEP + "window.cpp",
+           "outside_.cell_was_dropped(cell.slab, cell.cell.box);", "", ("sweep", "pipeline:Run.*")),
+    Mutant("a place is full one point too early", "certificates", SWEEP + "window.cpp", "cell.cell.row[k]);",
+           "cell.cell.row[k - 1]);", ("pipeline:Run.*", "pipeline:Window.*")),
+    Mutant("copies of the last wanted row are superfluous", "certificates", SWEEP + "certificate.cpp",
+           "least_row > at->second;", "least_row >= at->second;", ("sweep", "pipeline:Run.*")),
+    Mutant("a cell leaves although lists name it", "retention", SWEEP + "window.cpp",
+           "cell.steps_done < plan_.step_count() || referred[slot]", "cell.steps_done < plan_.step_count()",
+           ("pipeline:Run.*",)),
+    Mutant("a step begins before its neighbours' last one", "retention", SWEEP + "window.cpp",
+           "return cells_[slot]->steps_done >= step; });", "return cells_[slot]->steps_done + 1 >= step; });",
+           ("pipeline:Run.*",)),
+    Mutant("boxes of slabs without their z", "order", ORDER + "distribution.cpp",
+           "chunk.boxes[list].include(Vec3{x[i], y[i], z[i]});", "chunk.boxes[list].include(Vec3{x[i], y[i], y[i]});",
+           ("order:Stream*:RowStore*", "pipeline:Run.*")),
+    Mutant("a bucket's second chunk is its first", "spills", ORDER + "row_store.cpp", "store_->read(b, first,",
+           "store_->read(b, 0 * first,", ("order:RowStore*", "pipeline:Run.*")),
+    Mutant("a continued read begins anew", "spills", ORDER + "spill_file.cpp",
+           "bytes.size() - done, static_cast<off_t>(offset + done));\n    if (n < 0 && errno == EINTR) continue;\n    if (n <= 0)\n      fail(\"cannot",
+           "bytes.size() - done, static_cast<off_t>(offset));\n    if (n < 0 && errno == EINTR) continue;\n    if (n <= 0)\n      fail(\"cannot",
+           ("faults:Faults.Short*",)),
+    Mutant("rows of working records end at 2^16", "order", ORDER + "working_record.cpp",
+           "const auto row = static_cast<Row>(first_row + i);",
+           "const auto row = static_cast<Row>((first_row + i) & 0xffffffff);", ("order",)),
+    # Survey
+    Mutant("bounds and axis are those of the sample, although exact ones were asked for", "order", ORDER + "survey.cpp",
+           "if (is_finite(p)) bounds_.include(p);\n      }\n      for",
+           "if (is_finite(p) && x_.empty()) bounds_.include(p);\n      }\n      for",
+           ("order:Survey.*", "formats", "cli")),
+    Mutant("samples lie at equal distances in the file", "order", ORDER + "survey.cpp",
+           "return begin + mix(run) % (end", "return begin + 0 * mix(run) % (end", ("order:Survey.*", "order:LocalSpacing.*")),
+
+    # Lists within a radius, found and used in several runs
+    Mutant("a rule looks at the first points of a cell in every run of lists", "radius", SWEEP + "cell_runner.cpp",
+           "if (later) note_named(cell, first, worker.neighbors, worker);\n    shorten(plan_, own_from(cell, first, worker)",
+           "if (later) note_named(cell, first, worker.neighbors, worker);\n    shorten(plan_, own_from(cell, 0, worker)",
+           ("pipeline:NeighborhoodRules.*", "pipeline:Radius.*")),
+    Mutant("what does not fit an operator's batch gets the lists of its begin", "radius", SWEEP + "cell_runner.cpp",
+           "lists.begin.data() + i, lists.refs.data()}", "lists.begin.data(), lists.refs.data()}",
+           ("pipeline:Radius.*", "pipeline:Run.*")),
+    Mutant("lists found again begin at the first point of the cell", "radius", SWEEP + "cell_runner.cpp",
+           "const std::uint32_t end = find_lists(slot, first, worker);\n    shorten(plan_, own_from",
+           "const std::uint32_t end = first + find_lists(slot, 0, worker);\n    shorten(plan_, own_from",
+           ("pipeline:Radius.*", "pipeline:Run.*")),
+]
