@@ -64,9 +64,8 @@ MUTANTS = [
            ("formats:FiniteRows.*", "cli:NonfinitePoints.*")),
     Mutant("rows named by statistics are one off behind a dropped one", "nonfinite", FORMATS + "finite_rows.cpp",
            "at += gap <= at ? 1 : 0;", "at += gap < at ? 1 : 0;", ("formats:FiniteRows.*", "cli:NonfinitePoints.*")),
-    Mutant("the first row of a block is looked for in the block before", "nonfinite", FORMATS + "finite_rows.cpp",
-           "std::upper_bound(before_.begin(), before_.end(), row)",
-           "std::max(before_.begin() + 1, std::lower_bound(before_.begin(), before_.end(), row))",
+    Mutant("reading goes on from whole blocks into those with gaps", "nonfinite", FORMATS + "finite_rows.cpp",
+           "gives() < wanted - done && index_.is_whole(end)) ++end;", "gives() < wanted - done) ++end;",
            ("formats:FiniteRows.*",)),
 
     # Files that must not be lost

@@ -98,9 +98,9 @@ MUTANTS = [
     # verify
     Mutant("verify takes equal distances in the order of rows", "verify", "pointsweep/verify/nearest_in_stream.cpp",
            "  if (a.position.x != b.position.x) return a.position.x < b.position.x;\n", "", ("verify",)),
-    Mutant("verify does not see that a point is missing", "verify", "pointsweep/verify/arrivals.cpp",
-           "if (in.count() != out.count()) result_.first_different = std::min(in.count(), out.count());", "",
-           ("verify", "cli:VerifyVerb.*")),
+    Mutant("verify does not see that a point is missing", "verify", "pointsweep/verify/verify.cpp",
+           "if (a.points_in != a.points_out) differ", "if (a.points_in < a.points_out) differ",
+           ("verify:Verify.AMissing*", "cli:VerifyVerb.*")),
     Mutant("verify takes points that are not finite for wherever they stand", "verify", "pointsweep/verify/arrivals.cpp",
            "if (finite && (met_nonfinite_ || p[a] < last_[a]))", "if (finite && p[a] < last_[a])", ("verify",)),
 

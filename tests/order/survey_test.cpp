@@ -42,6 +42,16 @@ TEST(Survey, SamplesAllPartsOfALargeCloudOnceInAscendingRow) {
   EXPECT_GT(look.sample.back().x, 299000);
 }
 
+/// Two scanners that take turns of 128 rows. Each of the 1,024 runs of the sample has 128 of a share of 256 rows.
+TEST(Survey, SeesBothOfTwoInterleavedScannersWhateverTheirPeriod) {
+  std::vector<Vec3> points(1024 * 256);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].x = i % 256 < 128 ? 0 : 1;
+  const CloudSource<float> cloud(points);
+  const Survey look = survey(cloud.source, {}, false);
+  const auto seconds = std::ranges::count_if(look.sample, [](const Vec3& p) { return p.x == 1; });
+  EXPECT_NEAR(static_cast<double>(seconds) / static_cast<double>(look.sample.size()), 0.5, 0.05);
+}
+
 TEST(Survey, HasTheSameSampleWhenItIsExactAndTheBoundsOfAllPoints) {
   std::vector<Vec3> points = random_points(200003, 2);
   points[77777] = {0, 0, 1e9};

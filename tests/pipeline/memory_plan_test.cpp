@@ -118,6 +118,17 @@ TEST(MemoryPlan, CountsTheWindowThatARadiusKeeps) {
   EXPECT_GE(thick.window_bytes, thin.window_bytes + 5'000'000 * 40);
 }
 
+TEST(MemoryPlan, CountsWhatEachThreadHasInHand) {
+  MemoryDemand demand = twenty_million();
+  const auto window = [&](unsigned threads) {
+    demand.threads = threads;
+    return try_plan_memory(8192 * kMega, normals_plan(1000), demand).window_bytes;
+  };
+  const std::uint64_t slab = demand.slab_points * demand.working_record_bytes,
+                      lists = 1024 * 1000 * sizeof(NeighborRef);
+  EXPECT_GE(window(9), window(1) + 8 * (slab + lists));
+}
+
 TEST(MemoryPlan, CountsWhatGrowsWithTheCloudThoughItIsSpilled) {
   const auto at = [](std::uint64_t points) {
     MemoryDemand demand = twenty_million();

@@ -49,9 +49,10 @@ TEST(Radius, BytesAreTheSameHoweverFewListsAThreadHasInHand) {
   for (const auto& [name, shape] : hostile_shapes()) {
     if (name == "one place") continue;  // fair refuses it
     const std::vector<Vec3> points = make_cloud(shape, sized(800), 4);
-    for (const char* text : {"knn(radius=0.15) | normals | curvature | splats | fair | normals",
-                             "knn(k=100) | normals | curvature", "knn(k=70, radius=0.2) | normals | splats | fair",
-                             "knn(radius=0.15) | normals | splats | fair | reneighbor | normals"}) {
+    for (const char* text :
+         {"knn(radius=0.15) | normals | curvature | splats | fair | normals", "knn(k=100) | normals | curvature",
+          "knn(k=100, adaptive=eigenentropy) | normals | curvature", "knn(k=70, radius=0.2) | normals | splats | fair",
+          "knn(radius=0.15) | normals | splats | fair | reneighbor | normals"}) {
       SCOPED_TRACE(name + ": " + text);
       const Chain chain = chain_of(points, text);
       const RunResult expected = run_in_memory(points, chain, options_of(1'000'000, 1024, 1u << 30));
@@ -136,6 +137,30 @@ TEST(Radius, ARunThatCannotFitIsRefusedBeforeTheWork) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("give --memory "), std::string::npos) << error.what();
   }
+}
+
+/// A plate across the axis: the window holds all of it as soon as the radius is its thickness, though no point has many
+/// neighbours.
+TEST(Radius, ABudgetCountsThePointsThatTheRadiusKeeps) {
+  std::mt19937_64 rng(3);
+  std::uniform_real_distribution<double> u(0, 1);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < 400'000; ++i) points.push_back({0.1 * u(rng), 10 * u(rng), 10 * u(rng)});
+  const auto least_megabytes = [&](const std::string& radius) {
+    RunOptions options;
+    options.memory_bytes = 1u << 20;
+    options.threads = 1;
+    options.axis = 0;
+    try {
+      run_in_memory(points, chain_of(points, "knn(radius=" + radius + ") | normals"), options);
+    } catch (const Error& error) {
+      const std::string sentence = error.what();
+      return std::stoul(sentence.substr(sentence.find("--memory ") + 9));
+    }
+    ADD_FAILURE() << "one megabyte is not enough for anything";
+    return 0ul;
+  };
+  EXPECT_GE(least_megabytes("0.06"), least_megabytes("0.0001") + 12);
 }
 
 TEST(Radius, TheUserIsToldOfALongRunBeforeIt) {
