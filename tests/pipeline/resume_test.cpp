@@ -194,6 +194,18 @@ TEST_F(Resume, DoesNotBeginAnewWhatWasDone) {
   EXPECT_LT(reports_, all / 2);
 }
 
+/// Steps look at what the ones before made around a point: a resumed sweep reads so many slabs again that it has that.
+TEST_F(Resume, DoesNotLeaveWhatLiesAroundItsBeginToTheRecall) {
+  const Work work = works()[4];
+  run_uninterrupted(work);
+  run_until(0, work, resuming(work));
+  const std::uint64_t all = reports_;
+  EXPECT_FALSE(run_until(all / 2, work, resuming(work)));
+  const Statistics resumed = run_all(work, resuming(work));
+  EXPECT_LT(resumed.recalled, whole_.recalled + resumed.points / 20);
+  expect_as_uninterrupted(work, resumed);
+}
+
 /// After a run that was stopped comes one that must not go on with it.
 class Refused : public Resume {
  protected:
