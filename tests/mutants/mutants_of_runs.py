@@ -20,7 +20,7 @@ MUTANTS = [
            "return slab - std::min(slab, static_cast<std::uint32_t>(plan_.step_count()));", "return slab;",
            ("pipeline:Resume.*:Refused.*",)),
     Mutant("a resumed run forgets the dropped cells", "resume", SWEEP + "sweep_restart.cpp",
-           "if (slab < first_slab_) outside.cell_was_dropped", "if (slab > first_slab_) outside.cell_was_dropped",
+           "if (slab < first_slab_) frontier.cell_was_dropped", "if (slab > first_slab_) frontier.cell_was_dropped",
            ("pipeline:Resume.*:Refused.*",)),
     Mutant("a resumed run forgets the deferred points", "resume", SWEEP + "sweep.cpp",
            "workers_.front().deferred = from.deferred;", "", ("pipeline:Resume.*:Refused.*",)),
