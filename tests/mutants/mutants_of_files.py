@@ -90,4 +90,8 @@ MUTANTS = [
     Mutant("the header of a .npy file is not padded to 64 bytes", "formats", FORMATS + "npy_writer.cpp",
            "dictionary.append(63 - (kPrefix + dictionary.size()) % 64, ' ');", "dictionary.append(kPrefix % 2, ' ');",
            ("formats:NpyWriter.*",)),
+    Mutant("matches of compressed PCD data are one byte too short", "formats", FORMATS + "pcd/lzf_stream.cpp",
+           "state_.match_left = length + 2;", "state_.match_left = length + 1;", ("formats:Pcd.*",)),
+    Mutant("long matches of compressed PCD data are cut", "formats", FORMATS + "pcd/lzf_stream.cpp",
+           "if (length == 7) length += next();", "if (length == 7) next();", ("formats:Pcd.*",)),
 ]

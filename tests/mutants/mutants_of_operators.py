@@ -72,4 +72,19 @@ MUTANTS = [
     Mutant("coincident neighbours weigh as the nearest one in Equation 2", "formulas",
            OPS + "neighborhood_lanes-inl.h", "return hn::IfThenElse(some, absolute, theta);",
            "return hn::IfThenElse(some, theta, theta);", ("operators:Normals*", "oracles")),
+
+    # Operators that look at the whole cloud, and expressions
+    Mutant("deviation of the whole population instead of a sample", "formulas", OPS + "outliers.cpp",
+           "std::sqrt(n_squared_variance() / n / (n - 1))", "std::sqrt(n_squared_variance() / n / n)",
+           ("pipeline:Select.*", "verify")),
+    Mutant("a point at the threshold itself is an outlier", "ties", OPS + "outliers.cpp",
+           "!(in.value<double>(0, i) <= threshold_)", "!(in.value<double>(0, i) < threshold_)", ("pipeline:Select.*", "verify")),
+    Mutant("whole numbers are compared as doubles", "formulas", OPS + "expression_evaluation.cpp",
+           "if (is_whole(node.parts[0]) && is_whole(node.parts[1]) &&",
+           "if (is_whole(node.parts[0]) && is_whole(node.parts[1]) && size_ == 0 &&", ("operators:Expression.*",)),
+    Mutant("and means or", "formulas", OPS + "expression_evaluation.cpp",
+           "both ? out[i] & right[i] : out[i] | right[i];", "both ? out[i] | right[i] : out[i] & right[i];",
+           ("operators:Expression.*",)),
+    Mutant("exact sums forget what lies below a tie", "ties", "pointsweep/math/exact_sum.cpp",
+           "(below == half && (rest ||", "(below == half && ((rest && bits < 0) ||", ("math:ExactSum.*",)),
 ]

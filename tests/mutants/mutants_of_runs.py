@@ -7,7 +7,7 @@ PIPELINE = "pointsweep/pipeline/"
 
 MUTANTS = [
     Mutant("the reference engine's stream is in no order", "order", PIPELINE + "run.cpp",
-           ".canonical = whole || by_reference(),", ".canonical = whole,", ("reference:Reference.*",)),
+           "canonical = canonical || whole || by_reference();", "canonical = canonical || whole;", ("reference:Reference.*",)),
     Mutant("rows carried between sweeps begin at 0", "spills", PIPELINE + "updated_cloud.cpp",
            "carried->read(first + at, old);", "carried->read(at, old);", ("pipeline:Reneighbor.*",)),
     Mutant("points of infinite position are lost in sweep order", "order", PIPELINE + "ordered_output.cpp",
@@ -107,4 +107,13 @@ MUTANTS = [
     # The command line
     Mutant("K, M, G of --memory are powers of 1000", "cli", "cli/quantities.cpp",
            "scaled(without_byte(text), 1024)", "scaled(without_byte(text), 1000)", ("cli:Quantities.*",)),
+
+    # Selects
+    Mutant("a second select counts the rows that the first left", "selects", PIPELINE + "row_mask.cpp",
+           "while (before_ != nullptr && next_ < rows_ && !before_->has(next_)) append_any(false);",
+           "while (before_ != nullptr && next_ > rows_ && !before_->has(next_)) append_any(false);",
+           ("pipeline:Where.*:Unique.*:Select.*",)),
+    Mutant("points without a place keep what a pass over rows made of them", "selects", PIPELINE + "row_pass.cpp",
+           "if (!is_finite(Vec3{x[i], y[i], z[i]}))", "if (is_finite(Vec3{x[i], y[i], z[i]}) && size == 0)",
+           ("pipeline:Where.*:Unique.*:Select.*",)),
 ]
