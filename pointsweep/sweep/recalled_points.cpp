@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <stdexcept>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/sweep/apply_step.h"
@@ -122,6 +123,7 @@ bool RecalledPoints::load(std::span<const NeededBalls> balls, std::span<const Ne
 void RecalledPoints::place(std::span<const DeferredPoint> points) {
   std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> step_of;  // by slab and place in it
   for (const DeferredPoint& p : points) step_of[p.slab][p.index_in_slab] = p.step;
+  std::size_t placed = 0;
   for (std::uint32_t slot = 0; slot < region_.size(); ++slot) {
     const WindowCell& cell = region_.at(slot);
     const auto of_slab = step_of.find(cell.slab);
@@ -133,8 +135,10 @@ void RecalledPoints::place(std::span<const DeferredPoint> points) {
       state.reached[i] = kInLevel;
       state.pending.push_back({i, 0});
       state.counted_from.emplace_back(i, found->second);
+      ++placed;
     }
   }
+  if (placed != points.size()) throw std::logic_error("a deferred point is in no cell of its slab");
 }
 
 /// The points that the lists of the level behind it name come into the level.

@@ -2,7 +2,6 @@
 #include "pointsweep/sweep/region.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "pointsweep/cancellation.h"
@@ -25,6 +24,25 @@ bool holds_any(const WindowCell& cell, std::span<const NeededPlace> places) {
     return std::ranges::binary_search(places, index, {}, &NeededPlace::index_in_slab);
   });
 }
+
+/// The cells nearest to a place that hold `count` points together, by their farthest corners.
+struct HeldCells {
+  Vec3 place;
+  std::uint64_t count;
+  double reach2;  ///< of the last of them; infinite while there are too few points
+  std::vector<std::pair<double, std::uint64_t>> cells;  ///< squared distance of the farthest corner, points; ascending
+
+  void add(const std::vector<DroppedCell>& more) {
+    for (const DroppedCell& cell : more)
+      if (const double d2 = farthest_distance2(cell.box, place); d2 < reach2) cells.emplace_back(d2, cell.points);
+    std::ranges::sort(cells);
+    std::uint64_t points = 0;
+    const auto last = std::ranges::find_if(cells, [&](const auto& cell) { return (points += cell.second) >= count; });
+    if (last == cells.end()) return;
+    reach2 = last->first;
+    cells.erase(std::next(last), cells.end());
+  }
+};
 
 }  // namespace
 
@@ -100,28 +118,24 @@ void Region::missing_near(const Box& box, double reach2, std::vector<Box>& out) 
   }
 }
 
-/// The cells that a ball holds completely.
+/// By the cells that a ball holds completely, those of the nearest slab first: its bound leaves few other slabs to look
+/// at.
 double Region::reach2_of(Vec3 p, std::uint64_t count) const {
-  std::vector<std::pair<double, std::uint32_t>> slabs;  // squared distance, slab
-  for (std::uint32_t slab = 0; slab < present_.size(); ++slab)
-    slabs.emplace_back(distance2(stream_.slabs()[slab].box, p), slab);
-  std::ranges::sort(slabs);
-  std::vector<std::pair<double, std::uint64_t>> held;  // squared reach, points; the nearest with `count` points
-  double reach2 = Box::kInf;
-  for (const auto& [nearest2, slab] : slabs) {
-    if (nearest2 > reach2) break;
-    for (const DroppedCell& cell : frontier_.dropped_of(slab)) {
-      const double farthest2 = farthest_distance2(cell.box, p);
-      if (farthest2 < reach2) held.emplace_back(farthest2, cell.points);
-    }
-    std::ranges::sort(held);
-    std::uint64_t points = 0;
-    const auto enough = std::ranges::find_if(held, [&](const auto& h) { return (points += h.second) >= count; });
-    if (enough == held.end()) continue;
-    reach2 = enough->first;
-    held.erase(std::next(enough), held.end());
+  const std::vector<Slab>& slabs = stream_.slabs();
+  HeldCells held{p, count, Box::kInf, {}};
+  const auto nearest = std::ranges::min_element(slabs, {}, [&](const Slab& slab) { return distance2(slab.box, p); });
+  const auto first = static_cast<std::uint32_t>(nearest - slabs.begin());
+  held.add(frontier_.dropped_of(first));
+  std::vector<std::pair<double, std::uint32_t>> others;  // squared distance, slab
+  for (std::uint32_t slab = 0; slab < slabs.size(); ++slab)
+    if (const double d2 = distance2(slabs[slab].box, p); slab != first && d2 <= held.reach2)
+      others.emplace_back(d2, slab);
+  std::ranges::sort(others);
+  for (const auto& [d2, slab] : others) {
+    if (d2 > held.reach2) break;
+    held.add(frontier_.dropped_of(slab));
   }
-  return reach2;
+  return held.reach2;
 }
 
 }  // namespace pointsweep
