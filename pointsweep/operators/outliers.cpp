@@ -71,7 +71,7 @@ OperatorDeclaration sor_declaration() {
           .formula =
               "mean_distance = 1/|N_i| Σ_j |p_j - p_i|; outlier = 1 where mean_distance > m + multiplier * s, m and s\n"
               "the mean and the standard deviation (n - 1) of all finite mean_distance",
-          .source = "Rusu, Semantic 3D object maps (2009); the definition of PCL and PDAL",
+          .source = "Rusu, Semantic 3D object maps (2009); the definition of PCL",
           .undefined = "Without neighbours, or if one has no finite place: mean_distance is NaN and outlier 1.",
           .cost = "one more reading of the rows, or the writing of the output, in which the outliers are marked",
           .attributes = {{.name = "mean_distance",

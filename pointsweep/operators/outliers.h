@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Statistical outliers: points that are farther from their neighbours than most points are from theirs (R. B. Rusu,
-/// "Semantic 3D object maps for everyday manipulation in human living environments", 2009; filters of this kind are in
-/// PCL, PDAL, Open3D and CloudCompare).
+/// "Semantic 3D object maps for everyday manipulation in human living environments", 2009; as in PCL. PDAL, Open3D and
+/// CloudCompare have filters of this kind that differ in detail).
 #pragma once
 
 #include <limits>
