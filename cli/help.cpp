@@ -8,6 +8,13 @@ namespace {
 
 constexpr std::size_t kLeftColumns = 30;  // of names, before what they mean
 
+/// Number of characters, of which UTF-8 may take several bytes each.
+std::size_t columns_of(std::string_view text) {
+  std::size_t columns = 0;
+  for (const char c : text) columns += (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+  return columns;
+}
+
 std::string rest_of_line(std::istream& text) {
   std::string line;
   std::getline(text, line);
@@ -22,13 +29,13 @@ std::string wrapped(std::string_view text, std::size_t indent, std::size_t colum
   std::size_t at = indent;
   for (std::string word; words >> word;) {
     const bool first = out.empty();
-    if (!first && at + 1 + word.size() > columns) {
+    if (!first && at + 1 + columns_of(word) > columns) {
       out += "\n" + std::string(indent, ' ');
       at = indent;
     } else if (!first) {
       out += ' ', ++at;
     }
-    out += word, at += word.size();
+    out += word, at += columns_of(word);
   }
   return out;
 }
