@@ -50,13 +50,4 @@ inline double distance2(const Box& a, const Box& b) {
   return (dx * dx + dy * dy) + dz * dz;
 }
 
-/// Squared distance from a point to the farthest place of the box. Rounding never makes it fall below the distance2()
-/// to a point of the box.
-inline double farthest_distance2(const Box& b, Vec3 p) {
-  const double dx = std::max(p.x - b.lo.x, b.hi.x - p.x);
-  const double dy = std::max(p.y - b.lo.y, b.hi.y - p.y);
-  const double dz = std::max(p.z - b.lo.z, b.hi.z - p.z);
-  return (dx * dx + dy * dy) + dz * dz;
-}
-
 }  // namespace pointsweep

@@ -15,8 +15,13 @@
 namespace pointsweep {
 namespace {
 
-/// A reach found among a part of the cells is taken if its square is at most so many times that of what was loaded.
-constexpr double kMostGrowth2 = 4;
+/// The cells that a point still lacks are loaded so many points at a time, and so many times more each time: the reach
+/// found among a part of the cells may be that of a ball which touches a large part of the cloud.
+constexpr std::uint64_t kFirstPoints = 4096, kMorePoints = 4;
+
+/// Points of the cells that are loaded around a point because it is expected to need them. Outliers would expect all of
+/// a dense surface that they are near to.
+constexpr std::uint64_t kMostExpected = 8192;
 
 /// Values of CellState::reached.
 constexpr std::uint8_t kReachedNow = 1, kInLevel = 2;
@@ -87,7 +92,7 @@ bool RecalledPoints::load_own_balls(std::span<const DeferredPoint> points) {
   std::vector<double> reach2(points.size());
   parallel_for(points.size(), [&](std::size_t i, unsigned) {
     stop_if_cancelled();
-    reach2[i] = std::min(points[i].reach2, reach2_of(points[i].position));
+    reach2[i] = std::min(points[i].reach2, region_.reach2_of_cells(points[i].position, first_points()));
   });
   constexpr std::size_t kTogether = 16;
   std::vector<NeededBalls> balls;
@@ -133,7 +138,7 @@ void RecalledPoints::place(std::span<const DeferredPoint> points) {
       if (found == of_slab->second.end()) continue;
       CellState& state = cells_[slot];
       state.reached[i] = kInLevel;
-      state.pending.push_back({i, 0});
+      state.pending.push_back({i, 0, kFirstPoints});
       state.counted_from.emplace_back(i, found->second);
       ++placed;
     }
@@ -149,7 +154,7 @@ void RecalledPoints::begin_level(std::uint32_t level) {
     for (std::uint32_t i = 0; i < cell.reached.size(); ++i) {
       if (cell.reached[i] != kReachedNow) continue;
       cell.reached[i] = kInLevel;
-      cell.pending.push_back({i, 0});
+      cell.pending.push_back({i, 0, kFirstPoints});
     }
     pending_bytes_ += cell.pending.size() * (sizeof(Pending) + sizeof(NeededBalls::Ball));
     if (!cell.pending.empty()) need_expected(static_cast<std::uint32_t>(slot), level, workers_[worker]);
@@ -184,9 +189,11 @@ void RecalledPoints::need_expected(std::uint32_t slot, std::uint32_t level, Work
   if (around.empty()) return;
   region_.missing_near(around, farthest2, worker.dropped);
   if (worker.dropped.empty()) return;
-  for (const Pending& p : state.pending) {
+  for (Pending& p : state.pending) {
     const Vec3 position = cell.position(p.point);
-    if (p.tried2 > 0 && to_nearest(worker.dropped, position) <= p.tried2) state.needed.add(position, p.tried2);
+    if (!(p.tried2 > 0) || to_nearest(worker.dropped, position) > p.tried2) continue;
+    p.tried2 = std::min(p.tried2, region_.reach2_of_cells(position, kMostExpected));
+    state.needed.add(position, p.tried2);
   }
 }
 
@@ -231,11 +238,11 @@ std::vector<std::uint32_t> RecalledPoints::certify(std::uint32_t slot, std::span
       certain.push_back(n);
       continue;
     }
-    // What was found among a part of the cells may be far too long.
-    const bool is_near = reach2[n] <= kMostGrowth2 * searched[n].tried2;
-    const double needed2 = is_near ? reach2[n] : std::min(reach2[n], reach2_of(position));
+    // What was found among a part of the cells may be far too long: the nearest cells come first, more each time.
+    const double nearest2 = region_.reach2_of_cells(position, searched[n].points);
+    const double needed2 = std::min(reach2[n], std::max(nearest2, missing2));
     state.needed.add(position, needed2);
-    state.pending.push_back({searched[n].point, needed2});
+    state.pending.push_back({searched[n].point, needed2, kMorePoints * searched[n].points});
   }
   return certain;
 }

@@ -40,8 +40,9 @@ class RecalledPoints {
  private:
   /// A point whose list is still to be found.
   struct Pending {
-    std::uint32_t point;  ///< by index in the cell
-    double tried2;        ///< everything within this squared distance is in memory, or needed
+    std::uint32_t point;   ///< by index in the cell
+    double tried2;         ///< everything within this squared distance is in memory, or needed
+    std::uint64_t points;  ///< what is needed next holds about so many points at most
   };
   /// Points of one cell that came into a level together. Lists for which there is no memory are found again when they
   /// are used; there are none here then.
@@ -68,7 +69,8 @@ class RecalledPoints {
   bool load_own_balls(std::span<const DeferredPoint> points);
   bool load_needed();
   bool load(std::span<const NeededBalls> balls, std::span<const NeededPlace> places);
-  double reach2_of(Vec3 p) const { return region_.reach2_of(p, std::uint64_t{plan_.neighborhood.k} + 1); }
+  /// So many points are loaded around a point at first.
+  std::uint64_t first_points() const { return std::uint64_t{plan_.neighborhood.k} + 1; }
   void place(std::span<const DeferredPoint> points);
   bool find_level(std::uint32_t level);
   void begin_level(std::uint32_t level);

@@ -25,16 +25,16 @@ bool holds_any(const WindowCell& cell, std::span<const NeededPlace> places) {
   });
 }
 
-/// The cells nearest to a place that hold `count` points together, by their farthest corners.
-struct HeldCells {
+/// The cells nearest to a place that hold `count` points together.
+struct NearestCells {
   Vec3 place;
   std::uint64_t count;
   double reach2;  ///< of the last of them; infinite while there are too few points
-  std::vector<std::pair<double, std::uint64_t>> cells;  ///< squared distance of the farthest corner, points; ascending
+  std::vector<std::pair<double, std::uint64_t>> cells;  ///< squared distance, points; ascending
 
   void add(const std::vector<DroppedCell>& more) {
     for (const DroppedCell& cell : more)
-      if (const double d2 = farthest_distance2(cell.box, place); d2 < reach2) cells.emplace_back(d2, cell.points);
+      if (const double d2 = distance2(cell.box, place); d2 < reach2) cells.emplace_back(d2, cell.points);
     std::ranges::sort(cells);
     std::uint64_t points = 0;
     const auto last = std::ranges::find_if(cells, [&](const auto& cell) { return (points += cell.second) >= count; });
@@ -118,24 +118,23 @@ void Region::missing_near(const Box& box, double reach2, std::vector<Box>& out) 
   }
 }
 
-/// By the cells that a ball holds completely, those of the nearest slab first: its bound leaves few other slabs to look
-/// at.
-double Region::reach2_of(Vec3 p, std::uint64_t count) const {
+/// The nearest slab first: what it gives leaves few other slabs to look at.
+double Region::reach2_of_cells(Vec3 p, std::uint64_t count) const {
   const std::vector<Slab>& slabs = stream_.slabs();
-  HeldCells held{p, count, Box::kInf, {}};
+  NearestCells found{p, count, Box::kInf, {}};
   const auto nearest = std::ranges::min_element(slabs, {}, [&](const Slab& slab) { return distance2(slab.box, p); });
   const auto first = static_cast<std::uint32_t>(nearest - slabs.begin());
-  held.add(frontier_.dropped_of(first));
+  found.add(frontier_.dropped_of(first));
   std::vector<std::pair<double, std::uint32_t>> others;  // squared distance, slab
   for (std::uint32_t slab = 0; slab < slabs.size(); ++slab)
-    if (const double d2 = distance2(slabs[slab].box, p); slab != first && d2 <= held.reach2)
+    if (const double d2 = distance2(slabs[slab].box, p); slab != first && d2 <= found.reach2)
       others.emplace_back(d2, slab);
   std::ranges::sort(others);
   for (const auto& [d2, slab] : others) {
-    if (d2 > held.reach2) break;
-    held.add(frontier_.dropped_of(slab));
+    if (d2 > found.reach2) break;
+    found.add(frontier_.dropped_of(slab));
   }
-  return held.reach2;
+  return found.reach2;
 }
 
 }  // namespace pointsweep

@@ -51,8 +51,9 @@ class Region {
 
   /// The boxes of cells that are not in memory and hold something within sqrt(reach2) of `box`.
   void missing_near(const Box& box, double reach2, std::vector<Box>& out) const;
-  /// A squared distance within which at least `count` points of the cloud lie; infinite if there are not so many.
-  double reach2_of(Vec3 p, std::uint64_t count) const;
+  /// The least squared distance within which cells begin that hold `count` points together; infinite if all cells hold
+  /// fewer. Not all of these points are as near.
+  double reach2_of_cells(Vec3 p, std::uint64_t count) const;
 
   const CellDirectory& directory() const { return directory_; }
   const PointColumns* slots() const { return views_.data(); }
