@@ -5,6 +5,7 @@
 #include "cli/file_summary.h"
 #include "cli/gps_time.h"
 #include "pointsweep/formats/crs_unit.h"
+#include "pointsweep/formats/provenance.h"
 
 namespace pointsweep {
 namespace {
@@ -75,6 +76,25 @@ Json crs_of(const std::optional<Crs>& crs) {
           {"wkt", text(crs->wkt)}};
 }
 
+Json json_of(const ProvenanceRecord& record) {
+  Json settings = Json::object(), inputs = Json::array();
+  for (const auto& [name, value] : record.settings) settings[name] = value;
+  for (const ProvenanceInput& input : record.inputs)
+    inputs.push_back({{"name", input.name}, {"points", input.points}, {"bytes", input.bytes}});
+  return {{"version", record.version},
+          {"stages", record.stages},
+          {"settings", settings},
+          {"inputs", inputs},
+          {"more_inputs", record.more_inputs}};
+}
+
+/// The runs that made the file, oldest first.
+Json provenance(const FileInfo& info) {
+  Json records = Json::array();
+  for (const ProvenanceRecord& record : records_of(info.provenance)) records.push_back(json_of(record));
+  return records;
+}
+
 }  // namespace
 
 Json to_json(const Box& bounds) {
@@ -106,6 +126,7 @@ Json to_json(const FileInfo& info, const FileSummary& s) {
           {"returns", counts(s.returns, s.has_returns)},
           {"gps_time", gps_time(info, s)},
           {"attributes", attributes(info.schema, s)},
+          {"provenance", provenance(info)},
           {"warnings", info.warnings}};
 }
 

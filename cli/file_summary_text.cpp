@@ -6,6 +6,7 @@
 #include "cli/file_summary.h"
 #include "cli/gps_time.h"
 #include "pointsweep/formats/las_classes.h"
+#include "pointsweep/formats/provenance.h"
 
 namespace pointsweep {
 namespace {
@@ -93,6 +94,13 @@ std::string gps_text(const FileInfo& info, const FileSummary& s) {
   return line("gps time", text);
 }
 
+/// One line for each run that made the file, oldest first.
+std::string provenance_text(const FileInfo& info) {
+  std::string text;
+  for (const ProvenanceRecord& record : records_of(info.provenance)) text += line("made by", to_text(record));
+  return text;
+}
+
 /// One line for each attribute but the coordinates.
 std::string ranges_text(const Schema& schema, const FileSummary& s) {
   std::size_t widest = 0;
@@ -122,7 +130,7 @@ std::string to_text(std::uint64_t points, const Box& bounds) {
 
 std::string to_text(const FileInfo& info, const FileSummary& summary) {
   std::string text = fmt::format("{}\n", info.path.string());
-  text += line("format", fmt::format("{}, {} bytes", info.format, info.bytes));
+  text += line("format", fmt::format("{}, {} bytes", info.format, info.bytes)) + provenance_text(info);
   if (info.crs) text += line("crs", short_text(*info.crs));
   text += to_text(info.count, summary.bounds);
   if (summary.nonfinite > 0) text += line("not finite", fmt::format("{} points, not in the bounds", summary.nonfinite));

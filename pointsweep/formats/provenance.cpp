@@ -144,8 +144,9 @@ std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines) {
 
 std::string to_text(const ProvenanceRecord& record) {
   std::string text = std::string(kProvenanceMark) + record.version;
-  for (std::size_t i = 0; i < record.stages.size(); ++i) text += (i == 0 ? ": " : " | ") + record.stages[i];
-  for (const auto& [name, value] : record.settings) text += "; " + name + " " + value;
+  for (std::size_t i = 0; i < record.stages.size(); ++i)
+    text += (i == 0 ? ": " : " | ") + percent_encoded(record.stages[i]);
+  for (const auto& [name, value] : record.settings) text += "; " + name + " " + percent_encoded(value);
   for (std::size_t i = 0; i < record.inputs.size() && i < 3; ++i)
     text += (i == 0 ? "; from " : ", ") + percent_encoded(record.inputs[i].name);
   const std::uint64_t others =

@@ -45,7 +45,7 @@ struct ProvenanceRecord {
 std::vector<std::string> lines_of(const ProvenanceRecord& record);
 /// Oldest first. Lines that are not understood are ignored.
 std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines);
-/// "pointsweep 0.1.0: knn(k=12) | normals; order sweep; from scan.ply"
+/// "pointsweep 0.1.0: knn(k=12) | normals; order sweep; from scan.ply", printable ASCII
 std::string to_text(const ProvenanceRecord& record);
 
 /// Appends those records of `more` that `lines` does not have yet. Beyond 256 KiB, records are left out and one line

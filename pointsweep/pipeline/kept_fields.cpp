@@ -47,7 +47,8 @@ class Selection {
     KeptFields kept;
     std::set<std::size_t> input = input_indices();
     for (const Attribute& a : made_) {
-      const auto is_named = [&](const std::string& field) { return made_fields_.contains(field); };
+      const bool moved = a.name == position_attribute().name;
+      const auto is_named = [&](const std::string& field) { return moved || made_fields_.contains(field); };
       if (!made_fields_.empty() && std::ranges::none_of(a.fields, is_named)) continue;
       kept.attributes.push_back(a.name);
       for (const std::string& field : a.fields) {

@@ -22,7 +22,8 @@ struct KeptFields {
 /// What a name stands for, the first of these that fits: a made attribute ("normal") or a field of one ("nx"), a field
 /// of the input under its own name or that of its column in the output; then either in another spelling that files use
 /// ("NormalX", in any case). Of the made fields those that are named are kept, or all if none is; of the input's
-/// likewise. Coordinates are always kept; x, y and z name those of the input, and moved ones too, together. A field of
+/// likewise. Coordinates are always kept, and where points are moved they are the
+/// moved ones, as without a selection: x, y and z together. A field of
 /// the input is left out where a made attribute is kept in part without the field that would replace it. Throws
 /// UsageError for a name that fits nothing.
 KeptFields kept_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input);

@@ -209,7 +209,7 @@ TEST_F(Info, JsonHasTheDocumentedKeys) {
   for (const auto& [key, value] : json.at("files").at(0).items()) keys += key + " ";
   EXPECT_EQ(keys,
             "path format bytes points nonfinite bounds crs scale offset density density_cell spacing spacing_sample "
-            "spacing_duplicates ascending descending classes returns gps_time attributes warnings ");
+            "spacing_duplicates ascending descending classes returns gps_time attributes provenance warnings ");
   EXPECT_EQ(json.at("files").at(1).at("path"), "nothing.ply");
   EXPECT_NE(json.at("files").at(1).at("error").get<std::string>().find("no such file"), std::string::npos);
   EXPECT_EQ(json.at("all").at("unreadable"), 1);

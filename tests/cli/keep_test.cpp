@@ -100,6 +100,15 @@ TEST_F(SharedOptions, KeptCoordinatesAreTheMovedOnes) {
   EXPECT_EQ(names("kept.ply"), "x y z");
   expect_columns_of(table("all.ply"), table("kept.ply"));
   EXPECT_NE(table("kept.ply").at("z"), table("in.ply").at("z"));
+  for (const std::string order : {"", " --order sweep"}) {
+    made("fair in.ply whole.ply -f -k 12" + order);
+    for (const std::string name : {"normal", "nx", "nx,intensity", "splat_length", "intensity"}) {
+      made("fair in.ply kept.ply -f -k 12 --keep " + name + order);
+      EXPECT_LT(table("kept.ply").size(), table("whole.ply").size()) << name;
+      expect_columns_of(table("whole.ply"), table("kept.ply"));
+      EXPECT_EQ(tool("verify kept.ply --sample 50").status, 0) << name;
+    }
+  }
   made("generate statue float32.ply -n 900");
   made("fair float32.ply all.ply -f -k 12");
   made("fair float32.ply kept.ply -f -k 12 --keep x,y,z,nx");

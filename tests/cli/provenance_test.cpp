@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -205,6 +206,38 @@ TEST_F(Provenance, NamesOperatorsOfTheUserWithTheirOptions) {
   refused(2, "verify out.ply", "'knn(k=9) | normals | height(above=0.25)', of which not all operators are known here");
   const Result verified = tool("verify in.ply out.ply -k 9 --sample 100");
   EXPECT_EQ(verified.status, 0) << verified.err;
+}
+
+TEST_F(Provenance, IsPrintedByInfoOldestFirst) {
+  ASSERT_EQ(tool("normals in.ply more.las -o first.las -k 12 --orient up").status, 0);
+  for (const std::string out : {"out.ply", "out.las", "out.xyz"}) {
+    ASSERT_EQ(tool("sort first.las " + out + " --keep nx").status, 0);
+    EXPECT_NE(tool("info " + out)
+                  .out.find("  made by     pointsweep 0.1.0: knn(k=12) | normals(orient=up); from in.ply, more.las\n"
+                            "  made by     pointsweep 0.1.0: sort; keep nx; axis z; from first.las\n"),
+              std::string::npos)
+        << tool("info " + out).out;
+    const auto records = nlohmann::json::parse(tool("info --json " + out).out)["files"][0]["provenance"];
+    ASSERT_EQ(records.size(), 2u);
+    EXPECT_EQ(records[0]["stages"], nlohmann::json({"knn(k=12)", "normals(orient=up)"}));
+    EXPECT_EQ(records[0]["inputs"][1]["name"], "more.las");
+    EXPECT_EQ(records[0]["inputs"][1]["points"], 1000);
+    EXPECT_EQ(records[1]["version"], "0.1.0");
+    EXPECT_EQ(records[1]["settings"], nlohmann::json({{"keep", "nx"}, {"axis", "z"}}));
+    EXPECT_EQ(records[1]["more_inputs"], 0);
+  }
+  EXPECT_EQ(tool("info more.las").out.find("made by"), std::string::npos);
+  EXPECT_TRUE(nlohmann::json::parse(tool("info --json more.las").out)["files"][0]["provenance"].empty());
+}
+
+TEST_F(Provenance, IsPrintedInPrintableCharactersWhateverAFileHolds) {
+  write("odd.ply",
+        "ply\nformat ascii 1.0\ncomment pointsweep 0.1.0\ncomment pointsweep stage %1B[31mred%0Aline\n"
+        "comment pointsweep keep %FF\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+        "end_header\n1 2 3\n");
+  const std::string out = tool("info odd.ply").out;
+  EXPECT_NE(out.find("made by     pointsweep 0.1.0: %1B[31mred%0Aline; keep %FF\n"), std::string::npos) << out;
+  EXPECT_EQ(tool("info --json odd.ply").status, 0);
 }
 
 TEST_F(Provenance, FindsAnOutputThatIsNotWhatItSays) {
