@@ -18,8 +18,10 @@ struct AttributeLimits {
 
 /// Keeps the neighbours that both limits allow. A value that is NaN or negative, and a k below 1, allow none: the point
 /// has no neighbours, which operators count as degenerate. A value above what the search was asked for allows all that
-/// it found. A radius of 0 keeps the points in the same place. Within means ((dx² + dy²) + dz²) <= radius², both in
-/// double: the rounded root `neighbor_radius` can lie just below the farthest neighbour, and then leaves it out.
+/// it found. A radius of 0 keeps the points in the same place. Within means, in double, d² = ((dx² + dy²) + dz²)
+/// <= radius², as for a radius for all points, or √d² <= radius: the attribute `neighbor_radius` holds the rounded
+/// root, whose square can be less than d². An attribute of float32 is taken as it is: a distance that was rounded down
+/// to it leaves the farthest neighbour out.
 class LimitsFromAttributes final : public NeighborhoodRule {
  public:
   /// Throws UsageError where neither attribute is named.

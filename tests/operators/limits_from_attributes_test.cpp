@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -59,6 +60,24 @@ TEST(LimitsFromAttributes, ARadiusOfZeroKeepsThePointsInTheSamePlace) {
   const auto lists = brute_force_neighbors(points, 3);
   EXPECT_EQ(chosen(LimitsFromAttributes({.radius = "r"}), points, lists, {{0, 0, 0, 0}}),
             (std::vector<std::uint32_t>{2, 2, 2, 0}));
+}
+
+TEST(LimitsFromAttributes, TheDistanceToANeighborReachesIt) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<Vec3> points(2000);
+  for (Vec3& p : points) p = {uniform(random), uniform(random), uniform(random)};
+  const auto lists = brute_force_neighbors(points, 7);
+  std::vector<double> radius(points.size());
+  std::size_t below = 0;  // roots whose squares are less than what they are the roots of
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const double farthest2 = distance2(points[i], points[lists[i].back()]);
+    radius[i] = std::sqrt(farthest2);
+    below += radius[i] * radius[i] < farthest2;
+  }
+  EXPECT_GT(below, 200u);
+  EXPECT_EQ(chosen(LimitsFromAttributes({.radius = "r"}), points, lists, {radius}),
+            std::vector<std::uint32_t>(points.size(), 7));
 }
 
 TEST(LimitsFromAttributes, BothLimitsHoldTogether) {
