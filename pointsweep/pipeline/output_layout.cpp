@@ -23,12 +23,11 @@ void copy_pieces(const std::byte* from, std::size_t from_stride, std::byte* to, 
 OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept,
                            std::optional<Type> moved_positions)
     : schema_(input), input_stride_(input.stride), passed_{{0, 0, input.stride}} {
-  const auto moves = [](const Attribute& a) { return a.name == position_attribute().name; };
-  if (std::none_of(made.begin(), made.end(), moves)) moved_positions.reset();
+  const Types types = replaced(input, made, kept, moved_positions);
   if (kept.input)
-    keep_fields(input, *kept.input, moved_positions);
-  else if (moved_positions)
-    retype_positions(*moved_positions);
+    keep_fields(input, *kept.input, types);
+  else
+    retype(types);
   const Schema own = schema_;
   for (const Attribute& attribute : made) {
     for (const std::string& name : attribute.fields) {
@@ -42,15 +41,36 @@ OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& ma
   }
 }
 
-/// x, y and z become plain fields of that type; what stands behind them in the record moves up or down.
-void OutputLayout::retype_positions(Type type) {
-  std::vector<Field*> positions;
-  for (const char* name : {"x", "y", "z"}) positions.push_back(&schema_.fields[*schema_.find(name)]);
-  std::sort(positions.begin(), positions.end(), [](const Field* a, const Field* b) { return a->offset < b->offset; });
+/// The fields of the input that are stored otherwise than what replaces them. Bit fields share their bytes with others
+/// and keep their storage.
+OutputLayout::Types OutputLayout::replaced(const Schema& input, const std::vector<Attribute>& made,
+                                           const KeptFields& kept, std::optional<Type> moved_positions) {
+  Types types;
+  for (const Attribute& attribute : made) {
+    const bool moves = attribute.name == position_attribute().name;
+    if (moves && !moved_positions) continue;
+    for (const std::string& name : attribute.fields) {
+      const auto known = input.find(name);
+      if (!known || kept.left_out.contains(name)) continue;
+      const Field& field = input.fields[*known];
+      const Type type = moves ? *moved_positions : attribute.type;
+      const bool as_made = field.is_plain() && field.type == type;
+      if (!as_made && field.bit_width == 0 && field.count == 1) types[*known] = type;
+    }
+  }
+  return types;
+}
+
+/// These become plain fields of their types; what stands behind them in the record moves up or down.
+void OutputLayout::retype(const Types& types) {
+  if (types.empty()) return;
+  std::vector<std::pair<Field*, Type>> retyped;
+  for (const auto& [index, type] : types) retyped.emplace_back(&schema_.fields[index], type);
+  std::ranges::sort(retyped, {}, [](const auto& field) { return field.first->offset; });
   passed_.clear();
-  std::vector<Copy> pieces;  // of the input's record, between the positions
+  std::vector<Copy> pieces;  // of the input's record, between them
   std::uint32_t from = 0, to = 0;
-  for (Field* field : positions) {
+  for (const auto& [field, type] : retyped) {
     pieces.push_back({from, to, field->offset - from});
     to += field->offset - from;
     from = field->offset + static_cast<std::uint32_t>(size_of(field->type));
@@ -59,8 +79,9 @@ void OutputLayout::retype_positions(Type type) {
   }
   pieces.push_back({from, to, input_stride_ - from});
   schema_.stride = to + input_stride_ - from;
-  for (Field& field : schema_.fields) {
-    if (std::find(positions.begin(), positions.end(), &field) != positions.end()) continue;
+  for (std::size_t f = 0; f < schema_.fields.size(); ++f) {
+    if (types.contains(f)) continue;
+    Field& field = schema_.fields[f];
     const auto piece =
         std::find_if(pieces.rbegin(), pieces.rend(), [&](const Copy& c) { return c.from <= field.offset; });
     field.offset = piece->to + (field.offset - piece->from);
@@ -68,18 +89,16 @@ void OutputLayout::retype_positions(Type type) {
   std::copy_if(pieces.begin(), pieces.end(), std::back_inserter(passed_), [](const Copy& c) { return c.bytes > 0; });
 }
 
-/// Fields keep their storage, except moved positions: bit fields that share a byte each get a copy of it.
-void OutputLayout::keep_fields(const Schema& input, const std::vector<std::size_t>& kept,
-                               std::optional<Type> moved_positions) {
+/// Fields keep their storage, except those of `types`: bit fields that share a byte each get a copy of it.
+void OutputLayout::keep_fields(const Schema& input, const std::vector<std::size_t>& kept, const Types& types) {
   schema_ = {};
   passed_.clear();
   for (const std::size_t index : kept) {
     Field field = input.fields[index];
-    const bool moved =
-        moved_positions && (input.find("x") == index || input.find("y") == index || input.find("z") == index);
-    if (moved) field = {.name = field.name, .type = *moved_positions};
+    const auto type = types.find(index);
+    if (type != types.end()) field = {.name = field.name, .type = type->second};
     const auto bytes = static_cast<std::uint32_t>(size_of(field.type)) * field.count;
-    if (!moved) append(passed_, {field.offset, schema_.stride, bytes});
+    if (type == types.end()) append(passed_, {field.offset, schema_.stride, bytes});
     field.offset = schema_.stride;
     schema_.stride += bytes;
     schema_.fields.push_back(std::move(field));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -14,8 +15,9 @@
 
 namespace pointsweep {
 
-/// The input's record unchanged, or those of its fields that are kept, without gaps; then the made values. A made value
-/// that the input's part already has is replaced where it stands.
+/// The input's record unchanged, or those of its fields that are kept, without gaps; then the made values. A made
+/// attribute that the input's part already has is replaced where it stands, and gets its own type there: no value is
+/// rounded to that of the input.
 class OutputLayout {
  public:
   /// `moved_positions`: the type that x, y and z get where they stand if `made` moves points; absent: that of the
@@ -31,10 +33,13 @@ class OutputLayout {
   struct Copy {
     std::uint32_t from, to, bytes;
   };
-  void retype_positions(Type type);
+  using Types = std::map<std::size_t, Type>;  ///< of fields of the input, by index
+  static Types replaced(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept,
+                        std::optional<Type> moved_positions);
+  void retype(const Types& types);
   /// Values that lie side by side in both records are one copy.
   static void append(std::vector<Copy>& copies, const Copy& next);
-  void keep_fields(const Schema& input, const std::vector<std::size_t>& kept, std::optional<Type> moved_positions);
+  void keep_fields(const Schema& input, const std::vector<std::size_t>& kept, const Types& types);
   void add(const Field& from, const Field& to);
   void assemble_block(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs) const;
 

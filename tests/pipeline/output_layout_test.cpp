@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -72,6 +73,38 @@ TEST(OutputLayout, MovedPositionsGetTheTypeAskedForWhereTheyStandAndAllElsePasse
       EXPECT_EQ(value(layout, record, "z"), to == Type::f64 ? 4.0 / 3 : double{float(4.0 / 3)});
       EXPECT_EQ(value(layout, record, "nz"), 1);
       EXPECT_EQ(layout.schema().stride, input.stride + 3 * size_of(to) - 3 * size_of(from) + 12);
+    }
+  }
+}
+
+/// Normals as integers, and an array behind them, among other attributes.
+TEST(OutputLayout, AnAttributeThatIsReplacedGetsTheTypeOfWhatIsMade) {
+  for (const Type from : {Type::i8, Type::f64, Type::f32}) {
+    Schema input = mixed_input(Type::f32);
+    for (const char* name : {"ny", "nz"}) input.append(name, from);
+    Field scaled = input.fields.back();
+    scaled.name = "NormalX", scaled.type = Type::i16, scaled.scale = 0.5, scaled.offset = input.stride;
+    input.fields.push_back(scaled);
+    input.stride += 2;
+    std::vector<std::size_t> all(input.fields.size());
+    for (std::size_t f = 0; f < all.size(); ++f) all[f] = f;
+    for (const bool kept : {false, true}) {
+      const OutputLayout layout(input, {normal_attribute()},
+                                {{"normal"}, {}, kept ? std::optional(all) : std::nullopt});
+      const std::vector<std::byte> record = input_record(input);
+      const float normal[3] = {0.25f, 1.0f / 3, -0.125f};
+      std::vector<std::byte> results(12), output(layout.schema().stride);
+      std::memcpy(results.data(), normal, 12);
+      layout.assemble(record.data(), results.data(), 1, output.data());
+      for (const auto& [name, expected] : kPassed) EXPECT_EQ(value(layout, output, name), expected) << name;
+      EXPECT_EQ(value_of(layout.schema().fields[*layout.schema().find("time")], output.data(), 1), -7.5);
+      EXPECT_EQ(value(layout, output, "z"), 1);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::string name = normal_attribute().fields[c];
+        EXPECT_EQ(value(layout, output, name), double{normal[c]}) << name_of(from);
+        EXPECT_EQ(layout.schema().fields[*layout.schema().find(name)].type, Type::f32);
+      }
+      EXPECT_EQ(layout.schema().fields.size(), input.fields.size());
     }
   }
 }
