@@ -107,6 +107,44 @@ TEST(Oracles, NeighborhoodsOfTheirOwnSizeAreWhatTheRulesSay) {
                     "surface");
 }
 
+TEST(Oracles, NeighborhoodsOfTheirOwnSizeAreWhatTheRulesSayAlsoPieceByPiece) {
+  const std::vector<Vec3> surface = bumpy_surface(sized(1500), 16);
+  std::vector<double> k, radius;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    k.push_back(static_cast<double>(i % 50));
+    radius.push_back(0.03 + 0.0001 * static_cast<double>(i % 900));
+  }
+  PointCloud points(surface);
+  points.with({"wanted"}, k).with({"reach"}, radius);
+  for (const std::string neighborhood : {"k=60, radius=0.12, k_from=wanted", "radius=0.12, radius_from=reach",
+                                         "k=70, radius=0.1, adaptive=eigenentropy, k_min=5"}) {
+    const Chain chain = build_chain(
+        parse_pipeline("knn(" + neighborhood + ") | neighborhood_size | normals | curvature"), points.cloud());
+    const Oracle oracle(points.cloud(), chain);
+    for (const std::uint64_t lists : {1, 2000}) {
+      RunOptions options = streamed(surface.size());
+      options.lists_bytes = lists;
+      options.search_again = true;
+      expect_right(oracle.compare(run_in_memory(points.cloud(), chain, options)), neighborhood, 0.001);
+    }
+  }
+}
+
+/// Where every neighbourhood of the reference is exact, its values are those of the formulas, as its rows are.
+TEST(Oracles, TheReferenceEngineMakesWhatTheFormulasSayWithinARadius) {
+  PointCloud points(bumpy_surface(sized(2000), 17));
+  for (const char* text : {"knn(radius=0.12) | normals | curvature | splats | neighborhood_size",
+                           "knn(radius=0.1) | normals | splats | fair",
+                           "knn(radius=0.12) | normals | splats | fair(f=3, g=3) | normals | splats"}) {
+    const Chain chain = build_chain(parse_pipeline(text), points.cloud());
+    RunOptions options = streamed(points.cloud().count());
+    options.engine = Engine::reference;
+    const RunResult result = run_in_memory(points.cloud(), chain, options);
+    EXPECT_EQ(result.statistics.reference->incomplete, 0u);
+    expect_right(Oracle(points.cloud(), chain).compare(result), text, 0.001);
+  }
+}
+
 TEST(Oracles, DegenerateCloudsGetTheDocumentedValues) {
   for (const auto& [name, shape] : hostile_shapes()) {
     PointCloud points(make_cloud(shape, sized(1000), 12));

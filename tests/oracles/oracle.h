@@ -137,15 +137,20 @@ inline RunOptions streamed(std::uint64_t points, bool spill = false) {
   return options;
 }
 
+/// Expects that no value is wrong, and that the data leave at most the share `open` of them undetermined.
+inline void expect_right(const OracleReport& report, const std::string& name, double open) {
+  EXPECT_EQ(report.wrong, 0u) << name << ": of " << report.values;
+  for (const std::string& difference : report.differences) ADD_FAILURE() << name << ": " << difference;
+  EXPECT_LE(report.share_open(), open) << name << ": " << report.open << " of " << report.values;
+}
+
 /// Runs `chain` streamed and expects every value to be what the formulas say; at most the share `open` of them may be
 /// left undetermined by the data.
 inline OracleReport expect_formulas(Cloud& cloud, const Chain& chain, const std::string& name, double open = 0.001,
                                     bool spill = false) {
   const RunResult result = run_in_memory(cloud, chain, streamed(cloud.count(), spill));
   const OracleReport report = Oracle(cloud, chain).compare(result);
-  EXPECT_EQ(report.wrong, 0u) << name << ": of " << report.values;
-  for (const std::string& difference : report.differences) ADD_FAILURE() << name << ": " << difference;
-  EXPECT_LE(report.share_open(), open) << name << ": " << report.open << " of " << report.values;
+  expect_right(report, name, open);
   return report;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <future>
 #include <thread>
 
@@ -65,6 +66,56 @@ TEST(Radius, BytesAreTheSameHoweverFewListsAThreadHasInHand) {
           ASSERT_EQ(result.records, expected.records) << lists << " bytes of lists, searched again: " << again;
           ASSERT_EQ(result.statistics.degenerate_results, expected.statistics.degenerate_results);
           ASSERT_EQ(result.statistics.certified, expected.statistics.certified);
+        }
+      }
+    }
+  }
+}
+
+/// Sizes of a neighbourhood by point: some of none, some beyond what is found.
+struct Sized {
+  std::vector<double> xyz, count, reach;
+  explicit Sized(const std::vector<Vec3>& points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      xyz.insert(xyz.end(), {points[i].x, points[i].y, points[i].z});
+      count.push_back(i % 23 == 0 ? std::nan("") : static_cast<double>(i % 40) - 1);
+      reach.push_back(i % 19 == 0 ? -1 : 0.01 * static_cast<double>(i % 30));
+    }
+  }
+  Cloud cloud() const {
+    auto reader = std::make_unique<ArrayReader>(std::span<const double>(xyz));
+    reader->add({"count"}, std::span<const double>(count));
+    reader->add({"reach"}, std::span<const double>(reach));
+    std::vector<std::unique_ptr<Reader>> readers;
+    readers.push_back(std::move(reader));
+    return Cloud(std::move(readers));
+  }
+};
+
+TEST(Radius, RulesShortenTheSameListsHoweverFewOfThemAThreadHasInHand) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    if (name == "one place") continue;  // fair refuses it
+    const Sized points(make_cloud(shape, sized(500), 14));
+    for (const std::string rule :
+         {"k_from=count", "radius_from=reach", "k_from=count, radius_from=reach", "adaptive=eigenentropy, k_min=4"}) {
+      for (const std::string limit : {"radius=0.2", "k=45, radius=0.3", "k=70"}) {
+        if (limit == "radius=0.2" && rule != "radius_from=reach") continue;  // the other rules need k
+        const std::string chain_text =
+            "knn(" + limit + ", " + rule + ") | neighborhood_size | normals | splats | curvature | fair(f=0.1, g=0.1)";
+        SCOPED_TRACE(name + ": " + chain_text);
+        const auto run = [&](const RunOptions& options) {
+          Cloud cloud = points.cloud();
+          return run_in_memory(cloud, build_chain(parse_pipeline(chain_text), cloud), options);
+        };
+        const RunResult expected = run(options_of(1'000'000, 1024, 1u << 30));
+        for (const std::uint64_t lists : {1, 3000}) {
+          for (const bool again : {false, true}) {
+            RunOptions options = options_of(150, 64, lists);
+            options.search_again = options.spill = again;
+            const RunResult result = run(options);
+            ASSERT_EQ(result.records, expected.records) << lists << " bytes of lists, searched again: " << again;
+            ASSERT_EQ(result.statistics.degenerate_results, expected.statistics.degenerate_results);
+          }
         }
       }
     }

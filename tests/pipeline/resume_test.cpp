@@ -26,6 +26,7 @@ struct Work {
   Order order = Order::input;
   std::vector<std::string> inputs = {"a.xyz", "b.xyz"};
   std::vector<std::string> keep = {};
+  Nonfinite nonfinite = Nonfinite::by_format;
 };
 
 class Resume : public testing::Test {
@@ -57,6 +58,7 @@ class Resume : public testing::Test {
     options.threads = 2;
     options.memory_bytes = 256 << 20;
     options.order = work.order;
+    options.nonfinite = work.nonfinite;
     options.overwrite = true;
     options.temp_folder = folder_.path();
     return options;
@@ -137,6 +139,15 @@ const std::vector<Work>& works() {
        Order::sweep,
        {"finite.xyz"}},
       {"equal points and others left out", "unique | where(z > 0.1) | normals | where(nz > 0 || x < 0.5) | sor"},
+      {"fairing of the finite points",
+       "normals | splats | fair(f=9, g=9) | reneighbor | normals",
+       "out.ply",
+       Order::input,
+       {"a.xyz", "b.xyz"},
+       {},
+       Nonfinite::drop},
+      {"normals of the finite points in sweep order", "normals", "out.las", Order::sweep},
+      {"sort of the finite points", "", "out.las"},
       {"a part of the normals in sweep order", "normals", "out.ply", Order::sweep, {"a.xyz", "b.xyz"}, {"nx"}},
   };
   return works;
@@ -317,6 +328,19 @@ TEST_F(Refused, IfNamesTypesOrPointsOfTheOutputAreOthers) {
   nonfinite.nonfinite = Nonfinite::keep;
   for (const RunOptions& other : {prefix, positions, nonfinite})
     EXPECT_NE(sentence(work_, other).find("holds another run"), std::string::npos) << sentence(work_, other);
+}
+
+TEST_F(Resume, RefusesMovedPositionsOfAnotherType) {
+  Work work = works().front();
+  work.pipeline = "normals | splats | fair(f=9, g=9)";
+  EXPECT_FALSE(run_until(15, work, resuming(work)));
+  RunOptions other = resuming(work);
+  other.moved_positions = Type::f32;
+  const std::string sentence = sentence_of<Error>([&] { run_all(work, other); });
+  EXPECT_NE(sentence.find("moved positions as float32"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("remove the folder"), std::string::npos) << sentence;
+  run_uninterrupted(work);
+  expect_as_uninterrupted(work, run_all(work, resuming(work)));
 }
 
 TEST_F(Resume, RefusesAnInputThatWasWrittenTo) {
