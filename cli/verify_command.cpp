@@ -126,8 +126,9 @@ MadeBy made_by(const Chain& chain) {
 }
 
 /// What --keep has left out of the output.
-void leave_out(const KeptFields& kept, const Schema& input, MadeBy& made) {
-  made.left_out_made = kept.left_out;
+void leave_out(const KeptFields& named, const std::string& prefix, const Schema& input, MadeBy& made) {
+  const KeptFields kept = prefix.empty() ? without_replaced(named, input) : named;
+  for (const std::string& field : kept.left_out) made.left_out_made.insert(prefix + field);
   if (!kept.input) return;
   for (std::size_t f = 0; f < input.fields.size(); ++f)
     if (std::ranges::find(*kept.input, f) == kept.input->end()) made.left_out_input.insert(input.fields[f].name);
@@ -229,13 +230,13 @@ MadeBy made_by_pipeline(const VerifyCommand& command, const VerifyOptions& optio
     fail_usage("{}: the pipeline says in knn which neighbours it takes; leave the option out.",
                command.neighborhood.front().place);
   if (!knn) stages.insert(stages.begin(), knn_of(command));
-  Chain chain = build_chain(stages, cloud, command.keep);
+  Chain chain = build_chain(stages, cloud, command.keep, command.common.prefix);
   refuse_resorted(command, chain);
   const KeptFields kept = plan_sweeps(chain, cloud.schema()).kept;
   if (!command.keep.empty()) chain.keep = kept.attributes;
   select_rows(options, cloud, chain);
   MadeBy made = made_by(chain);
-  leave_out(kept, cloud.schema(), made);
+  leave_out(kept, command.common.prefix, cloud.schema(), made);
   find_outlier_threshold(options, out, made);
   if (!command.pipeline.empty() || !command.keep.empty()) return made;
   for (const auto& op : made.operators)

@@ -5,6 +5,17 @@
 #include "pointsweep/pipeline/planned_sweeps.h"
 
 namespace pointsweep {
+namespace {
+
+std::vector<Attribute> made_by(const Chain& chain) {
+  std::vector<Attribute> made;
+  for (const auto& op : chain.operators)
+    for (const Attribute& a : op->contract().makes) made.push_back(a);
+  return made;
+}
+
+}  // namespace
+
 Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
   const NeighborhoodDeclaration& knn = neighborhood_declaration();
   for (const StageText& stage : stages)
@@ -26,9 +37,10 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
   return chain;
 }
 
-Chain build_chain(const std::vector<StageText>& stages, Cloud& cloud, const std::vector<std::string>& keep) {
+Chain build_chain(const std::vector<StageText>& stages, Cloud& cloud, const std::vector<std::string>& keep,
+                  const std::string& prefix) {
   Chain chain = build_chain(stages, Facts{.points = cloud.count()});
-  chain.keep = keep;
+  chain.keep = without_prefix(keep, prefix, made_by(chain));
   plan_sweeps(chain, cloud.schema());
   return chain;
 }

@@ -15,7 +15,9 @@ namespace pointsweep {
 /// stage. Without knn, the 8 nearest are the neighbours.
 Chain build_chain(const std::vector<StageText>& stages, Facts facts);
 
-/// The same for a cloud that is at hand, against whose attributes the chain is checked. Reads no point.
-Chain build_chain(const std::vector<StageText>& stages, Cloud& cloud, const std::vector<std::string>& keep = {});
+/// The same for a cloud that is at hand, against whose attributes the chain is checked. Reads no point. `keep` may name
+/// what is made with the `prefix` that it has in the output, or without.
+Chain build_chain(const std::vector<StageText>& stages, Cloud& cloud, const std::vector<std::string>& keep = {},
+                  const std::string& prefix = "");
 
 }  // namespace pointsweep

@@ -2,6 +2,7 @@
 #include "pointsweep/pipeline/kept_fields.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/field_names.h"
@@ -23,19 +24,22 @@ std::string list_of(const std::vector<std::string>& names) {
   return text;
 }
 
+/// Whether files may call `field` so; `word` is in lower case.
+bool is_spelled(const std::string& field, const std::string& word) {
+  const std::vector<std::string> spellings = spellings_of(field);
+  return lower_case(field) == word || library_name_of(field) == library_name_of(word) ||
+         std::ranges::find(spellings, word) != spellings.end();
+}
+
 /// Takes the names one by one.
 class Selection {
  public:
   Selection(const std::vector<Attribute>& made, const Schema& input) : made_(made), input_(input) {}
 
   void add(const std::string& name) {
-    const std::string word = lower_case(name), library = library_name_of(word);
+    const std::string word = lower_case(name);
     const auto is_name = [&](const std::string& field) { return field == name; };
-    const auto is_spelling = [&](const std::string& field) {
-      const std::vector<std::string> spellings = spellings_of(field);
-      return lower_case(field) == word || library_name_of(field) == library ||
-             std::ranges::find(spellings, word) != spellings.end();
-    };
+    const auto is_spelling = [&](const std::string& field) { return is_spelled(field, word); };
     const bool found =
         add_made(name, is_name) || add_input(is_name) || add_made(word, is_spelling) || add_input(is_spelling);
     const auto axis = std::ranges::find(kAxes, word);
@@ -45,17 +49,14 @@ class Selection {
 
   KeptFields result() const {
     KeptFields kept;
-    std::set<std::size_t> input = input_indices();
+    const std::set<std::size_t> input = input_indices();
     for (const Attribute& a : made_) {
       const bool moved = a.name == position_attribute().name;
       const auto is_named = [&](const std::string& field) { return moved || made_fields_.contains(field); };
       if (!made_fields_.empty() && std::ranges::none_of(a.fields, is_named)) continue;
       kept.attributes.push_back(a.name);
-      for (const std::string& field : a.fields) {
-        if (made_fields_.empty() || is_named(field)) continue;
-        kept.left_out.insert(field);
-        if (const auto replaced = input_.find(field)) input.erase(*replaced);
-      }
+      for (const std::string& field : a.fields)
+        if (!made_fields_.empty() && !is_named(field)) kept.left_out.insert(field);
     }
     if (input.size() < input_.fields.size()) kept.input.emplace(input.begin(), input.end());
     return kept;
@@ -119,6 +120,34 @@ class Selection {
 };
 
 }  // namespace
+
+KeptFields without_replaced(KeptFields kept, const Schema& input) {
+  std::set<std::size_t> replaced;
+  for (const std::string& field : kept.left_out)
+    if (const auto at = input.find(field)) replaced.insert(*at);
+  if (replaced.empty()) return kept;
+  if (!kept.input) kept.input.emplace(input.fields.size()), std::iota(kept.input->begin(), kept.input->end(), 0u);
+  std::erase_if(*kept.input, [&](std::size_t f) { return replaced.contains(f); });
+  return kept;
+}
+
+std::vector<std::string> without_prefix(std::vector<std::string> names, const std::string& prefix,
+                                        const std::vector<Attribute>& made) {
+  const auto made_name = [&](const std::string& word) -> std::optional<std::string> {
+    for (const Attribute& a : made) {
+      if (a.name == position_attribute().name) continue;
+      if (a.name == word) return word;
+      for (const std::string& field : a.fields)
+        if (is_spelled(field, word)) return field;
+    }
+    return std::nullopt;
+  };
+  for (std::string& name : names) {
+    if (prefix.empty() || !lower_case(name).starts_with(lower_case(prefix))) continue;
+    if (const auto own = made_name(lower_case(name.substr(prefix.size())))) name = *own;
+  }
+  return names;
+}
 
 KeptFields kept_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input) {
   Selection selection(made, input);

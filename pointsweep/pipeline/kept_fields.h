@@ -22,10 +22,17 @@ struct KeptFields {
 /// What a name stands for, the first of these that fits: a made attribute ("normal") or a field of one ("nx"), a field
 /// of the input under its own name or that of its column in the output; then either in another spelling that files use
 /// ("NormalX", in any case). Of the made fields those that are named are kept, or all if none is; of the input's
-/// likewise. Coordinates are always kept, and where points are moved they are the
-/// moved ones, as without a selection: x, y and z together. A field of
-/// the input is left out where a made attribute is kept in part without the field that would replace it. Throws
-/// UsageError for a name that fits nothing.
+/// likewise. Coordinates are always kept, and where points are moved they are the moved ones, as without a selection:
+/// x, y and z together. Throws UsageError for a name that fits nothing.
 KeptFields kept_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input);
+
+/// For outputs in which made attributes have their own names, without a prefix: leaves out the fields of the input that
+/// a made attribute would replace if it were not kept in part only. No old ny stands beside a new nx.
+KeptFields without_replaced(KeptFields kept, const Schema& input);
+
+/// The names with `prefix` taken off where a made attribute or field is called so in an output whose names have it:
+/// "p_nx" becomes "nx". Positions have no prefix.
+std::vector<std::string> without_prefix(std::vector<std::string> names, const std::string& prefix,
+                                        const std::vector<Attribute>& made);
 
 }  // namespace pointsweep

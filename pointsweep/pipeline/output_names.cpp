@@ -124,7 +124,8 @@ std::string OutputNames::warning() const {
 }
 
 OutputNames name_outputs(const Schema& input, const std::string& input_name, const std::vector<Attribute>& made,
-                         const KeptFields& kept, const std::filesystem::path& output, const NamingRules& rules) {
+                         const KeptFields& named, const std::filesystem::path& output, const NamingRules& rules) {
+  const KeptFields kept = rules.prefix.empty() ? without_replaced(named, input) : named;
   Schema written = input;  // that part of it
   if (kept.input) {
     written.fields.clear();

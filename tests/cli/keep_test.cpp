@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <sstream>
 #include <vector>
 
 #include "pointsweep/formats/reader.h"
@@ -45,6 +46,8 @@ class SharedOptions : public Tool {
     for (const Field& field : reader->info().schema.fields) text += (text.empty() ? "" : " ") + field.name;
     return text;
   }
+  /// Values that were float32, which text holds with as few digits as tell them apart.
+  static std::vector<float> singles(const std::vector<double>& values) { return {values.begin(), values.end()}; }
   void expect_columns_of(const Table& all, const Table& kept) const {
     for (const auto& [name, values] : kept) EXPECT_EQ(values, all.at(name)) << name;
   }
@@ -114,6 +117,89 @@ TEST_F(SharedOptions, KeptCoordinatesAreTheMovedOnes) {
   made("fair float32.ply kept.ply -f -k 12 --keep x,y,z,nx");
   EXPECT_EQ(names("kept.ply"), "x y z nx");
   expect_columns_of(table("all.ply"), table("kept.ply"));
+}
+
+TEST_F(SharedOptions, KeepTakesNamesWithAndWithoutThePrefixOfTheOutput) {
+  made("curvature in.ply all.ply --prefix my_ -k 12");
+  for (const std::string format : {"ply", "csv", "las"}) {
+    const std::string end = "." + format + " -f -k 12 --prefix my_ --keep ", out = "kept." + format;
+    made("curvature in.ply kept" + end + "my_nx,my_surface_variation,MY_K1,intensity");
+    const Table all = table("all.ply"), kept = table(out);
+    for (const char* name : {"my_nx", "my_surface_variation", "my_k1", "intensity"})
+      EXPECT_EQ(singles(kept.at(name)), singles(all.at(name))) << name;
+    for (const char* name : {"my_ny", "my_k2", "weight", "nx"}) EXPECT_FALSE(kept.contains(name)) << name;
+    const std::string bytes = contents(folder_ / out);
+    EXPECT_EQ(made("curvature in.ply kept" + end + "nx,surface_variation,k1,intensity", out), bytes);
+    made("normals in.ply kept" + end + "my_normal");
+    for (const char* name : {"my_nx", "my_ny", "my_nz", "weight"}) EXPECT_TRUE(table(out).contains(name)) << name;
+  }
+  made("curvature in.ply kept.ply -f -k 12 --prefix my_ --keep my_nx,my_k1,intensity");
+  EXPECT_EQ(tool("verify kept.ply --sample 50").status, 0);
+  EXPECT_EQ(
+      tool("verify in.ply kept.ply -k 12 --pipeline 'normals|curvature' --prefix my_ --keep my_nx,my_k1,intensity "
+           "--sample 50")
+          .status,
+      0);
+  refused(2, "normals in.ply out.ply --prefix my_ --keep your_nx", "'your_nx' cannot be kept");
+  refused(2, "fair in.ply out.ply --prefix my_ --keep my_x", "'my_x' cannot be kept");
+}
+
+TEST_F(SharedOptions, KeptWithAPrefixAnAttributeOfTheInputIsNotTheMadeOne) {
+  made("normals in.ply old.ply --orient up");
+  made("normals old.ply both.ply -k 20 --prefix my_ --keep my_nz");
+  EXPECT_EQ(names("both.ply"), "x y z intensity classification weight nx ny nz my_nz");
+  EXPECT_EQ(table("both.ply").at("nx"), table("old.ply").at("nx"));
+  made("normals old.ply whole.ply -k 20 --prefix my_");
+  expect_columns_of(table("whole.ply"), table("both.ply"));
+}
+
+/// The input has a curvature of its own, of bytes, and normals of bytes.
+TEST_F(SharedOptions, AReplacedAttributeIsKeptAsItIsMade) {
+  std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 300\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "
+      "curvature\nproperty uchar red\nproperty char nx\nproperty char ny\nproperty char nz\nend_header\n";
+  for (int i = 0; i < 300; ++i)
+    text += fmt::format("{} {} {:.4f} 5 {} 1 0 0\n", i % 20, i / 20, std::sin(i * 0.2), i % 251);
+  write("bytes.ply", text);
+  made("sort bytes.ply plain.ply --keep red --axis z");
+  made("curvature plain.ply expected.ply --order sweep --axis z");
+  const Table expected = table("expected.ply");
+  for (const std::string keep : {"", " --keep surface_variation,nz"}) {
+    for (const std::string out : {"replaced.ply", "replaced.csv", "replaced.las"}) {
+      made("curvature bytes.ply " + out + " -f --order sweep --axis z --replace curvature" + keep);
+      const Table replaced = table(out);
+      const bool las = out.ends_with("las");
+      EXPECT_EQ(singles(replaced.at(las ? "Curvature" : "curvature")), singles(expected.at("surface_variation")))
+          << out << keep;
+      EXPECT_EQ(singles(replaced.at(las ? "NormalZ" : "nz")), singles(expected.at("nz"))) << out << keep;
+    }
+  }
+  refused(2, "curvature bytes.ply out.ply --replace curvature --keep k1", "leave it out");
+}
+
+TEST_F(SharedOptions, WithoutNonfinitePointsKeepLeavesTheSameColumnsOfTheOthers) {
+  std::string dirty = "x,y,z,intensity,classification,weight\n", clean = dirty;
+  std::istringstream rows(contents(folder_ / "in.csv"));
+  std::string row;
+  std::getline(rows, row);
+  for (int i = 0; std::getline(rows, row); ++i) {
+    const bool lost = i % 97 == 5;
+    dirty += lost ? (i % 2 == 0 ? "nan" : "inf") + row.substr(row.find(',')) + "\n" : row + "\n";
+    if (!lost) clean += row + "\n";
+  }
+  write("dirty.csv", dirty);
+  write("clean.csv", clean);
+  for (const std::string verb : {"normals", "fair -k 12", "sort"}) {
+    const std::string keep = verb == "sort" ? " --keep weight" : " --keep weight,nx,classification";
+    for (const std::string format : {"ply", "csv", "las"}) {
+      for (const std::string order : {"", verb == "sort" ? "" : " --order sweep"}) {
+        const std::string end = " -f --no-provenance --nonfinite drop" + keep + order;
+        EXPECT_EQ(made(verb + " dirty.csv a." + format + end, "a." + format),
+                  made(verb + " clean.csv b." + format + end, "b." + format))
+            << verb << order;
+      }
+    }
+  }
 }
 
 TEST_F(SharedOptions, KeepServesSeveralInputsSweepsEnginesAndJson) {

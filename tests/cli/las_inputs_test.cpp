@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Several LAS files of different kinds as one cloud, by the tool.
+#include <set>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,30 @@ TEST_F(LasInputs, OfDifferentKindsPassTheirCheckInBothOrdersInMemoryAndSpilled) 
     EXPECT_EQ(out.extra_names(), (std::vector<std::string>{"NormalX", "NormalY", "NormalZ"}));
     const Result check = tool("verify a.las b.las c.las out.las");
     EXPECT_EQ(check.status, 0) << options << check.out << check.err;
+  }
+}
+
+TEST_F(LasInputs, OfDifferentKindsKeepWhatIsNamedAndZeroTheRest) {
+  write_las("a.las", 1, 0.01);
+  write_las("b.las", 3, 0.001);
+  write_las("c.las", 6, 0.01);
+  for (const std::string order : {"", " --order sweep"}) {
+    made("normals a.las b.las c.las -o all.las -f" + order);
+    made("normals a.las b.las c.las -o kept.las -f --keep nx,classification,gps_time" + order);
+    const las_test::Decoded all{contents(folder_ / "all.las")}, kept{contents(folder_ / "kept.las")};
+    EXPECT_EQ(kept.extra_names(), std::vector<std::string>{"NormalX"});
+    EXPECT_EQ(kept.scale(0), all.scale(0));
+    ASSERT_EQ(kept.count(), all.count());
+    const std::set<std::string> named = {"x", "y", "z", "classification", "gps_time"};
+    for (std::size_t i = 0; i < all.count(); ++i) {
+      las_test::Values expected = all.point(i);
+      for (auto& [name, value] : expected)
+        if (!named.contains(name)) value = name == "return_number" || name == "number_of_returns" ? 1 : 0;
+      const las_test::Values values = kept.point(i);
+      for (const auto& [name, value] : values) ASSERT_EQ(value, expected[name]) << name;
+    }
+    const Result check = tool("verify kept.las --sample 50");
+    EXPECT_EQ(check.status, 0) << check.out << check.err;
   }
 }
 

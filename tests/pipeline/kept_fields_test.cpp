@@ -107,10 +107,11 @@ TEST(KeptFields, AreMadeFieldsBeforeFieldsOfTheInputAndNamesBeforeOtherSpellings
   const KeptFields old = kept_fields({"curvature"}, made, input);
   EXPECT_EQ(old.input, (Indices{0, 1, 2, 3})) << "the input has a column of exactly this name";
   EXPECT_EQ(old.attributes, (Names{"normal", "surface_variation"}));
-  const KeptFields part = kept_fields({"nx"}, made, input);
+  const KeptFields part = without_replaced(kept_fields({"nx"}, made, input), input);
   EXPECT_EQ(part.attributes, Names{"normal"});
   EXPECT_EQ(part.left_out, (std::set<std::string>{"ny", "nz"}));
   EXPECT_EQ(part.input, (Indices{0, 1, 2, 3, 4, 7})) << "old ny and nz do not stand beside a new nx";
+  EXPECT_FALSE(kept_fields({"nx"}, made, input).input) << "with a prefix nothing is replaced";
   EXPECT_EQ(kept_fields({"Classification"}, made, input).input, (Indices{0, 1, 2, 7}));
   EXPECT_FALSE(kept_fields({"normal"}, made, input).input);
   EXPECT_EQ(kept_fields({"normal"}, made, input).attributes, Names{"normal"});
