@@ -80,20 +80,21 @@ std::string footer() {
 void add_sampling_options(CLI::App& verb, Sampling& sampling) {
   verb.add_option_function<std::string>(
           "-n,--points", [&sampling](const std::string& text) { sampling.count = parse_count("-n", text); },
-          "How many points, K M G T being powers of 1000")
+          "Number of points; the suffixes K, M, G and T are powers of 1000")
       ->type_name("N")
       ->required();
   verb.add_option_function<std::string>(
           "--seed", [&sampling](const std::string& text) { sampling.seed = parse_count("--seed", text); },
-          "Another seed gives another sample (default: 1)")
+          "Seed of the random sample (default: 1)")
       ->type_name("S");
   verb.add_option("--noise", sampling.noise,
-                  "Standard deviation of Gaussian noise along x, y and z each, in metres (default: 0)")
+                  "Standard deviation of Gaussian noise on each coordinate, in metres (default: 0)")
       ->type_name("SIGMA");
   verb.add_option("--outliers", sampling.outliers,
-                  "Share of points spread over a larger box, with normal 0 (default: 0)")
+                  "Share of points, 0 to 1, that lie at random in a larger box, with normal 0 (default: 0)")
       ->type_name("FRACTION");
-  verb.add_option("--outlier-box", sampling.outlier_box, "Size of that box, in sizes of the shape's own (default: 20)")
+  verb.add_option("--outlier-box", sampling.outlier_box,
+                  "Size of that box as a multiple of the size of the shape (default: 20)")
       ->type_name("FACTOR");
   verb.add_option_function<std::string>(
           "--origin",
@@ -109,9 +110,9 @@ void add_sampling_options(CLI::App& verb, Sampling& sampling) {
 }  // namespace
 
 void add_generate_command(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("generate", "Make a cloud of known geometry, of any size");
+  CLI::App& verb = *app.add_subcommand("generate", "Generate a point cloud of a known shape, of any size");
   auto options = std::make_shared<GenerateOptions>();
-  verb.add_option("SHAPE", options->shape, "One of those below")->required()->type_name("");
+  verb.add_option("SHAPE", options->shape, "Name of a shape (see below)")->required()->type_name("");
   verb.add_option("OUT", options->positional, "File to write; the extension says the format")->type_name("");
   add_output_option(verb, options->output);
   add_sampling_options(verb, options->sampling);

@@ -306,25 +306,24 @@ void run_check(const VerifyCommand& given) {
 void add_check_options(CLI::App& verb, VerifyCommand& command) {
   verb.add_option_function<std::string>(
           "--sample", [&command](const std::string& text) { command.check.sample = parse_count("--sample", text); },
-          "Points whose made attributes are evaluated again by brute force (default: 10000)")
+          "Number of points whose computed attributes are recomputed by brute force (default: 10000)")
       ->type_name("N");
-  verb.add_option("--seed", command.check.seed, "Which points: another seed, another sample (default: 0)")
+  verb.add_option("--seed", command.check.seed, "Seed of the random choice of these points (default: 0)")
       ->type_name("S");
   verb.add_option_function<std::string>(
           "--rows", [&command](const std::string& path) { command.check.rows = rows_named_in(path); },
-          "Points to evaluate again besides: numbers of rows, from 0, with blanks or line ends between")
+          "Additional points to recompute: row numbers from 0, separated by spaces or newlines")
       ->type_name("FILE");
   verb.add_option_function<std::string>(
           "--order",
           [&command](const std::string& name) {
             command.check.order = parse_order(name) == Order::sweep ? RowOrder::sweep : RowOrder::input;
           },
-          "Order of the output's rows (default: found out)")
+          "Order of the rows of the output (default: detected)")
       ->type_name("input|sweep");
   add_axis_option(verb, command.common);
   add_nonfinite_option(verb, command.common);
-  verb.add_option("--prefix", command.common.prefix, "Of the names of made attributes, as in the run")
-      ->type_name("NAME");
+  verb.add_option("--prefix", command.common.prefix, "The --prefix of the run")->type_name("NAME");
 }
 
 }  // namespace
@@ -335,20 +334,23 @@ void add_verify_command(CLI::App& app) {
   add_inputs_and_output(verb, command->paths, "file that a run has written from them");
   add_neighborhood_options(verb, "8", command->neighborhood);
   verb.add_option("--pipeline", command->pipeline,
-                  "The stages that made it (default: what adds the attributes found, in its usual form)")
+                  "The pipeline of the run (default: the record in the output, or guessed from its attributes)")
       ->type_name("TEXT|FILE");
-  add_keep_option(verb, command->keep, "The --keep of the run (default: everything was written)");
+  add_keep_option(verb, command->keep, "The --keep of the run (default: all attributes)");
   add_check_options(verb, *command);
-  add_memory_option(verb, command->common,
-                    "Memory for the sample's neighbours; more are looked at in turns (default: 1G)");
+  add_memory_option(
+      verb, command->common,
+      "Memory for the neighbours of the sample; a larger sample is checked in several passes (default: 1G)");
   add_crs_option(verb, command->common);
   add_progress_options(verb, command->common);
   verb.footer(
-      "Every point of both files is compared; the made attributes are evaluated again for the sample, from neighbours\n"
-      "found by reading the whole input against it, without the search that made them. An output that says how it was\n"
-      "made needs neither options nor inputs, if these are in its folder or in the current one. Otherwise give the\n"
-      "options of the run, or its pipeline where normals were oriented, points moved, or attributes replaced.\n"
-      "Status 0: the same; 1: different.\n"
+      "Compares every point and attribute of the input with the output. For a sample of points, finds the neighbours "
+      "by\n"
+      "brute force and recomputes the computed attributes by formulas that the run does not use. An output with a\n"
+      "record of its run (see info) needs no options, and no inputs if these are in its folder or in the current one.\n"
+      "Otherwise give the options of the run; --pipeline if normals were oriented, points moved or attributes "
+      "replaced.\n"
+      "Exit status: 0 if the output is right, 1 if it differs.\n"
       "\nExample:\n"
       "  pointsweep verify normals.ply\n"
       "  pointsweep verify scan.ply normals.ply -k 12\n"

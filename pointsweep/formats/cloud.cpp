@@ -166,6 +166,7 @@ std::size_t Cloud::read_input(std::size_t input, std::uint64_t row, std::span<st
     fail("{}: ends before its last point; run again when nobody writes to it.", reader.info().path.string());
   if (mapping.shift.is_needed()) mapping.shift.run(target.first(rows * stride), stride, reader.info().path);
   if (mapping.conversion) mapping.conversion->run(target.data(), records.data(), rows);
+  if (mapping.missing.is_needed()) mapping.missing.run(records.first(rows * schema_.stride), schema_.stride);
   return rows;
 }
 

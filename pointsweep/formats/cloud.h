@@ -30,7 +30,7 @@ struct CloudOptions {
 /// One schema serves all inputs: the common one where all agree bit for bit; otherwise the union of their fields by
 /// name, coordinates without loss (float64 unless all are float32; LAS integers at the finest scale of all inputs where
 /// all lie on that grid, see common_grid.h), other fields in the smallest type that holds the values of all inputs, and
-/// a field that an input lacks is 0 there.
+/// a field that an input lacks is 0 there, but for returns and overlap flags (missing_fields.h).
 class Cloud {
  public:
   explicit Cloud(const std::vector<std::filesystem::path>& paths, CloudOptions options = {});

@@ -152,6 +152,13 @@ bool has_field(const Schema& schema, const std::string& name) {
 /// What point formats 0 to 5 of LAS have no bits for. 0 is their meaning there.
 bool is_flag_of_las14(std::string_view name) { return name == "overlap" || name == "scanner_channel"; }
 
+/// Points that have neither number get 1 for both (MissingFields).
+bool is_return_number(const Field& field, const Schema& input) {
+  const std::string name = library_name_of(field.name);
+  const bool has_any = input.find("return_number") || input.find("number_of_returns");
+  return (name == "return_number" || name == "number_of_returns") && !has_any;
+}
+
 /// "b.las: has no red, green and blue, which a.las has; they are 0 for its points." `schemas` use the names of `all`.
 std::string what_is_missing(const Readers& readers, const std::vector<Schema>& schemas, std::size_t input,
                             const Schema& all) {
@@ -159,6 +166,7 @@ std::string what_is_missing(const Readers& readers, const std::vector<Schema>& s
   std::size_t missing = 0, other = 0;
   for (const Field& field : all.fields) {
     if (has_field(schemas[input], field.name) || is_flag_of_las14(field.name)) continue;
+    if (is_return_number(field, readers[input]->info().schema)) continue;
     if (missing++ == 0)
       while (!has_field(schemas[other], field.name)) ++other;
     names += fmt::format("{}'{}'", names.empty() ? "" : ", ", field.name);
@@ -208,6 +216,7 @@ CommonSchema common_schema(const Readers& readers) {
   common.warnings = missing_fields(readers, schemas, common.schema);
   for (std::size_t i = 0; i < readers.size(); ++i) {
     common.mappings[i].conversion = std::make_unique<RecordConversion>(schemas[i], common.schema);
+    common.mappings[i].missing = MissingFields(readers[i]->info(), common.schema);
   }
   return common;
 }

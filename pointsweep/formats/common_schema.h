@@ -7,16 +7,18 @@
 #include <vector>
 
 #include "pointsweep/formats/common_grid.h"
+#include "pointsweep/formats/missing_fields.h"
 #include "pointsweep/formats/reader.h"
 #include "pointsweep/formats/value_range.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 
-/// How the records of one input become those of the cloud: shifted, then converted.
+/// How the records of one input become those of the cloud: shifted, then converted, then completed.
 struct InputMapping {
   GridShift shift;
   std::unique_ptr<RecordConversion> conversion;  ///< null where the layout is the same
+  MissingFields missing = {};
 };
 
 struct CommonSchema {

@@ -100,6 +100,50 @@ TEST_F(LasInputs, OfDifferentKindsKeepWhatIsNamedAndZeroTheRest) {
   }
 }
 
+TEST_F(LasInputs, PointsOfOtherFormatsAmongThemAreReturnOneOfOne) {
+  write_las("a.las", 1, 0.01);
+  write_las("b.las", 6, 0.01);
+  write("c.csv", "x,y,z,intensity\n0.5,1.25,2,7\n3,2,1,9\n");
+  write("d.csv", "x,y,z,return_number,number_of_returns\n1.5,1.25,2,2,3\n");
+  made("sort c.csv c.ply --axis x");
+  for (const std::string inputs :
+       {"a.las c.csv d.csv", "c.ply b.las d.csv", "a.las b.las c.ply d.csv", "c.csv d.csv"}) {
+    for (const std::string sweep : {"sort", "normals", "normals --order sweep"}) {
+      const las_test::Decoded out{made(sweep + " " + inputs + " -o out.las -f", "out.las")};
+      const std::string said = tool(sweep + " " + inputs + " -o out.las -f").err;
+      EXPECT_EQ(said.find("return"), std::string::npos) << said;
+      std::size_t ones = 0, twos = 0;
+      for (std::size_t i = 0; i < out.count(); ++i) {
+        const las_test::Values v = out.point(i);
+        if ((v.at("x") == 0.5 && v.at("intensity") == 7) || (v.at("x") == 3 && v.at("intensity") == 9))
+          ones += v.at("return_number") == 1 && v.at("number_of_returns") == 1;
+        twos += v.at("x") == 1.5 && v.at("y") == 1.25 && v.at("return_number") == 2 && v.at("number_of_returns") == 3;
+      }
+      EXPECT_EQ(ones, 2u) << sweep << " " << inputs;
+      EXPECT_EQ(twos, 1u) << sweep << " " << inputs;
+      EXPECT_EQ(tool("verify out.las --sample 20").status, 0) << sweep << " " << inputs;
+    }
+  }
+}
+
+TEST_F(LasInputs, OfOldPointFormatsGetTheOverlapFlagForClassTwelveBesideNewOnes) {
+  write_las("a.las", 1, 0.01);
+  write_las("b.las", 6, 0.01);
+  const las_test::Decoded old{contents(folder_ / "a.las")}, recent{contents(folder_ / "b.las")};
+  const las_test::Decoded out{made("normals a.las b.las -o out.las", "out.las")};
+  ASSERT_EQ(out.count(), 800u);
+  std::size_t overlaps = 0;
+  for (std::size_t i = 0; i < 400; ++i) {
+    const double expected = old.point(i).at("classification") == 12 ? 1 : 0;
+    overlaps += expected == 1;
+    ASSERT_EQ(out.point(i).at("overlap"), expected);
+    ASSERT_EQ(out.point(i).at("classification"), old.point(i).at("classification"));
+    ASSERT_EQ(out.point(400 + i).at("overlap"), recent.point(i).at("overlap"));
+  }
+  EXPECT_GT(overlaps, 3u);
+  EXPECT_EQ(tool("verify out.las --sample 20").status, 0);
+}
+
 TEST_F(LasInputs, DescribeWhatWasMade) {
   write_las("a.las", 1, 0.01);
   const std::string run = "run --pipeline 'knn(k=8) | normals | curvature' a.las -o out.las";
