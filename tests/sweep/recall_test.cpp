@@ -17,7 +17,6 @@
 #include "pointsweep/sweep/sweep.h"
 #include "pointsweep/threads.h"
 #include "tests/support/memory_source.h"
-#include "tests/support/sized.h"
 
 namespace pointsweep {
 namespace {
@@ -88,7 +87,7 @@ std::vector<Vec3> surface(std::size_t points, Odd odd) {
 }
 
 std::vector<std::pair<std::string, std::vector<Vec3>>> clouds() {
-  const std::size_t n = sized(1200);
+  const std::size_t n = 1200;
   return {
       {"outliers", surface(n,
                            [](auto& rng, Vec3 p, std::size_t i) {

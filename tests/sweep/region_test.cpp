@@ -9,7 +9,6 @@
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/pipeline/chain.h"
 #include "tests/support/memory_source.h"
-#include "tests/support/sized.h"
 
 namespace pointsweep {
 namespace {
@@ -35,7 +34,7 @@ StreamOptions small_slabs() {
 
 /// A cloud in slabs whose cells have all been read and dropped.
 struct SweptCloud {
-  std::vector<Vec3> points = random_points(sized(4000));
+  std::vector<Vec3> points = random_points(4000);
   PointSource source = source_of(points);
   PlannedChain planned = plan_chain({.neighborhood = {}, .operators = {std::make_shared<Normals>()}}, source.schema);
   Stream stream{source, survey(source, std::nullopt, true), small_slabs()};
