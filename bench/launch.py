@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """launch.py SAID COMMAND...: runs a command and prints its wall and CPU seconds and peak resident bytes as JSON.
 
-A process of its own, because a child's peak counts what its parent held when it was started: a benchmark with arrays in
+This is a separate process, because a child's peak counts what its parent held when it was started: a benchmark with arrays in
 memory would report them as the peak of every small program. What the command says goes to the file SAID, if it is not
 empty, else to standard error."""
 import json

@@ -16,8 +16,8 @@ namespace pointsweep {
 struct InputsAndOutput {
   std::vector<std::filesystem::path> files;
   std::filesystem::path named_output;                ///< of --output; empty: the last of `files`
-  std::vector<std::filesystem::path> other_inputs;   ///< files that are read besides points
-  std::vector<std::filesystem::path> other_outputs;  ///< files that are written besides OUT
+  std::vector<std::filesystem::path> other_inputs;   ///< files that are read in addition to points
+  std::vector<std::filesystem::path> other_outputs;  ///< files that are written in addition to OUT
 
   std::size_t inputs_named() const { return files.size() - (named_output.empty() && !files.empty() ? 1 : 0); }
   std::vector<std::filesystem::path> inputs() const {

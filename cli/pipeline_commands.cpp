@@ -14,9 +14,9 @@ namespace {
 struct ShortForm {
   const char* verb;
   const char* meaning;
-  const char* output;        ///< what OUT holds besides the input's attributes
+  const char* output;        ///< what OUT holds in addition to the input's attributes
   const char* stages;        ///< after knn
-  const char* with_options;  ///< the stage, besides normals, whose options are those of the verb; empty: none
+  const char* with_options;  ///< the second stage whose options the verb takes, after normals; empty: none
   const char* neighbors;     ///< k where neither k nor a radius is given
   const char* remark;
   const char* example;

@@ -114,7 +114,7 @@ void ProgressDisplay::clear_bar() {
   bar_shown_ = false;
 }
 
-/// Nobody listens any more: say nothing from now on.
+/// The terminal is gone: say nothing from now on.
 void ProgressDisplay::write(int& descriptor, std::string_view text) {
   while (!text.empty() && descriptor >= 0) {
     const ssize_t written = ::write(descriptor, text.data(), text.size());

@@ -284,9 +284,9 @@ Verdict checked(const VerifyCommand& command, Cloud& cloud, ProgressDisplay& dis
   const MadeBy made = made_by_pipeline(command, options, cloud, *out);
   const Verdict verdict = verify(cloud, *out, false, made, options);
   if (verdict.same() || !command.pipeline.empty()) return verdict;
-  // Nobody said what was made: normals, say, that the input had already may have been made anew.
-  const MadeBy anew = made_by_pipeline(command, options, cloud, *out, changed_attributes(verdict.arrivals));
-  return anew.keep == made.keep ? verdict : verify(cloud, *out, false, anew, options);
+  // The user did not say what was made: normals, for example, that the input had may have been computed again.
+  const MadeBy likely = made_by_pipeline(command, options, cloud, *out, changed_attributes(verdict.arrivals));
+  return likely.keep == made.keep ? verdict : verify(cloud, *out, false, likely, options);
 }
 
 void run_check(const VerifyCommand& given) {

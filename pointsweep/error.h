@@ -23,7 +23,7 @@ class UsageError : public Error {
   using Error::Error;
 };
 
-/// The user asked a run to stop. Thrown by whoever polls for it; outputs and temporary files vanish as with any error.
+/// The user asked a run to stop. Thrown where it is polled for; outputs and temporary files vanish as with any error.
 class Cancelled : public Error {
  public:
   Cancelled() : Error("cancelled") {}

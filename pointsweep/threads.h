@@ -26,7 +26,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t i, uns
 class BackgroundTask {
  public:
   explicit BackgroundTask(std::function<void()> work);
-  ~BackgroundTask();  ///< waits; an exception nobody has waited for is dropped
+  ~BackgroundTask();  ///< waits; an exception of a task that was not waited for is dropped
   BackgroundTask(const BackgroundTask&) = delete;
   BackgroundTask& operator=(const BackgroundTask&) = delete;
   /// Returns when the work is done; throws what it threw.

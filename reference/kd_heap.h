@@ -20,7 +20,7 @@ namespace pointsweep::reference {
 /// Three more numbers per subtree spare visits: how far its points still reach, where the plane will have passed the
 /// first of them, and the last coordinate along the axis.
 ///
-/// Semi-balanced: where one side holds more than three quarters, the subtree is built anew (a scapegoat tree). Equal
+/// Semi-balanced: where one side holds more than three quarters, the subtree is rebuilt (a scapegoat tree). Equal
 /// coordinates may stand on both sides of a line, so duplicates cannot unbalance it. Depth is O(log m), insertion and
 /// removal O(log m), amortised; the paper says no more of its balancing than the name.
 ///

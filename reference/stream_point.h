@@ -15,7 +15,7 @@
 
 namespace pointsweep::reference {
 
-/// The index of nobody: larger than that of every point.
+/// The index of no point: larger than that of every point.
 inline constexpr std::uint64_t kNoIndex = std::numeric_limits<std::uint64_t>::max();
 
 struct StreamPoint {

@@ -42,8 +42,7 @@ void ArrayReader::add_column(const std::vector<std::string>& names, Type type, s
 
 std::size_t ArrayReader::read(std::uint64_t row, std::span<std::byte> records) {
   const std::size_t stride = info_.schema.stride;
-  const std::uint64_t left = row < info_.count ? info_.count - row : 0;
-  const auto rows = static_cast<std::size_t>(std::min<std::uint64_t>(left, records.size() / stride));
+  const std::size_t rows = rows_for(row, records);
   std::size_t offset = 0;
   for (const Column& column : columns_) {
     for (std::size_t i = 0; i < rows; ++i) {

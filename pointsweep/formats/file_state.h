@@ -8,8 +8,8 @@
 
 namespace pointsweep {
 
-/// What writing to a file changes. Another file that has taken its name meanwhile is no change: whoever had opened the
-/// old one still reads that.
+/// What writing to a file changes. Another file that has taken its name meanwhile is no change: a process that had
+/// opened the old one still reads that.
 class FileState {
  public:
   /// Of what is no file (an array in memory), nothing is known and nothing ever changes.

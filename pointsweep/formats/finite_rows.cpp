@@ -87,8 +87,7 @@ FiniteRows::FiniteRows(std::unique_ptr<Reader> all, FiniteRowIndex index)
 
 std::size_t FiniteRows::read(std::uint64_t row, std::span<std::byte> records) {
   const std::size_t stride = info_.schema.stride;
-  const std::uint64_t left = row < info_.count ? info_.count - row : 0;
-  const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(left, records.size() / stride));
+  const std::size_t wanted = rows_for(row, records);
   for (std::size_t done = 0; done < wanted;) {
     const std::size_t block = index_.block_of(row + done);
     const auto offset = static_cast<std::size_t>(row + done - index_.before(block));

@@ -124,7 +124,7 @@ class LasReader : public Reader {
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
     if (row >= info_.count) return 0;
     const std::size_t stride = info_.schema.stride;
-    const auto rows = static_cast<std::size_t>(std::min<std::uint64_t>(records.size() / stride, info_.count - row));
+    const std::size_t rows = rows_for(row, records);
     file_->read_at(points_begin_ + row * stride, records.first(rows * stride));
     return rows;
   }

@@ -36,7 +36,7 @@ double round_number(double value, double size) {
                        : std::nearbyint(value * power_of_ten(-exponent)) / power_of_ten(-exponent);
 }
 
-/// `useful` is the step below which nobody looks, so that a flat axis does not get an absurd scale.
+/// `useful` is the smallest step of use, so that a flat axis does not get an absurd scale.
 void quantize_axis(double lo, double hi, double useful, double& scale, double& offset) {
   const double largest = std::max(std::abs(lo), std::abs(hi));
   const double half = 0.5 * hi - 0.5 * lo;

@@ -72,7 +72,7 @@ void check_destination(const fs::path& destination, bool overwrite) {
   }
 }
 
-/// A file whose process is gone, or that an earlier process with our number left: nobody holds its lock.
+/// A file whose process is gone, or that an earlier process with our number left: no process holds its lock.
 bool is_abandoned(const fs::path& part, pid_t owner) {
   if (owner != ::getpid() && (::kill(owner, 0) == 0 || errno != ESRCH)) return false;
   const int descriptor = ::open(part.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);

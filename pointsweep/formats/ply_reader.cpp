@@ -51,12 +51,6 @@ class PlyReader : public Reader {
     position_fields(info_.schema, file_->path().string());
   }
 
-  /// How many records a read() at `row` gives.
-  std::size_t rows_for(std::uint64_t row, std::span<std::byte> records) const {
-    const std::uint64_t left = row < info_.count ? info_.count - row : 0;
-    return static_cast<std::size_t>(std::min<std::uint64_t>(left, records.size() / info_.schema.stride));
-  }
-
   std::unique_ptr<InputFile> file_;
 };
 

@@ -41,7 +41,7 @@ class QsplatReader final : public Reader {
     if (row >= info_.count) return 0;
     go_to(row);
     const std::size_t stride = info_.schema.stride;
-    const auto rows = static_cast<std::size_t>(std::min<std::uint64_t>(records.size() / stride, info_.count - row));
+    const std::size_t rows = rows_for(row, records);
     QsplatLeaf leaf;
     for (std::size_t i = 0; i < rows; ++i) {
       if (!next(leaf)) return i;

@@ -2,6 +2,7 @@
 /// Reading point files: one interface, one pair of files per format, told apart by content first, extension second.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -18,8 +19,8 @@
 
 namespace pointsweep {
 
-/// What a format keeps of a file besides its points, for a writer of the same format (LAS: header, VLRs, EVLRs; PLY:
-/// comments and obj_info). A writer of another format ignores it.
+/// What a format keeps of a file in addition to its points, for a writer of the same format (LAS: header, VLRs, EVLRs;
+/// PLY: comments and obj_info). A writer of another format ignores it.
 struct FormatExtras {
   virtual ~FormatExtras() = default;
 };
@@ -50,6 +51,12 @@ class Reader {
   virtual std::size_t read(std::uint64_t row, std::span<std::byte> records) = 0;
 
  protected:
+  /// How many records a read() at `row` into `records` gives.
+  std::size_t rows_for(std::uint64_t row, std::span<std::byte> records) const {
+    const std::uint64_t left = row < info_.count ? info_.count - row : 0;
+    return static_cast<std::size_t>(std::min<std::uint64_t>(left, records.size() / info_.schema.stride));
+  }
+
   FileInfo info_;
 };
 

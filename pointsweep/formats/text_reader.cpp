@@ -42,8 +42,7 @@ class TextReader final : public Reader {
   }
 
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
-    const std::uint64_t left = row < info_.count ? info_.count - row : 0;
-    const auto rows = static_cast<std::size_t>(std::min<std::uint64_t>(left, records.size() / info_.schema.stride));
+    const std::size_t rows = rows_for(row, records);
     for (std::size_t i = 0; i < rows; ++i) parse(rows_.at(row + i), records.data() + i * info_.schema.stride);
     if (rows != 0 && row + rows == info_.count) rows_.rest();
     return rows;

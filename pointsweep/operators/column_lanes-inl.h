@@ -25,7 +25,7 @@ namespace pointsweep::HWY_NAMESPACE {
 using FloatV = hn::Vec<FloatLanes>;
 
 /// The points of the batch that a vector of a tile is about; none of a vector behind its last. Lanes behind the last
-/// point are nobody's.
+/// point belong to no point.
 struct Points {
   std::size_t first, size;  // size: at most kLanes
 
@@ -52,7 +52,7 @@ HWY_INLINE FloatV Saturated(V v) {
   return hn::DemoteTo(FloatLanes(), hn::Min(hn::Max(v, hn::Neg(most)), most));
 }
 
-/// Into nothing if nobody wants the column, which is empty then; so do the others.
+/// Does nothing if the column is not wanted, which is empty then; so do the others.
 HWY_INLINE void StoreNumbers(V v, const Points& points, std::span<float> column) {
   if (column.empty()) return;
   const FloatLanes d;

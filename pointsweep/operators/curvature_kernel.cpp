@@ -169,7 +169,7 @@ HWY_INLINE void StorePrincipal(const Principal& p, V scale, const Points& points
   points.MarkWithout(p.found, degenerate);
 }
 
-/// `eigen_normals`: of |N_i| C_i. Inline, so that eigenvectors nobody looks at are not computed.
+/// `eigen_normals`: of |N_i| C_i. Inline, so that eigenvectors that are not used are not computed.
 template <class Mask>
 HWY_INLINE void StoreWeighted(Mask found, const WeightedSums& sums, const Eigen3Lanes<V>& eigen_normals,
                               const Vector& normal, V divisor, V neighbors, const Points& points,

@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// What Curvature makes: each as long as the batch, or empty if nobody wants it.
+/// What Curvature makes: each as long as the batch, or empty if it is not wanted.
 struct CurvatureColumns {
   std::span<float> k1, k2;
   std::span<std::array<float, 3>> direction;  ///< of k1

@@ -103,7 +103,7 @@ struct OperatorDeclaration {
   std::string formula = {};    ///< lines of plain text
   std::string source = {};     ///< the publication and where in it
   std::string undefined = {};  ///< which points get no value, and what they get
-  std::string cost = {};       ///< besides that of `neighbor_ns`
+  std::string cost = {};       ///< in addition to the time of `neighbor_ns`
   double neighbor_ns = 10;     ///< CPU time for each neighbour, of about 1,000; measured with `script/bench radius`
   std::vector<AttributeNote> attributes = {};  ///< about what it makes
   std::string example = {};                    ///< a whole pipeline as one writes it

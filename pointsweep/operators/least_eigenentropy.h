@@ -27,7 +27,7 @@ namespace pointsweep {
 /// comes from running sums of offsets from p_i, and the logarithm is made of plain IEEE operations, so that near-ties
 /// fall the same way on every machine.
 ///
-/// Cost: about 0.1 µs for each k tried, besides the search for the largest.
+/// Cost: about 0.1 µs for each k tried, in addition to the search for the largest.
 class LeastEigenentropy final : public NeighborhoodRule {
  public:
   /// Throws UsageError unless `least` is at least 3, as many neighbours as a volume needs.

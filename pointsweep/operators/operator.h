@@ -28,8 +28,8 @@ enum class Selects : std::uint8_t {
 /// What an operator looks at and what it makes. From this alone the engine derives how long points are buffered before
 /// it (paper Section 5.2): nothing in `reads_neighbors` makes it a through-buffer, anything else a pre-buffer.
 struct Contract {
-  std::vector<Attribute> reads;            ///< of the point itself, besides its position
-  std::vector<Attribute> reads_neighbors;  ///< of the points in N_i, besides their positions
+  std::vector<Attribute> reads;            ///< of the point itself, in addition to its position
+  std::vector<Attribute> reads_neighbors;  ///< of the points in N_i, in addition to their positions
   std::vector<Attribute> makes;
   bool alone = false;  ///< never looks at a neighbour, not even at its position: need not wait for those that moved
   Selects selects = Selects::nothing;  ///< if not nothing, it is alone and makes selection_attribute() and nothing else

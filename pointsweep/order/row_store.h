@@ -15,7 +15,7 @@
 namespace pointsweep {
 
 /// One record of `record_bytes` per row, 0 <= row < rows. In memory an array; spilled, one list per range of rows.
-/// A row that nobody puts reads as bytes of value `fill`.
+/// A row that is never put reads as bytes of value `fill`.
 class RowStore {
  public:
   /// In memory an array of rows * record_bytes. Spilling, memory stays under `buffer_bytes`.
@@ -32,7 +32,8 @@ class RowStore {
   /// After the last put(): calls `consume(first_row, records)` for consecutive runs that cover all rows in order.
   void drain(const std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>& consume);
   std::uint64_t spilled_bytes() const;
-  /// Of a store in a kept file: all that was put is in the file, and how to find it is packed. Nobody may be putting.
+  /// Of a store in a kept file: all that was put is in the file, and how to find it is packed. No thread may be
+  /// putting.
   void pack(Packer& out);
 
  private:

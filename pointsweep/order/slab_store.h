@@ -30,13 +30,13 @@ class SlabStore {
   void append(std::size_t slab, std::span<const std::byte> records);
   /// Flushes what is buffered. No append() to these slabs after it, only to those that add_slabs() makes later.
   void finish();
-  /// What was appended to a kept file is in it, and all that pack() says. Nobody may be appending.
+  /// What was appended to a kept file is in it, and all that pack() says. No thread may be appending.
   void flush();
   void pack(Packer& out) const;
-  /// Gives back the space of blocks of a finished slab that end before `record`; nobody may be reading it, or ever read
-  /// records before that one again. Others may append to other slabs.
+  /// Gives back the space of blocks of a finished slab that end before `record`; no thread may be reading it, or ever
+  /// read records before that one again. Others may append to other slabs.
   void release_before(std::size_t slab, std::uint64_t record);
-  /// Forgets the records of a slab and gives their space back. Nobody may be reading it.
+  /// Forgets the records of a slab and gives their space back. No thread may be reading it.
   void release(std::size_t slab);
 
   std::uint64_t count(std::size_t slab) const;

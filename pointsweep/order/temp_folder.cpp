@@ -40,8 +40,8 @@ int open_folder(const std::filesystem::path& path) {
   return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
 }
 
-/// Removes a folder nobody uses. The lock protects the folder of a process this one cannot see (another container on
-/// the same disk).
+/// Removes a folder that no process uses. The lock protects the folder of a process this one cannot see (another
+/// container on the same disk).
 void remove_if_abandoned(const std::filesystem::path& path) {
   const int descriptor = open_folder(path);
   if (descriptor < 0) return;

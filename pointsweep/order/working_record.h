@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What of a point travels along the stream: its position, the fields somebody needs, and its input row.
+/// What of a point travels along the stream: its position, the fields that stages need, and its input row.
 #pragma once
 
 #include <cstddef>

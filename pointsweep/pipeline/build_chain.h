@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// Throws UsageError, naming the place, for what nobody knows, what is out of range, and a knn that is not the first
+/// Throws UsageError, naming the place, for an unknown name, a value out of range, and a knn that is not the first
 /// stage. Without knn, the 8 nearest are the neighbours.
 Chain build_chain(const std::vector<StageText>& stages, Facts facts);
 

@@ -35,7 +35,7 @@ class Planner {
     const Contract contract = op->contract();
     Stage stage{.op = op, .reads = {}, .reads_neighbors = {}, .makes = {}, .position = position_};
     for (const Attribute& a : contract.reads) stage.reads.push_back(column_of(a, *op));
-    // Whoever comes after a mover looks at the moved positions of its neighbours.
+    // Every stage behind one that moves points reads the moved positions of the neighbours.
     bool looks_at_this_step =
         !contract.alone && position_ >= 0 && made_in_this_step(static_cast<std::uint16_t>(position_));
     for (const Attribute& a : contract.reads_neighbors) {

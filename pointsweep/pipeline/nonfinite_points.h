@@ -23,7 +23,8 @@ std::vector<std::uint64_t> first_nonfinite_rows(const Stream& stream, std::size_
 class NonfiniteResult {
  public:
   NonfiniteResult(const std::vector<Attribute>& made, const Schema& working_record);
-  /// Values of none, and where a position is made the one the point has: nobody moves it. Valid until the next call.
+  /// Values of none, and where a position is made, the position of the point, which does not move. Valid until the next
+  /// call.
   const std::vector<std::byte>& of(const std::byte* record);
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kPositionBytes = 3 * sizeof(double);
 
-/// A record of `before` bytes that nobody names, then x, y and z.
+/// A record of `before` unnamed bytes, then x, y and z.
 Schema position_behind(std::uint32_t before) {
   Schema schema;
   schema.stride = before;

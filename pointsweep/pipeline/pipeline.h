@@ -82,7 +82,7 @@ struct RunOptions {
   std::uint32_t cell_points = 1024;  ///< a multiple of 16 up to 2,048. No result depends on it.
   bool count_distances = false;      ///< fill Statistics::neighbor_distances; about 5 ns a point
   /// A .npy file of one uint8 for each input row: its PointState (sweep/sweep.h) when half of the points have been
-  /// read. Takes a byte of memory for each point besides the budget; empty: none.
+  /// read. Takes a byte of memory for each point in addition to the budget; empty: none.
   std::filesystem::path half_way_states;
   bool spill = false;  ///< use the temporary folder even where memory would do. No result depends on it.
   /// Find neighbourhoods again for every step even where there is memory to keep them. No result depends on it.

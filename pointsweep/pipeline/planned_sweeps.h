@@ -32,7 +32,7 @@ struct PlannedSweep {
   PlannedChain chain;
   /// The fields of that file: those of the input's record, behind which the values carried from the pass before follow.
   Schema input;
-  /// What the rows hold when it has ended, whoever made it: what later passes read and what is kept.
+  /// What the rows hold when it has ended, whichever sweep made it: what later passes read and what is kept.
   std::vector<Attribute> carried;
   bool selects = false;  ///< of the rows it reads, it leaves some out
   std::vector<PlannedValue> values;

@@ -18,7 +18,7 @@ struct ColumnPlan {
   std::string attribute;
   std::string made_by;  ///< "the file", "a pass before", or the stage as "2 normals"
   std::uint32_t bytes = 0;
-  std::size_t last_step = 0;  ///< the step after which nobody reads it any more; a kept one is written after the last
+  std::size_t last_step = 0;  ///< the last step that reads it; a kept one is written after the last
   bool written = false;
 };
 

@@ -27,7 +27,7 @@ class ResumeFolder {
   ResumeFolder& operator=(const ResumeFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// What was saved last, by whatever process; empty if nothing was.
+  /// What was saved last, by any process; empty if nothing was.
   const std::vector<std::byte>& saved() const { return saved_; }
   /// A file for spilled data; `name` begins with "stream-", "results-", "rows-" or "mask-".
   SpillPlace place(const std::string& name) const { return SpillPlace::kept(path_ / name); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The rows that a select keeps, written as they are decided and read by the cloud.
+/// The rows that a select keeps, one bit for each row: written in row order by a pass, then read by the cloud.
 #pragma once
 
 #include <cstdint>

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "pointsweep/sweep/file_column.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -12,23 +13,6 @@ namespace {
 
 constexpr std::size_t kRowBatch = 1024;
 constexpr std::size_t kRowChunkBytes = 1 << 20;
-
-/// The values of a column of the file for `size` records, as the stages were promised them.
-void fill_column(const FileColumn& file, const Schema& schema, const std::byte* records, std::size_t size,
-                 std::byte* out) {
-  const std::size_t bytes = size_of(file.type);
-  const Field to{.name = "", .type = file.type};
-  for (std::size_t i = 0; i < size; ++i, records += schema.stride) {
-    for (const std::size_t f : file.fields) {
-      const Field& from = schema.fields[f];
-      if (from.type == file.type && from.is_plain())
-        std::memcpy(out, records + from.offset, bytes);
-      else
-        set_value(to, out, value_of(from, records));
-      out += bytes;
-    }
-  }
-}
 
 }  // namespace
 
@@ -73,7 +57,8 @@ void RowPass::run_batch(const std::byte* records, std::uint64_t first_row, std::
   std::vector<std::byte*> made;
   for (const std::uint32_t bytes : plan.column_bytes) columns.emplace_back(size * bytes);
   for (auto& column : columns) made.push_back(column.data());
-  for (const FileColumn& file : plan.file_columns) fill_column(file, pass_.input, records, size, made[file.column]);
+  for (const FileColumn& file : plan.file_columns)
+    fill_file_column(file, pass_.input, records, size, made[file.column]);
   const std::vector<const std::byte*> own(made.begin(), made.end());
   const std::vector<std::uint32_t> no_lists(size + 1, 0);
   const PointColumns points{x, y, z, rows.data(), own.data()};

@@ -355,8 +355,10 @@ class Run {
     if (pass.chain.plan.stages.empty()) {  // it is there for the values that are found of its rows
       return [this](const auto& use) {
         constexpr std::uint64_t kRows = 1 << 16;
-        for (std::uint64_t row = 0; row < cloud_.count(); row += kRows)
+        for (std::uint64_t row = 0; row < cloud_.count(); row += kRows) {
+          stop_if_cancelled();
           use(row, static_cast<std::size_t>(std::min(kRows, cloud_.count() - row)), nullptr);
+        }
       };
     }
     return [this, &pass](const auto& use) {
@@ -552,6 +554,7 @@ class Run {
     const std::uint64_t chunk = std::max<std::size_t>(1, (std::size_t{4} << 20) / stride);
     std::vector<std::byte> records;
     for (std::uint64_t first = 0; first < cloud_.count(); first += chunk) {
+      stop_if_cancelled();
       records.resize(std::min(chunk, cloud_.count() - first) * stride);
       if (bytes != 0) {
         rows_->read(first, records);

@@ -31,7 +31,7 @@ struct RunMemory {
 };
 
 /// What is carried from sweep to sweep is in memory only where everything is. Throws as plan_memory(). The same survey
-/// serves all sweeps: where points go later, nobody knows yet. `output_bytes`: of an output record.
+/// serves all sweeps: where points move is not known yet. `output_bytes`: of an output record.
 RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, std::uint64_t points,
                           const Survey& survey, const RunOptions& options, std::uint64_t output_bytes);
 

@@ -36,7 +36,7 @@ class NeighborhoodRule {
 };
 
 /// A rule that several neighbourhoods share, or none. A shared pointer would do, were its destructor not inlined: GCC
-/// 12 then warns wrongly, in whoever writes down a chain in braces, that it destroys what may never have been made.
+/// 12 then warns wrongly, in code that writes a chain in braces, that it destroys what may never have been made.
 class SharedRule {
  public:
   SharedRule() = default;

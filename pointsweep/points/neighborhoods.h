@@ -24,7 +24,7 @@ inline NeighborRef make_ref(std::uint32_t slot, std::uint32_t index) { return sl
 inline std::uint32_t slot_of(NeighborRef ref) { return ref >> kIndexBits; }
 inline std::uint32_t index_of(NeighborRef ref) { return ref & (kCellCapacity - 1); }
 
-/// The points of one slot: structure of arrays, borrowed from whoever owns the cell.
+/// The points of one slot: structure of arrays, owned by the cell.
 struct PointColumns {
   const double* x = nullptr;  ///< coordinates as in the input, length units of the file
   const double* y = nullptr;
@@ -153,7 +153,7 @@ class Neighborhoods {
 /// The columns an operator fills for a batch, in the order of its contract().makes.
 class Columns {
  public:
-  /// `unwanted`: by number, the columns nobody will look at; may be shorter.
+  /// `unwanted`: by number, the columns that are never read; may be shorter.
   Columns(std::span<std::byte* const> made, std::size_t size, std::vector<bool> unwanted = {})
       : made_(made), size_(size), unwanted_(std::move(unwanted)) {}
   std::size_t size() const { return size_; }
@@ -163,7 +163,7 @@ class Columns {
     assert(m < made_.size());
     return {reinterpret_cast<T*>(made_[m]), size_};
   }
-  /// False if nobody will look at column `m`. An operator may then leave it as it is, and spare itself the work.
+  /// False if column `m` is never read. An operator may then leave it as it is, and spare itself the work.
   bool wanted(std::size_t m) const { return m >= unwanted_.size() || !unwanted_[m]; }
   /// Point i gets the documented value in place of a result, because its data define none.
   void mark_degenerate(std::size_t i) {

@@ -2,7 +2,7 @@
 /// How the points of a file lie in memory: a record of fixed size per point, and the fields inside it.
 ///
 /// Records keep the bytes of the file wherever the file is binary and of this machine's byte order, so that attributes
-/// nobody touches pass through unchanged (the paper's InputFields, Section 5.1).
+/// no stage names pass through unchanged (the paper's InputFields, Section 5.1).
 #pragma once
 
 #include <cstddef>
@@ -43,7 +43,8 @@ struct Field {
 
 struct Schema {
   std::vector<Field> fields;
-  std::uint32_t stride = 0;  ///< bytes of a record; may exceed the sum of the fields (bytes nobody names are kept too)
+  std::uint32_t stride =
+      0;  ///< bytes of a record; may exceed the sum of the fields (bytes without a name are kept too)
 
   /// Index of the field that holds `name`, which is one of the library's own names ("x", "nx", "intensity", ...):
   /// the spellings of `spellings_of(name)` are tried in turn, upper and lower case alike.

@@ -171,7 +171,7 @@ class CellSearch {
     pack(frame_, cell, slot, leaf, frame_.local(cell, leaf).farthest(), packed_);
   }
 
-  /// Squared distance, in the frame, beyond which nobody of a group needs a candidate.
+  /// Squared distance, in the frame, beyond which no query of a group needs a candidate.
   void bound(std::uint32_t g) {
     limits_[g] = groups_[g].reach(d_, packed_.farthest);
     group_reach2_[g] = hn::GetLane(hn::MaxOfLanes(d_, limits_[g]));
@@ -184,7 +184,7 @@ class CellSearch {
                                     : std::numeric_limits<double>::infinity();
   }
 
-  /// Collects the leaves that somebody may need, nearest first, but those of the own cell tried already.
+  /// Collects the leaves that a query may need, nearest first, except those of its own cell tried before.
   void find_leaves(std::uint32_t begin, std::uint32_t end) {
     const double reach2 = unscaled(farthest_reach2());
     if (reach2 > reach2_) find_cells(4 * reach2);
@@ -217,7 +217,7 @@ class CellSearch {
     return true;
   }
 
-  /// Of a leaf much wider than that of the queries only what somebody may need.
+  /// Of a leaf much wider than that of the queries only what a query may need.
   void take_within_reach(const Cell& cell, std::uint32_t slot, std::uint32_t leaf, float farthest) {
     const float others = packed_.farthest;
     pack(frame_, cell, slot, leaf, farthest, packed_);

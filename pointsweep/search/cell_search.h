@@ -61,8 +61,8 @@ void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neigh
 
 /// The same for a run of the cell's points: those from `first` on until `most` neighbours are found (a list is never
 /// cut) or the cell ends. Returns the end of the run; `out` holds its lists alone. Where k is at most 64 runs begin and
-/// end at leaves and may be longer. Memory besides `out`: 8 bytes for each point within the radius of one point, or
-/// 100 bytes for each of k.
+/// end at leaves and may be longer. Memory in addition to `out`: 8 bytes for each point within the radius of one point,
+/// or 100 bytes for each of k.
 std::uint32_t search_points(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first, std::uint64_t most,
                             const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out);
 

@@ -248,7 +248,7 @@ struct Group {
     selection = best;
   }
 
-  /// The same for the leaf the queries belong to, the first of them at `first_query`: nobody is his own neighbour.
+  /// The same for the leaf the queries belong to, the first of them at `first_query`: a point is not its own neighbour.
   HWY_INLINE void try_own_leaf(Lanes d, const Packed& packed, std::size_t first_query) {
     const hn::RebindToUnsigned<Lanes> du;
     const auto lane = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<std::uint32_t>(first_query)));

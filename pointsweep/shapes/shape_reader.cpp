@@ -83,7 +83,7 @@ void ShapeReader::store(std::uint64_t row, std::byte* record) const {
 std::size_t ShapeReader::read(std::uint64_t row, std::span<std::byte> records) {
   if (row >= info_.count) return 0;
   const std::size_t stride = info_.schema.stride;
-  const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(records.size() / stride, info_.count - row));
+  const std::size_t count = rows_for(row, records);
   parallel_for((count + kGrain - 1) / kGrain, [&](std::size_t grain, unsigned) {
     const std::size_t end = std::min((grain + 1) * kGrain, count);
     for (std::size_t i = grain * kGrain; i < end; ++i) store(row + i, records.data() + i * stride);

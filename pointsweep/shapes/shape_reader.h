@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A generated cloud of any size, read like a file that is nowhere stored.
+/// A generated cloud of any size, read like a file although it is stored nowhere.
 #pragma once
 
 #include <cstdint>

@@ -16,7 +16,7 @@ namespace pointsweep {
 
 /// How long what a stage makes is of use.
 enum class Lasting : std::uint8_t {
-  not_at_all,  ///< nobody reads it and it is not written
+  not_at_all,  ///< no stage reads it and it is not written
   its_step,    ///< only later stages of the same step read it, of the point itself; or it is written after that step
   its_cell,    ///< as long as the point is in memory
 };

@@ -19,7 +19,7 @@ namespace pointsweep {
 struct RecallMemory {
   std::uint64_t bytes;            ///< for cells, columns and lists. The surroundings of one point may take more.
   std::uint64_t lists_bytes;      ///< for the lists that each thread has in hand
-  std::size_t slabs_at_once = 1;  ///< that may be read and cut at the same time, besides
+  std::size_t slabs_at_once = 1;  ///< that may be read and cut at the same time, in addition
 };
 
 class Recall {

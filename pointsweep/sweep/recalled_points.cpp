@@ -138,7 +138,7 @@ void RecalledPoints::place(std::span<const DeferredPoint> points) {
       if (found == of_slab->second.end()) continue;
       CellState& state = cells_[slot];
       state.reached[i] = kInLevel;
-      state.pending.push_back({i, 0, kFirstPoints});
+      state.pending.push_back({i, kFirstPoints});
       state.counted_from.emplace_back(i, found->second);
       ++placed;
     }
@@ -150,11 +150,12 @@ void RecalledPoints::place(std::span<const DeferredPoint> points) {
 void RecalledPoints::begin_level(std::uint32_t level) {
   pending_bytes_ = 0;
   parallel_for(cells_.size(), [&](std::size_t slot, unsigned worker) {
+    stop_if_cancelled();
     CellState& cell = cells_[slot];
     for (std::uint32_t i = 0; i < cell.reached.size(); ++i) {
       if (cell.reached[i] != kReachedNow) continue;
       cell.reached[i] = kInLevel;
-      cell.pending.push_back({i, 0, kFirstPoints});
+      cell.pending.push_back({i, kFirstPoints});
     }
     pending_bytes_ += cell.pending.size() * (sizeof(Pending) + sizeof(NeededBalls::Ball));
     if (!cell.pending.empty()) need_expected(static_cast<std::uint32_t>(slot), level, workers_[worker]);
@@ -176,24 +177,25 @@ void RecalledPoints::need_expected(std::uint32_t slot, std::uint32_t level, Work
   CellState& state = cells_[slot];
   const Cell& cell = region_.at(slot).cell;
   const double wide = cell.box.diagonal();
+  // 0 where the density says nothing: the search will tell.
+  const auto expected2 = [&](const Pending& p) {
+    const double reach = state.leaf_reach[p.point / kLeafCapacity];
+    const double expected = reach < wide / 4 ? std::min((level + 1) * reach, wide) : 0;
+    return expected * expected;
+  };
   Box around;
   double farthest2 = 0;
-  for (Pending& p : state.pending) {
-    const double reach = state.leaf_reach[p.point / kLeafCapacity];
-    if (!(reach < wide / 4)) continue;
-    const double tried = std::min((level + 1) * reach, wide);
-    p.tried2 = tried * tried;
+  for (const Pending& p : state.pending) {
     around.include(cell.position(p.point));
-    farthest2 = std::max(farthest2, p.tried2);
+    farthest2 = std::max(farthest2, expected2(p));
   }
-  if (around.empty()) return;
   region_.missing_near(around, farthest2, worker.dropped);
   if (worker.dropped.empty()) return;
-  for (Pending& p : state.pending) {
+  for (const Pending& p : state.pending) {
     const Vec3 position = cell.position(p.point);
-    if (!(p.tried2 > 0) || to_nearest(worker.dropped, position) > p.tried2) continue;
-    p.tried2 = std::min(p.tried2, region_.reach2_of_cells(position, kMostExpected));
-    state.needed.add(position, p.tried2);
+    const double reach2 = expected2(p);
+    if (reach2 > 0 && to_nearest(worker.dropped, position) <= reach2)
+      state.needed.add(position, std::min(reach2, region_.reach2_of_cells(position, kMostExpected)));
   }
 }
 
@@ -242,7 +244,7 @@ std::vector<std::uint32_t> RecalledPoints::certify(std::uint32_t slot, std::span
     const double nearest2 = region_.reach2_of_cells(position, searched[n].points);
     const double needed2 = std::min(reach2[n], std::max(nearest2, missing2));
     state.needed.add(position, needed2);
-    state.pending.push_back({searched[n].point, needed2, kMorePoints * searched[n].points});
+    state.pending.push_back({searched[n].point, kMorePoints * searched[n].points});
   }
   return certain;
 }
@@ -317,8 +319,12 @@ void RecalledPoints::apply_deferred(std::uint32_t slot, std::uint32_t step, std:
       numbers.push_back(n);
     }
     if (chosen.empty()) continue;
-    CellNeighbors chosen_lists = lists;
-    keep_lists_of(numbers, chosen_lists);
+    CellNeighbors some;
+    if (chosen.size() < points.size()) {
+      some = lists;
+      keep_lists_of(numbers, some);
+    }
+    const CellNeighbors& chosen_lists = chosen.size() < points.size() ? some : lists;
     StageTally& tally = counted ? worker.tally : worker.halo;
     apply_step_to(plan_, step, region_.at(slot), chosen, chosen_lists, region_.slots(), worker, tally,
                   [&](std::size_t first) {

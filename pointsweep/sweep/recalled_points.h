@@ -41,8 +41,7 @@ class RecalledPoints {
   /// A point whose list is still to be found.
   struct Pending {
     std::uint32_t point;   ///< by index in the cell
-    double tried2;         ///< everything within this squared distance is in memory, or needed
-    std::uint64_t points;  ///< what is needed next holds about so many points at most
+    std::uint64_t points;  ///< if something is missing, the nearest cells that hold so many points are loaded next
   };
   /// Points of one cell that came into a level together. Lists for which there is no memory are found again when they
   /// are used; there are none here then.

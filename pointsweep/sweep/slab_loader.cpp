@@ -7,12 +7,13 @@
 
 #include "pointsweep/order/fixed_copy.h"
 #include "pointsweep/search/cut.h"
+#include "pointsweep/sweep/file_column.h"
 
 namespace pointsweep {
 
 namespace {
 
-/// What a load needs besides its result; kept per thread, so that the steady state allocates nothing.
+/// What a load needs in addition to its result; kept per thread, so that the steady state allocates nothing.
 struct LoadScratch {
   std::vector<std::byte> records, cell_records;
   std::vector<CutPoint> points, sparse;
@@ -129,24 +130,10 @@ std::unique_ptr<WindowCell> SlabLoader::make_cell(std::uint32_t slab, std::span<
 }
 
 void SlabLoader::fill_file_columns(const std::vector<std::byte>& cell_records, WindowCell& cell) const {
-  const Schema& schema = stream_.record_schema();
   for (const FileColumn& file : plan_.file_columns) {
     cell.make_column(file.column, plan_.column_bytes[file.column]);
-    const std::size_t bytes = size_of(file.type);
-    Field to{.name = "", .type = file.type};
-    std::byte* out = cell.columns[file.column].data();
-    for (std::size_t i = 0; i < cell.cell.size(); ++i) {
-      for (const std::size_t f : file.fields) {
-        const Field& from = schema.fields[f];
-        const std::byte* record = cell_records.data() + i * schema.stride;
-        if (from.type == file.type && from.is_plain()) {
-          std::memcpy(out, record + from.offset, bytes);
-        } else {
-          set_value(to, out, value_of(from, record));
-        }
-        out += bytes;
-      }
-    }
+    fill_file_column(file, stream_.record_schema(), cell_records.data(), cell.cell.size(),
+                     cell.columns[file.column].data());
   }
 }
 

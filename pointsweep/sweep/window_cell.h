@@ -13,8 +13,9 @@
 
 namespace pointsweep {
 
-/// What a point takes in the window besides its columns and lists: coordinates, row, place in the slab (36 bytes), its
-/// share of boxes of leaves, of their reach and lowest rows, of the cell and of what is lost between allocations.
+/// What a point takes in the window in addition to its columns and lists: coordinates, row, place in the slab (36
+/// bytes), its share of boxes of leaves, of their reach and lowest rows, of the cell and of what is lost between
+/// allocations.
 inline constexpr std::uint64_t kWindowPointBytes = 48;
 
 struct WindowCell {

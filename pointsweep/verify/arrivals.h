@@ -38,7 +38,7 @@ struct Arrivals {
   bool in_some_order() const { return missing.empty() && points_in == points_out && sum_in == sum_out; }
 };
 
-/// Reads both files once, side by side. `replaced[f]`: field f of the input was made anew and is not compared.
+/// Reads both files once, side by side. `replaced[f]`: field f of the input was computed again and is not compared.
 /// `look` is called with every row and position of the input.
 Arrivals compare_arrivals(RowSource& in, RowSource& out, const std::vector<bool>& replaced,
                           const PhaseProgress& progress,

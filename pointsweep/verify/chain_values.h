@@ -44,7 +44,7 @@ class ChainValues {
   /// Results of the chosen points of `around`, which has rings() rings. Reads the input once more if an operator reads
   /// attributes of the file.
   ChainResults evaluate(Surroundings around, RowSource& in) const;
-  /// Bytes of memory for each point of the surroundings, besides its list.
+  /// Bytes of memory for each point of the surroundings, in addition to its list.
   std::size_t bytes_per_point() const;
 
  private:

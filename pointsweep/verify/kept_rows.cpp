@@ -6,7 +6,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "pointsweep/error.h"
+#include "pointsweep/cancellation.h"
 
 namespace pointsweep {
 namespace {
@@ -69,6 +69,7 @@ Mask by_condition(Cloud& cloud, const Operator& op, const PhaseProgress& progres
   Mask kept;
   RowSource source(cloud);
   for (std::uint64_t row = 0; row < source.count();) {
+    stop_if_cancelled();
     const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(source.block_rows(), source.count() - row));
     const std::span<const std::byte> records = source.read(row, n);
     for (std::size_t i = 0; i < n; ++i, ++row) {

@@ -30,7 +30,7 @@ class NearestInStream {
   /// nearer, a smaller reach2 saves work. About 40 bytes for each point kept.
   NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most);
 
-  /// One point of the stream, which comes in any order; points that are not finite are nobody's neighbours.
+  /// One point of the stream, which comes in any order; points that are not finite are neighbours of no point.
   void offer(Vec3 p, std::uint64_t row);
   /// Squared distance beyond which nothing is wanted any more at `place`.
   double reach2(std::size_t place) const { return reach2_[place]; }

@@ -24,7 +24,7 @@ enum class RowOrder : std::uint8_t { input, sweep };
 struct VerifyOptions {
   std::uint64_t sample = 10000;                         ///< points whose made attributes are evaluated again
   std::uint64_t seed = 0;                               ///< which ones
-  std::vector<std::uint64_t> rows = {};                 ///< these besides, in any order
+  std::vector<std::uint64_t> rows = {};                 ///< in addition, in any order
   std::optional<RowOrder> order = {};                   ///< of the output's rows; absent: found out
   std::optional<int> axis = {};                         ///< of the sweep: 0, 1, 2; absent: the longest
   std::string prefix = {};                              ///< of the names of made attributes in the output

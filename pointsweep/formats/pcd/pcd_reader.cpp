@@ -53,10 +53,6 @@ class PcdReader : public Reader {
   }
 
   std::string name() const { return file_->path().string(); }
-  std::size_t rows_for(std::uint64_t row, std::span<std::byte> records) const {
-    const std::uint64_t left = row < info_.count ? info_.count - row : 0;
-    return static_cast<std::size_t>(std::min<std::uint64_t>(left, records.size() / info_.schema.stride));
-  }
   [[noreturn]] void fail_truncated(std::uint64_t found) const {
     fail("{}: the header says {} points, but the file ends after {}; get the whole file or correct the line POINTS.",
          name(), header_.points, found);
