@@ -62,7 +62,7 @@ MUTANTS = [
     Mutant("the last of equal eigenentropies", "ties", OPS + "least_eigenentropy.cpp", "if (!(entropy < best)) continue;",
            "if (!(entropy <= best)) continue;", ("operators:LeastEigenentropy*", "oracles")),
     Mutant("radius of an attribute without its rim", "ties", OPS + "limits_from_attributes.cpp",
-           "in.distance2(i, middle) <= radius2 ?", "in.distance2(i, middle) < radius2 ?",
+           "return distance2 <= radius2 || std::sqrt(distance2) <= radius;", "return distance2 < radius2;",
            ("operators:LimitsFromAttributes*", "pipeline")),
     Mutant("splats in a scale off by two", "formulas", OPS + "splats_kernel.cpp", "hn::Mul(fitted, power)",
            "hn::Mul(fitted, hn::Add(power, power))", ("operators:Splats*",)),

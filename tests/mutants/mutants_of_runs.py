@@ -57,9 +57,9 @@ MUTANTS = [
 
     # Names and types of outputs
     Mutant("moved positions are float32", "outputs", PIPELINE + "output_layout.cpp",
-           "retype_positions(*moved_positions);", "retype_positions(Type::f32);", ("pipeline:Run.*", "pipeline:OutputLayout.*")),
+           "moves ? *moved_positions : attribute.type;", "moves ? Type::f32 : attribute.type;", ("pipeline:Run.*", "pipeline:OutputLayout.*")),
     Mutant("moved positions keep the input's type where fields are kept by name", "outputs", PIPELINE + "output_layout.cpp",
-           ".type = *moved_positions};", ".type = input.fields[index].type};", ("pipeline:Keep*", "pipeline:OutputLayout.*")),
+           ".type = type->second};", ".type = field.type};", ("pipeline:Keep*", "pipeline:OutputLayout.*")),
     Mutant("attributes of the input are overwritten without --replace", "outputs", PIPELINE + "output_names.cpp",
            "if (!rules_.prefix.empty() || !means_only(old.name, own)) refuse(field, old.name, true);",
            "if (!rules_.prefix.empty() && !means_only(old.name, own)) refuse(field, old.name, true);",
