@@ -86,7 +86,6 @@ class Cutter {
 
   void into_cells(CutPoint* points, std::size_t n) {
     if (n <= cell_points_) {
-      cut_into_leaves({points, n}, row_of_);
       begin_.push_back(begin_.back() + static_cast<std::uint32_t>(n));
       return;
     }
@@ -126,11 +125,18 @@ class Cutter {
 
 }  // namespace
 
-void cut(std::span<CutPoint> points, std::uint32_t cell_points, const RowOf& row_of,
-         std::vector<std::uint32_t>& begin) {
+void cut_into_cells(std::span<CutPoint> points, std::uint32_t cell_points, const RowOf& row_of,
+                    std::vector<std::uint32_t>& begin) {
   assert(cell_points % kLeafCapacity == 0 && cell_points <= kCellCapacity && cell_points > 0);
   begin.assign(1, 0);
   if (!points.empty()) Cutter(row_of, cell_points, begin).into_cells(points.data(), points.size());
+}
+
+void cut(std::span<CutPoint> points, std::uint32_t cell_points, const RowOf& row_of,
+         std::vector<std::uint32_t>& begin) {
+  cut_into_cells(points, cell_points, row_of, begin);
+  for (std::size_t c = 0; c + 1 < begin.size(); ++c)
+    cut_into_leaves(points.subspan(begin[c], begin[c + 1] - begin[c]), row_of);
 }
 
 }  // namespace pointsweep

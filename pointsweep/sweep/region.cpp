@@ -19,9 +19,9 @@ std::span<const NeededPlace> places_of(std::uint32_t slab, std::span<const Neede
   return {here.begin(), here.end()};
 }
 
-bool holds_any(const WindowCell& cell, std::span<const NeededPlace> places) {
-  return !places.empty() && std::any_of(cell.index_in_slab.begin(), cell.index_in_slab.end(), [&](std::uint32_t index) {
-    return std::ranges::binary_search(places, index, {}, &NeededPlace::index_in_slab);
+bool holds_any(std::span<const CutPoint> points, std::span<const NeededPlace> places) {
+  return !places.empty() && std::any_of(points.begin(), points.end(), [&](const CutPoint& point) {
+    return std::ranges::binary_search(places, point.index, {}, &NeededPlace::index_in_slab);
   });
 }
 
@@ -59,50 +59,45 @@ bool NeededBalls::touch(const Box& box) const {
 }
 
 bool Region::load(std::span<const NeededBalls> balls, std::span<const NeededPlace> places, std::uint64_t most_points) {
-  const std::vector<std::uint32_t> slabs = slabs_to_read(balls, places);
-  for (std::size_t first = 0; first < slabs.size(); first += slabs_at_once_) {
-    std::vector<LoadedSlab> loaded(std::min(slabs_at_once_, slabs.size() - first));
-    parallel_for(loaded.size(), [&](std::size_t i, unsigned) { loaded[i] = loader_.load(slabs[first + i], false); });
-    for (std::size_t i = 0; i < loaded.size(); ++i) take(slabs[first + i], std::move(loaded[i]), balls, places);
+  const std::vector<MissingCells> missing = missing_cells(balls, places);
+  for (std::size_t first = 0; first < missing.size(); first += slabs_at_once_) {
+    std::vector<LoadedSlab> loaded(std::min(slabs_at_once_, missing.size() - first));
+    parallel_for(loaded.size(), [&](std::size_t i, unsigned) { loaded[i] = read(missing[first + i]); });
+    for (LoadedSlab& slab : loaded)
+      for (auto& cell : slab.cells) admit(std::move(cell));
+    slabs_read_ += loaded.size();
     if (points_ > most_points) return false;
   }
   return true;
 }
 
-std::vector<std::uint32_t> Region::slabs_to_read(std::span<const NeededBalls> balls,
-                                                 std::span<const NeededPlace> places) const {
-  std::vector<std::uint8_t> wanted(present_.size());
+std::vector<Region::MissingCells> Region::missing_cells(std::span<const NeededBalls> balls,
+                                                        std::span<const NeededPlace> places) const {
+  std::vector<MissingCells> missing(present_.size());
   parallel_for(present_.size(), [&](std::size_t s, unsigned) {
     stop_if_cancelled();
     const auto slab = static_cast<std::uint32_t>(s);
-    const auto is_needed = [&](const DroppedCell& cell) {
-      return !is_present(slab, cell.number) && any_touches(balls, cell.box);
-    };
-    const std::vector<DroppedCell>& cells = frontier_.dropped_of(slab);
-    wanted[s] = !places_of(slab, places).empty() ||
-                (any_touches(balls, stream_.slabs()[s].box) && std::any_of(cells.begin(), cells.end(), is_needed));
+    missing[s] = {slab, {}, places_of(slab, places)};
+    if (!any_touches(balls, stream_.slabs()[s].box)) return;
+    for (const DroppedCell& cell : frontier_.dropped_of(slab))
+      if (!is_present(slab, cell.number) && any_touches(balls, cell.box)) missing[s].numbers.push_back(cell.number);
+    std::ranges::sort(missing[s].numbers);
   });
-  std::vector<std::uint32_t> slabs;
-  for (std::uint32_t slab = 0; slab < wanted.size(); ++slab)
-    if (wanted[slab] != 0) slabs.push_back(slab);
-  return slabs;
+  std::erase_if(missing, [](const MissingCells& m) { return m.numbers.empty() && m.places.empty(); });
+  return missing;
 }
 
-void Region::take(std::uint32_t slab, LoadedSlab loaded, std::span<const NeededBalls> balls,
-                  std::span<const NeededPlace> places) {
-  present_[slab].resize(loaded.cells.size());
-  const std::span<const NeededPlace> here = places_of(slab, places);
-  for (auto& cell : loaded.cells) {
-    if (present_[slab][cell->number]) continue;
-    const bool needed =
-        any_touches(balls, cell->cell.box) && !frontier_.is_superfluous(cell->cell.box, cell->cell.lowest_row);
-    if (needed || holds_any(*cell, here)) admit(std::move(cell));
-  }
-  ++slabs_read_;
+LoadedSlab Region::read(const MissingCells& missing) const {
+  return loader_.load_cells(missing.slab, [&](std::uint32_t number, std::span<const CutPoint> points) {
+    return std::ranges::binary_search(missing.numbers, number) ||
+           (!is_present(missing.slab, number) && holds_any(points, missing.places));
+  });
 }
 
 void Region::admit(std::unique_ptr<WindowCell> cell) {
-  present_[cell->slab][cell->number] = true;
+  std::vector<bool>& present = present_[cell->slab];
+  if (present.size() <= cell->number) present.resize(cell->number + 1);
+  present[cell->number] = true;
   directory_.add(size(), &cell->cell);
   points_ += cell->cell.size();
   views_.push_back(cell->view());

@@ -67,10 +67,15 @@ class Region {
   bool is_present(std::uint32_t slab, std::uint32_t number) const {
     return number < present_[slab].size() && present_[slab][number];
   }
-  std::vector<std::uint32_t> slabs_to_read(std::span<const NeededBalls> balls,
-                                           std::span<const NeededPlace> places) const;
-  void take(std::uint32_t slab, LoadedSlab loaded, std::span<const NeededBalls> balls,
-            std::span<const NeededPlace> places);
+  /// What is to be read of a slab.
+  struct MissingCells {
+    std::uint32_t slab;
+    std::vector<std::uint32_t> numbers;   ///< ascending
+    std::span<const NeededPlace> places;  ///< in it, each in one of these cells or in another
+  };
+  std::vector<MissingCells> missing_cells(std::span<const NeededBalls> balls,
+                                          std::span<const NeededPlace> places) const;
+  LoadedSlab read(const MissingCells& missing) const;
   void admit(std::unique_ptr<WindowCell> cell);
 
   const Stream& stream_;

@@ -7,6 +7,7 @@
 
 #include "pointsweep/order/fixed_copy.h"
 #include "pointsweep/search/cut.h"
+#include "pointsweep/search/leaf_cut.h"
 #include "pointsweep/sweep/file_column.h"
 
 namespace pointsweep {
@@ -59,15 +60,15 @@ std::size_t make_cut_points(const PositionFields& position, std::size_t stride, 
   return dense;
 }
 
+using RowOf = std::function<std::uint64_t(std::uint32_t index)>;
+
 /// Cuts the first `dense` points and the others apart, so that a few outliers do not stretch the cells and leaves of a
 /// surface.
-void cut_apart(std::size_t dense, std::uint32_t cell_points,
-               const std::function<std::uint64_t(std::uint32_t index)>& row_of, LoadScratch& s) {
+void cut_apart(std::size_t dense, std::uint32_t cell_points, const RowOf& row_of, LoadScratch& s) {
   const std::span<CutPoint> points(s.points);
-  s.begin.assign(1, 0);
-  if (dense > 0) cut(points.first(dense), cell_points, row_of, s.begin);
+  cut_into_cells(points.first(dense), cell_points, row_of, s.begin);
   if (dense == points.size()) return;
-  cut(points.subspan(dense), cell_points, row_of, s.sparse_begin);
+  cut_into_cells(points.subspan(dense), cell_points, row_of, s.sparse_begin);
   for (std::size_t c = 1; c < s.sparse_begin.size(); ++c) {
     s.begin.push_back(static_cast<std::uint32_t>(dense) + s.sparse_begin[c]);
   }
@@ -83,21 +84,32 @@ SlabLoader::SlabLoader(const Stream& stream, const SweepPlan& plan, std::uint32_
       row_(stream.record_schema().fields.back()) {}
 
 LoadedSlab SlabLoader::load(std::uint32_t slab, bool keep_records) const {
+  return load(slab, keep_records, [](std::uint32_t, std::span<const CutPoint>) { return true; });
+}
+
+LoadedSlab SlabLoader::load_cells(std::uint32_t slab, const CellFilter& is_wanted) const {
+  return load(slab, false, is_wanted);
+}
+
+template <class Filter>
+LoadedSlab SlabLoader::load(std::uint32_t slab, bool keep_records, const Filter& is_wanted) const {
   thread_local LoadScratch s;
   const Slab& about = stream_.slabs()[slab];
   const std::size_t stride = stream_.record_schema().stride;
   s.records.resize(about.count * stride);
   stream_.read(slab, s.records);
   const std::size_t dense = make_cut_points(position_, stride, about, stream_.spacing_in_slabs(), s);
-  cut_apart(
-      dense, cell_points_, [&](std::uint32_t i) { return row_at(row_, s.records.data() + i * stride); }, s);
+  const RowOf row_of = [&](std::uint32_t i) { return row_at(row_, s.records.data() + i * stride); };
+  cut_apart(dense, cell_points_, row_of, s);
 
   LoadedSlab loaded;
   loaded.cells.reserve(s.begin.size() - 1);
-  for (std::size_t c = 0; c + 1 < s.begin.size(); ++c) {
-    const std::span<const CutPoint> points(s.points.data() + s.begin[c], s.begin[c + 1] - s.begin[c]);
+  for (std::uint32_t c = 0; c + 1 < s.begin.size(); ++c) {
+    const std::span<CutPoint> points(s.points.data() + s.begin[c], s.begin[c + 1] - s.begin[c]);
+    if (!is_wanted(c, points)) continue;
+    cut_into_leaves(points, row_of);
     loaded.cells.push_back(make_cell(slab, points, s.records, s.cell_records));
-    loaded.cells.back()->number = static_cast<std::uint32_t>(c);
+    loaded.cells.back()->number = c;
   }
   if (keep_records) loaded.records.assign(s.records.begin(), s.records.end());
   return loaded;

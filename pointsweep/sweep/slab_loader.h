@@ -2,6 +2,7 @@
 /// Reads a slab of the ordered stream and cuts it into cells (the read operator Φ_R, paper Section 4.2.1).
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -14,17 +15,24 @@
 namespace pointsweep {
 
 struct LoadedSlab {
-  std::vector<std::unique_ptr<WindowCell>> cells;
-  std::vector<std::byte> records;  ///< kept only if asked for
+  std::vector<std::unique_ptr<WindowCell>> cells;  ///< ascending by number
+  std::vector<std::byte> records;                  ///< kept only if asked for
 };
+
+/// Whether a cell is wanted, by its number in the slab and the points in it, whose indices are those in the slab.
+using CellFilter = std::function<bool(std::uint32_t number, std::span<const CutPoint> points)>;
 
 /// The same slab gives the same cells every time, so that a recall finds what the sweep had. Thread-safe.
 class SlabLoader {
  public:
   SlabLoader(const Stream& stream, const SweepPlan& plan, std::uint32_t cell_points);
   LoadedSlab load(std::uint32_t slab, bool keep_records) const;
+  /// Only the cells that are wanted, at less than half of the cost of all of them where these are few.
+  LoadedSlab load_cells(std::uint32_t slab, const CellFilter& is_wanted) const;
 
  private:
+  template <class Filter>
+  LoadedSlab load(std::uint32_t slab, bool keep_records, const Filter& is_wanted) const;
   std::unique_ptr<WindowCell> make_cell(std::uint32_t slab, std::span<const CutPoint> points,
                                         const std::vector<std::byte>& records,
                                         std::vector<std::byte>& cell_records) const;
