@@ -18,8 +18,6 @@ import processes as bench  # noqa: E402
 from clouds import CLEAN, HOSTILE  # noqa: E402
 
 MOST_SPECIAL = 10000
-# Three steps: each of them looks at what the one before made of the neighbours.
-DEEP = ["--pipeline", "knn(k=8) | normals | splats | fair"]
 
 
 def arguments():
@@ -84,7 +82,7 @@ class Bench:
         if name not in self.clean_runs:
             cloud = next(c for c in CLEAN if c.name == name)
             self.clean_runs[name] = (self.least(cloud, self.options.work / "normals.ply"),
-                                     self.least(cloud, self.options.work / "deep.ply", "run", DEEP))
+                                     self.least(cloud, self.options.work / "deep.ply", "run", ("--pipeline", cloud.chain)))
         return self.clean_runs[name]
 
     def special_rows(self, cloud, file):
@@ -100,7 +98,7 @@ class Bench:
         if output.name == "normals.ply":
             command += ["--pipeline", "normals"]
         elif output.name == "deep.ply":
-            command += DEEP
+            command += ["--pipeline", cloud.chain]
         done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
         return "same" if done.returncode == 0 else done.stderr.strip()
 
@@ -123,9 +121,9 @@ class Bench:
         return row
 
     def deep_figures(self, cloud, clean, rows):
-        """Of the chain of three steps."""
+        """Of the chain."""
         output = self.options.work / "deep.ply"
-        run = self.least(cloud, output, "run", DEEP)
+        run = self.least(cloud, output, "run", ("--pipeline", cloud.chain))
         if run["status"] != 0:
             return {"deep_verdict": run["error"] or f"status {run['status']}"}
         told = run["statistics"]
