@@ -15,8 +15,8 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
-#include "pointsweep/formats/output_file.h"
-#include "pointsweep/formats/same_file.h"
+#include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/formats/files/same_file.h"
 #include "pointsweep/report/pictured_attribute.h"
 #include "pointsweep/report/run_report.h"
 

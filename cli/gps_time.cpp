@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "pointsweep/formats/las_reader.h"
+#include "pointsweep/formats/las/las_reader.h"
 
 namespace pointsweep {
 

@@ -15,7 +15,7 @@
 #include "cli/version.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
-#include "pointsweep/formats/output_file.h"
+#include "pointsweep/formats/files/output_file.h"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/crs_unit.h"
 #include "pointsweep/formats/extension.h"
-#include "pointsweep/formats/output_file.h"
+#include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/render/png.h"
 #include "pointsweep/render/render.h"
 

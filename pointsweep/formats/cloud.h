@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "pointsweep/formats/common_schema.h"
-#include "pointsweep/formats/file_state.h"
+#include "pointsweep/formats/files/file_state.h"
 #include "pointsweep/formats/finite_rows.h"
 #include "pointsweep/formats/reader.h"
 #include "pointsweep/formats/row_selection.h"

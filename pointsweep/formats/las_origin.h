@@ -17,6 +17,8 @@ struct LasOrigin {
   LasQuantization grid;        ///< scale and offset of the integer coordinates
   bool has_time = false;       ///< the points have a GPS time
   bool standard_time = false;  ///< it is adjusted standard GPS time, not seconds of the GPS week
+  /// Class 12 means the overlap of flight lines, as in LAS files of point formats 0 to 5.
+  bool overlap_is_class_12 = false;
 };
 
 /// Of the inputs that are LAS, or were before: the finest scale of each axis with the offset of the first that has it;

@@ -51,7 +51,7 @@ void quantize_axis(double lo, double hi, double useful, double& scale, double& o
 }
 
 bool reaches(double lo, double hi, double scale, double offset) {
-  return (hi - offset) / scale <= kMaxSteps && (offset - lo) / scale <= kMaxSteps;
+  return (hi - offset) / scale <= kMostLasSteps && (offset - lo) / scale <= kMostLasSteps;
 }
 
 }  // namespace

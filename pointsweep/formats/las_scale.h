@@ -7,6 +7,9 @@
 
 namespace pointsweep {
 
+/// The largest coordinate, in steps of the scale from the offset.
+inline constexpr double kMostLasSteps = 2147483647;
+
 struct LasQuantization {
   Vec3 scale{1, 1, 1}, offset;
 };

@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/missing_fields.h"
 
-#include "pointsweep/formats/las_reader.h"
-
 namespace pointsweep {
 namespace {
 
 constexpr int kOverlapClass = 12;  ///< LAS 1.4 R15, Table 9
-constexpr int kFirstModernFormat = 6;
-
-bool is_legacy_las(const FileInfo& input) {
-  const auto* las = dynamic_cast<const LasExtras*>(input.extras.get());
-  return las != nullptr && las->header.point_format < kFirstModernFormat;
-}
 
 }  // namespace
 
@@ -23,7 +15,7 @@ MissingFields::MissingFields(const FileInfo& input, const Schema& common) {
       if (const auto at = common.find(name)) ones_.push_back(common.fields[*at]);
   }
   const auto overlap = common.find("overlap"), classification = common.find("classification");
-  if (overlap && classification && is_legacy_las(input) && !input.schema.find("overlap"))
+  if (overlap && classification && input.las && input.las->overlap_is_class_12)
     overlap_.emplace(common.fields[*classification], common.fields[*overlap]);
 }
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/formats/output_file.h"
+#include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/writer.h"
 #include "pointsweep/points/schema.h"
 

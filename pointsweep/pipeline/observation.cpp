@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pointsweep/formats/npy_writer.h"
+#include "pointsweep/formats/npy/npy_writer.h"
 
 namespace pointsweep {
 

@@ -8,7 +8,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/field_names.h"
-#include "pointsweep/formats/las_extra_bytes.h"
+#include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/pipeline/parse.h"
 #include "pointsweep/pipeline/planned_sweeps.h"
 

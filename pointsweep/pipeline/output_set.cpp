@@ -7,8 +7,8 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/extension.h"
-#include "pointsweep/formats/las_values.h"
-#include "pointsweep/formats/npy_writer.h"
+#include "pointsweep/formats/las/las_values.h"
+#include "pointsweep/formats/npy/npy_writer.h"
 
 namespace pointsweep {
 

@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/input_file.h"
+#include "pointsweep/formats/files/input_file.h"
 
 namespace pointsweep {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/input_file.h"
+#include "pointsweep/formats/files/input_file.h"
 
 namespace pointsweep {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/las_extra_bytes.h"
+#include "pointsweep/formats/las/las_extra_bytes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/las_header.h"
+#include "pointsweep/formats/las/las_header.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/las_reader.h"
+#include "pointsweep/formats/las/las_reader.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/las_writer.h"
+#include "pointsweep/formats/las/las_writer.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/las_reader.h"
+#include "pointsweep/formats/las/las_reader.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/temporary_folder.h"
 

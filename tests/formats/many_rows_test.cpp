@@ -6,10 +6,10 @@
 #include <cstring>
 #include <span>
 
-#include "pointsweep/formats/las_reader.h"
-#include "pointsweep/formats/npy_writer.h"
-#include "pointsweep/formats/ply_reader.h"
-#include "pointsweep/formats/ply_writer.h"
+#include "pointsweep/formats/las/las_reader.h"
+#include "pointsweep/formats/npy/npy_writer.h"
+#include "pointsweep/formats/ply/ply_reader.h"
+#include "pointsweep/formats/ply/ply_writer.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/npy_writer.h"
+#include "pointsweep/formats/npy/npy_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

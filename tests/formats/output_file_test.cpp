@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/output_file.h"
+#include "pointsweep/formats/files/output_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/qsplat_codes.h"
-#include "pointsweep/formats/qsplat_reader.h"
+#include "pointsweep/formats/qsplat/qsplat_codes.h"
+#include "pointsweep/formats/qsplat/qsplat_reader.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/qsplat_test_file.h"
 #include "tests/formats/temporary_folder.h"

@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/text_layout.h"
-#include "pointsweep/formats/text_reader.h"
+#include "pointsweep/formats/text/text_layout.h"
+#include "pointsweep/formats/text/text_reader.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/support/fixed_seed.h"

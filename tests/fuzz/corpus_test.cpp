@@ -6,11 +6,11 @@
 #include <iterator>
 #include <string>
 
-#include "pointsweep/formats/las_reader.h"
+#include "pointsweep/formats/las/las_reader.h"
 #include "pointsweep/formats/pcd/pcd_reader.h"
-#include "pointsweep/formats/ply_reader.h"
-#include "pointsweep/formats/qsplat_reader.h"
-#include "pointsweep/formats/text_reader.h"
+#include "pointsweep/formats/ply/ply_reader.h"
+#include "pointsweep/formats/qsplat/qsplat_reader.h"
+#include "pointsweep/formats/text/text_reader.h"
 #include "pointsweep/pipeline/parse.h"
 #include "pointsweep/verify/npy_reader.h"
 #include "tests/fuzz/read_everything.h"
@@ -34,8 +34,8 @@ void for_each_kept(const std::string& fuzzer, Use use) {
 
 TEST(FuzzCorpus, EveryFileIsReadWholeOrRefused) {
   using Open = std::unique_ptr<Reader> (*)(const std::filesystem::path&);
-  const std::pair<const char*, Open> readers[] = {
-      {"ply", open_ply}, {"las", open_las}, {"text", open_text}, {"qsplat", open_qsplat}, {"pcd", open_pcd}, {"npy", open_npy}};
+  const std::pair<const char*, Open> readers[] = {{"ply", open_ply},       {"las", open_las}, {"text", open_text},
+                                                  {"qsplat", open_qsplat}, {"pcd", open_pcd}, {"npy", open_npy}};
   for (const auto& [name, open] : readers) {
     for_each_kept(name, [open = open](const std::string& bytes) {
       read_everything(open, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/npy_writer.h"
+#include "pointsweep/formats/npy/npy_writer.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/line_reader.h"
-#include "pointsweep/formats/number_text.h"
+#include "pointsweep/formats/files/line_reader.h"
+#include "pointsweep/formats/files/number_text.h"
 
 namespace pointsweep {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/input_file.h"
+#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {

@@ -6,11 +6,11 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
-#include "pointsweep/formats/input_file.h"
-#include "pointsweep/formats/number_text.h"
+#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/files/number_text.h"
+#include "pointsweep/formats/files/row_lines.h"
 #include "pointsweep/formats/pcd/lzf_stream.h"
 #include "pointsweep/formats/pcd/pcd_header.h"
-#include "pointsweep/formats/row_lines.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {

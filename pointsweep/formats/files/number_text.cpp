@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/files/number_text.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+namespace pointsweep {
+namespace {
+
+/// "1.#QNAN", "-1.#IND00", "1.#INF": how the C library of Windows once printed them.
+template <class T>
+bool parse_windows_word(std::string_view word, T& value) {
+  const bool negative = word.starts_with('-');
+  if (negative) word.remove_prefix(1);
+  if (!word.starts_with("1.#")) return false;
+  value = word.substr(3).starts_with("INF") ? std::numeric_limits<T>::infinity() : std::numeric_limits<T>::quiet_NaN();
+  if (negative) value = -value;
+  return true;
+}
+
+template <class T>
+bool parse_floating(std::string_view word, T& value) {
+  const char* const end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, value);
+  if (error == std::errc{} && stop == end) return true;
+  if (error == std::errc::result_out_of_range && stop == end) {
+    long double wide = 0;
+    const auto again = std::from_chars(word.data(), end, wide);
+    if (again.ec == std::errc{}) {
+      value = static_cast<T>(wide);
+    } else {
+      // Not even a long double holds it: the sign of the exponent decides.
+      const std::size_t exponent = word.find_first_of("eE");
+      const bool tiny = exponent != word.npos && word.substr(exponent + 1).starts_with('-');
+      value = std::copysign(tiny ? T{0} : std::numeric_limits<T>::infinity(), word.starts_with('-') ? T{-1} : T{1});
+    }
+    return true;
+  }
+  return parse_windows_word(word, value);
+}
+
+template <class T>
+bool parse_integer(std::string_view word, T& value) {
+  const char* const end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, value);
+  if (error == std::errc{} && stop == end) return true;
+  double wide = 0;
+  if (!parse_floating(word, wide) || wide != std::nearbyint(wide)) return false;
+  // The upper end is excluded since the largest 64-bit integers round up when they become a double.
+  const double upper = std::ldexp(1.0, std::numeric_limits<T>::digits);
+  if (!(wide >= static_cast<double>(std::numeric_limits<T>::min()) && wide < upper)) return false;
+  value = static_cast<T>(wide);
+  return true;
+}
+
+}  // namespace
+
+template <class T>
+bool parse_number(std::string_view word, T& value) {
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
+  if constexpr (std::is_floating_point_v<T>) {
+    return parse_floating(word, value);
+  } else {
+    return parse_integer(word, value);
+  }
+}
+
+template bool parse_number(std::string_view, std::int8_t&);
+template bool parse_number(std::string_view, std::uint8_t&);
+template bool parse_number(std::string_view, std::int16_t&);
+template bool parse_number(std::string_view, std::uint16_t&);
+template bool parse_number(std::string_view, std::int32_t&);
+template bool parse_number(std::string_view, std::uint32_t&);
+template bool parse_number(std::string_view, std::int64_t&);
+template bool parse_number(std::string_view, std::uint64_t&);
+template bool parse_number(std::string_view, float&);
+template bool parse_number(std::string_view, double&);
+
+}  // namespace pointsweep

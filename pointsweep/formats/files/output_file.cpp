@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/files/output_file.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <charconv>
+#include <string>
+#include <system_error>
+
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::atomic<bool> any_complete = false;
+
+fs::path folder_of(const fs::path& destination) {
+  return destination.has_parent_path() ? destination.parent_path() : fs::path(".");
+}
+
+[[noreturn]] void fail_to_write(const fs::path& destination, int error) {
+  const std::string name = destination.string();
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+      fail("{}: no space left in {}; free some or write to another disk (nothing was left behind).", name,
+           folder_of(destination).string());
+    case EACCES:
+    case EPERM:
+      fail("{}: no permission to write in {}; choose another folder.", name, folder_of(destination).string());
+    case EROFS:
+      fail("{}: {} is read-only; choose another folder.", name, folder_of(destination).string());
+    case EFBIG:
+      fail("{}: has become larger than its file system or a limit (ulimit -f) allows.", name);
+    case ENAMETOOLONG:
+      fail("{}: its name is too long; choose a shorter one.", name);
+    default:
+      fail("{}: cannot be written: {}.", name, std::generic_category().message(error));
+  }
+}
+
+[[noreturn]] void fail_since_it_exists(const fs::path& destination) {
+  fail("{}: exists already; choose another name, or allow it to be replaced (--force).", destination.string());
+}
+
+void check_destination(const fs::path& destination, bool overwrite) {
+  if (!destination.has_filename()) fail("'{}' names no file to write.", destination.string());
+  std::error_code error;
+  const fs::path folder = folder_of(destination);
+  const fs::file_status folder_status = fs::status(folder, error);
+  if (!fs::exists(folder_status)) {
+    fail("{}: the folder {} does not exist; create it first.", destination.string(), folder.string());
+  }
+  if (!fs::is_directory(folder_status)) fail("{}: {} is no folder.", destination.string(), folder.string());
+  const fs::file_status status = fs::symlink_status(destination, error);
+  if (fs::is_directory(status)) {
+    fail("{}: is a folder; name the file to write in it.", destination.string());
+  }
+  if (!fs::exists(status)) return;
+  if (!overwrite) fail_since_it_exists(destination);
+  if (!fs::is_regular_file(status) && !fs::is_symlink(status)) {
+    fail("{}: is no regular file and will not be replaced; choose another name.", destination.string());
+  }
+}
+
+/// A file whose process is gone, or that an earlier process with our number left: no process holds its lock.
+bool is_abandoned(const fs::path& part, pid_t owner) {
+  if (owner != ::getpid() && (::kill(owner, 0) == 0 || errno != ESRCH)) return false;
+  const int descriptor = ::open(part.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
+  if (descriptor < 0) return false;
+  const bool locked = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(descriptor);
+  return !locked;
+}
+
+/// Removes what runs that were killed have left of this destination.
+void remove_abandoned_parts(const fs::path& destination) {
+  const std::string prefix = "." + destination.filename().string() + ".", suffix = ".part";
+  std::error_code error;
+  for (fs::directory_iterator entry(folder_of(destination), error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.size() <= prefix.size() + suffix.size() || !name.starts_with(prefix) || !name.ends_with(suffix)) continue;
+    pid_t owner = 0;
+    const char* const digits_end = name.data() + name.size() - suffix.size();
+    const auto parsed = std::from_chars(name.data() + prefix.size(), digits_end, owner);
+    if (parsed.ec != std::errc{} || parsed.ptr != digits_end || owner <= 0) continue;
+    std::error_code ignored;
+    if (is_abandoned(entry->path(), owner)) fs::remove(entry->path(), ignored);
+  }
+}
+
+/// Renames without ever replacing a file that has appeared meanwhile. Returns 0 or an errno.
+int rename_to_new(const fs::path& from, const fs::path& to) {
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
+  if (errno != EINVAL && errno != ENOSYS) return errno;
+  if (::link(from.c_str(), to.c_str()) == 0) return ::unlink(from.c_str()) == 0 ? 0 : errno;
+  if (errno == EEXIST) return EEXIST;
+  // Neither is known to this file system: a test and a rename are the best there is.
+  struct stat status {};
+  if (::lstat(to.c_str(), &status) == 0) return EEXIST;
+  return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
+}
+
+}  // namespace
+
+OutputFile::OutputFile(const fs::path& destination, bool overwrite) : destination_(destination), overwrite_(overwrite) {
+  check_destination(destination, overwrite);
+  // An output that is a link replaces what the link points to.
+  std::error_code error;
+  if (fs::is_symlink(destination, error)) {
+    const fs::path target = fs::canonical(destination, error);
+    if (!error) destination_ = target;
+    check_destination(destination_, overwrite);
+  }
+  remove_abandoned_parts(destination_);
+  part_ = folder_of(destination_) / fmt::format(".{}.{}.part", destination_.filename().string(), ::getpid());
+  descriptor_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor_ < 0 && errno == EEXIST) fail("{}: is being written already.", destination_.string());
+  if (descriptor_ < 0) fail_to_write(destination_, errno);
+  leftover_.emplace(part_);
+  ::flock(descriptor_, LOCK_EX | LOCK_NB);
+}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!part_.empty()) ::unlink(part_.c_str());
+}
+
+void OutputFile::append(std::span<const std::byte> bytes) {
+  write_at(size_, bytes);
+  size_ += bytes.size();
+}
+
+void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (written > 0) {
+      offset += static_cast<std::uint64_t>(written);
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+    } else if (written == 0 || errno != EINTR) {
+      fail_to_write(destination_, written == 0 ? ENOSPC : errno);
+    }
+  }
+}
+
+void OutputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
+  while (!bytes.empty()) {
+    const ssize_t got = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (got > 0) {
+      offset += static_cast<std::uint64_t>(got);
+      bytes = bytes.subspan(static_cast<std::size_t>(got));
+    } else if (got == 0 || errno != EINTR) {
+      fail("{}: what was just written cannot be read back at byte {}: {}; check the disk it lies on.",
+           destination_.string(), offset, got == 0 ? "the file ends" : std::generic_category().message(errno));
+    }
+  }
+}
+
+void OutputFile::commit() {
+  // Network file systems and quotas report what they could not store only here.
+  const int closed = ::close(descriptor_) == 0 || errno == EINTR ? 0 : errno;
+  descriptor_ = -1;
+  if (closed != 0) fail_to_write(destination_, closed);
+  if (overwrite_) {
+    if (::rename(part_.c_str(), destination_.c_str()) != 0) fail_to_write(destination_, errno);
+  } else if (const int error = rename_to_new(part_, destination_); error != 0) {
+    if (error == EEXIST) fail_since_it_exists(destination_);
+    fail_to_write(destination_, error);
+  }
+  part_.clear();
+  leftover_.reset();
+  any_complete = true;
+}
+
+bool OutputFile::any_is_complete() { return any_complete; }
+
+}  // namespace pointsweep

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/las/las_encoder.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/las/las_point_formats.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kRowsAtOnce = 256;
+/// Byte 14 of a point that is return 1 of 1, in point formats 0 to 5 and 6 to 10.
+constexpr std::byte kOnlyLegacyReturn{0x09}, kOnlyReturn{0x11};
+
+}  // namespace
+
+LasEncoder::LasEncoder(const LasLayout& layout, std::string path)
+    : conversion_(layout.from, layout.to),
+      positions_{layout.x, layout.y, layout.z},
+      scale_(layout.header.scale),
+      offset_(layout.header.offset),
+      stride_in_(layout.from.stride),
+      stride_out_(layout.to.stride),
+      positions_change_(layout.positions_change),
+      returns_missing_(layout.returns_missing),
+      only_return_(layout.header.point_format >= 6 ? kOnlyReturn : kOnlyLegacyReturn),
+      path_(std::move(path)) {}
+
+void LasEncoder::run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) const {
+  if (positions_change_) check_positions(row, from, count);
+  conversion_.run(from, to, count);
+  if (!returns_missing_) return;
+  for (std::size_t i = 0; i < count; ++i) to[i * stride_out_ + kLasReturnByte] = only_return_;
+}
+
+void LasEncoder::check_positions(std::uint64_t row, const std::byte* records, std::size_t count) const {
+  std::array<std::array<double, kRowsAtOnce>, 3> xyz;
+  for (std::size_t first = 0; first < count; first += kRowsAtOnce) {
+    const std::size_t n = std::min(kRowsAtOnce, count - first);
+    decode_positions(positions_, records + first * stride_in_, stride_in_, n, xyz[0].data(), xyz[1].data(),
+                     xyz[2].data());
+    for (int axis = 0; axis < 3; ++axis) {
+      for (std::size_t i = 0; i < n; ++i) {
+        const double value = xyz[static_cast<std::size_t>(axis)][i];
+        if (std::abs((value - offset_[axis]) / scale_[axis]) <= kMostLasSteps) continue;
+        if (!std::isfinite(value)) {
+          fail("{}: {} of row {} is {}, which LAS cannot hold; write PLY, or remove such points.", path_, "xyz"[axis],
+               row + first + i, value);
+        }
+        fail("{}: {} of row {} is {}, too far from the offset {} for the scale {} of this LAS file; write PLY.", path_,
+             "xyz"[axis], row + first + i, value, offset_[axis], scale_[axis]);
+      }
+    }
+  }
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,441 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/las/las_layout.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/las/las_crs.h"
+#include "pointsweep/formats/las/las_extra_bytes.h"
+#include "pointsweep/formats/las/las_fields.h"
+#include "pointsweep/formats/las/las_point_formats.h"
+#include "pointsweep/formats/las/las_values.h"
+#include "pointsweep/formats/las_scale.h"
+#include "pointsweep/formats/provenance.h"
+
+namespace pointsweep {
+namespace {
+
+bool same_encoding(const Field& a, const Field& b) {
+  return a.type == b.type && a.count == b.count && a.bit_shift == b.bit_shift && a.bit_width == b.bit_width &&
+         a.scale == b.scale && a.bias == b.bias;
+}
+
+bool is_position_field(std::string_view name) { return name == "x" || name == "y" || name == "z"; }
+
+const LasExtras* las_extras(const std::shared_ptr<const FormatExtras>& extras) {
+  return dynamic_cast<const LasExtras*>(extras.get());
+}
+
+/// Collects the layout field by field.
+class Builder {
+ public:
+  explicit Builder(const OutputPlan& plan) : plan_(plan), input_(las_extras(plan.extras)) {
+    layout_.header = input_ != nullptr ? input_->header : new_las_header();
+    if (input_ != nullptr) layout_.input = input_->file;
+    layout_.from.stride = plan.schema.stride;
+  }
+
+  LasLayout build() {
+    kept_ = input_ != nullptr && las_begins_with_records_of(*input_, plan_.schema);
+    if (kept_) {
+      keep_records();
+    } else {
+      convert_records();
+    }
+    layout_.header.record_length = static_cast<std::uint16_t>(layout_.to.stride);
+    if (plan_.count > std::numeric_limits<std::uint32_t>::max()) upgrade_las_header(layout_.header, 4);
+    choose_crs();
+    warn_of_waveforms();
+    if (!kept_) warn_of_unnamed_bytes();
+    place_pieces();
+    return std::move(layout_);
+  }
+
+ private:
+  /// Values of `from` go to `to`.
+  void connect(Field from, Field to) {
+    from.name = to.name = std::to_string(layout_.from.fields.size());
+    layout_.from.fields.push_back(std::move(from));
+    layout_.to.fields.push_back(std::move(to));
+  }
+
+  /// `field` as extra bytes, described as in the input it comes from or by the meaning of what was made.
+  void append_extra(const Field& field) {
+    Field stored = field;
+    stored.bit_shift = stored.bit_width = 0;
+    stored.offset = layout_.to.stride;
+    const std::uint64_t end = layout_.to.stride + std::uint64_t{size_of(field.type)} * field.count;
+    if (end > std::numeric_limits<std::uint16_t>::max() || vlr_.size() + field.count > kMaxExtraBytes) {
+      fail(
+          "{}: '{}' does not fit, since LAS allows {} values beyond its own and 65535 bytes a point; write fewer "
+          "attributes, or PLY.",
+          plan_.path.string(), field.name, kMaxExtraBytes);
+    }
+    if (const auto known = descriptor_of(stored)) {
+      vlr_.append_again(*known);
+    } else {
+      vlr_.append(stored, description_of(field.name));
+    }
+    layout_.to.stride = static_cast<std::uint32_t>(end);
+    connect(field, stored);
+    extended_ = true;
+  }
+
+  /// How one of the inputs describes the attribute; nothing for what was made.
+  std::optional<std::span<const std::byte>> descriptor_of(const Field& field) const {
+    if (kept_ || is_made(field.name)) return std::nullopt;
+    if (input_ != nullptr)
+      if (const auto found = find_extra_bytes(input_->extra_bytes, field)) return found;
+    for (const auto& extras : plan_.other_extras) {
+      const LasExtras* other = las_extras(extras);
+      if (other == nullptr) continue;
+      if (const auto found = find_extra_bytes(other->extra_bytes, field)) return found;
+    }
+    return std::nullopt;
+  }
+
+  bool is_made(std::string_view field) const {
+    return std::any_of(plan_.made.begin(), plan_.made.end(), [&](const Attribute& a) {
+      return std::find(a.fields.begin(), a.fields.end(), field) != a.fields.end();
+    });
+  }
+
+  std::string description_of(std::string_view field) const {
+    for (const Attribute& attribute : plan_.made) {
+      for (std::size_t c = 0; c < attribute.fields.size(); ++c) {
+        if (attribute.fields[c] == field) return extra_bytes_description(attribute, c);
+      }
+    }
+    return "";
+  }
+
+  /// The records of the input unchanged, then what was made.
+  void keep_records() {
+    const Schema& own = input_->schema;
+    const LasHeader& header = layout_.header;
+    const std::vector<Field>& fields = plan_.schema.fields;
+    set_grid({{fields[0].scale, fields[1].scale, fields[2].scale}, {fields[0].bias, fields[1].bias, fields[2].bias}});
+    Field record;
+    record.type = Type::u8;
+    record.count = own.stride;
+    layout_.to.stride = own.stride;
+    connect(record, record);
+    vlr_ = ExtraBytesVlr(input_->extra_bytes);
+    Schema described = las_point_schema(header.point_format, header.scale, header.offset);
+    const Schema format = described;
+    append_extra_bytes(input_->extra_bytes, own.stride, described);
+    if (described.stride < own.stride) vlr_.append_undocumented(own.stride - described.stride);
+    for (std::size_t i = own.fields.size(); i < plan_.schema.fields.size(); ++i) {
+      const Field& made = plan_.schema.fields[i];
+      const auto at = format.find(made.name);
+      if (!at || made.count != 1) {
+        append_extra(made);
+      } else {
+        connect(made, format.fields[*at]);
+      }
+    }
+    watch_positions(format);
+  }
+
+  /// The last field that goes to x, y or z is what has to fit.
+  void watch_positions(const Schema& format) {
+    Field* const places[] = {&layout_.x, &layout_.y, &layout_.z};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Field& target = format.fields[axis];
+      Field* const place = places[axis];
+      *place = target;
+      for (std::size_t i = 0; i < layout_.to.fields.size(); ++i) {
+        const Field& to = layout_.to.fields[i];
+        if (to.type != Type::i32 || to.offset != target.offset) continue;
+        *place = layout_.from.fields[i];
+        layout_.positions_change = layout_.positions_change || !same_encoding(*place, target);
+      }
+    }
+  }
+
+  void convert_records() {
+    LasHeader& header = layout_.header;
+    const Schema& schema = plan_.schema;
+    const std::vector<ValueRange> ranges = value_ranges();
+    const bool legacy = plan_.las.has_value() && plan_.las_values != nullptr;
+    header.point_format = static_cast<std::uint8_t>(choose_las_point_format(schema, ranges, legacy));
+    choose_version();
+    choose_scale(position_fields(schema, plan_.path.string()));
+    const Schema format = las_point_schema(header.point_format, header.scale, header.offset);
+    layout_.to.stride = format.stride;
+    std::vector<bool> stored(schema.fields.size());
+    std::vector<std::size_t> inexact;
+    for (const Field& target : format.fields) {
+      const auto at = schema.find(target.name);
+      if (!at || schema.fields[*at].count != 1) continue;
+      connect(schema.fields[*at], target);
+      stored[*at] = true;
+      if (!is_position_field(target.name) && !las_field_holds(target, schema.fields[*at], ranges[*at]))
+        inexact.push_back(*at);
+    }
+    layout_.returns_missing = !schema.find("return_number");
+    for (std::size_t i = 0; i < schema.fields.size(); ++i) {
+      if (!stored[i]) append_extra(schema.fields[i]);
+    }
+    for (const std::size_t i : inexact) append_exact_copy(schema.fields[i]);
+    watch_positions(format);
+  }
+
+  void append_exact_copy(Field exact) {
+    layout_.warnings.push_back(
+        fmt::format("{}: some values of '{}' do not fit the LAS field; it has them rounded and within its range, the "
+                    "extra bytes '{}_{}' have them exactly.",
+                    plan_.path.string(), exact.name, exact.name, name_of(exact.type)));
+    exact.name = fmt::format("{}_{}", exact.name, name_of(exact.type));
+    append_extra(exact);
+  }
+
+  /// What is known of the values of each field: of the input's by a look at them, of what was made by its type.
+  std::vector<ValueRange> value_ranges() const {
+    std::vector<ValueRange> ranges;
+    for (std::size_t i = 0; i < plan_.schema.fields.size(); ++i) {
+      const Field& field = plan_.schema.fields[i];
+      const bool known = plan_.las_values != nullptr && i < plan_.las_values->ranges.size() && !is_made(field.name);
+      ranges.push_back(known ? plan_.las_values->ranges[i] : range_of_type(field));
+    }
+    return ranges;
+  }
+
+  /// The oldest version that has the point format and is not older than any LAS input.
+  void choose_version() {
+    LasHeader& header = layout_.header;
+    int minor = las_minor_of(header.point_format);
+    for (const auto& extras : plan_.other_extras) {
+      if (const LasExtras* other = las_extras(extras)) minor = std::max<int>(minor, other->header.minor);
+    }
+    upgrade_las_header(header, minor);
+    if (!plan_.las || !plan_.las->has_time) return;
+    header.global_encoding = static_cast<std::uint16_t>((header.global_encoding & ~kLasStandardTimeBit) |
+                                                        (plan_.las->standard_time ? kLasStandardTimeBit : 0));
+  }
+
+  /// LAS integers keep their scale. Real coordinates get that of the inputs where las_values() says so, else the finest
+  /// that 32 bits allow; those of a LAS input without known bounds that of its header.
+  void choose_scale(const PositionFields& p) {
+    LasHeader& header = layout_.header;
+    if (las_keeps_scale(p)) {
+      set_grid({{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}});
+    } else if (plan_.bounds && keeps_grid()) {
+      set_grid(las_grid_within(plan_.las->grid, *plan_.bounds));
+      if (plan_.las_values->rounds)
+        layout_.warnings.push_back(
+            fmt::format("{}: the scales and offsets of the inputs have no common grid; coordinates are rounded to the "
+                        "finest scale among them, {} {} {}.",
+                        plan_.path.string(), header.scale.x, header.scale.y, header.scale.z));
+    } else if (plan_.bounds) {
+      set_grid(las_quantization(*plan_.bounds));
+    } else if (input_ == nullptr && plan_.count != 0) {
+      fail(
+          "{}: LAS stores coordinates as integers and needs their bounds before the first point; give the bounds, or "
+          "write PLY.",
+          plan_.path.string());
+    }
+  }
+
+  bool keeps_grid() const { return plan_.las && plan_.las_values && plan_.las_values->keeps_grid && !is_made("x"); }
+
+  void set_grid(const LasQuantization& grid) {
+    layout_.header.scale = grid.scale;
+    layout_.header.offset = grid.offset;
+  }
+
+  /// Which statements of the coordinate reference system the file gets beside those in the input's VLRs, and which of
+  /// them counts. Point formats 6 to 10 must have WKT; GeoTIFF keys, which cannot be turned into it without a registry
+  /// of systems, stay what counts where there is nothing else.
+  void choose_crs() {
+    LasHeader& header = layout_.header;
+    const Crs own = input_ != nullptr && input_->crs ? *input_->crs : Crs();
+    const bool has_own = !own.wkt.empty() || !own.geotiff.empty();
+    if (plan_.crs && !has_own) added_crs_ = *plan_.crs;
+    if (plan_.crs && has_own && !kept_ && header.point_format >= 6 && own.wkt.empty()) added_crs_.wkt = plan_.crs->wkt;
+    const bool wkt = !own.wkt.empty() || !added_crs_.wkt.empty();
+    const bool geotiff = !own.geotiff.empty() || !added_crs_.geotiff.empty();
+    if (kept_ && added_crs_.wkt.empty()) return;
+    const bool modern = header.point_format >= 6;
+    const bool wkt_counts = modern                    ? wkt || !geotiff
+                            : !added_crs_.wkt.empty() ? !geotiff
+                                                      : input_ != nullptr && says_wkt();
+    if (wkt_counts) upgrade_las_header(header, 4);
+    header.global_encoding =
+        static_cast<std::uint16_t>((header.global_encoding & ~kLasWktBit) | (wkt_counts ? kLasWktBit : 0));
+    if (modern && geotiff && !wkt)
+      layout_.warnings.push_back(
+          fmt::format("{}: point format {} asks for the coordinate reference system as WKT, but the inputs have only "
+                      "GeoTIFF keys; these are kept, and the header says so.",
+                      plan_.path.string(), header.point_format));
+  }
+
+  bool says_wkt() const { return (layout_.header.global_encoding & kLasWktBit) != 0; }
+
+  /// Waveforms lie behind the points or in another file; only those of the first input can be kept.
+  void warn_of_waveforms() {
+    if (!las_has_waveforms(layout_.header.point_format)) return;
+    for (const auto& extras : plan_.other_extras) {
+      const LasExtras* other = las_extras(extras);
+      if (other == nullptr || !las_has_waveforms(other->header.point_format)) continue;
+      layout_.warnings.push_back(
+          fmt::format("{}: waveforms of {} are not copied: only those of the first input are; its references to them "
+                      "have no target.",
+                      plan_.path.string(), other->file->path().string()));
+      return;
+    }
+  }
+
+  /// Bytes of a record without a name cannot be converted.
+  void warn_of_unnamed_bytes() {
+    std::vector<std::shared_ptr<const FormatExtras>> inputs = plan_.other_extras;
+    inputs.insert(inputs.begin(), plan_.extras);
+    for (const auto& extras : inputs) {
+      const LasExtras* las = las_extras(extras);
+      if (las == nullptr) continue;
+      std::uint32_t named = *las_record_length(las->header.point_format);
+      for (const Field& field : las->schema.fields)
+        named = std::max(named, field.offset + static_cast<std::uint32_t>(size_of(field.type)) * field.count);
+      if (named >= las->schema.stride) continue;
+      layout_.warnings.push_back(
+          fmt::format("{}: {} bytes of each point of {} that nothing describes are left out, since the inputs differ.",
+                      plan_.path.string(), las->schema.stride - named, las->file->path().string()));
+      return;
+    }
+  }
+
+  void place_pieces() {
+    LasHeader& header = layout_.header;
+    bool replaced = false;
+    if (input_ != nullptr) {
+      const LasVlrChain& vlrs = input_->vlrs;
+      const bool stale = vlrs.extra_bytes && (extended_ || !kept_);
+      layout_.before = {vlrs.start, vlrs.end};
+      layout_.after = {vlrs.end, input_->header.offset_to_points};
+      layout_.tail = {input_->points_end, input_->file->size()};
+      if (stale) {
+        layout_.before.end = vlrs.extra_bytes->start;
+        layout_.between = {vlrs.extra_bytes->end(), vlrs.end};
+        replaced = true;
+      }
+    }
+    std::uint32_t added = 0;
+    if (extended_) {
+      add_extra_bytes_vlr();
+      ++added;
+    }
+    added += add_crs_vlrs();
+    added += add_provenance_vlrs();
+    if (added != 0 || replaced) {
+      header.vlr_count = (input_ != nullptr ? input_->vlrs.count : 0) + added - (replaced ? 1 : 0);
+    }
+    const std::uint64_t points = header.header_size + layout_.before.size() + layout_.added_vlrs.size() +
+                                 layout_.between.size() + layout_.provenance_vlrs.size() + layout_.after.size();
+    if (points > std::numeric_limits<std::uint32_t>::max()) {
+      fail("{}: the header and VLRs would take {} bytes, and LAS allows 4294967295; write PLY.", plan_.path.string(),
+           points);
+    }
+    header.offset_to_points = static_cast<std::uint32_t>(points);
+    if (input_ == nullptr) return;
+    move_reference(header.evlr_start);
+    move_reference(header.waveform_start);
+  }
+
+  /// Byte offsets of the input that point behind its points.
+  void move_reference(std::uint64_t& place) const {
+    if (place >= input_->points_end) place = place - input_->points_end + layout_.points_end(plan_.count);
+  }
+
+  void add_extra_bytes_vlr() {
+    std::vector<std::byte> vlr = las_vlr(kLasSpecUser, kExtraBytesRecord, "Extra bytes", vlr_.bytes());
+    if (input_ != nullptr && input_->vlrs.extra_bytes) {  // under the header that the file had
+      input_->file->read_at(input_->vlrs.extra_bytes->start, std::span(vlr).first(kLasVlrHeader));
+      const auto length = static_cast<std::uint16_t>(vlr_.bytes().size());
+      std::memcpy(vlr.data() + 20, &length, sizeof length);
+    }
+    append(layout_.added_vlrs, vlr);
+  }
+
+  /// Returns how many VLRs state the coordinate reference system beside those of the input.
+  std::uint32_t add_crs_vlrs() {
+    const LasCrsVlrs vlrs = las_crs_vlrs(added_crs_);
+    append(layout_.added_vlrs, vlrs.bytes);
+    if (!added_crs_.wkt.empty() && added_crs_.wkt.size() >= kLongestVlr)
+      layout_.warnings.push_back(fmt::format(
+          "{}: the WKT of the coordinate reference system has {} bytes, more than a VLR can hold; it is left "
+          "out.",
+          plan_.path.string(), added_crs_.wkt.size()));
+    return vlrs.count;
+  }
+
+  /// As many VLRs as the lines need that the input does not have; returns their number.
+  std::uint32_t add_provenance_vlrs() {
+    const std::span<const std::string> all = plan_.provenance;
+    std::uint32_t count = 0;
+    std::string text;
+    const auto flush = [&] {
+      if (text.empty()) return;
+      append(layout_.provenance_vlrs,
+             las_vlr(kProvenanceUser, kProvenanceRecord, "how this file was made", std::as_bytes(std::span(text))));
+      text.clear();
+      ++count;
+    };
+    for (const std::string& line : input_ == nullptr ? all : provenance_beyond(all, input_->provenance)) {
+      if (text.size() + line.size() + 1 > kLongestVlr) flush();
+      text += line + "\n";
+    }
+    flush();
+    return count;
+  }
+
+  static void append(std::vector<std::byte>& to, const std::vector<std::byte>& vlrs) {
+    to.insert(to.end(), vlrs.begin(), vlrs.end());
+  }
+
+  const OutputPlan& plan_;
+  const LasExtras* input_;
+  LasLayout layout_;
+  ExtraBytesVlr vlr_;
+  Crs added_crs_;          ///< to be stated in VLRs beside those of the input
+  bool kept_ = false;      ///< records begin with those of the input
+  bool extended_ = false;  ///< vlr_ has to be written
+};
+
+}  // namespace
+
+std::uint64_t LasLayout::points_end(std::uint64_t count) const {
+  return header.offset_to_points + count * header.record_length;
+}
+
+bool las_keeps_scale(const PositionFields& p) {
+  const auto fits = [](const Field& f) {
+    return f.bit_width == 0 && size_of(f.type) <= 4 && f.type != Type::u32 && f.type != Type::f32;
+  };
+  return fits(p.x) && fits(p.y) && fits(p.z);
+}
+
+bool las_begins_with_records_of(const LasExtras& input, const Schema& schema) {
+  const std::vector<Field>& own = input.schema.fields;
+  const std::vector<Field>& all = schema.fields;
+  if (schema.stride < input.schema.stride || all.size() < own.size()) return false;
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    Field field = all[i];
+    if (is_position_field(own[i].name) && i < 3) {
+      field.scale = own[i].scale;
+      field.bias = own[i].bias;
+    }
+    if (field != own[i]) return false;
+  }
+  return std::all_of(all.begin() + std::ssize(own), all.end(),
+                     [&](const Field& f) { return f.offset >= input.schema.stride; });
+}
+
+LasLayout lay_out_las(const OutputPlan& plan) { return Builder(plan).build(); }
+
+}  // namespace pointsweep

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+/// What a LAS output will look like, decided before the first record: header, VLRs, and where each value goes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/las/las_header.h"
+#include "pointsweep/formats/las/las_reader.h"
+#include "pointsweep/formats/writer.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// Bytes [begin, end) of the input, copied as they are.
+struct LasPiece {
+  std::uint64_t begin = 0, end = 0;
+  std::uint64_t size() const { return end - begin; }
+};
+
+/// The file is: header, `before` of the input, `added_vlrs`, `between` of the input, `provenance_vlrs`, `after` of the
+/// input, points, `tail` of the input.
+struct LasLayout {
+  LasHeader header;                        ///< all but counts and bounds
+  std::shared_ptr<const InputFile> input;  ///< null if the input is not LAS
+  LasPiece before, between, after, tail;
+  std::vector<std::byte> added_vlrs;       ///< with their headers; empty if the pieces of the input have all
+  std::vector<std::byte> provenance_vlrs;  ///< likewise; those of the input are in its pieces
+  std::vector<std::string> warnings;       ///< what the file cannot hold
+
+  /// Two schemas with fields paired by name: what comes, and the records of the file.
+  Schema from, to;
+  Field x, y, z;                  ///< of `from`
+  bool positions_change = false;  ///< coordinates have to be quantised, which may fail
+  bool returns_missing = false;   ///< no return numbers come: every point is return 1 of 1
+
+  std::uint64_t points_end(std::uint64_t count) const;
+};
+
+/// Input LAS and records that begin with its records: everything of it is kept, made fields are appended as extra
+/// bytes; a made field that bears the name of one of the point format's (classification, ...) is stored there.
+/// Otherwise: the shortest point format that holds the fields (choose_las_point_format(); 6 to 10 only, unless an
+/// input is LAS or was); header, VLRs and EVLRs of a LAS input are kept, values that do not fit the LAS field are
+/// stored there rounded and as extra bytes exactly.
+LasLayout lay_out_las(const OutputPlan& plan);
+
+/// True if `schema` begins with the records of `input`, whose coordinates may have another scale and offset.
+bool las_begins_with_records_of(const LasExtras& input, const Schema& schema);
+
+/// True for coordinates that are LAS's own integers: they stay as they are, and no bounds are needed for a scale.
+bool las_keeps_scale(const PositionFields& p);
+
+}  // namespace pointsweep

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/las/las_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "pointsweep/formats/las/las_crs.h"
+#include "pointsweep/formats/las/las_extra_bytes.h"
+#include "pointsweep/formats/las/las_point_formats.h"
+#include "pointsweep/formats/provenance.h"
+
+namespace pointsweep {
+namespace {
+
+LasHeader read_header(const InputFile& file, const std::string& path, std::vector<std::string>& warnings) {
+  std::vector<std::byte> bytes(static_cast<std::size_t>(std::min<std::uint64_t>(standard_header_size(4), file.size())));
+  file.read_at(0, bytes);
+  LasHeader header = parse_las_header(bytes, file.size(), path, warnings);
+  header.bytes.resize(header.header_size);
+  file.read_at(0, header.bytes);
+  return header;
+}
+
+/// The chain behind the points, if the header has one that can be.
+LasVlrChain walk_evlrs(const LasExtras& extras, std::vector<std::string>& warnings) {
+  const LasHeader& header = extras.header;
+  if (header.minor < 4 || header.evlr_count == 0) return {};
+  if (header.evlr_start < extras.points_end || header.evlr_start > extras.file->size()) {
+    warnings.push_back(
+        fmt::format("the extended VLRs cannot begin at byte {}: they were not read, but are kept.", header.evlr_start));
+    return {};
+  }
+  return walk_las_vlrs(*extras.file, LasVlrKind::evlr, header.evlr_start, extras.file->size(), header.evlr_count,
+                       warnings);
+}
+
+void read_extra_bytes(LasExtras& extras, const LasVlr& vlr, std::vector<std::string>& warnings) {
+  std::optional<std::string> reason;
+  if (vlr.length > kMaxExtraBytes * kExtraBytesDescriptor) {
+    reason = fmt::format("its {} bytes are more than a VLR can hold", vlr.length);
+  } else {
+    extras.extra_bytes.resize(static_cast<std::size_t>(vlr.length));
+    extras.file->read_at(vlr.content, extras.extra_bytes);
+    reason = append_extra_bytes(extras.extra_bytes, extras.header.record_length, extras.schema);
+  }
+  if (!reason) return;
+  extras.extra_bytes.clear();
+  warnings.push_back(fmt::format("the extra-bytes VLR at byte {} was ignored: {}.", vlr.start, *reason));
+}
+
+void read_provenance(LasExtras& extras, const LasVlr& vlr) {
+  std::string text(static_cast<std::size_t>(vlr.length), '\0');
+  extras.file->read_at(vlr.content, std::as_writable_bytes(std::span(text)));
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (auto found = provenance_line(line)) extras.provenance.push_back(std::move(*found));
+}
+
+void warn_of_bytes_behind(const LasExtras& extras, std::vector<std::string>& warnings) {
+  const std::uint64_t behind = extras.file->size() - extras.points_end;
+  const LasHeader& header = extras.header;
+  const bool explained = header.evlr_count != 0 || header.waveform_start != 0 || point_count(header) == 0;
+  if (behind != 0 && !explained) {
+    warnings.push_back(fmt::format("{} bytes of unknown meaning follow the last point; they are kept.", behind));
+  }
+}
+
+std::shared_ptr<LasExtras> read_extras(const std::filesystem::path& path, std::vector<std::string>& warnings) {
+  auto extras = std::make_shared<LasExtras>();
+  extras->file = std::make_shared<const InputFile>(path);
+  extras->header = read_header(*extras->file, path.string(), warnings);
+  const LasHeader& header = extras->header;
+  extras->schema = las_point_schema(header.point_format, header.scale, header.offset);
+  extras->points_end = header.offset_to_points + point_count(header) * header.record_length;
+  extras->vlrs = walk_las_vlrs(*extras->file, LasVlrKind::vlr, header.header_size, header.offset_to_points,
+                               header.vlr_count, warnings);
+  const LasVlrChain evlrs = walk_evlrs(*extras, warnings);
+  extras->crs = read_las_crs(*extras->file, header, extras->vlrs, evlrs);
+  const std::optional<LasVlr> vlr = extras->vlrs.extra_bytes ? extras->vlrs.extra_bytes : evlrs.extra_bytes;
+  if (vlr) read_extra_bytes(*extras, *vlr, warnings);
+  for (const LasVlr& record : extras->vlrs.provenance) read_provenance(*extras, record);
+  extras->schema.stride = header.record_length;
+  warn_of_bytes_behind(*extras, warnings);
+  return extras;
+}
+
+LasOrigin origin_of(const LasHeader& header) {
+  const bool has_time = las_point_schema(header.point_format, header.scale, header.offset).find("gps_time").has_value();
+  // Before LAS 1.2 the bit was reserved, and times were seconds of the GPS week.
+  return {.grid = {header.scale, header.offset},
+          .has_time = has_time,
+          .standard_time = header.minor >= 2 && (header.global_encoding & kLasStandardTimeBit) != 0,
+          .overlap_is_class_12 = header.point_format < kFirstModernLasFormat};
+}
+
+class LasReader : public Reader {
+ public:
+  explicit LasReader(const std::filesystem::path& path) {
+    const std::shared_ptr<const LasExtras> extras = read_extras(path, info_.warnings);
+    const LasHeader& header = extras->header;
+    file_ = extras->file;
+    points_begin_ = header.offset_to_points;
+    info_.path = path;
+    info_.format = fmt::format("LAS 1.{} point format {}", header.minor, header.point_format);
+    info_.schema = extras->schema;
+    info_.count = point_count(header);
+    info_.bytes = file_->size();
+    const Box& box = header.bounds;
+    if (info_.count != 0 && is_finite(box.lo) && is_finite(box.hi) && box.lo.x <= box.hi.x && box.lo.y <= box.hi.y &&
+        box.lo.z <= box.hi.z) {
+      info_.bounds = box;
+    }
+    info_.extras = extras;
+    info_.crs = extras->crs;
+    info_.las = origin_of(header);
+    info_.provenance = extras->provenance;
+  }
+
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
+    if (row >= info_.count) return 0;
+    const std::size_t stride = info_.schema.stride;
+    const std::size_t rows = rows_for(row, records);
+    file_->read_at(points_begin_ + row * stride, records.first(rows * stride));
+    return rows;
+  }
+
+ private:
+  std::shared_ptr<const InputFile> file_;
+  std::uint64_t points_begin_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Reader> open_las(const std::filesystem::path& path) { return std::make_unique<LasReader>(path); }
+
+}  // namespace pointsweep

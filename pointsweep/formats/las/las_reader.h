@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+/// Reading LAS 1.0 to 1.4, point formats 0 to 10: records are the bytes of the file, read straight into place.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/las/las_header.h"
+#include "pointsweep/formats/las/las_vlrs.h"
+#include "pointsweep/formats/reader.h"
+
+namespace pointsweep {
+
+/// All of a LAS file that is not points, for a LAS writer. Only the header is in memory; VLRs, EVLRs and bytes of
+/// unknown meaning are copied from the file, which stays open for that.
+struct LasExtras : FormatExtras {
+  std::shared_ptr<const InputFile> file;
+  LasHeader header;
+  Schema schema;                        ///< of the point records
+  LasVlrChain vlrs;                     ///< between header and points
+  std::vector<std::byte> extra_bytes;   ///< descriptors that fit the records; empty if there are none
+  std::uint64_t points_end = 0;         ///< byte behind the last point
+  std::optional<Crs> crs;               ///< what VLRs or extended VLRs state
+  std::vector<std::string> provenance;  ///< lines of its VLRs that say how the file was made
+};
+
+/// Throws Error in one sentence for a file that is not LAS, compressed, truncated, or contradicts itself.
+std::unique_ptr<Reader> open_las(const std::filesystem::path& path);
+
+}  // namespace pointsweep

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/las/las_vlrs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <span>
+
+namespace pointsweep {
+namespace {
+
+/// Reads small pieces of a file in ascending order with few system calls.
+class Window {
+ public:
+  explicit Window(const InputFile& file) : file_(file) {}
+
+  /// `size` bytes at `offset`; the caller has checked that the file has them.
+  const std::byte* at(std::uint64_t offset, std::size_t size) {
+    if (offset < first_ || offset + size > first_ + held_) {
+      first_ = offset;
+      held_ = static_cast<std::size_t>(std::min<std::uint64_t>(bytes_.size(), file_.size() - offset));
+      file_.read_at(offset, std::span(bytes_).first(held_));
+    }
+    return bytes_.data() + (offset - first_);
+  }
+
+ private:
+  const InputFile& file_;
+  std::array<std::byte, 16384> bytes_;
+  std::uint64_t first_ = 0;
+  std::size_t held_ = 0;
+};
+
+constexpr std::size_t kMostProvenance = 256;
+
+/// The place in `chain` where a record of this kind is noted; null for all others.
+std::optional<LasVlr>* place_of(LasVlrChain& chain, std::string_view user, std::uint16_t record) {
+  if (user == kLasSpecUser && record == kExtraBytesRecord) return &chain.extra_bytes;
+  if (user != kLasProjectionUser) return nullptr;
+  if (record == kWktRecord) return &chain.wkt;
+  if (record == kGeoKeysRecord) return &chain.geo_keys;
+  if (record == kGeoDoublesRecord) return &chain.geo_doubles;
+  return record == kGeoAsciiRecord ? &chain.geo_ascii : nullptr;
+}
+
+/// Notes the place of a record in `chain` if it is of a kind that readers look at.
+void note(LasVlrChain& chain, const std::byte* header, const LasVlr& vlr) {
+  char user[16];
+  std::uint16_t record;
+  std::memcpy(user, header + 2, sizeof user);
+  std::memcpy(&record, header + 18, sizeof record);
+  const std::string_view name(user, std::find(user, user + 16, '\0'));
+  const bool tells = name == kProvenanceUser && record == kProvenanceRecord;
+  if (tells && chain.provenance.size() < kMostProvenance) chain.provenance.push_back(vlr);
+  std::optional<LasVlr>* const place = place_of(chain, name, record);
+  if (place != nullptr && !*place) *place = vlr;
+}
+
+/// Bytes behind the header: 16 bits in a VLR, 64 in an EVLR.
+std::uint64_t content_length(const std::byte* header, LasVlrKind kind) {
+  std::uint64_t length = 0;
+  std::memcpy(&length, header + 20, kind == LasVlrKind::vlr ? 2 : 8);
+  return length;
+}
+
+}  // namespace
+
+LasVlrChain walk_las_vlrs(const InputFile& file, LasVlrKind kind, std::uint64_t start, std::uint64_t limit,
+                          std::uint32_t promised, std::vector<std::string>& warnings) {
+  const std::uint64_t header_bytes = kind == LasVlrKind::vlr ? kLasVlrHeader : kLasEvlrHeader;
+  limit = std::min(limit, file.size());
+  Window window(file);
+  LasVlrChain chain;
+  chain.start = chain.end = start;
+  while (chain.count < promised && chain.end <= limit && limit - chain.end >= header_bytes) {
+    const std::byte* header = window.at(chain.end, static_cast<std::size_t>(header_bytes));
+    const LasVlr vlr{chain.end, chain.end + header_bytes, content_length(header, kind)};
+    if (vlr.length > limit - vlr.content) break;
+    note(chain, header, vlr);
+    chain.end = vlr.end();
+    ++chain.count;
+  }
+  if (chain.count < promised) {
+    warnings.push_back(
+        fmt::format("the header promises {} {}VLRs, but only {} fit {}; the bytes behind are kept as "
+                    "they are.",
+                    promised, kind == LasVlrKind::vlr ? "" : "extended ", chain.count,
+                    kind == LasVlrKind::vlr ? "before the points" : "into the file"));
+  }
+  return chain;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+/// The chain of (extended) variable length records of a LAS file: where it ends and where its extra-bytes record is.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/formats/files/input_file.h"
+
+namespace pointsweep {
+
+inline constexpr std::uint64_t kLasVlrHeader = 54, kLasEvlrHeader = 60;
+inline constexpr std::string_view kLasSpecUser = "LASF_Spec";
+inline constexpr std::uint16_t kExtraBytesRecord = 4;
+inline constexpr std::string_view kLasProjectionUser = "LASF_Projection";
+inline constexpr std::uint16_t kWktRecord = 2112, kGeoKeysRecord = 34735, kGeoDoublesRecord = 34736,
+                               kGeoAsciiRecord = 34737;
+/// User and record of the VLRs that say how the file was made (formats/provenance.h): lines with a line feed behind
+/// each.
+inline constexpr std::string_view kProvenanceUser = "pointsweep";
+inline constexpr std::uint16_t kProvenanceRecord = 1;
+
+/// One record of the chain, as byte offsets in the file.
+struct LasVlr {
+  std::uint64_t start = 0;    ///< of its header
+  std::uint64_t content = 0;  ///< of what follows the header
+  std::uint64_t length = 0;   ///< of the content
+  std::uint64_t end() const { return content + length; }
+};
+
+/// What walking the chain found. Records are not kept: there may be many, and a writer copies them from the file.
+struct LasVlrChain {
+  std::uint64_t start = 0, end = 0;                             ///< bytes of the records that are whole
+  std::uint32_t count = 0;                                      ///< of the records that are whole
+  std::optional<LasVlr> extra_bytes;                            ///< the first one
+  std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first of each: see las_crs.h
+  std::vector<LasVlr> provenance;                               ///< the first 256
+};
+
+enum class LasVlrKind { vlr, evlr };
+
+/// Walks up to `promised` records from byte `start` on. A record that would run past `limit` ends the chain with a
+/// warning: it and all behind it count as bytes of unknown meaning.
+LasVlrChain walk_las_vlrs(const InputFile& file, LasVlrKind kind, std::uint64_t start, std::uint64_t limit,
+                          std::uint32_t promised, std::vector<std::string>& warnings);
+
+}  // namespace pointsweep

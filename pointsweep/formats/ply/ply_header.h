@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+/// The header of a PLY file ("The PLY Polygon File Format", Greg Turk, 1994).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/reader.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+enum class PlyEncoding : std::uint8_t { ascii, little_endian, big_endian };
+
+struct PlyProperty {
+  std::string name;
+  Type type = Type::f32;  ///< of the value, or of the items of a list
+  bool is_list = false;
+  Type count_type = Type::u8;  ///< of the count before the items of a list
+};
+
+struct PlyElement {
+  std::string name;
+  std::uint64_t count = 0;  ///< as the header claims
+  std::vector<PlyProperty> properties;
+
+  bool has_list() const;
+  /// Bytes of one entry in a binary file; only where has_list() is false.
+  std::uint32_t stride() const;
+};
+
+/// The lines of the header that start with `comment` or `obj_info`, in their order; written again to PLY outputs.
+/// Without those that ply_comments.h understands.
+struct PlyExtras : FormatExtras {
+  std::vector<std::string> lines;
+  std::vector<std::string> provenance;  ///< what of them says how the file was made
+};
+
+struct PlyHeader {
+  PlyEncoding encoding = PlyEncoding::ascii;
+  std::vector<PlyElement> elements;
+  std::vector<std::string> remarks;  ///< `comment` and `obj_info` lines
+  std::uint64_t body_offset = 0;     ///< first byte behind the header
+  std::uint64_t body_line = 0;       ///< number, from 1, of the first line behind the header
+};
+
+/// Throws Error with the line when the header is not understood or longer than 1 MiB.
+PlyHeader read_ply_header(const InputFile& file);
+
+std::string_view name_of(PlyEncoding encoding);
+
+}  // namespace pointsweep

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/ply/ply_writer.h"
+
+#include <cstring>
+#include <limits>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/field_names.h"
+#include "pointsweep/formats/ply/ply_comments.h"
+#include "pointsweep/formats/ply/ply_header.h"
+#include "pointsweep/formats/provenance.h"
+#include "pointsweep/formats/record_writer.h"
+#include "pointsweep/points/with_type.h"
+
+namespace pointsweep {
+namespace {
+
+std::string_view ply_name_of(Type type) {
+  switch (type) {
+    case Type::i8:
+      return "char";
+    case Type::u8:
+      return "uchar";
+    case Type::i16:
+      return "short";
+    case Type::u16:
+      return "ushort";
+    case Type::i32:
+      return "int";
+    case Type::u32:
+      return "uint";
+    case Type::f32:
+      return "float";
+    case Type::f64:
+      return "double";
+    case Type::i64:
+      return "int64";
+    case Type::u64:
+      break;
+  }
+  return "uint64";
+}
+
+bool is_wide(const Field& field) { return field.type == Type::i64 || field.type == Type::u64; }
+
+Type stored_type(const Field& field, bool keeps_wide) {
+  if (field.scale != 1 || field.bias != 0) return Type::f64;
+  if (field.bit_width != 0) {
+    return field.bit_width <= 8    ? Type::u8
+           : field.bit_width <= 16 ? Type::u16
+           : field.bit_width <= 32 ? Type::u32
+                                   : Type::f64;
+  }
+  return is_wide(field) && !keeps_wide ? Type::f64 : field.type;
+}
+
+const PlyExtras* ply_extras(const OutputPlan& plan) { return dynamic_cast<const PlyExtras*>(plan.extras.get()); }
+
+/// Plain fields without gaps, under the names of the plan (the header gives them their names in the file).
+Schema ply_schema(const OutputPlan& plan) {
+  Schema stored;
+  for (const Field& field : plan.schema.fields) {
+    stored.append(field.name, stored_type(field, ply_extras(plan) != nullptr), field.count);
+  }
+  return stored;
+}
+
+std::string ply_header_text(const OutputPlan& plan) {
+  std::string header = "ply\nformat binary_little_endian 1.0\n";
+  if (plan.crs) {
+    for (const std::string& line : crs_comments(*plan.crs)) header += line + "\n";
+  }
+  if (plan.las) header += las_comment(*plan.las) + "\n";
+  std::span<const std::string> provenance = plan.provenance;
+  if (const PlyExtras* extras = ply_extras(plan)) {
+    for (const std::string& line : extras->lines) header += line + "\n";
+    provenance = provenance_beyond(provenance, extras->provenance);
+  }
+  for (const std::string& line : provenance) header += "comment " + line + "\n";
+  header += fmt::format("element vertex {}\n", plan.count);
+  const auto names = column_names(plan.schema);
+  std::size_t column = 0;
+  for (const Field& field : ply_schema(plan).fields) {
+    for (std::uint32_t c = 0; c < field.count; ++c) {
+      header += fmt::format("property {} {}\n", ply_name_of(field.type), names[column++]);
+    }
+  }
+  return header + "end_header\n";
+}
+
+class PlyWriter final : public RecordWriter {
+ public:
+  explicit PlyWriter(const OutputPlan& plan) : RecordWriter(plan, ply_header_text(plan), ply_schema(plan)) {
+    for (const Field& field : plan.schema.fields) {
+      if (field.is_plain() && is_wide(field) && stored_type(field, ply_extras(plan) != nullptr) == Type::f64) {
+        narrowed_.push_back(field);
+      }
+    }
+  }
+
+ private:
+  void check(std::span<const std::byte> records) const override {
+    for (const Field& field : narrowed_) {
+      for (const std::byte *at = records.data(), *end = at + records.size(); at != end; at += plan().schema.stride) {
+        for (std::uint32_t c = 0; c < field.count; ++c) {
+          if (!is_exact_as_double(field, at + field.offset + 8 * c)) complain(field);
+        }
+      }
+    }
+  }
+
+  static bool is_exact_as_double(const Field& field, const std::byte* at) {
+    const auto exact = []<class T>(T value) {
+      const auto wide = static_cast<double>(value);
+      return wide < static_cast<double>(std::numeric_limits<T>::max()) && static_cast<T>(wide) == value;
+    };
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, at, sizeof bits);
+    return field.type == Type::i64 ? exact(static_cast<std::int64_t>(bits)) : exact(bits);
+  }
+
+  [[noreturn]] void complain(const Field& field) const {
+    fail("{}: a value of '{}' needs all of its 64 bits, which PLY cannot hold without loss; write a .las file instead.",
+         plan().path.string(), field.name);
+  }
+
+  std::vector<Field> narrowed_;
+};
+
+}  // namespace
+
+std::unique_ptr<Writer> create_ply_writer(const OutputPlan& plan) { return std::make_unique<PlyWriter>(plan); }
+
+}  // namespace pointsweep

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/qsplat/qsplat_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/formats/qsplat/qsplat_walk.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::uint64_t kBetweenPlaces = 32768;
+
+Box box_of(const QsplatSphere& s) {
+  Box box;
+  const double r = s.radius;
+  box.include(Vec3{s.x - r, s.y - r, s.z - r});
+  box.include(Vec3{s.x + r, s.y + r, s.z + r});
+  return box;
+}
+
+class QsplatReader final : public Reader {
+ public:
+  explicit QsplatReader(const std::filesystem::path& path) : file_(path), walk_(file_) {
+    info_.path = path;
+    info_.format = "QSplat 11";
+    info_.bytes = file_.size();
+    const bool has_color = look_at_fragments();
+    for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "radius"}) info_.schema.append(name, Type::f32);
+    if (has_color) {
+      for (const char* name : {"red", "green", "blue"}) info_.schema.append(name, Type::u8);
+    }
+    count_leaves();
+    walk_.go_to({});
+  }
+
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
+    if (row >= info_.count) return 0;
+    go_to(row);
+    const std::size_t stride = info_.schema.stride;
+    const std::size_t rows = rows_for(row, records);
+    QsplatLeaf leaf;
+    for (std::size_t i = 0; i < rows; ++i) {
+      if (!next(leaf)) return i;
+      encode(leaf, records.data() + i * stride);
+    }
+    return rows;
+  }
+
+ private:
+  /// Whether any part has colours; bounds on the way.
+  bool look_at_fragments() {
+    bool has_color = false;
+    Box bounds;
+    for (std::uint64_t begin = 0; begin < file_.size();) {
+      const QsplatFragment fragment = read_qsplat_fragment(file_, begin);
+      begin = fragment.end;
+      if (fragment.is_comment) continue;
+      has_color = has_color || fragment.has_color;
+      const Box box = box_of(fragment.root);
+      if (is_finite(box.lo) && is_finite(box.hi)) bounds.include(box);
+    }
+    if (is_finite(bounds.lo) && is_finite(bounds.hi)) info_.bounds = bounds;
+    return has_color;
+  }
+
+  void count_leaves() {
+    QsplatLeaf leaf;
+    for (places_.push_back(walk_.place()); walk_.next(leaf);) {
+      if (++info_.count % kBetweenPlaces == 0) places_.push_back(walk_.place());
+    }
+  }
+
+  void go_to(std::uint64_t row) {
+    const std::uint64_t place = row / kBetweenPlaces;
+    if (row < row_ || row_ / kBetweenPlaces < place) {
+      walk_.go_to(places_[place]);
+      row_ = place * kBetweenPlaces;
+    }
+    for (QsplatLeaf leaf; row_ < row && next(leaf);) continue;
+  }
+
+  bool next(QsplatLeaf& leaf) {
+    const bool there_is = walk_.next(leaf);
+    row_ += there_is ? 1 : 0;
+    return there_is;
+  }
+
+  void encode(const QsplatLeaf& leaf, std::byte* record) const {
+    const auto normal = leaf.has_normal ? qsplat_normal(leaf.normal) : std::array<float, 3>{};
+    const QsplatSphere& s = leaf.sphere;
+    const std::array<float, 7> values = {s.x, s.y, s.z, normal[0], normal[1], normal[2], s.radius};
+    std::memcpy(record, values.data(), sizeof values);
+    if (info_.schema.stride == sizeof values) return;
+    const auto color = leaf.has_color ? qsplat_color(leaf.color) : std::array<std::uint8_t, 3>{};
+    std::memcpy(record + sizeof values, color.data(), color.size());
+  }
+
+  InputFile file_;
+  QsplatWalk walk_;
+  std::uint64_t row_ = 0;  ///< the row that the walk gives next
+  std::vector<QsplatWalk::Place> places_;
+};
+
+}  // namespace
+
+std::unique_ptr<Reader> open_qsplat(const std::filesystem::path& path) { return std::make_unique<QsplatReader>(path); }
+
+}  // namespace pointsweep

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+/// The leaves of the trees of a QSplat file, one after the other, in bounded memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/qsplat/qsplat_codes.h"
+
+namespace pointsweep {
+
+struct QsplatFragment {
+  std::uint64_t begin = 0, end = 0;  ///< bytes in the file
+  bool is_comment = false;
+  bool has_color = false;
+  std::uint64_t leaves = 0;  ///< as its header says
+  QsplatSphere root;
+  std::uint64_t root_children = 0;
+};
+constexpr std::uint64_t kQsplatHeader = 40;
+
+/// The header at byte `begin`. Throws Error for one that is no QSplat 11 header, truncated, or longer than the file.
+QsplatFragment read_qsplat_fragment(const InputFile& file, std::uint64_t begin);
+
+struct QsplatLeaf {
+  QsplatSphere sphere;
+  unsigned normal = 0;  ///< 14-bit code
+  unsigned color = 0;   ///< 16-bit code, if has_color
+  bool has_color = false;
+  bool has_normal = true;  ///< false for a tree that is nothing but its root
+};
+
+/// Depth first. The file has the tree breadth first, siblings together, and each group of siblings names the place of
+/// the first group below it; the groups below follow each other there. So a walk moves forward on every level of the
+/// tree at once, and a block of the file for each level is all it needs (64 KiB × depth, about 1 MB for 10^8 leaves).
+class QsplatWalk {
+ public:
+  /// Where a walk is. Small (40 bytes × depth): keeping some lets one begin again there.
+  struct Level {
+    std::uint64_t next = 0;   ///< byte of the next sibling
+    std::uint64_t below = 0;  ///< byte of the group below it, 0 if the siblings are all leaves
+    std::uint64_t left = 0;   ///< siblings that remain
+    QsplatSphere parent;
+  };
+  struct Place {
+    QsplatFragment fragment;
+    std::uint64_t walked = 0;  ///< bytes of groups entered in this fragment
+    std::uint64_t given = 0;   ///< leaves given in this fragment
+    std::vector<Level> levels;
+  };
+
+  explicit QsplatWalk(const InputFile& file) : file_(file) {}
+  const Place& place() const { return place_; }
+  void go_to(const Place& place) { place_ = place; }
+
+  /// False at the end of the file. Throws Error for a tree that contradicts itself or its header, or is deeper than 256
+  /// levels.
+  bool next(QsplatLeaf& leaf);
+
+ private:
+  struct Block {
+    std::uint64_t begin = 0;
+    std::vector<std::byte> bytes;
+  };
+  bool enter_next_fragment(QsplatLeaf& leaf, bool& is_leaf);
+  void enter_group(std::uint64_t begin, std::uint64_t siblings, bool has_pointer, const QsplatSphere& parent);
+  void check_end_of_fragment() const;
+  /// `size` bytes at `offset`, from the block of a level.
+  const std::byte* bytes_at(std::size_t level, std::uint64_t offset, std::size_t size);
+  [[noreturn]] void complain(std::uint64_t offset, std::string_view what) const;
+
+  const InputFile& file_;
+  Place place_;
+  std::vector<Block> blocks_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/text/text_writer.h"
+
+#include <fmt/compile.h>
+#include <fmt/format.h>
+
+#include <cstring>
+#include <iterator>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/extension.h"
+#include "pointsweep/formats/field_names.h"
+#include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/points/with_type.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kFlushBytes = 1 << 20;
+
+bool are_usual_pts_columns(const std::vector<std::string>& names) {
+  using Names = std::vector<std::string>;
+  return names == Names{"x", "y", "z"} || names == Names{"x", "y", "z", "intensity"} ||
+         names == Names{"x", "y", "z", "intensity", "red", "green", "blue"};
+}
+
+class TextWriter final : public Writer {
+ public:
+  explicit TextWriter(const OutputPlan& plan)
+      : plan_(plan), separator_(extension_of(plan.path) == ".csv" ? ',' : ' '), file_(plan.path, plan.overwrite) {
+    if (plan.crs)
+      warnings_.push_back(fmt::format("{}: text cannot hold the coordinate reference system, {}; PLY and LAS keep it.",
+                                      plan.path.string(), short_text(*plan.crs)));
+    const auto names = column_names(plan.schema);
+    const std::string extension = extension_of(plan.path);
+    if (extension == ".pts") append(fmt::format("{}\n", plan.count));
+    if (extension != ".pts" || !are_usual_pts_columns(names)) {
+      if (extension != ".csv") append("# ");
+      append(fmt::format("{}\n", fmt::join(names, std::string_view(&separator_, 1))));
+    }
+    // Programs that read .csv take the first line for names and all others for rows.
+    if (extension == ".csv") return;
+    for (const std::string& line : plan.provenance) append("# " + line + "\n");
+  }
+
+  void write(std::span<const std::byte> records) override {
+    const std::size_t stride = plan_.schema.stride;
+    const std::size_t rows = records.size() / stride;
+    if (rows > plan_.count - rows_written_) {
+      fail("{}: more points came than the {} that were announced.", plan_.path.string(), plan_.count);
+    }
+    for (std::size_t i = 0; i < rows; ++i) {
+      append_row(records.data() + i * stride);
+      if (text_.size() >= kFlushBytes) flush();
+    }
+    rows_written_ += rows;
+  }
+
+  void finish() override {
+    if (rows_written_ < plan_.count) {
+      fail("{}: only {} of the {} points that were announced came.", plan_.path.string(), rows_written_, plan_.count);
+    }
+    flush();
+    file_.commit();
+  }
+
+ private:
+  void append(std::string_view text) { text_.append(text); }
+
+  void append_row(const std::byte* record) {
+    bool first = true;
+    for (const Field& field : plan_.schema.fields) {
+      for (std::uint32_t c = 0; c < field.count; ++c) {
+        if (!first) text_.push_back(separator_);
+        first = false;
+        append_value(field, record, c);
+      }
+    }
+    text_.push_back('\n');
+  }
+
+  void append_value(const Field& field, const std::byte* record, std::uint32_t component) {
+    if (!field.is_plain()) {
+      fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value_of(field, record, component));
+      return;
+    }
+    with_type(field.type, [&]<class T>() {
+      T value;
+      std::memcpy(&value, record + field.offset + component * sizeof value, sizeof value);
+      fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value);
+    });
+  }
+
+  void flush() {
+    file_.append(std::as_bytes(std::span(text_.data(), text_.size())));
+    bytes_written_ += text_.size();
+    text_.clear();
+  }
+
+  OutputPlan plan_;
+  char separator_;
+  OutputFile file_;
+  fmt::memory_buffer text_;
+  std::uint64_t rows_written_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Writer> create_text_writer(const OutputPlan& plan) { return std::make_unique<TextWriter>(plan); }
+
+}  // namespace pointsweep
