@@ -5,6 +5,9 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pointsweep)
 
 install(TARGETS pointsweep EXPORT pointsweep-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY pointsweep DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h" PATTERN "*-inl.h" EXCLUDE)
+if(POINTSWEEP_HAS_CODECS)
+  install(FILES $<TARGET_FILE:pointsweep_codecs> DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endif()
 install(EXPORT pointsweep-targets NAMESPACE pointsweep:: DESTINATION ${package_folder})
 
 configure_package_config_file(cmake/pointsweep-config.cmake.in ${PROJECT_BINARY_DIR}/pointsweep-config.cmake

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT */
+/* LASzip compression of LAS point records, chunk by chunk. Implemented in Rust (codecs/src) with the crate `laz`.
+ *
+ * Functions that can fail return 0, or -1 with a sentence in `error`. No panic crosses this interface. Different
+ * decoders, and encoders on the same layout, may run on different threads at the same time. Nothing is allocated in
+ * proportion to a number that a file claims before as many bytes of the file were seen. */
+#ifndef POINTSWEEP_CODECS_H
+#define POINTSWEEP_CODECS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct psc_error {
+  char text[256]; /* with a final 0 */
+} psc_error;
+
+/* What the LASzip VLR says: the parts of a record, how each is compressed, and the size of chunks. */
+typedef struct psc_laz psc_laz;
+
+/* Reads the content of the VLR of user "laszip encoded", record 22204. */
+int psc_laz_parse(const uint8_t* vlr, size_t bytes, psc_laz** out, psc_error* error);
+/* For writing: records of a point format (0 to 10) with extra bytes, in chunks of `chunk_points`. */
+int psc_laz_for_format(uint8_t point_format, uint16_t extra_bytes, uint32_t chunk_points, psc_laz** out, psc_error* error);
+void psc_laz_free(psc_laz* laz);
+
+uint32_t psc_laz_record_bytes(const psc_laz* laz);
+/* Points in each chunk but the last; 0 if the chunk table says how many; UINT32_MAX if there are no chunks: all points
+ * in one run, and neither a chunk table nor an offset to it. */
+uint32_t psc_laz_chunk_points(const psc_laz* laz);
+/* The content of the VLR. Returns its size; nothing is written if `room` is less. */
+size_t psc_laz_vlr(const psc_laz* laz, uint8_t* into, size_t room);
+
+/* A chunk table of `count` chunks, which must be what its own header says: points (of each chunk, if they vary, else 0)
+ * and compressed bytes. */
+int psc_laz_read_chunk_table(const psc_laz* laz, const uint8_t* table, size_t bytes, size_t count, uint64_t* points,
+                             uint64_t* sizes, psc_error* error);
+/* Bytes that psc_free_bytes() frees. */
+int psc_laz_write_chunk_table(const psc_laz* laz, const uint64_t* points, const uint64_t* sizes, size_t count, uint8_t** out,
+                              size_t* bytes, psc_error* error);
+
+/* Reads `bytes` at `offset` of the compressed file, returns how many it read, 0 at the end, or less than 0 on failure. */
+typedef ptrdiff_t (*psc_read)(void* context, uint64_t offset, uint8_t* into, size_t bytes);
+
+/* Of one chunk, from its first record to its last. */
+typedef struct psc_laz_decoder psc_laz_decoder;
+
+/* A chunk at bytes [begin, end) of the file. */
+int psc_laz_decoder_open(const psc_laz* laz, psc_read read, void* context, uint64_t begin, uint64_t end,
+                         psc_laz_decoder** out, psc_error* error);
+/* Fills `records` with the next ones, as many whole ones as fit into `bytes`; those beyond the end of the chunk have no
+ * meaning, or are an error. */
+int psc_laz_decode(psc_laz_decoder* decoder, uint8_t* records, size_t bytes, psc_error* error);
+void psc_laz_decoder_free(psc_laz_decoder* decoder);
+
+/* Compresses whole records, at least one, to a chunk. Bytes that psc_free_bytes() frees. */
+int psc_laz_encode(const psc_laz* laz, const uint8_t* records, size_t bytes, uint8_t** out, size_t* out_bytes, psc_error* error);
+
+void psc_free_bytes(uint8_t* bytes, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+//! The functions of `include/pointsweep_codecs.h`. Pointers are what that header says.
+#![allow(clippy::missing_safety_doc)]
+
+use crate::boundary::{guarded, ErrorText};
+use crate::{encode, write_chunk_table, Decoder, Error, Layout, Source};
+use std::ffi::c_void;
+use std::slice::{from_raw_parts, from_raw_parts_mut};
+
+type ReadAt = unsafe extern "C" fn(*mut c_void, u64, *mut u8, usize) -> isize;
+
+/// The function and the context of the caller, who may use a decoder on one thread after the other.
+struct Caller {
+    read: ReadAt,
+    context: *mut c_void,
+}
+unsafe impl Send for Caller {}
+unsafe impl Sync for Caller {}
+
+impl Caller {
+    fn read(&self, offset: u64, into: &mut [u8]) -> std::io::Result<usize> {
+        let read = unsafe { (self.read)(self.context, offset, into.as_mut_ptr(), into.len()) };
+        usize::try_from(read).map_err(|_| std::io::Error::other("the file cannot be read"))
+    }
+}
+
+type ReadFile = Box<dyn FnMut(u64, &mut [u8]) -> std::io::Result<usize> + Send + Sync>;
+pub type FileDecoder = Decoder<Source<ReadFile>>;
+
+unsafe fn bytes<'a>(data: *const u8, size: usize) -> &'a [u8] {
+    if size == 0 { &[] } else { from_raw_parts(data, size) }
+}
+
+unsafe fn hand_over(made: Vec<u8>, out: *mut *mut u8, size: *mut usize) {
+    let made = made.into_boxed_slice();
+    *size = made.len();
+    *out = Box::into_raw(made) as *mut u8;
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_laz_parse(vlr: *const u8, size: usize, out: *mut *mut Layout, error: *mut ErrorText) -> i32 {
+    guarded(error, || {
+        *out = Box::into_raw(Box::new(Layout::parse(bytes(vlr, size))?));
+        Ok(())
+    })
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_laz_for_format(point_format: u8, extra_bytes: u16, chunk_points: u32, out: *mut *mut Layout,
+                                            error: *mut ErrorText) -> i32 {
+    guarded(error, || {
+        *out = Box::into_raw(Box::new(Layout::for_format(point_format, extra_bytes, chunk_points)?));
+        Ok(())
+    })
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_laz_free(laz: *mut Layout) {
+    if !laz.is_null() {
+        drop(Box::from_raw(laz));
+    }
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_laz_record_bytes(laz: *const Layout) -> u32 {
+    (*laz).record_bytes() as u32
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_laz_chunk_points(laz: *const Layout) -> u32 {
+    (*laz).chunk_points()
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_laz_vlr(laz: *const Layout, into: *mut u8, room: usize) -> usize {
+    let vlr = (*laz).vlr();
+    if room >= vlr.len() {
+        from_raw_parts_mut(into, vlr.len()).copy_from_slice(&vlr);
+    }
+    vlr.len()
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_laz_read_chunk_table(laz: *const Layout, table: *const u8, size: usize, count: usize,
+                                                  points: *mut u64, sizes: *mut u64, error: *mut ErrorText) -> i32 {
+    guarded(error, || {
+        for (i, chunk) in (*laz).read_chunk_table(bytes(table, size), count)?.into_iter().enumerate() {
+            (*points.add(i), *sizes.add(i)) = chunk;
+        }
+        Ok(())
+    })
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_laz_write_chunk_table(laz: *const Layout, points: *const u64, sizes: *const u64, count: usize,
+                                                   out: *mut *mut u8, size: *mut usize, error: *mut ErrorText) -> i32 {
+    guarded(error, || {
+        let chunks: Vec<_> = (0..count).map(|i| (*points.add(i), *sizes.add(i))).collect();
+        hand_over(write_chunk_table(&*laz, &chunks)?, out, size);
+        Ok(())
+    })
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_laz_decoder_open(laz: *const Layout, read: ReadAt, context: *mut c_void, begin: u64, end: u64,
+                                              out: *mut *mut FileDecoder, error: *mut ErrorText) -> i32 {
+    guarded(error, || {
+        let caller = Caller { read, context };
+        let read_at: ReadFile = Box::new(move |offset, into| caller.read(offset, into));
+        let source = Source::new(read_at, begin, end.max(begin));
+        *out = Box::into_raw(Box::new(Decoder::new(&*laz, source)?));
+        Ok(())
+    })
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_laz_decode(decoder: *mut FileDecoder, records: *mut u8, size: usize, error: *mut ErrorText) -> i32 {
+    guarded(error, || match size {
+        0 => Ok(()),
+        _ => (*decoder).decode(from_raw_parts_mut(records, size)),
+    })
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_laz_decoder_free(decoder: *mut FileDecoder) {
+    if !decoder.is_null() {
+        drop(Box::from_raw(decoder));
+    }
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_laz_encode(laz: *const Layout, records: *const u8, size: usize, out: *mut *mut u8,
+                                        out_size: *mut usize, error: *mut ErrorText) -> i32 {
+    guarded(error, || {
+        if size == 0 || size % (*laz).record_bytes() != 0 {
+            return Err(Error("a chunk needs whole records, at least one".into()));
+        }
+        hand_over(encode(&*laz, bytes(records, size))?, out, out_size);
+        Ok(())
+    })
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_free_bytes(data: *mut u8, size: usize) {
+    if !data.is_null() {
+        drop(Box::from_raw(std::ptr::slice_from_raw_parts_mut(data, size)));
+    }
+}

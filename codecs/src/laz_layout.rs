@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+//! What the LASzip VLR says: the parts of a record, how each is compressed, and the size of chunks.
+
+use crate::Error;
+use laz::laszip::{ChunkTable, CompressorType};
+use laz::{LazItem, LazItemType, LazVlr, LazVlrBuilder};
+use std::io::Cursor;
+
+/// In place of the points of a chunk: the chunk table says them.
+pub const VARIABLE_CHUNKS: u32 = 0;
+/// All points are in one run, without a table.
+pub const NO_CHUNKS: u32 = u32::MAX;
+
+pub struct Layout {
+    vlr: LazVlr,
+    record_bytes: usize,
+    chunk_points: u32,
+}
+
+impl Layout {
+    pub fn parse(vlr: &[u8]) -> Result<Self, Error> {
+        let compressor = u16::from_le_bytes(*vlr.first_chunk().ok_or_else(too_short)?);
+        let coder = u16::from_le_bytes(*vlr.get(2..).and_then(|b| b.first_chunk()).ok_or_else(too_short)?);
+        if coder != 0 {
+            return Err(Error(format!("its entropy coder {coder} is unknown")));
+        }
+        let parsed = LazVlr::from_buffer(vlr)?;
+        let chunk_points = match compressor {
+            c if c == CompressorType::PointWise as u16 => NO_CHUNKS,
+            c if c == CompressorType::PointWiseChunked as u16 || c == CompressorType::LayeredChunked as u16 => {
+                if parsed.uses_variable_size_chunks() {
+                    VARIABLE_CHUNKS
+                } else {
+                    parsed.chunk_size()
+                }
+            }
+            c => return Err(Error(format!("its compressor {c} is unknown"))),
+        };
+        let layered = compressor == CompressorType::LayeredChunked as u16;
+        if parsed.items().iter().any(|item| (item.version() >= 3) != layered) {
+            return Err(Error("it mixes parts in layers with others".into()));
+        }
+        Ok(Self { record_bytes: record_bytes(parsed.items())?, vlr: parsed, chunk_points })
+    }
+
+    pub fn for_format(point_format: u8, extra_bytes: u16, chunk_points: u32) -> Result<Self, Error> {
+        let vlr = LazVlrBuilder::default()
+            .with_point_format(point_format, extra_bytes)?
+            .with_fixed_chunk_size(chunk_points)
+            .build();
+        Ok(Self { record_bytes: record_bytes(vlr.items())?, vlr, chunk_points })
+    }
+
+    pub fn record_bytes(&self) -> usize {
+        self.record_bytes
+    }
+
+    /// Of each chunk but the last, or `VARIABLE_CHUNKS` or `NO_CHUNKS`.
+    pub fn chunk_points(&self) -> u32 {
+        self.chunk_points
+    }
+
+    pub fn is_variable(&self) -> bool {
+        self.chunk_points == VARIABLE_CHUNKS
+    }
+
+    pub fn is_layered(&self) -> bool {
+        self.vlr.items().first().is_some_and(|item| item.version() >= 3)
+    }
+
+    pub fn items(&self) -> &Vec<LazItem> {
+        self.vlr.items()
+    }
+
+    /// Of a chunk in layers: how many of them it has, each with its size in front of all of them.
+    pub fn layers(&self) -> usize {
+        let of = |item: &LazItem| match item.item_type() {
+            LazItemType::Point14 => 9,
+            LazItemType::RGBNIR14 => 2,
+            LazItemType::Byte14(bytes) => bytes as usize,
+            _ => 1,
+        };
+        self.items().iter().map(of).sum()
+    }
+
+    pub fn vlr(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.vlr.write_to(&mut bytes).expect("a vector takes all bytes");
+        bytes
+    }
+
+    /// Points (0 unless chunks vary) and bytes of each of `count` chunks.
+    pub fn read_chunk_table(&self, table: &[u8], count: usize) -> Result<Vec<(u64, u64)>, Error> {
+        let claimed = u32::from_le_bytes(*table.get(4..).and_then(|b| b.first_chunk()).ok_or_else(too_short)?);
+        if claimed as usize != count {
+            return Err(Error(format!("its chunk table has {claimed} chunks instead of {count}")));
+        }
+        let read = ChunkTable::read(&mut Cursor::new(table), self.is_variable())?;
+        // The crate extends 32 bits by their sign.
+        let plain = |number: u64| u64::from(number as u32);
+        Ok((0..read.len()).map(|i| (plain(read[i].point_count), plain(read[i].byte_count))).collect())
+    }
+}
+
+fn too_short() -> Error {
+    Error("the compressed data end too early".into())
+}
+
+/// The parts must have the sizes their types have: the crate takes them for granted.
+fn record_bytes(items: &[LazItem]) -> Result<usize, Error> {
+    if items.is_empty() {
+        return Err(Error("it names no part of a record".into()));
+    }
+    let mut sum = 0;
+    for item in items {
+        let size = match item.item_type() {
+            LazItemType::Byte(size) | LazItemType::Byte14(size) => size,
+            LazItemType::Point10 => 20,
+            LazItemType::GpsTime => 8,
+            LazItemType::RGB12 | LazItemType::RGB14 => 6,
+            LazItemType::RGBNIR14 => 8,
+            LazItemType::WavePacket13 | LazItemType::WavePacket14 => 29,
+            LazItemType::Point14 => 30,
+        };
+        if item.size() != size || size == 0 {
+            return Err(Error(format!("a part of its records has {} bytes instead of {size}", item.size())));
+        }
+        sum += size as usize;
+    }
+    Ok(sum)
+}
