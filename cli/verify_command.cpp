@@ -96,7 +96,7 @@ VerifyCommand completed(VerifyCommand command) {
 
 /// Leaves out the points that the run has left out.
 void drop_nonfinite(const VerifyCommand& command, Cloud& cloud) {
-  const bool las = extension_of(command.paths.output()) == ".las";
+  const bool las = is_las_name(command.paths.output());
   if (command.common.nonfinite != Nonfinite::drop && !(las && command.common.nonfinite == Nonfinite::by_format)) return;
   const NonfiniteRows dropped = cloud.drop_nonfinite();
   if (dropped.count > 0 && !command.common.quiet)

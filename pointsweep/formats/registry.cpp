@@ -9,6 +9,7 @@
 #include "pointsweep/formats/foreign_formats.h"
 #include "pointsweep/formats/las/las_reader.h"
 #include "pointsweep/formats/las/las_writer.h"
+#include "pointsweep/formats/las/laz_writer.h"
 #include "pointsweep/formats/pcd/pcd_reader.h"
 #include "pointsweep/formats/ply/ply_reader.h"
 #include "pointsweep/formats/ply/ply_writer.h"
@@ -39,9 +40,9 @@ struct WriterOf {
   std::unique_ptr<Writer> (*create)(const OutputPlan& plan);
 };
 constexpr WriterOf kWriters[] = {
-    {".ply", create_ply_writer},  {".las", create_las_writer},  {".xyz", create_text_writer},
-    {".txt", create_text_writer}, {".csv", create_text_writer}, {".asc", create_text_writer},
-    {".pts", create_text_writer},
+    {".ply", create_ply_writer},  {".las", create_las_writer},  {".laz", create_laz_writer},
+    {".xyz", create_text_writer}, {".txt", create_text_writer}, {".csv", create_text_writer},
+    {".asc", create_text_writer}, {".pts", create_text_writer},
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace pointsweep {
 namespace {
 
-bool holds_nonfinite(const Outputs& outputs) { return extension_of(outputs.points) != ".las"; }
+bool holds_nonfinite(const Outputs& outputs) { return !is_las_name(outputs.points); }
 
 void require_allowed(const NonfiniteRows& found, const Outputs& outputs, Nonfinite rule) {
   if (rule == Nonfinite::refuse)

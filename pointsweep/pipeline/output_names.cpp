@@ -36,7 +36,7 @@ class Naming {
  public:
   Naming(const Schema& input, const std::string& input_name, const std::filesystem::path& output,
          const NamingRules& rules)
-      : input_(input), input_name_(input_name), las_(extension_of(output) == ".las"), rules_(rules) {
+      : input_(input), input_name_(input_name), las_(is_las_name(output)), rules_(rules) {
     if (!rules.prefix.empty() && !is_name(rules.prefix))
       fail_usage("--prefix: '{}' is not made of letters, digits, _ . and -.", rules.prefix);
     for (const std::string& column : column_names(input)) columns_.push_back(stored_name(column));

@@ -31,7 +31,7 @@ std::optional<Type> type_of_moved_positions(const Schema& input, const std::file
                                             const RunOptions& options) {
   const auto x = input.find("x");
   const bool on_grid = x && !input.fields[*x].is_plain();
-  return on_grid && extension_of(output) == ".las" ? std::nullopt : std::optional(options.moved_positions);
+  return on_grid && is_las_name(output) ? std::nullopt : std::optional(options.moved_positions);
 }
 
 OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept,

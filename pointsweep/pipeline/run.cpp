@@ -183,7 +183,7 @@ class Run {
 
   /// A format that stores integers must know the bounds before the first record, unless these integers come.
   bool needs_bounds() const {
-    return extension_of(outputs_.points) == ".las" && (input_.dropped().bounds.empty() || cloud_.selection()) &&
+    return is_las_name(outputs_.points) && (input_.dropped().bounds.empty() || cloud_.selection()) &&
            !las_keeps_scale(position_fields(cloud_.schema(), name_of_cloud()));
   }
   /// That the files can be written is known before the work, what is in their headers after the last select.
@@ -206,7 +206,7 @@ class Run {
   }
   /// What a LAS output has to know of all values before the first record.
   std::shared_ptr<const LasValues> values_if_las() {
-    if (extension_of(outputs_.points) != ".las") return nullptr;
+    if (!is_las_name(outputs_.points)) return nullptr;
     return std::make_shared<LasValues>(las_values(cloud_, [this](std::uint64_t rows) { report("ordering", rows, 0); }));
   }
   std::optional<Box> bounds_if_known() const {

@@ -47,6 +47,9 @@ void each_entry(Header& h, std::size_t size, At&& at) {
   at(255, h.by_return);
 }
 
+/// LASzip marks the point format; its first versions used both bits.
+constexpr std::uint8_t kCompressedBits = 0xC0;
+
 void check_signature(std::span<const std::byte> bytes, std::string_view path) {
   if (bytes.empty()) fail("{}: is empty; a LAS file begins with 'LASF'.", path);
   if (bytes.size() < 4 || std::memcmp(bytes.data(), "LASF", 4) != 0) {
@@ -63,9 +66,6 @@ void check_signature(std::span<const std::byte> bytes, std::string_view path) {
 }
 
 void check_point_format(const LasHeader& h, std::string_view path) {
-  if ((h.point_format & 0xC0) != 0) {
-    fail("{}: is compressed (LAZ); decompress it first, with 'laszip -i FILE' or 'pdal translate FILE out.las'.", path);
-  }
   const std::optional<std::uint16_t> least = las_record_length(h.point_format);
   if (!least) fail("{}: point format {} (byte 104) is not defined; LAS has 0 to 10.", path, h.point_format);
   if (h.record_length < *least) {
@@ -112,7 +112,7 @@ void check_count(const LasHeader& h, std::uint64_t file_size, std::string_view p
                  std::vector<std::string>& warnings) {
   const std::uint64_t promised = point_count(h);
   const std::uint64_t found = (file_size - h.offset_to_points) / h.record_length;
-  if (found < promised) {
+  if (!h.is_compressed && found < promised) {
     fail(
         "{}: is truncated; the header counts {} points, but the file ends after {} of them (byte {}); copy or "
         "export it again.",
@@ -125,7 +125,7 @@ void check_count(const LasHeader& h, std::uint64_t file_size, std::string_view p
   if (h.minor >= 4 && h.count == 0 && h.legacy_count != 0) {
     warnings.push_back(fmt::format("the 64-bit count of points is 0: the legacy count {} was taken.", h.legacy_count));
   }
-  if (promised == 0 && found != 0) {
+  if (!h.is_compressed && promised == 0 && found != 0) {
     warnings.push_back(
         fmt::format("the header counts no points, though {} bytes follow it.", file_size - h.offset_to_points));
   }
@@ -150,6 +150,8 @@ LasHeader parse_las_header(std::span<const std::byte> bytes, std::uint64_t file_
   }
   each_entry(header, standard,
              [&](std::size_t at, auto& entry) { std::memcpy(&entry, bytes.data() + at, sizeof entry); });
+  header.is_compressed = (header.point_format & kCompressedBits) != 0;
+  header.point_format &= static_cast<std::uint8_t>(~kCompressedBits);
   check_point_format(header, path);
   check_places(header, file_size, path);
   check_scale(header, path);

@@ -26,7 +26,8 @@ struct LasHeader {
   std::uint16_t header_size = 0;
   std::uint32_t offset_to_points = 0;
   std::uint32_t vlr_count = 0;
-  std::uint8_t point_format = 0;
+  std::uint8_t point_format = 0;  ///< without the bits that mark a compressed file
+  bool is_compressed = false;     ///< by LASzip; never written by serialize()
   std::uint16_t record_length = 0;
   std::uint32_t legacy_count = 0;
   std::array<std::uint32_t, 5> legacy_by_return{};
@@ -47,7 +48,8 @@ std::uint16_t standard_header_size(int minor);
 
 /// Parses `bytes`, the first bytes of a file of `file_size` bytes (standard_header_size(4) of them, or all there are).
 /// Throws Error naming `path` when an entry contradicts itself, the file's size, or what the library can read.
-/// `header.bytes` is left empty: it may be longer than `bytes`.
+/// `header.bytes` is left empty: it may be longer than `bytes`. Whether the points of a compressed file are there is
+/// not checked.
 LasHeader parse_las_header(std::span<const std::byte> bytes, std::uint64_t file_size, std::string_view path,
                            std::vector<std::string>& warnings);
 

@@ -35,7 +35,7 @@ const LasExtras* las_extras(const std::shared_ptr<const FormatExtras>& extras) {
 /// Collects the layout field by field.
 class Builder {
  public:
-  explicit Builder(const OutputPlan& plan) : plan_(plan), input_(las_extras(plan.extras)) {
+  Builder(const OutputPlan& plan, LasPoints points) : plan_(plan), points_(points), input_(las_extras(plan.extras)) {
     layout_.header = input_ != nullptr ? input_->header : new_las_header();
     if (input_ != nullptr) layout_.input = input_->file;
     layout_.from.stride = plan.schema.stride;
@@ -310,33 +310,57 @@ class Builder {
     }
   }
 
+  /// Notes the pieces of the input and returns how many of its VLRs are in none of them.
+  std::uint32_t place_input() {
+    const LasVlrChain& vlrs = input_->vlrs;
+    layout_.after = {vlrs.end, input_->header.offset_to_points};
+    layout_.tail = {input_->points_end, input_->file->size()};
+    std::vector<LasVlr> left_out;
+    for (const std::optional<LasVlr>& vlr : {vlrs.laszip, vlrs.copc})
+      if (vlr) left_out.push_back(*vlr);
+    const bool stale = vlrs.extra_bytes && (extended_ || !kept_);
+    layout_.before = pieces_without(left_out, {vlrs.start, stale ? vlrs.extra_bytes->start : vlrs.end});
+    if (stale) layout_.between = pieces_without(left_out, {vlrs.extra_bytes->end(), vlrs.end});
+    return static_cast<std::uint32_t>(left_out.size()) + (stale ? 1 : 0);
+  }
+
+  static std::vector<LasPiece> pieces_without(std::vector<LasVlr> left_out, LasPiece all) {
+    std::ranges::sort(left_out, {}, &LasVlr::start);
+    std::vector<LasPiece> pieces;
+    for (const LasVlr& vlr : left_out) {
+      if (vlr.start < all.begin || vlr.start >= all.end) continue;
+      pieces.push_back({all.begin, vlr.start});
+      all.begin = vlr.end();
+    }
+    pieces.push_back(all);
+    return pieces;
+  }
+
+  static std::uint64_t size_of_all(const std::vector<LasPiece>& pieces) {
+    std::uint64_t bytes = 0;
+    for (const LasPiece& piece : pieces) bytes += piece.size();
+    return bytes;
+  }
+
   void place_pieces() {
     LasHeader& header = layout_.header;
-    bool replaced = false;
-    if (input_ != nullptr) {
-      const LasVlrChain& vlrs = input_->vlrs;
-      const bool stale = vlrs.extra_bytes && (extended_ || !kept_);
-      layout_.before = {vlrs.start, vlrs.end};
-      layout_.after = {vlrs.end, input_->header.offset_to_points};
-      layout_.tail = {input_->points_end, input_->file->size()};
-      if (stale) {
-        layout_.before.end = vlrs.extra_bytes->start;
-        layout_.between = {vlrs.extra_bytes->end(), vlrs.end};
-        replaced = true;
-      }
-    }
+    const std::uint32_t removed = input_ != nullptr ? place_input() : 0;
     std::uint32_t added = 0;
+    if (points_ == LasPoints::compressed) {
+      add_laszip_vlr();
+      ++added;
+    }
     if (extended_) {
       add_extra_bytes_vlr();
       ++added;
     }
     added += add_crs_vlrs();
     added += add_provenance_vlrs();
-    if (added != 0 || replaced) {
-      header.vlr_count = (input_ != nullptr ? input_->vlrs.count : 0) + added - (replaced ? 1 : 0);
+    if (added != 0 || removed != 0) {
+      header.vlr_count = (input_ != nullptr ? input_->vlrs.count : 0) + added - removed;
     }
-    const std::uint64_t points = header.header_size + layout_.before.size() + layout_.added_vlrs.size() +
-                                 layout_.between.size() + layout_.provenance_vlrs.size() + layout_.after.size();
+    const std::uint64_t points = header.header_size + size_of_all(layout_.before) + layout_.added_vlrs.size() +
+                                 size_of_all(layout_.between) + layout_.provenance_vlrs.size() + layout_.after.size();
     if (points > std::numeric_limits<std::uint32_t>::max()) {
       fail("{}: the header and VLRs would take {} bytes, and LAS allows 4294967295; write PLY.", plan_.path.string(),
            points);
@@ -350,6 +374,13 @@ class Builder {
   /// Byte offsets of the input that point behind its points.
   void move_reference(std::uint64_t& place) const {
     if (place >= input_->points_end) place = place - input_->points_end + layout_.points_end(plan_.count);
+  }
+
+  void add_laszip_vlr() {
+    const LasHeader& header = layout_.header;
+    const auto extra_bytes = static_cast<std::uint16_t>(header.record_length - *las_record_length(header.point_format));
+    layout_.laz = LazLayout::for_format(header.point_format, extra_bytes, kLazChunkPoints, plan_.path.string());
+    append(layout_.added_vlrs, las_vlr(kLaszipUser, kLaszipRecord, "https://laszip.org", layout_.laz->vlr()));
   }
 
   void add_extra_bytes_vlr() {
@@ -399,6 +430,7 @@ class Builder {
   }
 
   const OutputPlan& plan_;
+  LasPoints points_;
   const LasExtras* input_;
   LasLayout layout_;
   ExtraBytesVlr vlr_;
@@ -436,6 +468,6 @@ bool las_begins_with_records_of(const LasExtras& input, const Schema& schema) {
                      [&](const Field& f) { return f.offset >= input.schema.stride; });
 }
 
-LasLayout lay_out_las(const OutputPlan& plan) { return Builder(plan).build(); }
+LasLayout lay_out_las(const OutputPlan& plan, LasPoints points) { return Builder(plan, points).build(); }
 
 }  // namespace pointsweep

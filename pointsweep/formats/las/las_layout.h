@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "pointsweep/formats/las/las_header.h"
 #include "pointsweep/formats/las/las_reader.h"
+#include "pointsweep/formats/las/laz_layout.h"
 #include "pointsweep/formats/writer.h"
 #include "pointsweep/points/schema.h"
 
@@ -22,15 +24,19 @@ struct LasPiece {
   std::uint64_t size() const { return end - begin; }
 };
 
+enum class LasPoints { plain, compressed };
+
 /// The file is: header, `before` of the input, `added_vlrs`, `between` of the input, `provenance_vlrs`, `after` of the
-/// input, points, `tail` of the input.
+/// input, points, `tail` of the input. VLRs about the compression of the input are left out.
 struct LasLayout {
   LasHeader header;                        ///< all but counts and bounds
   std::shared_ptr<const InputFile> input;  ///< null if the input is not LAS
-  LasPiece before, between, after, tail;
+  std::vector<LasPiece> before, between;
+  LasPiece after, tail;
   std::vector<std::byte> added_vlrs;       ///< with their headers; empty if the pieces of the input have all
   std::vector<std::byte> provenance_vlrs;  ///< likewise; those of the input are in its pieces
   std::vector<std::string> warnings;       ///< what the file cannot hold
+  std::optional<LazLayout> laz;            ///< if points are to be compressed
 
   /// Two schemas with fields paired by name: what comes, and the records of the file.
   Schema from, to;
@@ -38,6 +44,7 @@ struct LasLayout {
   bool positions_change = false;  ///< coordinates have to be quantised, which may fail
   bool returns_missing = false;   ///< no return numbers come: every point is return 1 of 1
 
+  /// If they are not compressed.
   std::uint64_t points_end(std::uint64_t count) const;
 };
 
@@ -46,7 +53,7 @@ struct LasLayout {
 /// Otherwise: the shortest point format that holds the fields (choose_las_point_format(); 6 to 10 only, unless an
 /// input is LAS or was); header, VLRs and EVLRs of a LAS input are kept, values that do not fit the LAS field are
 /// stored there rounded and as extra bytes exactly.
-LasLayout lay_out_las(const OutputPlan& plan);
+LasLayout lay_out_las(const OutputPlan& plan, LasPoints points = LasPoints::plain);
 
 /// True if `schema` begins with the records of `input`, whose coordinates may have another scale and offset.
 bool las_begins_with_records_of(const LasExtras& input, const Schema& schema);

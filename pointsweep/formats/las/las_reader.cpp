@@ -10,9 +10,11 @@
 #include <string>
 #include <utility>
 
+#include "pointsweep/error.h"
 #include "pointsweep/formats/las/las_crs.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_point_formats.h"
+#include "pointsweep/formats/las/laz_points.h"
 #include "pointsweep/formats/provenance.h"
 
 namespace pointsweep {
@@ -62,6 +64,13 @@ void read_provenance(LasExtras& extras, const LasVlr& vlr) {
     if (auto found = provenance_line(line)) extras.provenance.push_back(std::move(*found));
 }
 
+/// Of compressed points the header does not say where they end: all in front of the extended VLRs is theirs.
+std::uint64_t end_of_points(const LasHeader& header, std::uint64_t file_size) {
+  if (!header.is_compressed) return header.offset_to_points + point_count(header) * header.record_length;
+  const bool has_evlrs = header.minor >= 4 && header.evlr_count != 0 && header.evlr_start >= header.offset_to_points;
+  return has_evlrs ? std::min(header.evlr_start, file_size) : file_size;
+}
+
 void warn_of_bytes_behind(const LasExtras& extras, std::vector<std::string>& warnings) {
   const std::uint64_t behind = extras.file->size() - extras.points_end;
   const LasHeader& header = extras.header;
@@ -77,7 +86,7 @@ std::shared_ptr<LasExtras> read_extras(const std::filesystem::path& path, std::v
   extras->header = read_header(*extras->file, path.string(), warnings);
   const LasHeader& header = extras->header;
   extras->schema = las_point_schema(header.point_format, header.scale, header.offset);
-  extras->points_end = header.offset_to_points + point_count(header) * header.record_length;
+  extras->points_end = end_of_points(header, extras->file->size());
   extras->vlrs = walk_las_vlrs(*extras->file, LasVlrKind::vlr, header.header_size, header.offset_to_points,
                                header.vlr_count, warnings);
   const LasVlrChain evlrs = walk_evlrs(*extras, warnings);
@@ -99,6 +108,17 @@ LasOrigin origin_of(const LasHeader& header) {
           .overlap_is_class_12 = header.point_format < kFirstModernLasFormat};
 }
 
+std::unique_ptr<LazPoints> open_compressed(const LasExtras& extras) {
+  const std::string path = extras.file->path().string();
+  const LasHeader& header = extras.header;
+  if (!extras.vlrs.laszip)
+    fail("{}: says that it is compressed (byte 104), but has no LASzip VLR; copy or export it again.", path);
+  std::vector<std::byte> vlr(static_cast<std::size_t>(std::min<std::uint64_t>(extras.vlrs.laszip->length, 1u << 16)));
+  extras.file->read_at(extras.vlrs.laszip->content, vlr);
+  return std::make_unique<LazPoints>(extras.file, vlr, header.offset_to_points, point_count(header),
+                                     header.record_length);
+}
+
 class LasReader : public Reader {
  public:
   explicit LasReader(const std::filesystem::path& path) {
@@ -107,7 +127,9 @@ class LasReader : public Reader {
     file_ = extras->file;
     points_begin_ = header.offset_to_points;
     info_.path = path;
-    info_.format = fmt::format("LAS 1.{} point format {}", header.minor, header.point_format);
+    if (header.is_compressed) compressed_ = open_compressed(*extras);
+    info_.format =
+        fmt::format("{} 1.{} point format {}", header.is_compressed ? "LAZ" : "LAS", header.minor, header.point_format);
     info_.schema = extras->schema;
     info_.count = point_count(header);
     info_.bytes = file_->size();
@@ -126,13 +148,17 @@ class LasReader : public Reader {
     if (row >= info_.count) return 0;
     const std::size_t stride = info_.schema.stride;
     const std::size_t rows = rows_for(row, records);
-    file_->read_at(points_begin_ + row * stride, records.first(rows * stride));
+    if (compressed_)
+      compressed_->read(row, records.first(rows * stride));
+    else
+      file_->read_at(points_begin_ + row * stride, records.first(rows * stride));
     return rows;
   }
 
  private:
   std::shared_ptr<const InputFile> file_;
   std::uint64_t points_begin_ = 0;
+  std::unique_ptr<LazPoints> compressed_;  ///< null where points are not compressed
 };
 
 }  // namespace

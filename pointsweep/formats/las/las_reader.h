@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Reading LAS 1.0 to 1.4, point formats 0 to 10: records are the bytes of the file, read straight into place.
+/// Reading LAS and LAZ 1.0 to 1.4, point formats 0 to 10: records are the bytes of a LAS file, read straight into
+/// place.
 #pragma once
 
 #include <cstddef>
@@ -24,12 +25,13 @@ struct LasExtras : FormatExtras {
   Schema schema;                        ///< of the point records
   LasVlrChain vlrs;                     ///< between header and points
   std::vector<std::byte> extra_bytes;   ///< descriptors that fit the records; empty if there are none
-  std::uint64_t points_end = 0;         ///< byte behind the last point
+  std::uint64_t points_end = 0;         ///< byte behind the last point, or behind all that compressed points take
   std::optional<Crs> crs;               ///< what VLRs or extended VLRs state
   std::vector<std::string> provenance;  ///< lines of its VLRs that say how the file was made
 };
 
-/// Throws Error in one sentence for a file that is not LAS, compressed, truncated, or contradicts itself.
+/// Throws Error in one sentence for a file that is not LAS, truncated, or contradicts itself, and for a compressed one
+/// (LAZ) where codecs are not built in.
 std::unique_ptr<Reader> open_las(const std::filesystem::path& path);
 
 }  // namespace pointsweep

@@ -9,6 +9,8 @@
 #include <cstring>
 #include <span>
 
+#include "pointsweep/formats/las/laz_layout.h"
+
 namespace pointsweep {
 namespace {
 
@@ -39,6 +41,8 @@ constexpr std::size_t kMostProvenance = 256;
 /// The place in `chain` where a record of this kind is noted; null for all others.
 std::optional<LasVlr>* place_of(LasVlrChain& chain, std::string_view user, std::uint16_t record) {
   if (user == kLasSpecUser && record == kExtraBytesRecord) return &chain.extra_bytes;
+  if (user == kLaszipUser && record == kLaszipRecord) return &chain.laszip;
+  if (user == kCopcUser && record == kCopcRecord) return &chain.copc;
   if (user != kLasProjectionUser) return nullptr;
   if (record == kWktRecord) return &chain.wkt;
   if (record == kGeoKeysRecord) return &chain.geo_keys;

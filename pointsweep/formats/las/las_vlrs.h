@@ -18,6 +18,9 @@ inline constexpr std::uint16_t kExtraBytesRecord = 4;
 inline constexpr std::string_view kLasProjectionUser = "LASF_Projection";
 inline constexpr std::uint16_t kWktRecord = 2112, kGeoKeysRecord = 34735, kGeoDoublesRecord = 34736,
                                kGeoAsciiRecord = 34737;
+/// User and record of the VLR that says how a COPC file is laid out.
+inline constexpr std::string_view kCopcUser = "copc";
+inline constexpr std::uint16_t kCopcRecord = 1;
 /// User and record of the VLRs that say how the file was made (formats/provenance.h): lines with a line feed behind
 /// each.
 inline constexpr std::string_view kProvenanceUser = "pointsweep";
@@ -36,6 +39,7 @@ struct LasVlrChain {
   std::uint64_t start = 0, end = 0;                             ///< bytes of the records that are whole
   std::uint32_t count = 0;                                      ///< of the records that are whole
   std::optional<LasVlr> extra_bytes;                            ///< the first one
+  std::optional<LasVlr> laszip, copc;                           ///< of compressed files; the first of each
   std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first of each: see las_crs.h
   std::vector<LasVlr> provenance;                               ///< the first 256
 };

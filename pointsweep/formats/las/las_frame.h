@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// All of a LAS or LAZ output but its points: header, VLRs, and what the input has behind its points.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/formats/las/las_layout.h"
+#include "pointsweep/formats/las/las_statistics.h"
+#include "pointsweep/formats/writer.h"
+
+namespace pointsweep {
+
+class LasFrame {
+ public:
+  /// Writes all in front of the points. Throws Error before anything is written when the points cannot be stored.
+  LasFrame(const OutputPlan& plan, LasPoints points);
+
+  const LasLayout& layout() const { return layout_; }
+  OutputFile& file() { return out_; }
+  void put(std::uint64_t at, std::span<const std::byte> bytes);
+  std::uint64_t bytes_written() const { return bytes_written_; }
+
+  /// Throws Error unless the points that came are as many as the plan announces.
+  void require_count(std::uint64_t came) const;
+  /// The points end in front of byte `points_end`: writes what follows them and the header as it is now known, and
+  /// gives the file its name.
+  void finish(const LasStatistics& points, std::uint64_t points_end);
+
+ private:
+  std::uint64_t copy(const LasPiece& piece, std::uint64_t to);
+  std::uint64_t copy(const std::vector<LasPiece>& pieces, std::uint64_t to);
+  void put_header();
+
+  std::string path_;
+  std::uint64_t planned_;
+  std::shared_ptr<const FormatExtras> extras_;
+  LasLayout layout_;
+  OutputFile out_;
+  std::vector<std::byte> scratch_;
+  std::uint64_t bytes_written_ = 0;
+};
+
+}  // namespace pointsweep

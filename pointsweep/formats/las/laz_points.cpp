@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/las/laz_points.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/error.h"
+#include "pointsweep/threads.h"
+
+#if POINTSWEEP_CODECS
+#include <pointsweep_codecs.h>
+#endif
+
+namespace pointsweep {
+
+#if POINTSWEEP_CODECS
+
+namespace {
+
+constexpr std::uint64_t kMostTableEntry = 16;    ///< bytes of the table for a chunk; it is compressed itself
+constexpr std::uint64_t kTableOverhead = 64;     ///< its header, and what the entropy coder reads ahead
+constexpr std::size_t kDecodedAtOnce = 1 << 12;  ///< records between two looks at whether the run was cancelled
+
+std::uint64_t u64_at(const InputFile& file, std::uint64_t offset) {
+  std::array<std::byte, 8> bytes;
+  file.read_at(offset, bytes);
+  std::uint64_t number;
+  std::memcpy(&number, bytes.data(), sizeof number);
+  return number;
+}
+
+}  // namespace
+
+/// One chunk that is being decoded.
+class LazPoints::Decoder {
+ public:
+  Decoder(const LazPoints& points, std::size_t chunk) : points_(points), chunk_(chunk) {
+    const auto read = [](void* context, std::uint64_t offset, std::uint8_t* into, std::size_t bytes) -> std::ptrdiff_t {
+      try {
+        const std::span<std::byte> to(reinterpret_cast<std::byte*>(into), bytes);
+        return static_cast<std::ptrdiff_t>(static_cast<Decoder*>(context)->points_.file_->read_some(offset, to));
+      } catch (...) {
+        static_cast<Decoder*>(context)->failure_ = std::current_exception();
+        return -1;
+      }
+    };
+    psc_error error;
+    if (psc_laz_decoder_open(points.layout_.codec(), read, this, points.first_byte_[chunk],
+                             points.first_byte_[chunk + 1], &codec_, &error) != 0)
+      fail_at(error);
+  }
+  ~Decoder() { psc_laz_decoder_free(codec_); }
+  Decoder(const Decoder&) = delete;
+  Decoder& operator=(const Decoder&) = delete;
+
+  std::size_t chunk() const { return chunk_; }
+  std::uint64_t next() const { return next_; }  ///< row in the chunk
+
+  void skip_to(std::uint64_t row) {
+    if (row == next_) return;
+    std::vector<std::byte> skipped(std::min<std::uint64_t>(kDecodedAtOnce, row - next_) * points_.record_bytes_);
+    while (next_ < row) {
+      const std::uint64_t n = std::min<std::uint64_t>(kDecodedAtOnce, row - next_);
+      decode(skipped.data(), n);
+    }
+  }
+
+  void decode(std::byte* records, std::uint64_t rows) {
+    while (rows > 0) {
+      stop_if_cancelled();
+      const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(kDecodedAtOnce, rows));
+      const std::size_t bytes = n * points_.record_bytes_;
+      psc_error error;
+      if (psc_laz_decode(codec_, reinterpret_cast<std::uint8_t*>(records), bytes, &error) != 0) fail_at(error);
+      records += bytes;
+      next_ += n;
+      rows -= n;
+    }
+  }
+
+ private:
+  [[noreturn]] void fail_at(const psc_error& error) {
+    if (failure_) std::rethrow_exception(failure_);
+    fail("{}: cannot be decompressed: {} (chunk {} of {}, byte {}); copy or export it again.",
+         points_.file_->path().string(), error.text, chunk_ + 1, points_.chunks(), points_.first_byte_[chunk_]);
+  }
+
+  const LazPoints& points_;
+  std::size_t chunk_;
+  std::uint64_t next_ = 0;
+  std::exception_ptr failure_;
+  psc_laz_decoder* codec_ = nullptr;
+};
+
+LazPoints::LazPoints(std::shared_ptr<const InputFile> file, std::span<const std::byte> vlr, std::uint64_t begin,
+                     std::uint64_t count, std::uint32_t record_bytes)
+    : file_(std::move(file)), layout_(LazLayout::parse(vlr, file_->path().string())), record_bytes_(record_bytes) {
+  if (layout_.record_bytes() != record_bytes)
+    fail("{}: its compressed records have {} bytes instead of {}; copy or export it again.", file_->path().string(),
+         layout_.record_bytes(), record_bytes);
+  if (count == 0) {
+    first_row_ = {0};
+  } else if (layout_.chunk_points() == LazLayout::kNoChunks) {
+    first_row_ = {0, count};
+    first_byte_ = {begin, file_->size()};
+  } else {
+    read_chunk_table(begin, count);
+  }
+}
+
+LazPoints::~LazPoints() = default;
+
+/// A writer that could not go back to the begin of its data has put the place of the table behind it, at the end of the
+/// file.
+void LazPoints::read_chunk_table(std::uint64_t begin, std::uint64_t count) {
+  const std::uint64_t size = file_->size();
+  const std::uint64_t data = begin + kLazOffsetBytes;
+  if (size < data + kLazOffsetBytes) layout_.fail_with("it ends in front of the first chunk");
+  std::uint64_t table = u64_at(*file_, begin);
+  if (table <= begin || table > size) table = u64_at(*file_, size - kLazOffsetBytes);
+  if (table < data || table + kLazOffsetBytes > size) layout_.fail_with("its chunk table is not in the file");
+  const std::uint64_t chunks = u64_at(*file_, table) >> 32;
+  // Every chunk holds at least one record as it is, and points are in chunks but not behind the last.
+  const std::uint32_t each = layout_.chunk_points();
+  if (chunks == 0 || chunks > (table - data) / record_bytes_ || chunks > count ||
+      (each != LazLayout::kVariable && chunks != (count - 1) / each + 1))
+    layout_.fail_with("its chunk table has a wrong number of chunks");
+  std::vector<std::byte> bytes(
+      static_cast<std::size_t>(std::min(size - table, kTableOverhead + kMostTableEntry * chunks)));
+  file_->read_at(table, bytes);
+  std::uint64_t row = 0, byte = data;
+  for (const auto& chunk : layout_.read_chunk_table(bytes, static_cast<std::size_t>(chunks))) {
+    first_row_.push_back(row);
+    first_byte_.push_back(byte);
+    row += each == LazLayout::kVariable ? chunk.points : std::min<std::uint64_t>(each, count - row);
+    byte += chunk.bytes;
+    if (byte > table) layout_.fail_with("its chunks reach into the chunk table");
+  }
+  if (row != count) layout_.fail_with("its chunks hold another number of points than the header says");
+  first_row_.push_back(row);
+  first_byte_.push_back(byte);
+}
+
+std::vector<LazPoints::Piece> LazPoints::pieces(std::uint64_t row, std::span<std::byte> records) const {
+  std::vector<Piece> pieces;
+  std::uint64_t left = records.size() / record_bytes_;
+  auto chunk = static_cast<std::size_t>(std::ranges::upper_bound(first_row_, row) - first_row_.begin()) - 1;
+  for (std::byte* to = records.data(); left > 0; ++chunk) {
+    const std::uint64_t rows = std::min(left, first_row_[chunk + 1] - row);
+    if (rows > 0) pieces.push_back({chunk, row - first_row_[chunk], rows, to});
+    to += rows * record_bytes_;
+    row += rows;
+    left -= rows;
+  }
+  return pieces;
+}
+
+/// Of the pieces, only the first can begin in the middle of its chunk, and only the last can end there.
+void LazPoints::read(std::uint64_t row, std::span<std::byte> records) {
+  const std::vector<Piece> all = pieces(row, records);
+  if (all.empty()) return;
+  std::vector<std::unique_ptr<Decoder>> decoders(all.size());
+  if (open_ && open_->chunk() == all[0].chunk && open_->next() <= all[0].first) decoders[0] = std::move(open_);
+  open_.reset();
+  parallel_for(all.size(), [&](std::size_t i, unsigned) {
+    const Piece& piece = all[i];
+    if (!decoders[i]) decoders[i] = std::make_unique<Decoder>(*this, piece.chunk);
+    decoders[i]->skip_to(piece.first);
+    decoders[i]->decode(piece.records, piece.rows);
+  });
+  if (decoders.back()->next() < first_row_[all.back().chunk + 1] - first_row_[all.back().chunk])
+    open_ = std::move(decoders.back());
+}
+
+#else
+
+class LazPoints::Decoder {};
+
+LazPoints::LazPoints(std::shared_ptr<const InputFile> file, std::span<const std::byte> vlr, std::uint64_t,
+                     std::uint64_t, std::uint32_t record_bytes)
+    : file_(std::move(file)), layout_(LazLayout::parse(vlr, file_->path().string())), record_bytes_(record_bytes) {}
+LazPoints::~LazPoints() = default;
+void LazPoints::read(std::uint64_t, std::span<std::byte>) {}
+
+#endif
+
+}  // namespace pointsweep

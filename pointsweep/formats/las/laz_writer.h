@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+/// Writing LAZ: what a LAS file would be (las_writer.h), with its points in compressed chunks.
+#pragma once
+
+#include <memory>
+
+#include "pointsweep/formats/writer.h"
+
+namespace pointsweep {
+
+/// As create_las_writer(). Records come in order; several chunks of kLazChunkPoints points are compressed at once, by
+/// all threads. Throws Error where codecs are not built in.
+std::unique_ptr<Writer> create_laz_writer(const OutputPlan& plan);
+
+}  // namespace pointsweep
