@@ -113,7 +113,7 @@ namespace {
 bool has_laz() { return false; }
 LazLayout LazLayout::parse(std::span<const std::byte>, const std::string& path) { fail_without_codecs(path); }
 LazLayout LazLayout::for_format(std::uint8_t, std::uint16_t, std::uint32_t, const std::string& path) {
-  fail_without_codecs(path);
+  fail("{}: this pointsweep was built without codecs (POINTSWEEP_CODECS) and cannot write LAZ; write .las.", path);
 }
 void LazLayout::fail_with(const char*) const { fail_without_codecs(path_); }
 std::uint32_t LazLayout::chunk_points() const { fail_without_codecs(path_); }
