@@ -34,18 +34,25 @@ class MemoryFile {
 };
 
 /// An Error is a good answer to a bad file; anything else that is thrown, a crash or a hang is a finding. So is a count
-/// of points that the file has no bytes for, or a read that does not deliver what was counted.
+/// of points that the file has no bytes for, or a read that does not deliver what was counted; compressed points may
+/// take less than a byte each, and of many of them only the first are read.
 inline void read_everything(std::unique_ptr<Reader> (*open)(const std::filesystem::path&), const std::uint8_t* bytes,
                             std::size_t size) {
   const MemoryFile file(bytes, size);
   try {
     const auto reader = open(file.path());
     const FileInfo& info = reader->info();
-    if (info.count > size) std::abort();
+    const bool compressed = info.format.starts_with("LAZ");
+    const std::uint64_t most = compressed ? 100'000 : size;
+    if (!compressed && info.count > size) std::abort();
     std::vector<std::byte> records(100 * std::size_t{info.schema.stride});
     std::uint64_t rows = 0;
-    while (const std::size_t got = reader->read(rows, records)) rows += got;
-    if (rows != info.count) std::abort();
+    while (rows <= most) {
+      const std::size_t got = reader->read(rows, records);
+      if (got == 0) break;
+      rows += got;
+    }
+    if (rows != info.count && rows <= most) std::abort();
     for (const std::uint64_t row : {rows / 2, rows / 3, rows}) reader->read(row, records);
   } catch (const Error&) {
   }

@@ -94,4 +94,19 @@ MUTANTS = [
            "state_.match_left = length + 2;", "state_.match_left = length + 1;", ("formats:Pcd.*",)),
     Mutant("long matches of compressed PCD data are cut", "formats", FORMATS + "pcd/lzf_stream.cpp",
            "if (length == 7) length += next();", "if (length == 7) next();", ("formats:Pcd.*",)),
+
+    # LAZ
+    Mutant("a chunk goes on where it was left though an earlier row is asked for", "formats", FORMATS + "las/laz_points.cpp",
+           "open_->chunk() == all[0].chunk && open_->next() <= all[0].first", "open_->chunk() == all[0].chunk",
+           ("formats:Laz.*",)),
+    Mutant("a chunk left in its middle is not skipped to the row asked for", "formats", FORMATS + "las/laz_points.cpp",
+           "decoders[i]->skip_to(piece.first);", "decoders[i]->skip_to(std::min<std::uint64_t>(piece.first, 0));", ("formats:Laz.*",)),
+    Mutant("a chunk table may have any number of chunks", "formats", FORMATS + "las/laz_points.cpp",
+           "chunks > count ||", "false ||", ("formats:Laz.*",)),
+    Mutant("the last chunk of a LAZ output is left out if it is not full", "formats", FORMATS + "las/laz_writer.cpp",
+           "compressed((batch_.size() + chunk - 1) / chunk)", "compressed(batch_.size() / chunk)", ("formats:Laz.*",)),
+    Mutant("the LASzip VLR of the input stays in a LAS output", "formats", FORMATS + "las/las_layout.cpp",
+           "{vlrs.laszip, vlrs.copc}", "{vlrs.copc, vlrs.copc}", ("formats:Laz.*",)),
+    Mutant("extended VLRs behind compressed points are where they would be behind plain ones", "formats", FORMATS + "las/las_frame.cpp",
+           "*reference = *reference - laid_out + points_end;", "*reference = *reference + 0 * points_end;", ("formats:Laz.*",)),
 ]

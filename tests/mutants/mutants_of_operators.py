@@ -29,7 +29,8 @@ MUTANTS = [
            "const double a = double(length) * double(length) * double(ratio);",
            "const double a = double(length) * double(ratio);", ("operators:Fair*", "oracles")),
     Mutant("fairing without g", "formulas", OPS + "fair.cpp",
-           "(dot(reach, reach) + square(inverse_g_ * off_plane)) / 2", "dot(reach, reach) / 2",
+           "(dot(reach, reach) + square(inverse_g_ * off_plane)) / 2",
+           "(dot(reach, reach) + 0 * square(inverse_g_ * off_plane)) / 2",
            ("operators:Fair*", "oracles")),
     Mutant("variance of positions about p_i instead of the mean", "formulas", OPS + "curvature_kernel.cpp",
            "along = hn::Sub(Dot(u, mu), hn::Mul(pu, hn::Mul(pu, inverse)));", "along = Dot(u, mu);",
@@ -71,7 +72,7 @@ MUTANTS = [
            ("operators:MovedPoints*", "oracles")),
     Mutant("coincident neighbours weigh as the nearest one in Equation 2", "formulas",
            OPS + "neighborhood_lanes-inl.h", "return hn::IfThenElse(some, absolute, theta);",
-           "return hn::IfThenElse(some, theta, theta);", ("operators:Normals*", "oracles")),
+           "return hn::IfThenElse(some, hn::IfThenElse(some, theta, absolute), theta);", ("operators:Normals*", "oracles")),
 
     # Operators that look at the whole cloud, and expressions
     Mutant("deviation of the whole population instead of a sample", "formulas", OPS + "outliers.cpp",
