@@ -102,7 +102,7 @@ MUTANTS = [
     Mutant("a chunk left in its middle is not skipped to the row asked for", "formats", FORMATS + "las/laz_points.cpp",
            "decoders[i]->skip_to(piece.first);", "decoders[i]->skip_to(std::min<std::uint64_t>(piece.first, 0));", ("formats:Laz.*",)),
     Mutant("a chunk table may have any number of chunks", "formats", FORMATS + "las/laz_points.cpp",
-           "chunks > count ||", "false ||", ("formats:Laz.*",)),
+           "chunks != (count - 1) / each + 1", "chunks > (count - 1) / each + 1", ("formats:Laz.*",)),
     Mutant("the last chunk of a LAZ output is left out if it is not full", "formats", FORMATS + "las/laz_writer.cpp",
            "compressed((batch_.size() + chunk - 1) / chunk)", "compressed(batch_.size() / chunk)", ("formats:Laz.*",)),
     Mutant("the LASzip VLR of the input stays in a LAS output", "formats", FORMATS + "las/las_layout.cpp",
