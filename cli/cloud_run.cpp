@@ -17,6 +17,7 @@
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/files/same_file.h"
+#include "pointsweep/formats/registry.h"
 #include "pointsweep/report/pictured_attribute.h"
 #include "pointsweep/report/run_report.h"
 
@@ -67,7 +68,7 @@ void complete(OutputFile& file, const std::string& text) {
 /// point to show.
 std::optional<Rendering> picture_of(const std::filesystem::path& output, const Schema& input,
                                     const Statistics& statistics, ProgressDisplay& display) {
-  if (extension_of(output) == ".npy" || statistics.points_written == 0 ||
+  if (is_array_name(output) || statistics.points_written == 0 ||
       statistics.nonfinite - statistics.dropped == statistics.points)
     return std::nullopt;
   Cloud cloud({output});

@@ -6,8 +6,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "pointsweep/formats/las/las_reader.h"
-
 namespace pointsweep {
 
 std::optional<GpsTimes> gps_times(const FileInfo& info, const FileSummary& summary) {
@@ -15,10 +13,8 @@ std::optional<GpsTimes> gps_times(const FileInfo& info, const FileSummary& summa
   if (!field) return std::nullopt;
   const FieldRange& range = summary.ranges[*field];
   if (range.lo > range.hi || (range.lo == 0 && range.hi == 0)) return std::nullopt;
-  const auto* las = dynamic_cast<const LasExtras*>(info.extras.get());
-  if (!las) return GpsTimes{range.lo, range.hi, GpsClock::unknown};
-  const bool adjusted = (las->header.global_encoding & 1) != 0;
-  return GpsTimes{range.lo, range.hi, adjusted ? GpsClock::adjusted_standard : GpsClock::week_seconds};
+  if (!info.las || !info.las->has_time) return GpsTimes{range.lo, range.hi, GpsClock::unknown};
+  return GpsTimes{range.lo, range.hi, info.las->standard_time ? GpsClock::adjusted_standard : GpsClock::week_seconds};
 }
 
 std::string gps_date(double adjusted_standard_seconds) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The times of a scan as LAS states them.
+/// The times of a scan, as LAS states them and files made of LAS keep it.
 #pragma once
 
 #include <optional>

@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/stage_options.h"
 #include "pointsweep/error.h"
+#include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/preview.h"
 
@@ -26,7 +27,9 @@ struct NeighborsCommand {
 using Arrays = std::vector<std::pair<std::string, std::filesystem::path>>;
 
 void require_npy(const std::filesystem::path& path) {
-  if (path.extension() != ".npy") fail_usage("{}: the graph is a NumPy array; name a .npy file.", path.string());
+  if (!is_array_name(path))
+    fail_usage("{}: the graph is a {}; name a {} file.", path.string(), array_format().name,
+               array_format().extensions.front());
 }
 
 /// The arrays to write: `neighbors`, or `distances` where these alone are kept, to OUT; distances to --distances.

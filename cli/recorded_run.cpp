@@ -4,8 +4,8 @@
 #include <system_error>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/reader.h"
+#include "pointsweep/formats/registry.h"
 
 namespace pointsweep {
 namespace {
@@ -32,7 +32,7 @@ fs::path found_input(const ProvenanceInput& input, const fs::path& file) {
 }  // namespace
 
 std::optional<ProvenanceRecord> recorded_run(const fs::path& file) {
-  if (extension_of(file) == ".npy") return std::nullopt;
+  if (is_array_name(file)) return std::nullopt;
   std::vector<ProvenanceRecord> records = records_of(open_reader(file)->info().provenance);
   if (records.empty() || records.back().stages.empty()) return std::nullopt;
   return std::move(records.back());

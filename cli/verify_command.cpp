@@ -14,14 +14,14 @@
 #include "cli/stage_options.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
-#include "pointsweep/formats/extension.h"
+#include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/outliers.h"
 #include "pointsweep/operators/update_operators.h"
 #include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/finite_input.h"
 #include "pointsweep/pipeline/planned_sweeps.h"
 #include "pointsweep/verify/kept_rows.h"
-#include "pointsweep/verify/npy_reader.h"
 #include "pointsweep/verify/outlier_threshold.h"
 #include "pointsweep/verify/verify.h"
 
@@ -96,8 +96,8 @@ VerifyCommand completed(VerifyCommand command) {
 
 /// Leaves out the points that the run has left out.
 void drop_nonfinite(const VerifyCommand& command, Cloud& cloud) {
-  const bool las = is_las_name(command.paths.output());
-  if (command.common.nonfinite != Nonfinite::drop && !(las && command.common.nonfinite == Nonfinite::by_format)) return;
+  const Outputs outputs{.points = command.paths.output(), .arrays = {}, .writer = {}};
+  if (nonfinite_rule(outputs, command.common.nonfinite) != Nonfinite::drop) return;
   const NonfiniteRows dropped = cloud.drop_nonfinite();
   if (dropped.count > 0 && !command.common.quiet)
     fmt::print("left out     {} points of the input whose coordinates are not finite; rows count the others\n",
@@ -276,8 +276,8 @@ std::set<std::string> changed_attributes(const Arrivals& arrivals) {
 Verdict checked(const VerifyCommand& command, Cloud& cloud, ProgressDisplay& display) {
   const std::filesystem::path& path = command.paths.output();
   const VerifyOptions options = check_options(command, display);
-  if (extension_of(path) == ".npy") {
-    const std::unique_ptr<Reader> array = open_npy(path);
+  if (is_array_name(path)) {
+    const std::unique_ptr<Reader> array = array_format().open(path);
     return verify(cloud, *array, true, made_by_neighbors(command, cloud, *array), options);
   }
   const std::unique_ptr<Reader> out = open_reader(path);

@@ -5,8 +5,7 @@
 
 #include <string_view>
 
-#include "pointsweep/formats/las/laz_layout.h"
-#include "pointsweep/formats/writer.h"
+#include "pointsweep/formats/registry.h"
 #include "pointsweep/math/instruction_set_in_use.h"
 
 namespace pointsweep {
@@ -31,11 +30,11 @@ std::string version_text() {
   if (!kCommit.empty()) text += fmt::format("  {:<16}{}\n", "commit", kCommit);
   text += fmt::format("  {:<16}{}, {}\n", "build", compiler(), kBuildType.empty() ? "no build type" : kBuildType);
   text += fmt::format("  {:<16}{}\n", "instruction set", instruction_set_in_use());
-  text += fmt::format("  {:<16}PLY, LAS, {}PCD, QSplat, text\n", "reads", has_laz() ? "LAZ, COPC, " : "");
+  text += fmt::format("  {:<16}{}\n", "reads", readable_formats());
   std::string written;
   for (const std::string_view extension : writable_extensions()) written += fmt::format("{}, ", extension);
-  text += fmt::format("  {:<16}{}.npy\n", "writes", written);
-  return text + fmt::format("  {:<16}{}", "codecs", has_laz() ? "LASzip" : "none (no LAZ)");
+  text += fmt::format("  {:<16}{}{}\n", "writes", written, array_format().extensions.front());
+  return text + fmt::format("  {:<16}{}", "codecs", codecs());
 }
 
 }  // namespace pointsweep

@@ -14,10 +14,4 @@ inline std::string extension_of(const std::filesystem::path& path) {
   return extension;
 }
 
-/// Whether an output of this name holds LAS records, compressed or not.
-inline bool is_las_name(const std::filesystem::path& path) {
-  const std::string extension = extension_of(path);
-  return extension == ".las" || extension == ".laz";
-}
-
 }  // namespace pointsweep

@@ -44,7 +44,8 @@ constexpr Magic kMagics[] = {
 /// Text formats without a magic number go by their extension.
 constexpr Magic kExtensions[] = {
     {".ptx"sv, "a PTX file", kWithPdal},
-    {".obj"sv, "an OBJ file", kWithMeshTool}, {".off"sv, "an OFF file", kWithMeshTool},
+    {".obj"sv, "an OBJ file", kWithMeshTool},
+    {".off"sv, "an OFF file", kWithMeshTool},
     {".stl"sv, "an STL file", kWithMeshTool},
 };
 
@@ -54,7 +55,7 @@ constexpr Magic kExtensions[] = {
 
 }  // namespace
 
-void refuse_foreign_format(const std::filesystem::path& path, std::string_view head) {
+void refuse_foreign_format(const std::filesystem::path& path, std::string_view head, std::string_view known) {
   for (const Magic& magic : kMagics) {
     if (head.starts_with(magic.bytes)) refuse(path, magic);
   }
@@ -63,10 +64,8 @@ void refuse_foreign_format(const std::filesystem::path& path, std::string_view h
   }
   const std::size_t zero = head.find('\0');
   if (zero != head.npos) {
-    fail(
-        "{}: is binary (byte {} is 0) but neither PLY, LAS nor QSplat, the binary formats that are read; convert it to "
-        "one.",
-        path.string(), zero);
+    fail("{}: is binary (byte {} is 0) but neither {}, the binary formats that are read; convert it to one.",
+         path.string(), zero, known);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Reading point files: one interface, one pair of files per format, told apart by content first, extension second.
+/// Reading point files: one interface for all formats, which formats/registry.h tells apart by content.
 #pragma once
 
 #include <algorithm>
@@ -33,6 +33,7 @@ struct FileInfo {
   std::uint64_t left_out = 0;         ///< points of the file that `count` and read() leave out (FiniteRows)
   std::uint64_t bytes = 0;            ///< size of the file
   std::optional<Box> bounds;          ///< as a header states them: a hint, not to be trusted
+  bool z_is_up = false;               ///< the format says that z is the height
   std::vector<std::string> warnings;  ///< what was wrong but harmless, one sentence each
   std::shared_ptr<const FormatExtras> extras;
   std::optional<Crs> crs;               ///< the coordinate reference system, if the file states one

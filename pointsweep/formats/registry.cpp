@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The list of formats: readers told apart by content, writers by extension.
+#include "pointsweep/formats/registry.h"
+
 #include <algorithm>
 #include <array>
 
@@ -7,20 +8,28 @@
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/foreign_formats.h"
-#include "pointsweep/formats/las/las_reader.h"
-#include "pointsweep/formats/las/las_writer.h"
-#include "pointsweep/formats/las/laz_writer.h"
-#include "pointsweep/formats/pcd/pcd_reader.h"
-#include "pointsweep/formats/ply/ply_reader.h"
-#include "pointsweep/formats/ply/ply_writer.h"
-#include "pointsweep/formats/qsplat/qsplat_reader.h"
-#include "pointsweep/formats/reader.h"
-#include "pointsweep/formats/text/text_reader.h"
-#include "pointsweep/formats/text/text_writer.h"
-#include "pointsweep/formats/writer.h"
+#include "pointsweep/formats/las/las_format.h"
+#include "pointsweep/formats/npy/npy_format.h"
+#include "pointsweep/formats/pcd/pcd_format.h"
+#include "pointsweep/formats/ply/ply_format.h"
+#include "pointsweep/formats/qsplat/qsplat_format.h"
+#include "pointsweep/formats/text/text_format.h"
 
 namespace pointsweep {
 namespace {
+
+constexpr std::array kFormats{&kPlyFormat,    &kLasFormat,  &kLazFormat, &kPcdFormat,
+                              &kQsplatFormat, &kTextFormat, &kCsvFormat, &kNpyFormat};
+
+bool is_written_as_points(const Format& format) {
+  return format.content == Format::Content::points && format.create != nullptr;
+}
+bool is_read_as_points(const Format& format) {
+  return format.content == Format::Content::points && format.open != nullptr;
+}
+bool has_extension(const Format& format, std::string_view extension) {
+  return std::ranges::find(format.extensions, extension) != format.extensions.end();
+}
 
 /// The first bytes of a file, enough to tell what it is.
 std::string head_of(const std::filesystem::path& path) {
@@ -31,46 +40,92 @@ std::string head_of(const std::filesystem::path& path) {
   return head;
 }
 
-bool starts_as_ply(std::string_view head) {
-  return head.starts_with("ply") && head.size() > 3 && std::string_view("\r\n\t ").find(head[3]) != head.npos;
+/// "A, B`last`C": the names of the formats for which `chosen` holds, each once.
+template <class Chosen>
+std::string names_of(Chosen chosen, std::string_view last) {
+  std::vector<std::string_view> names;
+  for (const Format* format : kFormats)
+    if (chosen(*format) && std::ranges::find(names, format->name) == names.end()) names.push_back(format->name);
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i != 0) text += i + 1 == names.size() ? last : ", ";
+    text += names[i];
+  }
+  return text;
 }
 
-struct WriterOf {
-  std::string_view extension;
-  std::unique_ptr<Writer> (*create)(const OutputPlan& plan);
-};
-constexpr WriterOf kWriters[] = {
-    {".ply", create_ply_writer},  {".las", create_las_writer},  {".laz", create_laz_writer},
-    {".xyz", create_text_writer}, {".txt", create_text_writer}, {".csv", create_text_writer},
-    {".asc", create_text_writer}, {".pts", create_text_writer},
-};
+void warn_of_lost_crs(const Format& format, const OutputPlan& plan, Writer& writer) {
+  if (!plan.crs || format.holds_crs) return;
+  const auto keeps = [](const Format& other) {
+    return is_written_as_points(other) && other.is_built_in() && other.holds_crs;
+  };
+  writer.add_warning(fmt::format("{}: {} cannot hold the coordinate reference system, {}; {} keep it.",
+                                 plan.path.string(), format.name, short_text(*plan.crs), names_of(keeps, " and ")));
+}
 
 }  // namespace
 
+std::span<const Format* const> formats() { return kFormats; }
+
+const Format* format_of_output(const std::filesystem::path& path) {
+  const std::string extension = extension_of(path);
+  for (const Format* format : kFormats)
+    if (format->create != nullptr && has_extension(*format, extension)) return format;
+  return nullptr;
+}
+
+const Format& array_format() { return kNpyFormat; }
+
+bool is_array_name(const std::filesystem::path& path) {
+  const Format* const format = format_of_output(path);
+  return format != nullptr && format->content == Format::Content::array;
+}
+
+std::string readable_formats() {
+  return names_of([](const Format& format) { return is_read_as_points(format) && format.is_built_in(); }, ", ");
+}
+
+std::string codecs() {
+  std::string there, missing;
+  for (const Format* format : kFormats) {
+    if (format->codec.empty()) continue;
+    std::string& names = format->is_built_in() ? there : missing;
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", format->is_built_in() ? format->codec : format->name);
+  }
+  if (missing.empty()) return there.empty() ? "none" : there;
+  return fmt::format("{} (no {})", there.empty() ? "none" : there, missing);
+}
+
 std::unique_ptr<Reader> open_reader(const std::filesystem::path& path) {
   const std::string head = head_of(path);
-  if (starts_as_ply(head)) return open_ply(path);
-  if (head.starts_with("LASF")) return open_las(path);
-  if (head.starts_with("QSplat")) return open_qsplat(path);
-  if (starts_as_pcd(head)) return open_pcd(path);
-  refuse_foreign_format(path, head);
-  return open_text(path);
+  for (const Format* format : kFormats)
+    if (is_read_as_points(*format) && format->is != nullptr && format->is(head)) return format->open(path);
+  refuse_foreign_format(path, head, names_of([](const Format& f) { return is_read_as_points(f) && f.is; }, " nor "));
+  for (const Format* format : kFormats)
+    if (is_read_as_points(*format) && format->is == nullptr) return format->open(path);
+  fail("{}: is of no format that pointsweep reads.", path.string());
 }
 
 std::unique_ptr<Writer> create_writer(const OutputPlan& plan) {
+  const Format* const format = format_of_output(plan.path);
+  if (format != nullptr && is_written_as_points(*format)) {
+    std::unique_ptr<Writer> writer = format->create(plan);
+    warn_of_lost_crs(*format, plan, *writer);
+    return writer;
+  }
   const std::string extension = extension_of(plan.path);
   std::string known;
-  for (const WriterOf& writer : kWriters) {
-    if (writer.extension == extension) return writer.create(plan);
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", writer.extension);
-  }
+  for (const std::string_view other : writable_extensions())
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", other);
   fail_usage("{}: {} is no format that can be written; the extension may be one of {}.", plan.path.string(),
              extension.empty() ? "a name without extension" : fmt::format("'{}'", extension), known);
 }
 
 std::vector<std::string_view> writable_extensions() {
   std::vector<std::string_view> extensions;
-  for (const WriterOf& writer : kWriters) extensions.push_back(writer.extension);
+  for (const Format* format : kFormats)
+    if (is_written_as_points(*format))
+      extensions.insert(extensions.end(), format->extensions.begin(), format->extensions.end());
   return extensions;
 }
 

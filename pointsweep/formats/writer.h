@@ -19,7 +19,7 @@
 
 namespace pointsweep {
 
-struct LasValues;
+struct KnownValues;
 
 /// What is to be written. Records come in `schema`: first the fields of the input in the input's own layout, then what
 /// operators made ("nx", "ny", "nz", ...). The writer maps them to the names and types its format can hold.
@@ -36,14 +36,15 @@ struct OutputPlan {
   std::optional<Crs> crs = std::nullopt;
   /// What an input that is LAS, or was, means by its coordinates and times.
   std::optional<LasOrigin> las = std::nullopt;
-  /// For LAS: what is known of the values of the input's fields, which are the first of `schema`; null: their types.
-  std::shared_ptr<const LasValues> las_values = nullptr;
+  /// What is known of the values of the input's fields, which are the first of `schema` (Format::values); null: their
+  /// types.
+  std::shared_ptr<const KnownValues> values = nullptr;
   /// Of the inputs behind the first.
   std::vector<std::shared_ptr<const FormatExtras>> other_extras = {};
   /// The attributes in `schema` that operators made: formats that describe attributes take the meaning from here.
   std::vector<Attribute> made = {};
-  /// All that the file is to say of how it was made, that of `extras` first (formats/provenance.h). Written by formats
-  /// that have a place for it: PLY, LAS and text, but not .csv and .npy.
+  /// All that the file is to say of how it was made, that of `extras` first (formats/provenance.h). Formats without
+  /// Format::holds_provenance ignore it.
   std::vector<std::string> provenance = {};
 };
 
@@ -68,14 +69,15 @@ class Writer {
   std::uint64_t bytes_written() const { return bytes_written_; }
   /// What the format cannot hold, one sentence each; known when the writer is made.
   const std::vector<std::string>& warnings() const { return warnings_; }
+  void add_warning(std::string warning) { warnings_.push_back(std::move(warning)); }
 
  protected:
   std::uint64_t bytes_written_ = 0;
   std::vector<std::string> warnings_;
 };
 
-/// Chooses the format by the extension of the path (.ply, .las, .xyz, .txt, .csv, .pts, .asc). Throws Error before
-/// anything is written: unknown extension, output exists, folder missing or read-only.
+/// Chooses the format by the extension of the path (formats/registry.h). Throws Error before anything is written:
+/// unknown extension, output exists, folder missing or read-only.
 std::unique_ptr<Writer> create_writer(const OutputPlan& plan);
 
 /// The extensions that create_writer() knows, e.g. ".ply".

@@ -2,12 +2,15 @@
 #include "pointsweep/pipeline/finite_input.h"
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/extension.h"
+#include "pointsweep/formats/registry.h"
 
 namespace pointsweep {
 namespace {
 
-bool holds_nonfinite(const Outputs& outputs) { return !is_las_name(outputs.points); }
+bool holds_nonfinite(const Outputs& outputs) {
+  const Format* const format = format_of_output(outputs.points);
+  return format == nullptr || format->real_coordinates;
+}
 
 void require_allowed(const NonfiniteRows& found, const Outputs& outputs, Nonfinite rule) {
   if (rule == Nonfinite::refuse)
@@ -22,13 +25,13 @@ void require_allowed(const NonfiniteRows& found, const Outputs& outputs, Nonfini
 
 }  // namespace
 
-Nonfinite nonfinite_rule(const Outputs& outputs, const RunOptions& options) {
-  if (options.nonfinite != Nonfinite::by_format) return options.nonfinite;
+Nonfinite nonfinite_rule(const Outputs& outputs, Nonfinite asked) {
+  if (asked != Nonfinite::by_format) return asked;
   return holds_nonfinite(outputs) ? Nonfinite::keep : Nonfinite::drop;
 }
 
 FiniteInput::FiniteInput(Cloud& cloud, const Outputs& outputs, const RunOptions& options) : cloud_(cloud) {
-  const Nonfinite rule = nonfinite_rule(outputs, options);
+  const Nonfinite rule = nonfinite_rule(outputs, options.nonfinite);
   if (rule == Nonfinite::keep && holds_nonfinite(outputs)) return;
   const std::uint64_t points = cloud.count();
   try {

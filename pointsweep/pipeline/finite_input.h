@@ -7,8 +7,8 @@
 
 namespace pointsweep {
 
-/// The rule for these outputs: where the options leave it open, `drop` for LAS and `keep` for all other formats.
-Nonfinite nonfinite_rule(const Outputs& outputs, const RunOptions& options);
+/// `asked`, or where that is by_format: `drop` for formats that cannot hold such points (LAS), `keep` for the others.
+Nonfinite nonfinite_rule(const Outputs& outputs, Nonfinite asked);
 
 /// While it lives, the cloud has the rows that the run is to see. Reads the cloud once where rows may be dropped or
 /// refused and its coordinates are no integers.

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pointsweep/formats/npy/npy_writer.h"
+#include "pointsweep/formats/registry.h"
 
 namespace pointsweep {
 
@@ -25,9 +25,9 @@ std::vector<DistanceBin> bins_of(const NeighborDistances& distances) {
 void write_states(const std::vector<PointState>& states, const std::filesystem::path& path, bool overwrite) {
   OutputPlan plan{.path = path, .schema = {}, .count = states.size(), .extras = {}, .overwrite = overwrite};
   plan.schema.append("state", Type::u8);
-  NpyWriter writer(plan);
-  writer.write(std::as_bytes(std::span(states)));
-  writer.finish();
+  const std::unique_ptr<Writer> writer = array_format().create(plan);
+  writer->write(std::as_bytes(std::span(states)));
+  writer->finish();
 }
 
 }  // namespace pointsweep

@@ -6,9 +6,8 @@
 #include <set>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/field_names.h"
-#include "pointsweep/formats/las/las_extra_bytes.h"
+#include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/parse.h"
 #include "pointsweep/pipeline/planned_sweeps.h"
 
@@ -36,7 +35,7 @@ class Naming {
  public:
   Naming(const Schema& input, const std::string& input_name, const std::filesystem::path& output,
          const NamingRules& rules)
-      : input_(input), input_name_(input_name), las_(is_las_name(output)), rules_(rules) {
+      : input_(input), input_name_(input_name), format_(format_of_output(output)), rules_(rules) {
     if (!rules.prefix.empty() && !is_name(rules.prefix))
       fail_usage("--prefix: '{}' is not made of letters, digits, _ . and -.", rules.prefix);
     for (const std::string& column : column_names(input)) columns_.push_back(stored_name(column));
@@ -63,16 +62,19 @@ class Naming {
  private:
   /// As the file will have it, in lower case.
   std::string stored_name(const std::string& name) const {
-    return in_lower_case(las_ ? las_dimension_name(name) : name);
+    const bool has_own_names = format_ != nullptr && format_->stored_name != nullptr;
+    return in_lower_case(has_own_names ? format_->stored_name(name) : name);
   }
 
   void name(const std::string& attribute, std::string& field) {
     const std::string own = field;
     field = rules_.prefix + field;
     const std::string stored = stored_name(field);
-    if (!taken_.insert(stored).second || (las_ && !rules_.prefix.empty() && field.size() > kLasNameBytes))
-      fail_usage("--prefix: '{}' is too long, since LAS keeps {} bytes of a name; choose a shorter prefix.", field,
-                 kLasNameBytes);
+    const std::size_t most = format_ != nullptr ? format_->name_bytes : 0;
+    const bool too_long = most != 0 && !rules_.prefix.empty() && field.size() > most;
+    if (!taken_.insert(stored).second || too_long)
+      fail_usage("--prefix: '{}' is too long, since {} keeps {} bytes of a name; choose a shorter prefix.", field,
+                 format_ != nullptr ? format_->name : "the output", most);
     if (const auto at = input_.find(field)) return meet(attribute, own, field, input_.fields[*at]);
     const auto column = std::find(columns_.begin(), columns_.end(), stored);
     if (column != columns_.end())
@@ -105,7 +107,7 @@ class Naming {
 
   const Schema& input_;
   const std::string& input_name_;
-  bool las_;
+  const Format* format_;  ///< of the output; null if it has none
   const NamingRules& rules_;
   std::vector<std::string> columns_;  ///< of the input as they are stored, in lower case
   std::set<std::string> taken_;       ///< by made attributes

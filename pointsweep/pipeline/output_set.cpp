@@ -6,9 +6,8 @@
 #include <utility>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/extension.h"
-#include "pointsweep/formats/las/las_values.h"
-#include "pointsweep/formats/npy/npy_writer.h"
+#include "pointsweep/formats/known_values.h"
+#include "pointsweep/formats/registry.h"
 
 namespace pointsweep {
 
@@ -17,9 +16,9 @@ constexpr std::size_t kChunkBytes = 4 << 20;
 constexpr std::size_t kTaskRows = 8192;
 
 /// The ranges of the fields that are kept, in their order.
-std::shared_ptr<const LasValues> of_kept_fields(std::shared_ptr<const LasValues> values, const KeptFields& kept) {
+std::shared_ptr<const KnownValues> of_kept_fields(std::shared_ptr<const KnownValues> values, const KeptFields& kept) {
   if (!values || !kept.input) return values;
-  auto some = std::make_shared<LasValues>(*values);
+  auto some = std::make_shared<KnownValues>(*values);
   some->ranges.clear();
   for (const std::size_t field : *kept.input) some->ranges.push_back(values->ranges[field]);
   return some;
@@ -31,12 +30,14 @@ std::optional<Type> type_of_moved_positions(const Schema& input, const std::file
                                             const RunOptions& options) {
   const auto x = input.find("x");
   const bool on_grid = x && !input.fields[*x].is_plain();
-  return on_grid && is_las_name(output) ? std::nullopt : std::optional(options.moved_positions);
+  const Format* const format = format_of_output(output);
+  const bool keeps_grid = on_grid && format != nullptr && !format->real_coordinates;
+  return keeps_grid ? std::nullopt : std::optional(options.moved_positions);
 }
 
 OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept,
                      const Outputs& outputs, const RunOptions& options, std::optional<Box> bounds,
-                     std::vector<std::string> provenance, std::shared_ptr<const LasValues> las_values)
+                     std::vector<std::string> provenance, std::shared_ptr<const KnownValues> values)
     : layout_(cloud.schema(), made, kept, type_of_moved_positions(cloud.schema(), outputs.points, options)),
       input_stride_(cloud.schema().stride) {
   const OutputPlan plan{.path = outputs.points,
@@ -47,7 +48,7 @@ OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, con
                         .bounds = bounds,
                         .crs = cloud.crs(),
                         .las = cloud.las(),
-                        .las_values = of_kept_fields(std::move(las_values), kept),
+                        .values = of_kept_fields(std::move(values), kept),
                         .other_extras = cloud.other_extras(),
                         .made = made,
                         .provenance = std::move(provenance)};
@@ -64,7 +65,7 @@ OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, con
                              .extras = nullptr,
                              .overwrite = options.overwrite,
                              .made = {attribute}};
-      arrays_.emplace_back().file.add(std::make_unique<NpyWriter>(array));
+      arrays_.emplace_back().file.add(array_format().create(array));
       arrays_.back().offset = result_bytes_;
       arrays_.back().bytes = attribute.bytes();
     }

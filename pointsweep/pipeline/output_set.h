@@ -19,7 +19,7 @@ class OutputSet {
   /// `made` and `kept` under the names they have in outputs (output_names.h); `provenance` as in OutputPlan.
   OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept, const Outputs& outputs,
             const RunOptions& options, std::optional<Box> bounds, std::vector<std::string> provenance = {},
-            std::shared_ptr<const LasValues> las_values = nullptr);
+            std::shared_ptr<const KnownValues> values = nullptr);
 
   const OutputLayout& layout() const { return layout_; }
   /// What the formats of the files cannot hold, one sentence each.

@@ -8,10 +8,9 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
-#include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/same_file.h"
-#include "pointsweep/formats/las/las_layout.h"
-#include "pointsweep/formats/las/las_values.h"
+#include "pointsweep/formats/known_values.h"
+#include "pointsweep/formats/registry.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/temp_folder.h"
@@ -91,7 +90,7 @@ class Run {
                                              options_, layout.schema().stride);
     open_files_ = [&] {
       files_.emplace(cloud_, names.made, names.kept, outputs_, options_, bounds_if_known(),
-                     provenance(canonical_stages(chain, Presets::left_out), chain, planned.kept), values_if_las());
+                     provenance(canonical_stages(chain, Presets::left_out), chain, planned.kept), values_if_needed());
     };
     planned.selects() ? require_writable(names) : open_files_();
     give_notice(memory);
@@ -112,7 +111,7 @@ class Run {
     Chain kept;
     kept.keep = keep;
     files_.emplace(cloud_, std::vector<Attribute>{}, planned.kept, outputs_, options_, bounds_if_known(),
-                   provenance(kSort, kept, planned.kept), values_if_las());
+                   provenance(kSort, kept, planned.kept), values_if_needed());
     const MemoryPlan memory = plan_ordering_memory(statistics_.memory_budget_bytes, cloud_.schema().stride,
                                                    cloud_.count(), survey_, options_);
     if (memory.needed_bytes != 0) fail_budget(statistics_.memory_budget_bytes, memory.needed_bytes);
@@ -183,8 +182,9 @@ class Run {
 
   /// A format that stores integers must know the bounds before the first record, unless these integers come.
   bool needs_bounds() const {
-    return is_las_name(outputs_.points) && (input_.dropped().bounds.empty() || cloud_.selection()) &&
-           !las_keeps_scale(position_fields(cloud_.schema(), name_of_cloud()));
+    const Format* const format = format_of_output(outputs_.points);
+    return format != nullptr && format->needs_bounds != nullptr &&
+           (input_.dropped().bounds.empty() || cloud_.selection()) && format->needs_bounds(cloud_.schema());
   }
   /// That the files can be written is known before the work, what is in their headers after the last select.
   void require_writable(const OutputNames& names) const {
@@ -204,10 +204,12 @@ class Run {
     if (cloud_.count() == 0) warn(fmt::format("No point is left: {} holds none.", outputs_.points.string()));
     open_files_();
   }
-  /// What a LAS output has to know of all values before the first record.
-  std::shared_ptr<const LasValues> values_if_las() {
-    if (!is_las_name(outputs_.points)) return nullptr;
-    return std::make_shared<LasValues>(las_values(cloud_, [this](std::uint64_t rows) { report("ordering", rows, 0); }));
+  /// What the format of the output has to know of all values before the first record.
+  std::shared_ptr<const KnownValues> values_if_needed() {
+    const Format* const format = format_of_output(outputs_.points);
+    if (format == nullptr || format->values == nullptr) return nullptr;
+    return std::make_shared<KnownValues>(
+        format->values(cloud_, [this](std::uint64_t rows) { report("ordering", rows, 0); }));
   }
   std::optional<Box> bounds_if_known() const {
     if (const Box& box = input_.dropped().bounds; !box.empty() && !cloud_.selection()) return box;

@@ -61,13 +61,12 @@ unsigned fineness_of(const RenderOptions& options) {
   return pixels <= (1u << 22) ? 3 : pixels <= (1u << 24) ? 2 : 1;
 }
 
-bool all_are_las(const Cloud& cloud) {
-  return std::all_of(cloud.readers().begin(), cloud.readers().end(),
-                     [](const auto& reader) { return reader->info().format.starts_with("LAS"); });
+bool have_z_up(const Cloud& cloud) {
+  return std::ranges::all_of(cloud.readers(), [](const auto& reader) { return reader->info().z_is_up; });
 }
 
 View view_of(const RenderOptions& options, const Cloud& cloud, const std::vector<Vec3>& sample) {
-  const Up up = options.up ? *options.up : all_are_las(cloud) ? Up{} : find_up(sample);
+  const Up up = options.up ? *options.up : have_z_up(cloud) ? Up{} : find_up(sample);
   return {options.angles ? *options.angles : is_flat(sample, up) ? kTop : kThreeQuarter, up};
 }
 

@@ -7,12 +7,12 @@
 #include <string>
 
 #include "pointsweep/formats/las/las_reader.h"
+#include "pointsweep/formats/npy/npy_reader.h"
 #include "pointsweep/formats/pcd/pcd_reader.h"
 #include "pointsweep/formats/ply/ply_reader.h"
 #include "pointsweep/formats/qsplat/qsplat_reader.h"
 #include "pointsweep/formats/text/text_reader.h"
 #include "pointsweep/pipeline/parse.h"
-#include "pointsweep/verify/npy_reader.h"
 #include "tests/fuzz/read_everything.h"
 
 namespace pointsweep {

@@ -6,10 +6,10 @@
 #include <cstring>
 
 #include "pointsweep/formats/arrays.h"
+#include "pointsweep/formats/npy/npy_reader.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/pipeline.h"
-#include "pointsweep/verify/npy_reader.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/hostile_clouds.h"

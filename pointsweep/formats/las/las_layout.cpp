@@ -10,11 +10,11 @@
 #include <utility>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/las/las_crs.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_fields.h"
 #include "pointsweep/formats/las/las_point_formats.h"
-#include "pointsweep/formats/las/las_values.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/provenance.h"
 
@@ -163,7 +163,7 @@ class Builder {
     LasHeader& header = layout_.header;
     const Schema& schema = plan_.schema;
     const std::vector<ValueRange> ranges = value_ranges();
-    const bool legacy = plan_.las.has_value() && plan_.las_values != nullptr;
+    const bool legacy = plan_.las.has_value() && plan_.values != nullptr;
     header.point_format = static_cast<std::uint8_t>(choose_las_point_format(schema, ranges, legacy));
     choose_version();
     choose_scale(position_fields(schema, plan_.path.string()));
@@ -201,8 +201,8 @@ class Builder {
     std::vector<ValueRange> ranges;
     for (std::size_t i = 0; i < plan_.schema.fields.size(); ++i) {
       const Field& field = plan_.schema.fields[i];
-      const bool known = plan_.las_values != nullptr && i < plan_.las_values->ranges.size() && !is_made(field.name);
-      ranges.push_back(known ? plan_.las_values->ranges[i] : range_of_type(field));
+      const bool known = plan_.values != nullptr && i < plan_.values->ranges.size() && !is_made(field.name);
+      ranges.push_back(known ? plan_.values->ranges[i] : range_of_type(field));
     }
     return ranges;
   }
@@ -228,7 +228,7 @@ class Builder {
       set_grid({{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}});
     } else if (plan_.bounds && keeps_grid()) {
       set_grid(las_grid_within(plan_.las->grid, *plan_.bounds));
-      if (plan_.las_values->rounds)
+      if (plan_.values->rounds)
         layout_.warnings.push_back(
             fmt::format("{}: the scales and offsets of the inputs have no common grid; coordinates are rounded to the "
                         "finest scale among them, {} {} {}.",
@@ -243,7 +243,7 @@ class Builder {
     }
   }
 
-  bool keeps_grid() const { return plan_.las && plan_.las_values && plan_.las_values->keeps_grid && !is_made("x"); }
+  bool keeps_grid() const { return plan_.las && plan_.values && plan_.values->keeps_grid && !is_made("x"); }
 
   void set_grid(const LasQuantization& grid) {
     layout_.header.scale = grid.scale;

@@ -139,6 +139,7 @@ class LasReader : public Reader {
       info_.bounds = box;
     }
     info_.extras = extras;
+    info_.z_is_up = true;
     info_.crs = extras->crs;
     info_.las = origin_of(header);
     info_.provenance = extras->provenance;

@@ -29,7 +29,7 @@ bool is_on_grid(double value, double scale, double offset) {
 /// Reads all points; what it looks for is given to the constructor.
 class Look {
  public:
-  Look(Cloud& cloud, LasValues& values, std::vector<std::size_t> fields, bool grid)
+  Look(Cloud& cloud, KnownValues& values, std::vector<std::size_t> fields, bool grid)
       : cloud_(cloud), values_(values), fields_(std::move(fields)), grid_(grid) {
     for (const std::size_t field : fields_) values_.ranges[field] = {};
   }
@@ -68,7 +68,7 @@ class Look {
   }
 
   Cloud& cloud_;
-  LasValues& values_;
+  KnownValues& values_;
   std::vector<std::size_t> fields_;
   bool grid_;
   PositionFields positions_ = position_fields(cloud_.schema(), "the input");
@@ -77,8 +77,8 @@ class Look {
 
 }  // namespace
 
-LasValues las_values(Cloud& cloud, const std::function<void(std::uint64_t)>& progress) {
-  LasValues values{cloud.ranges()};
+KnownValues las_values(Cloud& cloud, const std::function<void(std::uint64_t)>& progress) {
+  KnownValues values{cloud.ranges()};
   const bool from_las = cloud.las().has_value();
   const bool real = !las_keeps_scale(position_fields(cloud.schema(), "the input"));
   values.rounds = real && std::all_of(cloud.readers().begin(), cloud.readers().end(), is_las);

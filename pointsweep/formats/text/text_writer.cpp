@@ -28,9 +28,6 @@ class TextWriter final : public Writer {
  public:
   explicit TextWriter(const OutputPlan& plan)
       : plan_(plan), separator_(extension_of(plan.path) == ".csv" ? ',' : ' '), file_(plan.path, plan.overwrite) {
-    if (plan.crs)
-      warnings_.push_back(fmt::format("{}: text cannot hold the coordinate reference system, {}; PLY and LAS keep it.",
-                                      plan.path.string(), short_text(*plan.crs)));
     const auto names = column_names(plan.schema);
     const std::string extension = extension_of(plan.path);
     if (extension == ".pts") append(fmt::format("{}\n", plan.count));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/npy_reader.h"
+#include "pointsweep/formats/npy/npy_reader.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+/// What a format is and what its files can hold. Each format declares it once, beside its code
+/// (FOLDER/FORMAT_format.h); registry.cpp lists all of them. Other layers ask a Format and never compare names or
+/// extensions.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "pointsweep/formats/reader.h"
+#include "pointsweep/formats/writer.h"
+
+namespace pointsweep {
+
+class Cloud;
+
+struct Format {
+  enum class Content : std::uint8_t {
+    points,  ///< points with attributes
+    array    ///< the values of one attribute, without coordinates
+  };
+
+  std::string_view name;     ///< in sentences: "LAS"
+  std::string_view title;    ///< in tables: "LAS 1.0 to 1.4"
+  std::string_view details;  ///< page or section of docs/formats.md that says more; "" if none does
+  std::string_view reads;    ///< which of its files are read, for tables; "no" if none is
+  std::string_view writes;   ///< likewise
+  /// Names of its files end so, in lower case. An output whose name ends so is written in this format, if create is
+  /// set.
+  std::span<const std::string_view> extensions;
+  /// The codec that its files need; "" if none. A build without it recognises them and refuses them in a sentence.
+  std::string_view codec = "";
+  bool (*has_codec)() = nullptr;  ///< whether this build has it; null without a codec
+
+  /// Whether a file that begins with `head` (at most 4,096 bytes) is of this format; null for a format without
+  /// signature, which is tried when all others and the foreign formats have been.
+  bool (*is)(std::string_view head) = nullptr;
+  std::unique_ptr<Reader> (*open)(const std::filesystem::path& path) = nullptr;  ///< null: it is not read
+  std::unique_ptr<Writer> (*create)(const OutputPlan& plan) = nullptr;           ///< null: it is not written
+
+  Content content = Content::points;
+  bool holds_crs = false;         ///< a coordinate reference system
+  bool holds_provenance = false;  ///< lines that say how the file was made
+  /// Coordinates are any float64, NaN and infinity included. False: integers on a grid of finite steps.
+  bool real_coordinates = true;
+  /// Box of all points is in the header (FileInfo::bounds), so that it is known without reading the points.
+  bool states_bounds = false;
+  std::size_t name_bytes = 0;  ///< longest name of an attribute; 0: any length
+  /// The name under which its outputs hold an attribute; null: its own.
+  std::string (*stored_name)(const std::string& name) = nullptr;
+  /// Whether OutputPlan::bounds must be known before records of `schema` are written; null: never.
+  bool (*needs_bounds)(const Schema& schema) = nullptr;
+  /// What OutputPlan::values must say of a cloud, which may be read for it once; null: nothing. `progress` gets the
+  /// number of points read; it may throw.
+  KnownValues (*values)(Cloud& cloud, const std::function<void(std::uint64_t rows)>& progress) = nullptr;
+
+  /// Whether this build reads and writes it as far as open and create say.
+  bool is_built_in() const { return has_codec == nullptr || has_codec(); }
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/las/las_format.h"
+
+#include "pointsweep/formats/las/las_extra_bytes.h"
+#include "pointsweep/formats/las/las_layout.h"
+#include "pointsweep/formats/las/las_reader.h"
+#include "pointsweep/formats/las/las_values.h"
+#include "pointsweep/formats/las/las_writer.h"
+#include "pointsweep/formats/las/laz_layout.h"
+#include "pointsweep/formats/las/laz_writer.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::string_view kLasExtensions[] = {".las"}, kLazExtensions[] = {".laz"};
+
+/// A bit of the point format (byte 104) tells compressed files.
+bool is_compressed(std::string_view head) {
+  return head.starts_with("LASF") && head.size() > 104 && (static_cast<unsigned char>(head[104]) & 0x80) != 0;
+}
+bool is_uncompressed(std::string_view head) { return head.starts_with("LASF") && !is_compressed(head); }
+
+bool needs_bounds(const Schema& schema) { return !las_keeps_scale(position_fields(schema, "the input")); }
+
+}  // namespace
+
+const Format kLasFormat = {.name = "LAS",
+                           .title = "LAS 1.0 to 1.4",
+                           .details = "las.md",
+                           .reads = "point formats 0 to 10",
+                           .writes = "same",
+                           .extensions = kLasExtensions,
+                           .is = is_uncompressed,
+                           .open = open_las,
+                           .create = create_las_writer,
+                           .holds_crs = true,
+                           .holds_provenance = true,
+                           .real_coordinates = false,
+                           .states_bounds = true,
+                           .name_bytes = kLasNameBytes,
+                           .stored_name = las_dimension_name,
+                           .needs_bounds = needs_bounds,
+                           .values = las_values};
+
+const Format kLazFormat = {.name = "LAZ",
+                           .title = "LAZ 1.0 to 1.4, COPC",
+                           .details = "las.md",
+                           .reads = "the same, compressed; COPC as LAZ",
+                           .writes = "LAZ with 50,000 points a chunk",
+                           .extensions = kLazExtensions,
+                           .codec = "LASzip",
+                           .has_codec = has_laz,
+                           .is = is_compressed,
+                           .open = open_las,
+                           .create = create_laz_writer,
+                           .holds_crs = true,
+                           .holds_provenance = true,
+                           .real_coordinates = false,
+                           .states_bounds = true,
+                           .name_bytes = kLasNameBytes,
+                           .stored_name = las_dimension_name,
+                           .needs_bounds = needs_bounds,
+                           .values = las_values};
+
+}  // namespace pointsweep

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+/// NumPy arrays as the list of formats has them.
+#pragma once
+
+#include "pointsweep/formats/format.h"
+
+namespace pointsweep {
+
+extern const Format kNpyFormat;
+
+}  // namespace pointsweep

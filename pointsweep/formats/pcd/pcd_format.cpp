@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/pcd/pcd_format.h"
+
+#include "pointsweep/formats/pcd/pcd_reader.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::string_view kPcdExtensions[] = {".pcd"};
+
+}  // namespace
+
+const Format kPcdFormat = {.name = "PCD",
+                           .title = "PCD",
+                           .details = "#pcd",
+                           .reads = "ascii, binary, binary_compressed; versions .5 to 0.7",
+                           .writes = "no",
+                           .extensions = kPcdExtensions,
+                           .is = starts_as_pcd,
+                           .open = open_pcd};
+
+}  // namespace pointsweep

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/// The list of formats.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "pointsweep/formats/format.h"
+
+namespace pointsweep {
+
+/// All formats. A file is of the first whose signature it has.
+std::span<const Format* const> formats();
+
+/// The format of an output of this name; null if its extension is that of none that is written.
+const Format* format_of_output(const std::filesystem::path& path);
+
+/// Whether a file of this name holds an array, not points.
+bool is_array_name(const std::filesystem::path& path);
+/// The format of arrays.
+const Format& array_format();
+
+/// "PLY, LAS, PCD, QSplat, text": the names of the formats whose files are read as points.
+std::string readable_formats();
+
+/// "LASzip", or "none (no LAZ)": the codecs of this build, and the formats that it cannot read or write without one.
+std::string codecs();
+
+/// The table of docs/formats.md.
+std::string formats_table();
+
+}  // namespace pointsweep

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/text/text_format.h"
+
+#include "pointsweep/formats/text/text_reader.h"
+#include "pointsweep/formats/text/text_writer.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::string_view kTextExtensions[] = {".xyz", ".txt", ".asc", ".pts"};
+constexpr std::string_view kCsvExtensions[] = {".csv"};
+
+}  // namespace
+
+const Format kTextFormat = {.name = "text",
+                            .title = "text",
+                            .details = "",
+                            .reads = "columns separated by spaces, tabs, commas or semicolons",
+                            .writes = "columns separated by spaces",
+                            .extensions = kTextExtensions,
+                            .open = open_text,
+                            .create = create_text_writer,
+                            .holds_provenance = true};
+
+const Format kCsvFormat = {.name = "text",
+                           .title = "CSV",
+                           .details = "",
+                           .reads = "as text",
+                           .writes = "columns separated by commas",
+                           .extensions = kCsvExtensions,
+                           .create = create_text_writer};
+
+}  // namespace pointsweep
