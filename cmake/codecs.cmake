@@ -1,6 +1,6 @@
-# The Rust crate in codecs/ as the static library pointsweep_codecs. POINTSWEEP_CODECS: ON needs cargo, OFF does without LAZ,
-# AUTO (the default) takes what is there: cargo 1.78 or newer, and the crates of codecs/Cargo.lock, here or from their registry.
-set(POINTSWEEP_CODECS AUTO CACHE STRING "Build the codecs for LAZ, which need cargo: ON, OFF or AUTO")
+# The Rust crate in codecs/ as the static library pointsweep_codecs. POINTSWEEP_CODECS: ON needs cargo, OFF does without LAZ and E57,
+# AUTO (the default) takes what is there: cargo 1.87 or newer, and the crates of codecs/Cargo.lock, here or from their registry.
+set(POINTSWEEP_CODECS AUTO CACHE STRING "Build the codecs for LAZ and E57, which need cargo: ON, OFF or AUTO")
 set_property(CACHE POINTSWEEP_CODECS PROPERTY STRINGS AUTO ON OFF)
 set(POINTSWEEP_HAS_CODECS OFF)
 if(NOT POINTSWEEP_CODECS)
@@ -16,8 +16,8 @@ function(pointsweep_find_cargo why)
   endif()
   execute_process(COMMAND ${POINTSWEEP_CARGO} --version OUTPUT_VARIABLE version ERROR_QUIET)
   string(REGEX MATCH "[0-9]+\\.[0-9]+" version "${version}")
-  if(version VERSION_LESS 1.78)
-    set(${why} "${POINTSWEEP_CARGO} is older than 1.78" PARENT_SCOPE)
+  if(version VERSION_LESS 1.87)
+    set(${why} "${POINTSWEEP_CARGO} is older than 1.87" PARENT_SCOPE)
     return()
   endif()
   foreach(where --offline "")
@@ -35,7 +35,7 @@ pointsweep_find_cargo(codecs_missing)
 if(codecs_missing AND NOT POINTSWEEP_CODECS STREQUAL AUTO)
   message(FATAL_ERROR "POINTSWEEP_CODECS: ${codecs_missing}")
 elseif(codecs_missing)
-  message(WARNING "LAZ will not be read: ${codecs_missing}")
+  message(WARNING "LAZ and E57 will not be read: ${codecs_missing}")
   return()
 endif()
 

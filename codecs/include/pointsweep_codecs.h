@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* LASzip compression of LAS point records, chunk by chunk. Implemented in Rust (codecs/src) with the crate `laz`.
+/* LASzip compression of LAS point records, chunk by chunk, with the crate `laz`, and the scans of E57 files, with the crate
+ * `e57`. Implemented in Rust (codecs/src).
  *
  * Functions that can fail return 0, or -1 with a sentence in `error`. No panic crosses this interface. Different
  * decoders, and encoders on the same layout, may run on different threads at the same time. Nothing is allocated in
@@ -58,6 +59,45 @@ void psc_laz_decoder_free(psc_laz_decoder* decoder);
 
 /* Compresses whole records, at least one, to a chunk. Bytes that psc_free_bytes() frees. */
 int psc_laz_encode(const psc_laz* laz, const uint8_t* records, size_t bytes, uint8_t** out, size_t* out_bytes, psc_error* error);
+
+/* What an E57 file says of its scans. */
+typedef struct psc_e57 psc_e57;
+
+typedef struct psc_e57_scan {
+  uint64_t points;
+  size_t attributes;
+  int32_t has_pose;
+  double rotation[4]; /* unit quaternion w, x, y, z */
+  double translation[3];
+} psc_e57_scan;
+
+enum { PSC_E57_SINGLE = 0, PSC_E57_DOUBLE = 1, PSC_E57_SCALED_INTEGER = 2, PSC_E57_INTEGER = 3 };
+
+typedef struct psc_e57_attribute {
+  char name[64];       /* as in the file, e.g. cartesianX; with a final 0 */
+  int32_t kind;        /* PSC_E57_SINGLE, ... */
+  int64_t least, most; /* of integers, scaled or not, as they are stored */
+  double scale, offset;
+} psc_e57_attribute;
+
+/* A file of `size` bytes. */
+int psc_e57_open(psc_read read, void* context, uint64_t size, psc_e57** out, psc_error* error);
+void psc_e57_free(psc_e57* file);
+size_t psc_e57_scans(const psc_e57* file);
+size_t psc_e57_images(const psc_e57* file);
+/* What the file says of its coordinate system, without a final 0. Returns its size; nothing is written if `room` is less. */
+size_t psc_e57_coordinate_system(const psc_e57* file, uint8_t* into, size_t room);
+void psc_e57_scan_info(const psc_e57* file, size_t scan, psc_e57_scan* out);
+void psc_e57_attribute_info(const psc_e57* file, size_t scan, size_t attribute, psc_e57_attribute* out);
+
+/* Points of one scan, from the first to the last. Does not need the psc_e57 any more. */
+typedef struct psc_e57_reader psc_e57_reader;
+int psc_e57_reader_open(const psc_e57* file, size_t scan, psc_read read, void* context, uint64_t size, psc_e57_reader** out,
+                        psc_error* error);
+/* The next points: `count` values, one for each attribute of each point, as the bits of a double (PSC_E57_SINGLE and
+ * PSC_E57_DOUBLE) or as an integer, without its scale. It is an error to ask for more points than there are. */
+int psc_e57_read(psc_e57_reader* reader, uint64_t* values, size_t count, psc_error* error);
+void psc_e57_reader_free(psc_e57_reader* reader);
 
 void psc_free_bytes(uint8_t* bytes, size_t size);
 

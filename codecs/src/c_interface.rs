@@ -3,8 +3,10 @@
 #![allow(clippy::missing_safety_doc)]
 
 use crate::boundary::{guarded, ErrorText};
-use crate::{encode, write_chunk_table, Decoder, Error, Layout, Source};
-use std::ffi::c_void;
+use crate::{encode, name_of, write_chunk_table, Contents, Decoder, Error, Layout, ScanReader, Source};
+use e57::RecordDataType;
+use std::ffi::{c_char, c_void};
+use std::io::BufReader;
 use std::slice::{from_raw_parts, from_raw_parts_mut};
 
 type ReadAt = unsafe extern "C" fn(*mut c_void, u64, *mut u8, usize) -> isize;
@@ -144,5 +146,132 @@ pub unsafe extern "C" fn psc_laz_encode(laz: *const Layout, records: *const u8, 
 pub unsafe extern "C" fn psc_free_bytes(data: *mut u8, size: usize) {
     if !data.is_null() {
         drop(Box::from_raw(std::ptr::slice_from_raw_parts_mut(data, size)));
+    }
+}
+
+const NAME_BYTES: usize = 64;
+
+#[repr(C)]
+pub struct E57Scan {
+    points: u64,
+    attributes: usize,
+    has_pose: i32,
+    rotation: [f64; 4],
+    translation: [f64; 3],
+}
+
+#[repr(C)]
+pub struct E57Attribute {
+    name: [c_char; NAME_BYTES],
+    kind: i32,
+    least: i64,
+    most: i64,
+    scale: f64,
+    offset: f64,
+}
+
+type FileSource = BufReader<Source<ReadFile>>;
+
+fn source_of(read: ReadAt, context: *mut c_void, size: u64) -> FileSource {
+    let caller = Caller { read, context };
+    let read_at: ReadFile = Box::new(move |offset, into| caller.read(offset, into));
+    BufReader::with_capacity(1 << 16, Source::new(read_at, 0, size))
+}
+
+/// With a final 0, cut off where it is too long.
+fn put_text(text: &str, into: &mut [c_char]) {
+    let mut end = text.len().min(into.len() - 1);
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    for (to, from) in into.iter_mut().zip(&text.as_bytes()[..end]) {
+        *to = *from as c_char;
+    }
+    into[end] = 0;
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_open(read: ReadAt, context: *mut c_void, size: u64, out: *mut *mut Contents,
+                                      error: *mut ErrorText) -> i32 {
+    guarded(error, || {
+        *out = Box::into_raw(Box::new(Contents::read(source_of(read, context, size))?));
+        Ok(())
+    })
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_free(file: *mut Contents) {
+    if !file.is_null() {
+        drop(Box::from_raw(file));
+    }
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_scans(file: *const Contents) -> usize {
+    (*file).scans.len()
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_images(file: *const Contents) -> usize {
+    (*file).images
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_coordinate_system(file: *const Contents, into: *mut u8, room: usize) -> usize {
+    let text = (*file).coordinate_system.as_bytes();
+    if room >= text.len() && room > 0 {
+        from_raw_parts_mut(into, text.len()).copy_from_slice(text);
+    }
+    text.len()
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_scan_info(file: *const Contents, scan: usize, out: *mut E57Scan) {
+    let scan = &(&(*file).scans)[scan];
+    let (rotation, translation) = match &scan.transform {
+        Some(t) => ([t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z], [t.translation.x, t.translation.y, t.translation.z]),
+        None => ([1.0, 0.0, 0.0, 0.0], [0.0; 3]),
+    };
+    let has_pose = i32::from(scan.transform.is_some());
+    *out = E57Scan { points: scan.records, attributes: scan.prototype.len(), has_pose, rotation, translation };
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_attribute_info(file: *const Contents, scan: usize, attribute: usize, out: *mut E57Attribute) {
+    let record = &(&(*file).scans)[scan].prototype[attribute];
+    let (kind, least, most, scale, offset) = match record.data_type {
+        RecordDataType::Single { .. } => (0, 0, 0, 1.0, 0.0),
+        RecordDataType::Double { .. } => (1, 0, 0, 1.0, 0.0),
+        RecordDataType::ScaledInteger { min, max, scale, offset } => (2, min, max, scale, offset),
+        RecordDataType::Integer { min, max } => (3, min, max, 1.0, 0.0),
+    };
+    *out = E57Attribute { name: [0; NAME_BYTES], kind, least, most, scale, offset };
+    put_text(&name_of(&record.name), &mut (*out).name);
+}
+
+pub type FileScanReader = ScanReader<FileSource>;
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_reader_open(file: *const Contents, scan: usize, read: ReadAt, context: *mut c_void, size: u64,
+                                             out: *mut *mut FileScanReader, error: *mut ErrorText) -> i32 {
+    guarded(error, || {
+        let scan = &(&(*file).scans)[scan];
+        *out = Box::into_raw(Box::new(ScanReader::open(source_of(read, context, size), scan)?));
+        Ok(())
+    })
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_read(reader: *mut FileScanReader, values: *mut u64, count: usize, error: *mut ErrorText) -> i32 {
+    guarded(error, || match count {
+        0 => Ok(()),
+        _ => (*reader).read(from_raw_parts_mut(values, count)),
+    })
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_reader_free(reader: *mut FileScanReader) {
+    if !reader.is_null() {
+        drop(Box::from_raw(reader));
     }
 }

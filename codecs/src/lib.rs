@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
 //! Compressed point formats behind a C interface, `include/pointsweep_codecs.h`, which says what each function does.
 //!
-//! `laz`: LASzip. `boundary`: what every function of the interface needs: errors as text, panics caught.
+//! `laz_*`: LASzip. `e57_scan`: E57. `boundary`: what every function of the interface needs: errors as text, panics caught.
 
 mod boundary;
+mod e57_scan;
 mod laz_decoder;
 mod laz_encoder;
 mod laz_layout;
 
 pub use boundary::Error;
+pub use e57_scan::{name_of, Contents, ScanReader};
 pub use laz_decoder::{Decoder, Source};
 pub use laz_encoder::{encode, write_chunk_table};
 pub use laz_layout::Layout;

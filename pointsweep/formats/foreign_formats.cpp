@@ -19,7 +19,6 @@ struct Magic {
   std::string_view remedy;
 };
 constexpr Magic kMagics[] = {
-    {"ASTM-E57"sv, "an E57 file", kWithPdal},
     {"\x1f\x8b"sv, "a gzip archive", kUnpack},
     {"PK\x03\x04"sv, "a zip archive", kUnpack},
     {"BZh"sv, "a bzip2 archive", kUnpack},

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/e57/e57_format.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/foreign_formats.h"
@@ -18,7 +19,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::array kFormats{&kPlyFormat,    &kLasFormat,  &kLazFormat, &kPcdFormat,
+constexpr std::array kFormats{&kPlyFormat,    &kLasFormat,  &kLazFormat, &kPcdFormat, &kE57Format,
                               &kQsplatFormat, &kTextFormat, &kCsvFormat, &kNpyFormat};
 
 bool is_written_as_points(const Format& format) {

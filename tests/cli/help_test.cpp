@@ -96,7 +96,7 @@ TEST_F(Help, VersionTellsBuildInstructionSetAndFormats) {
   const Result result = tool("--version");
   EXPECT_EQ(result.status, 0);
   EXPECT_TRUE(result.out.starts_with("pointsweep ")) << result.out;
-  for (const char* words : {"\n  build ", "\n  instruction set ", "\n  reads ", "PLY, LAS, ", "PCD, QSplat, text",
+  for (const char* words : {"\n  build ", "\n  instruction set ", "\n  reads ", "PLY, LAS, ", "QSplat, text",
                             "\n  writes ", ".ply, .las", "\n  codecs "})
     EXPECT_NE(result.out.find(words), std::string::npos) << words << "\n" << result.out;
   EXPECT_NE(result.out.find("GCC") + result.out.find("Clang"), 2 * std::string::npos);

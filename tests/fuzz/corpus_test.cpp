@@ -6,6 +6,7 @@
 #include <iterator>
 #include <string>
 
+#include "pointsweep/formats/e57/e57_reader.h"
 #include "pointsweep/formats/las/las_reader.h"
 #include "pointsweep/formats/npy/npy_reader.h"
 #include "pointsweep/formats/pcd/pcd_reader.h"
@@ -35,7 +36,8 @@ void for_each_kept(const std::string& fuzzer, Use use) {
 TEST(FuzzCorpus, EveryFileIsReadWholeOrRefused) {
   using Open = std::unique_ptr<Reader> (*)(const std::filesystem::path&);
   const std::pair<const char*, Open> readers[] = {{"ply", open_ply},       {"las", open_las}, {"text", open_text},
-                                                  {"qsplat", open_qsplat}, {"pcd", open_pcd}, {"npy", open_npy}};
+                                                  {"qsplat", open_qsplat}, {"pcd", open_pcd}, {"e57", open_e57},
+                                                  {"npy", open_npy}};
   for (const auto& [name, open] : readers) {
     for_each_kept(name, [open = open](const std::string& bytes) {
       read_everything(open, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());

@@ -42,7 +42,7 @@ inline void read_everything(std::unique_ptr<Reader> (*open)(const std::filesyste
   try {
     const auto reader = open(file.path());
     const FileInfo& info = reader->info();
-    const bool compressed = info.format.starts_with("LAZ");
+    const bool compressed = info.format.starts_with("LAZ") || info.format.starts_with("E57");
     const std::uint64_t most = compressed ? 100'000 : size;
     if (!compressed && info.count > size) std::abort();
     std::vector<std::byte> records(100 * std::size_t{info.schema.stride});

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/e57/e57_format.h"
+
+#include "pointsweep/formats/e57/e57_file.h"
+#include "pointsweep/formats/e57/e57_reader.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::string_view kE57Extensions[] = {".e57"};
+
+bool starts_as_e57(std::string_view head) { return head.starts_with("ASTM-E57"); }
+
+}  // namespace
+
+const Format kE57Format = {.name = "E57",
+                           .title = "E57",
+                           .details = "#e57",
+                           .reads = "all scans as one cloud, poses applied",
+                           .writes = "no",
+                           .extensions = kE57Extensions,
+                           .codec = "E57",
+                           .has_codec = has_e57,
+                           .is = starts_as_e57,
+                           .open = open_e57,
+                           .holds_crs = true};
+
+}  // namespace pointsweep
