@@ -28,12 +28,7 @@ constexpr Magic kMagics[] = {
     {"\x89HDF"sv, "an HDF5 file", "export its points as PLY or LAS"},
     {"glTF"sv, "a glTF file", kWithMeshTool},
     {"# vtk DataFile"sv, "a VTK file", kWithMeshTool},
-    {"OFF"sv, "an OFF file", kWithMeshTool},
-    {"COFF"sv, "an OFF file", kWithMeshTool},
-    {"NOFF"sv, "an OFF file", kWithMeshTool},
     {"solid "sv, "an STL file", kWithMeshTool},
-    {"mtllib "sv, "an OBJ file", kWithMeshTool},
-    {"v "sv, "an OBJ file", kWithMeshTool},
     {"<?xml"sv, "an XML file", "give the file that holds the points"},
     {"{"sv, "a JSON file", "give the file that holds the points"},
     {"\xff\xfe"sv, "text in UTF-16", "save it as UTF-8"},
@@ -43,8 +38,6 @@ constexpr Magic kMagics[] = {
 /// Text formats without a magic number go by their extension.
 constexpr Magic kExtensions[] = {
     {".ptx"sv, "a PTX file", kWithPdal},
-    {".obj"sv, "an OBJ file", kWithMeshTool},
-    {".off"sv, "an OFF file", kWithMeshTool},
     {".stl"sv, "an STL file", kWithMeshTool},
 };
 

@@ -10,6 +10,7 @@
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/foreign_formats.h"
 #include "pointsweep/formats/las/las_format.h"
+#include "pointsweep/formats/mesh/mesh_formats.h"
 #include "pointsweep/formats/npy/npy_format.h"
 #include "pointsweep/formats/pcd/pcd_format.h"
 #include "pointsweep/formats/ply/ply_format.h"
@@ -19,8 +20,8 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::array kFormats{&kPlyFormat,    &kLasFormat,  &kLazFormat, &kPcdFormat, &kE57Format,
-                              &kQsplatFormat, &kTextFormat, &kCsvFormat, &kNpyFormat};
+constexpr std::array kFormats{&kPlyFormat, &kLasFormat,    &kLazFormat,  &kPcdFormat, &kE57Format, &kOffFormat,
+                              &kObjFormat, &kQsplatFormat, &kTextFormat, &kCsvFormat, &kNpyFormat};
 
 bool is_written_as_points(const Format& format) {
   return format.content == Format::Content::points && format.create != nullptr;

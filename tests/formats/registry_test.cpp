@@ -33,8 +33,7 @@ TEST(Registry, SaysWhatAFileIsThatItDoesNotRead) {
   };
   EXPECT_THAT(sentence_for("a", "glTF\2\0"s), HasSubstr("a: is a glTF file, which pointsweep does not read"));
   EXPECT_THAT(sentence_for("a", "\x1f\x8b\x08\0"s), HasSubstr("is a gzip archive"));
-  EXPECT_THAT(sentence_for("a", "OFF\n3 1 0\n"), HasSubstr("is an OFF file"));
-  EXPECT_THAT(sentence_for("a", "v 0 0 0\nv 1 0 0\n"), HasSubstr("is an OBJ file"));
+  EXPECT_THAT(sentence_for("a", "solid s\nfacet\n"), HasSubstr("is an STL file"));
   EXPECT_THAT(sentence_for("a.PTX", "15\n1\n"), HasSubstr("is a PTX file"));
   EXPECT_THAT(sentence_for("a", "\xff\xfex\0"s), HasSubstr("UTF-16"));
   EXPECT_THAT(sentence_for("a", "12 34\0"s), HasSubstr("is binary (byte 5 is 0)"));
@@ -69,8 +68,8 @@ constexpr Outcome kOutcomes[] = {
     {"malformed/assimp/models/invalid/empty.obj", 0, "is empty"},
     {"malformed/assimp/models/invalid/empty.off", 0, "is empty"},
     {"malformed/assimp/models/invalid/empty.ply", 0, "is empty"},
-    {"malformed/assimp/models/invalid/malformed.obj", 0, "is an OBJ file"},
-    {"malformed/assimp/models/invalid/malformed2.obj", 0, "is an OBJ file"},
+    {"malformed/assimp/models/invalid/malformed.obj", 8},
+    {"malformed/assimp/models/invalid/malformed2.obj", 8},
     {"malformed/assimp/models/invalid/readme.txt", 0, "is neither numbers nor a header"},
     {"malformed/bunny_variants/bun000.ply", 40256},
     {"malformed/cgal_edge/blobby.xyz", 3288},
@@ -101,7 +100,7 @@ constexpr Outcome kOutcomes[] = {
     {"malformed/point-cloud-utils/bunny_duplicates.ply", 2895},
     {"models/cgal/b9_training.ply", 22300},
     {"models/cgal/ball.ply", 31374},
-    {"models/cgal/blade.off", 0, "is an OFF file"},
+    {"models/cgal/blade.off", 8231},
     {"models/cgal/hippo1.ply", 6104},
     {"models/cgal/kitten.xyz", 5210},
     {"models/cgal/oni.pwn", 1435},

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+/// The vertices of mesh files in text: a line for each, x y z and perhaps more.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/files/row_lines.h"
+#include "pointsweep/formats/reader.h"
+
+namespace pointsweep {
+
+/// What the numbers of a line are, in their order. Coordinates, normals and texture coordinates are read as float64;
+/// colours as uint8, from numbers between 0 and 1 if none in the file is larger, else from 0 to 255.
+struct VertexColumns {
+  bool normal = false;
+  std::size_t color = 0;  ///< components: 0, 3 or 4
+  bool texture = false;
+  std::size_t ignored = 0;  ///< numbers behind
+};
+
+class VertexLineReader : public Reader {
+ public:
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
+  /// Stores what the lines of `rows` rows hold, `stride` bytes apart; all must exist.
+  void fill(std::uint64_t row, std::size_t rows, std::byte* to, std::size_t stride);
+
+ protected:
+  /// Rows are the lines for which `is_row` holds, from where `lines` stands, at most `most`; `skipped` characters of
+  /// each stand in front of the numbers.
+  VertexLineReader(std::unique_ptr<InputFile> file, const LineReader& lines, RowLines::IsRow is_row, std::uint64_t most,
+                   bool has_keyword);
+
+  const InputFile& file() const { return *file_; }
+  std::string_view first_line() { return rows_.at(0); }  ///< there must be one
+  /// Numbers in a line, behind its keyword.
+  std::vector<double> numbers(std::string_view line) const;
+  /// Makes the fields, and looks at all colours.
+  void set_columns(const VertexColumns& columns);
+  std::uint64_t rows() const { return rows_.count(); }
+
+ private:
+  std::unique_ptr<InputFile> file_;
+  RowLines rows_;
+  bool has_keyword_;
+  VertexColumns columns_;
+  std::size_t width_ = 3;  ///< numbers in a line
+  double color_scale_ = 1;
+};
+
+}  // namespace pointsweep
