@@ -81,7 +81,7 @@ ListedOperator listed(const OperatorDeclaration& declaration) {
 }  // namespace
 
 Contract contract_of(const OperatorDeclaration& declaration) {
-  Contract contract = make_operator(declaration, sample_values(declaration), {})->contract();
+  Contract contract = contract_of(make_stage(declaration, sample_values(declaration), {}));
   if (contract.selects != Selects::nothing) contract.makes.clear();
   return contract;
 }

@@ -24,12 +24,12 @@ void require_viewpoint(const std::vector<OptionText>& orientation) {
 
 /// An option that would change nothing is refused.
 void require_a_mover(const Chain& chain, const CommonOptions& options) {
-  const auto moves = [](const auto& op) {
-    const Contract contract = op->contract();
+  const auto moves = [](const ChainStage& stage) {
+    const Contract contract = contract_of(stage);
     return std::any_of(contract.makes.begin(), contract.makes.end(),
                        [](const Attribute& a) { return a.name == position_attribute().name; });
   };
-  if (options.moved_positions && std::none_of(chain.operators.begin(), chain.operators.end(), moves))
+  if (options.moved_positions && std::ranges::none_of(chain.stages, moves))
     fail_usage("--positions: no stage moves points, so positions keep the type of the input; leave the option out.");
 }
 

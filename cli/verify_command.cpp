@@ -16,11 +16,9 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/operators/outliers.h"
-#include "pointsweep/operators/update_operators.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/finite_input.h"
-#include "pointsweep/pipeline/planned_sweeps.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/verify/kept_rows.h"
 #include "pointsweep/verify/outlier_threshold.h"
 #include "pointsweep/verify/verify.h"
@@ -104,24 +102,33 @@ void drop_nonfinite(const VerifyCommand& command, Cloud& cloud) {
                dropped.count);
 }
 
-/// What is made after points got new neighbours cannot be told from a sample of the input, so that part is left out.
-MadeBy made_by(const Chain& chain) {
-  const auto moved = std::find_if(chain.operators.begin(), chain.operators.end(),
-                                  [](const auto& op) { return dynamic_cast<const Reneighbor*>(op.get()) != nullptr; });
-  const bool all = chain.neighborhood.k == Neighborhood::kUnlimited;
-  MadeBy made{
-      .neighborhood = {.k = all ? NeighborRule::kUnlimited : chain.neighborhood.k, .radius = chain.neighborhood.radius},
-      .rule = chain.neighborhood.rule,
-      .operators = {chain.operators.begin(), moved},
-      .keep = chain.keep};
-  for (auto op = moved; op != chain.operators.end(); ++op)
-    for (const Attribute& a : (*op)->contract().makes) made.unchecked.push_back(a);
-  if (made.unchecked.empty()) return made;
+/// What is made again behind a new neighbourhood is not checked.
+void keep_what_is_told(MadeBy& made) {
   if (made.keep.empty())
     for (const auto& op : made.operators)
       for (const Attribute& a : op->contract().makes) made.keep.push_back(a.name);
   for (const Attribute& again : made.unchecked) std::erase(made.keep, again.name);
   if (made.keep.empty()) made.operators.clear();
+}
+
+/// What the stages of a plan make, as far as a sample of the input can tell: up to the first new neighbourhood. The
+/// selects at the beginning are not among them.
+MadeBy made_by(const ChainPlan& plan) {
+  const Neighborhood& first = plan.graph.nodes.front().neighborhood;
+  const bool all = first.k == Neighborhood::kUnlimited;
+  MadeBy made{.neighborhood = {.k = all ? NeighborRule::kUnlimited : first.k, .radius = first.radius},
+              .rule = first.rule,
+              .keep = plan.chain.keep};
+  bool is_told = true;
+  for (std::size_t n = 1; n < plan.graph.nodes.size(); ++n) {
+    const GraphNode& node = plan.graph.nodes[n];
+    is_told &= node.kind != NodeKind::neighborhood;
+    if (node.kind != NodeKind::stage) continue;
+    if (is_told) made.operators.push_back(node.op);
+    for (const std::size_t v : node.makes)
+      if (!is_told) made.unchecked.push_back(plan.graph.versions[v].attribute);
+  }
+  if (!made.unchecked.empty()) keep_what_is_told(made);
   return made;
 }
 
@@ -134,36 +141,25 @@ void leave_out(const KeptFields& named, const std::string& prefix, const Schema&
     if (std::ranges::find(*kept.input, f) == kept.input->end()) made.left_out_input.insert(input.fields[f].name);
 }
 
-bool leaves_out_rows(const std::shared_ptr<const Operator>& op) { return op->contract().selects != Selects::nothing; }
-
-/// Selects the rows that the first stages keep, and takes these stages out of the chain.
-void select_rows(const VerifyOptions& options, Cloud& cloud, Chain& chain) {
-  chain.operators = flattened(chain.operators, cloud.schema());
-  const std::size_t done = select_kept_rows(cloud, chain.operators, options.memory_bytes, options.progress);
-  chain.operators.erase(chain.operators.begin(), chain.operators.begin() + static_cast<std::ptrdiff_t>(done));
-  const auto later = std::ranges::find_if(chain.operators, leaves_out_rows);
-  if (later != chain.operators.end())
-    fail_usage(
-        "verify: the stage '{}' leaves out rows after other stages, and a sample of the input does not tell which; "
-        "verify "
-        "the output of the stages before it.",
-        (*later)->name());
+/// Selects the rows that the first stages keep. Throws UsageError for a select behind other stages.
+void select_rows(const VerifyOptions& options, Cloud& cloud, const ChainGraph& graph) {
+  std::vector<std::shared_ptr<const Operator>> first;
+  bool others = false;
+  for (std::size_t n = 1; n < graph.nodes.size(); ++n) {
+    const GraphNode& node = graph.nodes[n];
+    if (node.kind == NodeKind::select && others)
+      fail_usage(
+          "verify: the stage '{}' leaves out rows after other stages, and a sample of the input does not tell which; "
+          "verify the output of the stages before it.",
+          node.op->name());
+    if (node.kind == NodeKind::select) first.push_back(node.op);
+    others |= node.kind != NodeKind::select;
+  }
+  select_kept_rows(cloud, first, options.memory_bytes, options.progress);
 }
 
-/// Outliers are held against the mean distances in the output, which are themselves held against the input.
-void find_outlier_threshold(const VerifyOptions& options, Reader& out, MadeBy& made) {
-  const auto at = std::ranges::find_if(
-      made.operators, [](const auto& op) { return dynamic_cast<const Outlier*>(op.get()) != nullptr; });
-  if (at == made.operators.end()) return;
-  const auto& outlier = dynamic_cast<const Outlier&>(**at);
-  made.outlier_threshold =
-      outlier_threshold(out, options.prefix + mean_distance_attribute().name, outlier.multiplier(), options.progress);
-}
-
-void refuse_resorted(const VerifyCommand& command, const Chain& chain) {
-  const bool resorted = std::any_of(chain.operators.begin(), chain.operators.end(),
-                                    [](const auto& op) { return dynamic_cast<const Resort*>(op.get()) != nullptr; });
-  if (resorted && command.check.order != RowOrder::input)
+void refuse_resorted(const VerifyCommand& command, const ChainGraph& graph) {
+  if (graph.has(NodeKind::order) && command.check.order != RowOrder::input)
     fail_usage(
         "verify: rows in the order of moved points cannot be told from the input; verify an output in the order of the "
         "input, and say --order input.");
@@ -183,9 +179,9 @@ MadeBy made_by_neighbors(const VerifyCommand& command, const Cloud& cloud, const
   if (k_given && chain.neighborhood.k != columns.size())
     fail_usage("-k: the array has {} columns, and {} neighbours need as many.", columns.size(), chain.neighborhood.k);
   chain.neighborhood.k = columns.size();
-  chain.operators = {std::make_shared<NeighborRows>(columns.size(), cloud.count(), distances)};
+  chain.stages = {std::make_shared<NeighborRows>(columns.size(), cloud.count(), distances)};
   chain.keep = {distances ? "distances" : "neighbors"};
-  return made_by(chain);
+  return made_by(plan_chain(chain, cloud.schema()));
 }
 
 /// Which attributes of an output are not simply those of the input: new ones, and old ones that are `changed`.
@@ -230,14 +226,14 @@ MadeBy made_by_pipeline(const VerifyCommand& command, const VerifyOptions& optio
     fail_usage("{}: the pipeline says in knn which neighbours it takes; leave the option out.",
                command.neighborhood.front().place);
   if (!knn) stages.insert(stages.begin(), knn_of(command));
-  Chain chain = build_chain(stages, cloud, command.keep, command.common.prefix);
-  refuse_resorted(command, chain);
-  const KeptFields kept = plan_sweeps(chain, cloud.schema()).kept;
-  if (!command.keep.empty()) chain.keep = kept.attributes;
-  select_rows(options, cloud, chain);
-  MadeBy made = made_by(chain);
-  leave_out(kept, command.common.prefix, cloud.schema(), made);
-  find_outlier_threshold(options, out, made);
+  ChainPlan plan = plan_chain(build_chain(stages, cloud, command.keep, command.common.prefix), cloud.schema());
+  refuse_resorted(command, plan.graph);
+  if (!command.keep.empty()) plan.chain.keep = plan.kept.attributes;
+  select_rows(options, cloud, plan.graph);
+  MadeBy made = made_by(plan);
+  leave_out(plan.kept, command.common.prefix, cloud.schema(), made);
+  // Outliers are compared with the mean distances in the output, which are compared with the input.
+  made.outlier_threshold = outlier_threshold(out, made.operators, options.prefix, options.progress);
   if (!command.pipeline.empty() || !command.keep.empty()) return made;
   for (const auto& op : made.operators)
     for (const Attribute& a : op->contract().makes)

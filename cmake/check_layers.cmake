@@ -17,13 +17,15 @@ set(may_include_shapes points math formats)
 set(may_include_render points math order formats)
 set(may_include_sweep points math order search operators)
 set(may_include_reference points math order operators)
-set(may_include_pipeline points math order search operators formats formats/files shapes sweep reference)
+set(may_include_pipeline/plan points math operators formats sweep)
+set(may_include_pipeline points math order search operators formats formats/files shapes sweep reference pipeline/plan)
+set(may_include_pipeline/run ${may_include_pipeline} pipeline)
 set(may_include_report points math formats render pipeline)
 set(may_include_verify points math operators formats formats/files)  # not search, not sweep: it checks them
 # verify/formulas evaluates what operators should give: it shares no code with them, nor with math, search or sweep.
 set(may_include_verify/formulas nothing_at_all)
 list(APPEND may_include_verify verify/formulas)
-set(may_include_cli points math order operators formats formats/files shapes render verify pipeline report)
+set(may_include_cli points math order operators formats formats/files shapes render verify pipeline pipeline/plan report)
 # The one file that knows all formats.
 set(pointsweep/formats/registry.cpp_may_include formats/e57 formats/las formats/mesh formats/npy formats/pcd formats/ply formats/qsplat formats/text)
 

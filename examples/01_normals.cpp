@@ -13,7 +13,7 @@ int main(int argc, char** argv) try {
   using namespace pointsweep;
 
   Cloud cloud({argv[1]});
-  const Chain chain{.neighborhood = {.k = 8}, .operators = {std::make_shared<Normals>()}};
+  const Chain chain{.neighborhood = {.k = 8}, .stages = {std::make_shared<Normals>()}};
   RunOptions options;
   options.memory_bytes = 256 << 20;
   options.overwrite = true;

@@ -28,7 +28,7 @@ int main() try {
   outputs.writer = [&](const OutputPlan& plan) {
     return std::make_unique<ArrayWriter<float>>(plan, std::vector<std::string>{"nx", "ny", "nz"}, std::span(normals));
   };
-  const Chain chain{.neighborhood = {.k = 12}, .operators = {std::make_shared<Normals>()}};
+  const Chain chain{.neighborhood = {.k = 12}, .stages = {std::make_shared<Normals>()}};
   run(cloud, chain, outputs);
 
   double worst = 1;

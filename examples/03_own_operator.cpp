@@ -45,8 +45,7 @@ class Roughness final : public Operator {
 int main(int argc, char** argv) try {
   if (argc != 3) return std::fprintf(stderr, "usage: %s IN OUT\n", argv[0]), 2;
   Cloud cloud({argv[1]});
-  const Chain chain{.neighborhood = {.k = 16},
-                    .operators = {std::make_shared<Normals>(), std::make_shared<Roughness>()}};
+  const Chain chain{.neighborhood = {.k = 16}, .stages = {std::make_shared<Normals>(), std::make_shared<Roughness>()}};
   RunOptions options;
   options.overwrite = true;
   const Statistics statistics = run(cloud, chain, {.points = argv[2], .arrays = {}, .writer = {}}, options);

@@ -39,7 +39,7 @@ bool take(const std::string& name) {
 void normals(const char* in, const char* out, std::size_t k, unsigned threads) {
   using namespace pointsweep;
   Cloud cloud({in});
-  const Chain chain{.neighborhood = {.k = k}, .operators = {std::make_shared<Normals>()}};
+  const Chain chain{.neighborhood = {.k = k}, .stages = {std::make_shared<Normals>()}};
   RunOptions options;
   options.threads = threads;
   options.overwrite = true;

@@ -93,11 +93,10 @@ Options OptionValues::all() const {
   return options;
 }
 
-std::shared_ptr<const Operator> make_operator(const OperatorDeclaration& declaration, const OptionValues& values,
-                                              const Facts& facts) {
-  std::shared_ptr<Operator> made = declaration.make(values, facts);
-  made->declare_options(values.all());
-  return made;
+ChainStage make_stage(const OperatorDeclaration& declaration, const OptionValues& values, const Facts& facts) {
+  const MadeStage made = declaration.make(values, facts);
+  if (const auto* op = std::get_if<std::shared_ptr<Operator>>(&made)) (*op)->declare_options(values.all());
+  return std::visit([](const auto& stage) -> ChainStage { return stage; }, made);
 }
 
 OptionValues sample_values(const OperatorDeclaration& declaration) {

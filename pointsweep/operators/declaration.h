@@ -11,9 +11,11 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "pointsweep/math/vec3.h"
+#include "pointsweep/operators/chain_stage.h"
 #include "pointsweep/operators/operator.h"
 #include "pointsweep/points/option_value.h"
 
@@ -93,13 +95,16 @@ struct AttributeNote {
   std::string shape = {};  ///< where it is not known in advance, e.g. "N×k"
 };
 
+/// A ChainStage whose operator does not know its options yet.
+using MadeStage = std::variant<std::shared_ptr<Operator>, Reneighbor, Resort>;
+
 struct OperatorDeclaration {
   std::string name;
   std::string meaning;  ///< one line that begins in lower case
   std::vector<OptionDeclaration> options = {};
-  /// Makes the operator, which then is `name`. Throws UsageError, beginning with OptionValues::where(), for values that
-  /// do not go together.
-  std::function<std::shared_ptr<Operator>(const OptionValues&, const Facts&)> make;
+  /// Makes the stage, which then is `name`. Throws UsageError, beginning with OptionValues::where(), for values that do
+  /// not go together.
+  std::function<MadeStage(const OptionValues&, const Facts&)> make;
   std::string formula = {};    ///< lines of plain text
   std::string source = {};     ///< the publication and where in it
   std::string undefined = {};  ///< which points get no value, and what they get
@@ -109,9 +114,8 @@ struct OperatorDeclaration {
   std::string example = {};                    ///< a whole pipeline as one writes it
 };
 
-/// Made by the declaration; knows the values as its options.
-std::shared_ptr<const Operator> make_operator(const OperatorDeclaration& declaration, const OptionValues& values,
-                                              const Facts& facts);
+/// Made by the declaration; an operator knows the values as its options.
+ChainStage make_stage(const OperatorDeclaration& declaration, const OptionValues& values, const Facts& facts);
 
 /// The values of examples: presets, and samples of what is required. For docs and checks of a declaration.
 OptionValues sample_values(const OperatorDeclaration& declaration);

@@ -70,7 +70,7 @@ class Operator {
   /// All that tells objects of this class apart. Name and options are part of what a run is: --resume refuses a run
   /// with other options, and outputs say them. Those of its declaration if it was made from one.
   Options declared_options() const { return declared_ ? *declared_ : own_options(); }
-  /// The first call counts: that of a maker that knows better, or that of make_operator().
+  /// The first call counts: that of a maker that knows better, or that of make_stage().
   void declare_options(Options options) {
     if (!declared_) declared_ = std::move(options);
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/update_operators.h"
 
-#include <memory>
-
 #include "pointsweep/operators/declaration.h"
 #include "pointsweep/operators/neighborhood_declaration.h"
 
@@ -11,12 +9,9 @@ namespace {
 
 constexpr const char* kUpdateSource = "Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 8";
 
-std::shared_ptr<Operator> make_reneighbor(const OptionValues& options, const Facts&) {
-  if (!options.any_given()) return std::make_shared<Reneighbor>();
-  const Neighborhood next = make_neighborhood(options.with_presets_of(neighborhood_declaration().options));
-  auto made = std::make_shared<Reneighbor>(next);
-  made->declare_options(next.options());
-  return made;
+Reneighbor make_reneighbor(const OptionValues& options, const Facts&) {
+  if (!options.any_given()) return Reneighbor();
+  return Reneighbor(make_neighborhood(options.with_presets_of(neighborhood_declaration().options)));
 }
 
 /// Those of knn. None has a preset, because without options the neighbourhoods keep their size and radius.
@@ -45,7 +40,7 @@ OperatorDeclaration reneighbor_declaration() {
 OperatorDeclaration resort_declaration() {
   return {.name = "resort",
           .meaning = "makes --order sweep write the points in the order of the moved positions; changes no value",
-          .make = [](const OptionValues&, const Facts&) { return std::make_shared<Resort>(); },
+          .make = [](const OptionValues&, const Facts&) { return Resort(); },
           .source = kUpdateSource,
           .cost = "one more ordering of the output, with --order sweep",
           .example = "knn(k=64) | normals | splats | fair | resort | normals"};

@@ -2,15 +2,15 @@
 #include "pointsweep/pipeline/build_chain.h"
 
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/planned_sweeps.h"
+#include "pointsweep/pipeline/plan/kept_fields.h"
 
 namespace pointsweep {
 namespace {
 
 std::vector<Attribute> made_by(const Chain& chain) {
   std::vector<Attribute> made;
-  for (const auto& op : chain.operators)
-    for (const Attribute& a : op->contract().makes) made.push_back(a);
+  for (const ChainStage& stage : chain.stages)
+    for (const Attribute& a : contract_of(stage).makes) made.push_back(a);
   return made;
 }
 
@@ -25,8 +25,8 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
     const StageText& stage = stages[i];
     if (stage.name != knn.name) {
       const OperatorDeclaration& declaration = find_operator(stage);
-      chain.operators.push_back(make_operator(declaration, read_options(declaration.options, stage), facts));
-      for (const Attribute& a : chain.operators.back()->contract().makes) facts.made.insert(a.name);
+      chain.stages.push_back(make_stage(declaration, read_options(declaration.options, stage), facts));
+      for (const Attribute& a : contract_of(chain.stages.back()).makes) facts.made.insert(a.name);
     } else if (i == 0) {
       chain.neighborhood = make_neighborhood(read_options(knn.options, stage));
     } else {
@@ -37,11 +37,10 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
   return chain;
 }
 
-Chain build_chain(const std::vector<StageText>& stages, Cloud& cloud, const std::vector<std::string>& keep,
+Chain build_chain(const std::vector<StageText>& stages, const Cloud& cloud, const std::vector<std::string>& keep,
                   const std::string& prefix) {
   Chain chain = build_chain(stages, Facts{.points = cloud.count()});
   chain.keep = without_prefix(keep, prefix, made_by(chain));
-  plan_sweeps(chain, cloud.schema());
   return chain;
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pointsweep/formats/cloud.h"
-#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/pipeline/plan/chain.h"
 #include "pointsweep/pipeline/registry.h"
 
 namespace pointsweep {
@@ -15,9 +15,9 @@ namespace pointsweep {
 /// stage. Without knn, the 8 nearest are the neighbours.
 Chain build_chain(const std::vector<StageText>& stages, Facts facts);
 
-/// The same for a cloud that is at hand, against whose attributes the chain is checked. Reads no point. `keep` may name
-/// what is made with the `prefix` that it has in the output, or without.
-Chain build_chain(const std::vector<StageText>& stages, Cloud& cloud, const std::vector<std::string>& keep = {},
+/// The same for a cloud, against whose attributes plan_chain() then checks it. `keep` may name what is made with the
+/// `prefix` that it has in the output, or without.
+Chain build_chain(const std::vector<StageText>& stages, const Cloud& cloud, const std::vector<std::string>& keep = {},
                   const std::string& prefix = "");
 
 }  // namespace pointsweep

@@ -36,9 +36,9 @@ std::vector<OptionDeclaration> neighborhood_options() {
 
 }  // namespace
 
-std::string canonical_text(const Operator& op, Presets presets) {
-  const OperatorDeclaration* declaration = declaration_of(op.name());
-  return stage_text(op.name(), op.declared_options(),
+std::string canonical_text(const ChainStage& stage, Presets presets) {
+  const OperatorDeclaration* declaration = declaration_of(name_of(stage));
+  return stage_text(name_of(stage), options_of(stage),
                     declaration != nullptr ? declaration->options : std::vector<OptionDeclaration>(), presets);
 }
 
@@ -51,8 +51,13 @@ std::string canonical_text(const Neighborhood& neighborhood, Presets presets) {
 
 std::vector<std::string> canonical_stages(const Chain& chain, Presets presets) {
   std::vector<std::string> stages = {canonical_text(chain.neighborhood, presets)};
-  for (const auto& op : chain.operators) stages.push_back(canonical_text(*op, presets));
+  for (const ChainStage& stage : chain.stages) stages.push_back(canonical_text(stage, presets));
   return stages;
+}
+
+std::vector<std::string> canonical_stages(const ChainPlan& plan, Presets presets) {
+  if (plan.passes.empty()) return {"sort"};
+  return canonical_stages(plan.chain, presets);
 }
 
 }  // namespace pointsweep

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/operator.h"
-#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/operators/chain_stage.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/points/neighborhood.h"
 
 namespace pointsweep {
@@ -19,11 +19,13 @@ enum class Presets : bool {
 
 /// "normals(orient=up)": name and options, which come in the order of their declaration, numbers in their shortest
 /// form.
-std::string canonical_text(const Operator& op, Presets presets);
+std::string canonical_text(const ChainStage& stage, Presets presets);
 /// "knn(k=12)"; k is always there if it limits anything. A rule that names no options is told by its meaning, which is
 /// no text for parse_pipeline().
 std::string canonical_text(const Neighborhood& neighborhood, Presets presets);
-/// The neighbourhood, then the operators.
+/// The neighbourhood, then the stages.
 std::vector<std::string> canonical_stages(const Chain& chain, Presets presets);
+/// The same of a plan; "sort" for one that has no passes.
+std::vector<std::string> canonical_stages(const ChainPlan& plan, Presets presets);
 
 }  // namespace pointsweep

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/sweep/plan.h"
 
 namespace pointsweep {
 

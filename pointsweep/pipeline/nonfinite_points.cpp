@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "pointsweep/order/working_record.h"
-#include "pointsweep/pipeline/planned_sweeps.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/nearest_names.h"
+#include "pointsweep/points/nearest_names.h"
 
 namespace pointsweep {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/pipeline/kept_fields.h"
+#include "pointsweep/pipeline/plan/kept_fields.h"
 #include "pointsweep/points/attribute.h"
 #include "pointsweep/points/schema.h"
 

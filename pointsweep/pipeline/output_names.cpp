@@ -9,7 +9,7 @@
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/parse.h"
-#include "pointsweep/pipeline/planned_sweeps.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
 namespace {

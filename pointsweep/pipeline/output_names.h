@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/pipeline/kept_fields.h"
+#include "pointsweep/pipeline/plan/kept_fields.h"
 #include "pointsweep/points/attribute.h"
 #include "pointsweep/points/schema.h"
 

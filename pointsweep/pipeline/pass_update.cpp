@@ -14,16 +14,16 @@ std::uint64_t all_rows(const Cloud& cloud) { return cloud.selection() ? cloud.se
 
 }  // namespace
 
-PassUpdate::PassUpdate(const PlannedSweep& pass, Cloud& cloud, std::size_t carried_bytes, const SpillPlace& rows,
+PassUpdate::PassUpdate(const PlannedPass& pass, Cloud& cloud, std::size_t carried_bytes, const SpillPlace& rows,
                        const SpillPlace& mask)
     : cloud_(cloud),
       carried_bytes_(carried_bytes),
-      made_bytes_(pass.chain.plan.result_bytes),
+      made_bytes_(pass.plan.result_bytes),
       rows_(std::make_unique<RowFile>(cloud.count(), carried_bytes, rows)),
       values_(pass, cloud.schema()) {
   if (!pass.selects) return;
   mask_.emplace(all_rows(cloud), cloud.selection(), mask);
-  for (const Attribute& a : pass.chain.made) {
+  for (const Attribute& a : pass.made) {
     if (a.name == selection_attribute().name) return;
     selection_at_ += a.bytes();
   }

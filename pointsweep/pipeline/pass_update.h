@@ -18,7 +18,7 @@ namespace pointsweep {
 class PassUpdate {
  public:
   /// `carried_bytes`: of a record of pass.carried.
-  PassUpdate(const PlannedSweep& pass, Cloud& cloud, std::size_t carried_bytes, const SpillPlace& rows,
+  PassUpdate(const PlannedPass& pass, Cloud& cloud, std::size_t carried_bytes, const SpillPlace& rows,
              const SpillPlace& mask);
 
   /// The next rows. Returns the bytes read of the cloud.

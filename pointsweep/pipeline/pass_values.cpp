@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kValueBatch = 4096;
 }  // namespace
 
-PassValues::PassValues(const PlannedSweep& pass, const Schema& input) : input_bytes_(input.stride) {
+PassValues::PassValues(const PlannedPass& pass, const Schema& input) : input_bytes_(input.stride) {
   for (const Attribute& a : pass.carried) carried_bytes_ += a.bytes();
   for (const PlannedValue& value : pass.values) {
     Sum& sum = sums_.emplace_back();
@@ -22,7 +22,7 @@ PassValues::PassValues(const PlannedSweep& pass, const Schema& input) : input_by
   }
 }
 
-PassValues::Component PassValues::component_of(const Attribute& attribute, std::size_t c, const PlannedSweep& pass,
+PassValues::Component PassValues::component_of(const Attribute& attribute, std::size_t c, const PlannedPass& pass,
                                                const Schema& input) {
   std::size_t offset = 0;
   for (const Attribute& a : pass.carried) {
@@ -65,12 +65,12 @@ void PassValues::finish(CloudValues& into) const {
   }
 }
 
-void give_values(PlannedSweep& pass, const CloudValues& values) {
+void give_values(PlannedPass& pass, const CloudValues& values) {
   for (std::size_t s = 0; s < pass.values_of_stages.size(); ++s) {
     if (pass.values_of_stages[s].empty()) continue;
     std::vector<std::vector<double>> given;
     for (const std::size_t number : pass.values_of_stages[s]) given.push_back(values.at(number));
-    Stage& stage = pass.chain.plan.stages[s];
+    Stage& stage = pass.plan.stages[s];
     stage.op = stage.op->with_values(given);
   }
 }

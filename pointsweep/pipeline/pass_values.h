@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "pointsweep/pipeline/planned_sweeps.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
 
@@ -17,7 +17,7 @@ using CloudValues = std::map<std::size_t, std::vector<double>>;
 class PassValues {
  public:
   /// `input`: of the cloud's own records.
-  PassValues(const PlannedSweep& pass, const Schema& input);
+  PassValues(const PlannedPass& pass, const Schema& input);
 
   bool any() const { return !sums_.empty(); }
   /// Whether it reads the cloud's own records, too.
@@ -37,7 +37,7 @@ class PassValues {
     std::vector<Component> reads;
     std::vector<std::unique_ptr<Accumulator>> parts;  ///< by thread
   };
-  Component component_of(const Attribute& attribute, std::size_t c, const PlannedSweep& pass, const Schema& input);
+  Component component_of(const Attribute& attribute, std::size_t c, const PlannedPass& pass, const Schema& input);
   Component of_input(const Attribute& attribute, std::size_t c, const Schema& input);
   void add_batch(Sum& sum, const std::byte* carried, const std::byte* inputs, std::size_t n, unsigned worker) const;
 
@@ -47,6 +47,6 @@ class PassValues {
 };
 
 /// Gives the stages of a pass the values they wait for.
-void give_values(PlannedSweep& pass, const CloudValues& values);
+void give_values(PlannedPass& pass, const CloudValues& values);
 
 }  // namespace pointsweep

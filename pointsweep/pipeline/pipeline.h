@@ -14,7 +14,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/formats/cloud.h"
 #include "pointsweep/formats/writer.h"
-#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/pipeline/plan/chain.h"
 #include "pointsweep/pipeline/statistics.h"
 
 namespace pointsweep {

@@ -19,41 +19,6 @@ std::size_t step_of(const SweepPlan& plan, std::size_t s) {
   return static_cast<std::size_t>(next - plan.steps.begin()) - 1;
 }
 
-/// `first_stage`: its number in the chain, from 0 on.
-std::vector<ColumnPlan> plan_columns(const SweepPlan& plan, std::size_t first_stage,
-                                     const std::vector<Attribute>& carried) {
-  std::vector<ColumnPlan> columns(plan.column_bytes.size());
-  for (std::size_t c = 0; c < columns.size(); ++c) columns[c].bytes = plan.column_bytes[c];
-  const auto note = [&](const std::vector<std::uint16_t>& numbers, const std::vector<Attribute>& attributes,
-                        std::size_t step) {
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      ColumnPlan& column = columns[numbers[i]];
-      column.last_step = step;
-      if (i < attributes.size()) column.attribute = attributes[i].name;
-    }
-  };
-  for (const FileColumn& file : plan.file_columns) columns[file.column].made_by = "the file";
-  if (plan.neighborhood.rule) note(plan.rule_reads, plan.neighborhood.rule->reads(), 0);
-  for (std::size_t s = 0; s < plan.stages.size(); ++s) {
-    const Stage& stage = plan.stages[s];
-    const Contract contract = stage.op->contract();
-    note(stage.reads, contract.reads, step_of(plan, s));
-    note(stage.reads_neighbors, contract.reads_neighbors, step_of(plan, s));
-    if (stage.position >= 0) note({static_cast<std::uint16_t>(stage.position)}, {}, step_of(plan, s));
-    note(stage.makes, contract.makes, step_of(plan, s));
-    for (const std::uint16_t made : stage.makes)
-      columns[made].made_by = fmt::format("{} {}", first_stage + s + 1, stage.op->name());
-  }
-  for (const FileColumn& file : plan.file_columns)
-    if (std::ranges::find(carried, columns[file.column].attribute, &Attribute::name) != carried.end())
-      columns[file.column].made_by = "a pass before";
-  for (const ResultColumn& result : plan.results) {
-    columns[result.column].written = true;
-    columns[result.column].last_step = plan.step_count() - 1;
-  }
-  return columns;
-}
-
 std::string stages_text(const SweepPlan& plan, std::size_t first_stage) {
   if (plan.stages.empty()) return "";
   std::string text = "stages        step  buffer\n";
@@ -109,17 +74,17 @@ std::string slabs_text(const MemoryPlan& memory, std::uint64_t points, std::uint
 
 /// How a pass goes through the points.
 std::string passage_text(const Preview& p, std::size_t s) {
-  const PlannedSweep& pass = p.planned.sweeps[s];
+  const PlannedPass& pass = p.planned.passes[s];
   if (pass.kind == PassKind::rows) return "reads         the rows in their order; no neighbours are searched\n";
   if (pass.kind == PassKind::order)
     return "reads         the points in order, equal ones together; no neighbours are searched\n";
-  std::string text = fmt::format("neighbours    {}\n", neighborhood_text(pass.chain.plan.neighborhood));
+  std::string text = fmt::format("neighbours    {}\n", neighborhood_text(pass.plan.neighborhood));
   if (const Effort& effort = p.memory.efforts[s]; effort.neighbors_per_point > 0)
     text += fmt::format("effort        {}\n", effort_text(effort.neighbors_per_point, effort.seconds));
   return text;
 }
 
-std::string values_text(const PlannedSweep& pass) {
+std::string values_text(const PlannedPass& pass) {
   std::string text;
   for (const PlannedValue& value : pass.values)
     text += fmt::format("{}{}\n", text.empty() ? "values        " : "              ", value.reduction->text());
@@ -127,23 +92,23 @@ std::string values_text(const PlannedSweep& pass) {
 }
 
 std::string sweep_text(const Preview& p, std::size_t s, std::size_t first_stage) {
-  const PlannedSweep& pass = p.planned.sweeps[s];
-  const bool goes_on = s + 1 < p.planned.sweeps.size();
-  std::string text = p.planned.sweeps.size() == 1 ? "" : fmt::format("pass {} of {}\n", s + 1, p.planned.sweeps.size());
-  text += passage_text(p, s) + stages_text(pass.chain.plan, first_stage) + columns_text(p.columns[s]);
+  const PlannedPass& pass = p.planned.passes[s];
+  const bool goes_on = s + 1 < p.planned.passes.size();
+  std::string text = p.planned.passes.size() == 1 ? "" : fmt::format("pass {} of {}\n", s + 1, p.planned.passes.size());
+  text += passage_text(p, s) + stages_text(pass.plan, first_stage) + columns_text(pass.columns);
   if (pass.selects) text += "rows          are left out here; all that follows sees the others only\n";
   text += values_text(pass);
   if (goes_on && !pass.carried.empty()) text += "carried on    " + attributes_text(pass.carried);
   if (pass.kind == PassKind::rows) return text;
-  return text + slabs_text(p.memory.sweeps[s], p.points, p.memory.record_bytes[s]);
+  return text + slabs_text(p.memory.passes[s], p.points, p.memory.record_bytes[s]);
 }
 
 std::string memory_text(const Preview& p) {
   std::uint64_t window = 0;
   bool spill_results = false;
-  for (const MemoryPlan& sweep : p.memory.sweeps) {
-    window = std::max(window, sweep.window_bytes);
-    spill_results |= sweep.spill_results;
+  for (const MemoryPlan& pass : p.memory.passes) {
+    window = std::max(window, pass.window_bytes);
+    spill_results |= pass.spill_results;
   }
   std::string text = fmt::format("memory        {:.1f} MB expected of {:.1f} MB: window {:.1f} MB, results {}",
                                  megabytes(p.memory.expected_bytes), megabytes(p.budget), megabytes(window),
@@ -162,15 +127,7 @@ Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options, con
         "The reference has no plan to show: it reads point by point; leave out --dry-run or --engine reference.");
   if (!options.temp_folder.empty()) require_temp_parent(options.temp_folder);
   Preview out;
-  out.planned = plan_sweeps(chain, cloud.schema(), options.order == Order::sweep);
-  std::size_t first_stage = 0;
-  const std::vector<Attribute>* carried = nullptr;
-  for (const PlannedSweep& sweep : out.planned.sweeps) {
-    const std::vector<Attribute> none;
-    out.columns.push_back(plan_columns(sweep.chain.plan, first_stage, carried == nullptr ? none : *carried));
-    first_stage += sweep.chain.plan.stages.size();
-    carried = &sweep.carried;
-  }
+  out.planned = plan_chain(chain, cloud.schema(), options.order == Order::sweep);
   const std::string name = cloud.readers().empty() ? "The input" : cloud.readers().front()->info().path.string();
   out.names =
       name_outputs(cloud.schema(), name, out.planned.made, out.planned.kept, output, {options.prefix, options.replace});
@@ -188,9 +145,9 @@ Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options, con
 std::string to_text(const Preview& p) {
   std::string text = fmt::format("points        {}\n", p.points);
   std::size_t first_stage = 0;
-  for (std::size_t s = 0; s < p.planned.sweeps.size(); ++s) {
+  for (std::size_t s = 0; s < p.planned.passes.size(); ++s) {
     text += sweep_text(p, s, first_stage);
-    first_stage += p.planned.sweeps[s].chain.plan.stages.size();
+    first_stage += p.planned.passes[s].plan.stages.size();
   }
   if (!p.names.made.empty()) text += "results       " + attributes_text(p.names.made);
   if (!p.names.replaced.empty()) text += "note          " + p.names.warning() + "\n";

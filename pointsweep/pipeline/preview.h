@@ -8,24 +8,14 @@
 
 #include "pointsweep/pipeline/output_names.h"
 #include "pointsweep/pipeline/pipeline.h"
-#include "pointsweep/pipeline/planned_sweeps.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/run_memory.h"
 
 namespace pointsweep {
 
-/// A column of the window: one version of an attribute.
-struct ColumnPlan {
-  std::string attribute;
-  std::string made_by;  ///< "the file", "a pass before", or the stage as "2 normals"
-  std::uint32_t bytes = 0;
-  std::size_t last_step = 0;  ///< the last step that reads it; a kept one is written after the last
-  bool written = false;
-};
-
 struct Preview {
-  PlannedSweeps planned;
+  ChainPlan planned;
   OutputNames names;
-  std::vector<std::vector<ColumnPlan>> columns;  ///< by pass and column number
   std::uint64_t points = 0;
   std::uint64_t budget = 0;
   RunMemory memory;

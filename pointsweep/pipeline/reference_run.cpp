@@ -15,7 +15,7 @@ namespace {
 class Rows {
  public:
   explicit Rows(const ReferenceRun& run)
-      : run_(run), stride_(run.layout ? run.layout->schema().stride : run.planned.plan.result_bytes) {}
+      : run_(run), stride_(run.layout ? run.layout->schema().stride : run.pass.plan.result_bytes) {}
 
   void add(const reference::Written& point) {
     rows_.push_back(run_.layout ? point.index : point.row);
@@ -43,13 +43,11 @@ class Rows {
   std::vector<std::byte> records_;
 };
 
-reference::Task task_of(const PlannedChain& planned) {
-  const Neighborhood& neighborhood = planned.plan.neighborhood;
-  reference::Task task{.reach = {neighborhood.k, neighborhood.radius2()},
-                       .rule = neighborhood.rule,
-                       .operators = {},
-                       .kept = planned.made};
-  for (const Stage& stage : planned.plan.stages) task.operators.push_back(stage.op);
+reference::Task task_of(const PlannedPass& pass) {
+  const Neighborhood& neighborhood = pass.plan.neighborhood;
+  reference::Task task{
+      .reach = {neighborhood.k, neighborhood.radius2()}, .rule = neighborhood.rule, .operators = {}, .kept = pass.made};
+  for (const Stage& stage : pass.plan.stages) task.operators.push_back(stage.op);
   return task;
 }
 
@@ -63,7 +61,7 @@ void require_reference_can(const RunOptions& options) {
 SweepStatistics run_reference(const ReferenceRun& run, ReferenceCounts& counts) {
   Rows rows(run);
   const reference::Statistics s =
-      reference::run(run.stream, task_of(run.planned), [&](const reference::Written& point) { rows.add(point); },
+      reference::run(run.stream, task_of(run.pass), [&](const reference::Written& point) { rows.add(point); },
                      {.memory_bytes = run.memory_bytes, .progress = run.progress});
   rows.flush();
   counts.complete += s.complete, counts.incomplete += s.incomplete;

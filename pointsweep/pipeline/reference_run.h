@@ -6,9 +6,9 @@
 #include <functional>
 
 #include "pointsweep/order/row_store.h"
-#include "pointsweep/pipeline/chain.h"
 #include "pointsweep/pipeline/output_layout.h"
 #include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/sweep/sweep.h"
 
@@ -19,7 +19,7 @@ void require_reference_can(const RunOptions& options);
 
 struct ReferenceRun {
   const Stream& stream;  ///< in canonical order
-  const PlannedChain& planned;
+  const PlannedPass& pass;
   RowStore& store;             ///< receives result records by input row,
   const OutputLayout* layout;  ///< or, if not null, whole records by place in the stream
   std::uint64_t memory_bytes;  ///< for the active set

@@ -13,7 +13,7 @@
 #include "pointsweep/operators/unique.h"
 #include "pointsweep/operators/update_operators.h"
 #include "pointsweep/operators/where.h"
-#include "pointsweep/pipeline/nearest_names.h"
+#include "pointsweep/points/nearest_names.h"
 
 namespace pointsweep {
 

@@ -16,11 +16,11 @@ constexpr std::size_t kRowChunkBytes = 1 << 20;
 
 }  // namespace
 
-RowPass::RowPass(const PlannedSweep& pass) : pass_(pass), position_(position_fields(pass.input, "the input")) {}
+RowPass::RowPass(const PlannedPass& pass) : pass_(pass), position_(position_fields(pass.input, "the input")) {}
 
 void RowPass::run(const PointSource& source,
                   const std::function<void(std::uint64_t, std::size_t, const std::byte*)>& use) {
-  const std::size_t stride = source.schema.stride, bytes = pass_.chain.plan.result_bytes;
+  const std::size_t stride = source.schema.stride, bytes = pass_.plan.result_bytes;
   const std::size_t chunk = std::max<std::size_t>(1, kRowChunkBytes / stride);
   std::vector<std::byte> records, results;
   std::vector<StageTally> tallies(thread_count());
@@ -37,8 +37,8 @@ void RowPass::run(const PointSource& source,
     use(row, n, results.data());
     row += n;
   }
-  tally_.seconds.assign(pass_.chain.plan.stages.size(), 0);
-  tally_.degenerate.resize(pass_.chain.plan.stages.size());
+  tally_.seconds.assign(pass_.plan.stages.size(), 0);
+  tally_.degenerate.resize(pass_.plan.stages.size());
   for (const StageTally& t : tallies) {
     for (std::size_t s = 0; s < t.seconds.size(); ++s) tally_.seconds[s] += t.seconds[s];
     add_rows(tally_.degenerate, t.degenerate);
@@ -47,7 +47,7 @@ void RowPass::run(const PointSource& source,
 
 void RowPass::run_batch(const std::byte* records, std::uint64_t first_row, std::size_t size, StageTally& tally,
                         std::byte* results) const {
-  const SweepPlan& plan = pass_.chain.plan;
+  const SweepPlan& plan = pass_.plan;
   std::vector<double> xyz(3 * size);
   double *x = xyz.data(), *y = x + size, *z = y + size;
   decode_positions(position_, records, pass_.input.stride, size, x, y, z);
@@ -78,7 +78,7 @@ void RowPass::run_batch(const std::byte* records, std::uint64_t first_row, std::
 
 /// What is made of a point without a finite place: values of none, and the position it has; a select has decided.
 void RowPass::give_none(const PositionFields& position, const std::byte* record, std::byte* result) const {
-  for (const Attribute& a : pass_.chain.made) {
+  for (const Attribute& a : pass_.made) {
     if (a.name == position_attribute().name || a.name == stream_position_attribute().name) {
       const double place[3] = {value_of(position.x, record), value_of(position.y, record),
                                value_of(position.z, record)};

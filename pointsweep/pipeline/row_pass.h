@@ -9,15 +9,15 @@
 #include <vector>
 
 #include "pointsweep/order/source.h"
-#include "pointsweep/pipeline/planned_sweeps.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/sweep/stage_runner.h"
 
 namespace pointsweep {
 
 class RowPass {
  public:
-  /// `pass`: of kind rows, bound to its own input (PlannedChain::bind). It must outlive this.
-  explicit RowPass(const PlannedSweep& pass);
+  /// `pass`: of kind rows, bound to its own input (PlannedPass::bind). It must outlive this.
+  explicit RowPass(const PlannedPass& pass);
 
   /// Reads `source`, records of pass.input, and gives the result records of its rows in their order, those of at most a
   /// megabyte of input at once. On all threads.
@@ -30,7 +30,7 @@ class RowPass {
                  std::byte* results) const;
   void give_none(const PositionFields& position, const std::byte* record, std::byte* result) const;
 
-  const PlannedSweep& pass_;
+  const PlannedPass& pass_;
   PositionFields position_;
   StageTally tally_;
 };

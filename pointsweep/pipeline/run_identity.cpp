@@ -6,12 +6,13 @@
 #include <sstream>
 
 #include "pointsweep/error.h"
+#include "pointsweep/pipeline/canonical_text.h"
 
 namespace pointsweep {
 namespace {
 
 /// To be raised with every change to what checkpoints hold or to how points are cut into slabs and cells.
-constexpr int kCheckpointFormat = 5;
+constexpr int kCheckpointFormat = 6;
 
 std::string whole_path(const std::filesystem::path& path) {
   return path.empty() ? "" : std::filesystem::absolute(path).lexically_normal().string();
@@ -45,19 +46,18 @@ std::string kept_text(const KeptFields& kept, const Schema& input) {
   return text.empty() ? "" : text + "\n";
 }
 
-std::string sweep_text(const PlannedSweep& sweep) {
-  const SweepPlan& plan = sweep.chain.plan;
-  std::string text = "sweep of";
+std::string pass_text(const PlannedPass& pass) {
+  const SweepPlan& plan = pass.plan;
+  std::string text = "pass of";
   for (const Stage& stage : plan.stages) text += " " + stage.op->name();
   text += ", making";
-  for (const Attribute& a : sweep.chain.made) text += " " + a.name;
+  for (const Attribute& a : pass.made) text += " " + a.name;
   return text + "\n";
 }
 
 }  // namespace
 
-std::string run_identity(const Cloud& cloud, const std::vector<std::string>& stages, const PlannedSweeps& planned,
-                         const Outputs& outputs, const RunOptions& options) {
+std::string run_identity(const Cloud& cloud, const ChainPlan& plan, const Outputs& outputs, const RunOptions& options) {
   std::string text = fmt::format("version {}, checkpoints {}\n", POINTSWEEP_VERSION, kCheckpointFormat);
   text += inputs_text(cloud) + outputs_text(outputs);
   text += fmt::format("order {}, axis {}, cells of {} points\n", options.order == Order::sweep ? "sweep" : "input",
@@ -69,9 +69,9 @@ std::string run_identity(const Cloud& cloud, const std::vector<std::string>& sta
                       !options.provenance   ? "without"
                       : options.input_paths ? "paths in the"
                                             : "names in the");
-  text += fmt::format("pipeline {}\n", fmt::join(stages, " | "));
-  for (const PlannedSweep& sweep : planned.sweeps) text += sweep_text(sweep);
-  text += kept_text(planned.kept, cloud.schema());
+  text += fmt::format("pipeline {}\n", fmt::join(canonical_stages(plan, Presets::spelled_out), " | "));
+  for (const PlannedPass& pass : plan.passes) text += pass_text(pass);
+  text += kept_text(plan.kept, cloud.schema());
   return text;
 }
 

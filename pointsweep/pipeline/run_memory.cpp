@@ -12,19 +12,6 @@ namespace {
 
 constexpr std::uint64_t kMovedPositionBytes = 3 * sizeof(double);
 
-/// Of a point, the most at once: while a pass ends, what came into it and what goes out of it.
-std::uint64_t most_carried(const PlannedSweeps& planned) {
-  std::uint64_t most = 0, before = 0;
-  for (const PlannedSweep& sweep : planned.sweeps) {
-    const bool stays = planned.reorders || sweep.selects || &sweep != &planned.sweeps.back();
-    std::uint64_t after = 0;
-    for (const Attribute& a : sweep.carried) after += stays ? a.bytes() : 0;
-    most = std::max(most, before + after);
-    before = after;
-  }
-  return most;
-}
-
 bool in_memory(const MemoryPlan& plan) { return !plan.spill_stream && !plan.spill_results; }
 
 MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std::uint64_t points, const Survey& survey,
@@ -76,49 +63,45 @@ MemoryPlan plan_rows() {
 }
 
 /// The masks of the select before and of the one that is decided.
-std::uint64_t mask_bytes(const PlannedSweeps& planned, std::uint64_t points) {
+std::uint64_t mask_bytes(const ChainPlan& planned, std::uint64_t points) {
   return planned.selects() ? 2 * RowMask::bytes(points) : 0;
-}
-
-std::uint64_t travelling_bytes(const PlannedSweep& sweep) {
-  const PositionFields p = position_fields(sweep.input, "The input");
-  return size_of(p.x.type) + size_of(p.y.type) + size_of(p.z.type) + 8 * sweep.chain.payload(sweep.input).size();
 }
 
 }  // namespace
 
 bool RunMemory::spills() const {
-  return spill_rows || !in_memory(reordering) || !std::ranges::all_of(sweeps, in_memory);
+  return spill_rows || !in_memory(reordering) || !std::ranges::all_of(passes, in_memory);
 }
 
-RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, std::uint64_t points,
-                          const Survey& survey, const RunOptions& options, std::uint64_t output_bytes) {
+RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
+                          const RunOptions& options, std::uint64_t output_bytes) {
   RunMemory memory;
-  for (const PlannedSweep& sweep : planned.sweeps) {
-    if (sweep.kind == PassKind::rows) {
+  for (const PlannedPass& pass : planned.passes) {
+    if (pass.kind == PassKind::rows) {
       memory.efforts.emplace_back();
-      memory.record_bytes.push_back(sweep.input.stride);
-      memory.sweeps.push_back(plan_rows());
+      memory.record_bytes.push_back(pass.input.stride);
+      memory.passes.push_back(plan_rows());
       continue;
     }
-    SweepPlan stages = sweep.chain.plan;
-    if (sweep.kind == PassKind::order) stages = unswept(sweep.chain.plan.result_bytes);
-    const bool whole = leaves_in_order(planned, options) && &sweep == &planned.sweeps.back();
-    MemoryDemand needs = demand(whole ? sweep.input.stride : travelling_bytes(sweep),
+    SweepPlan stages = pass.plan;
+    if (pass.kind == PassKind::order) stages = unswept(pass.plan.result_bytes);
+    const bool whole = leaves_in_order(planned, options) && &pass == &planned.passes.back();
+    MemoryDemand needs = demand(whole ? pass.input.stride : pass.travelling_bytes(),
                                 whole ? output_bytes : stages.result_bytes, points, survey, options);
     memory.efforts.push_back(add_radius(needs, stages, survey));
     memory.record_bytes.push_back(needs.working_record_bytes);
-    memory.sweeps.push_back(plan(budget, stages, needs, options));
-    memory.expected_bytes = std::max(memory.expected_bytes, memory.sweeps.back().expected_bytes);
+    memory.passes.push_back(plan(budget, stages, needs, options));
+    memory.expected_bytes = std::max(memory.expected_bytes, memory.passes.back().expected_bytes);
   }
   if (planned.reorders) {
-    memory.reordering = plan_ordering_memory(budget, output_bytes + kMovedPositionBytes, points, survey, options);
+    const std::uint64_t position_bytes = planned.passes.empty() ? 0 : kMovedPositionBytes;
+    memory.reordering = plan_ordering_memory(budget, output_bytes + position_bytes, points, survey, options);
     memory.expected_bytes = std::max(memory.expected_bytes, memory.reordering.expected_bytes);
   }
   std::uint64_t needed = memory.reordering.needed_bytes;
-  for (const MemoryPlan& sweep : memory.sweeps) needed = std::max(needed, sweep.needed_bytes);
+  for (const MemoryPlan& pass : memory.passes) needed = std::max(needed, pass.needed_bytes);
   if (needed != 0) fail_budget(budget, needed);
-  memory.row_bytes = points * most_carried(planned) + mask_bytes(planned, points);
+  memory.row_bytes = points * planned.most_carried_bytes() + mask_bytes(planned, points);
   memory.spill_rows = memory.row_bytes > 0 && (memory.spills() || memory.expected_bytes + memory.row_bytes > budget);
   if (!memory.spill_rows) memory.expected_bytes += memory.row_bytes;
   return memory;
@@ -129,7 +112,7 @@ MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes
   return plan(budget, unswept(0), demand(record_bytes, 0, points, survey, options), options);
 }
 
-bool leaves_in_order(const PlannedSweeps& planned, const RunOptions& options) {
+bool leaves_in_order(const ChainPlan& planned, const RunOptions& options) {
   return options.order == Order::sweep && !planned.reorders;
 }
 

@@ -8,7 +8,7 @@
 #include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/pipeline/pipeline.h"
-#include "pointsweep/pipeline/planned_sweeps.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
 
@@ -20,7 +20,7 @@ struct Effort {
 
 /// Of all phases, decided before the first.
 struct RunMemory {
-  std::vector<MemoryPlan> sweeps;           ///< by pass
+  std::vector<MemoryPlan> passes;           ///< by pass
   std::vector<std::uint64_t> record_bytes;  ///< of a point on its way through the stream, by pass
   std::vector<Effort> efforts;              ///< by pass
   MemoryPlan reordering;                    ///< of the output, if planned.reorders
@@ -32,14 +32,14 @@ struct RunMemory {
 
 /// What is carried from sweep to sweep is in memory only where everything is. Throws as plan_memory(). The same survey
 /// serves all sweeps: where points move is not known yet. `output_bytes`: of an output record.
-RunMemory plan_run_memory(std::uint64_t budget, const PlannedSweeps& planned, std::uint64_t points,
-                          const Survey& survey, const RunOptions& options, std::uint64_t output_bytes);
+RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
+                          const RunOptions& options, std::uint64_t output_bytes);
 
 /// For whole records of `record_bytes` that are only put in order. Does not throw: see MemoryPlan::needed_bytes.
 MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
                                 const Survey& survey, const RunOptions& options);
 
 /// The order of the only sweep is the one that the output is to have: its records travel along.
-bool leaves_in_order(const PlannedSweeps& planned, const RunOptions& options);
+bool leaves_in_order(const ChainPlan& planned, const RunOptions& options);
 
 }  // namespace pointsweep

@@ -26,8 +26,8 @@ std::optional<std::size_t> offset_in(const std::vector<Attribute>& attributes, c
 }
 
 /// Whether the positions or anything else that travels with the points are values of the input's own record.
-bool looks_at_input(const PlannedSweep& sweep, std::uint32_t input_stride) {
-  std::vector<std::size_t> fields = sweep.chain.payload(sweep.input);
+bool looks_at_input(const PlannedPass& sweep, std::uint32_t input_stride) {
+  std::vector<std::size_t> fields = sweep.payload();
   for (const char* axis : {"x", "y", "z"}) fields.push_back(*sweep.input.find(axis));
   return std::ranges::any_of(fields, [&](std::size_t f) { return sweep.input.fields[f].offset < input_stride; });
 }
@@ -77,7 +77,7 @@ void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdat
   });
 }
 
-PointSource updated_source(Cloud& cloud, const RowFile& carried, const PlannedSweep& sweep,
+PointSource updated_source(Cloud& cloud, const RowFile& carried, const PlannedPass& sweep,
                            std::function<void(std::uint64_t bytes)> note_read) {
   const std::size_t stride = sweep.input.stride, own = cloud.schema().stride, rest = stride - own;
   const bool with_input = looks_at_input(sweep, cloud.schema().stride);

@@ -13,7 +13,7 @@
 #include "pointsweep/order/row_file.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/source.h"
-#include "pointsweep/pipeline/planned_sweeps.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
 
@@ -55,7 +55,7 @@ void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdat
 
 /// The cloud as a pass sees it. What is borrowed must outlive the source. The input itself is read only where the
 /// pass needs something of it; `note_read` is told its bytes.
-PointSource updated_source(Cloud& cloud, const RowFile& carried, const PlannedSweep& sweep,
+PointSource updated_source(Cloud& cloud, const RowFile& carried, const PlannedPass& sweep,
                            std::function<void(std::uint64_t bytes)> note_read);
 
 }  // namespace pointsweep

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/verify/outlier_threshold.h"
 
+#include <algorithm>
 #include <cmath>
+#include <typeinfo>
+
+#include "pointsweep/operators/outliers.h"
 
 namespace pointsweep {
 namespace {
@@ -20,10 +24,9 @@ void for_each_finite(RowSource& source, const Field& field, const PhaseProgress&
   }
 }
 
-}  // namespace
+bool is_outlier(const std::shared_ptr<const Operator>& op) { return typeid(*op) == typeid(Outlier); }
 
-CloudThreshold outlier_threshold(Reader& out, const std::string& name, double multiplier,
-                                 const PhaseProgress& progress) {
+CloudThreshold threshold_of(Reader& out, const std::string& name, double multiplier, const PhaseProgress& progress) {
   RowSource source(out);
   const auto at = source.schema().find(name);
   if (!at) return {};
@@ -37,6 +40,16 @@ CloudThreshold outlier_threshold(Reader& out, const std::string& name, double mu
   const Real lost = field.type == Type::f64 ? n * 0x1p-63L + 8 * formulas::kDouble : 4 * formulas::kSingle;
   const Real threshold = mean + multiplier * deviation;
   return {threshold, lost * (mean + multiplier * deviation)};
+}
+
+}  // namespace
+
+CloudThreshold outlier_threshold(Reader& out, const std::vector<std::shared_ptr<const Operator>>& operators,
+                                 const std::string& prefix, const PhaseProgress& progress) {
+  const auto at = std::ranges::find_if(operators, is_outlier);
+  if (at == operators.end()) return {};
+  const double multiplier = static_cast<const Outlier&>(**at).multiplier();
+  return threshold_of(out, prefix + mean_distance_attribute().name, multiplier, progress);
 }
 
 }  // namespace pointsweep

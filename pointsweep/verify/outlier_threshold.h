@@ -2,7 +2,9 @@
 /// From which mean distance on points of an output are outliers.
 #pragma once
 
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "pointsweep/formats/reader.h"
 #include "pointsweep/verify/row_source.h"
@@ -10,9 +12,10 @@
 
 namespace pointsweep {
 
-/// mean + multiplier * deviation (n - 1) of the finite values of the field `name` of all points of `out`, in extended
-/// precision. NaN if the output does not have the field. Reads it twice.
-CloudThreshold outlier_threshold(Reader& out, const std::string& name, double multiplier,
-                                 const PhaseProgress& progress);
+/// mean + multiplier * deviation (n - 1) of the finite mean distances of all points of `out`, in extended precision,
+/// for the first Outlier among the operators. `prefix`: of the names of made attributes. NaN if there is none, or if
+/// the output has no mean distances. Reads it twice.
+CloudThreshold outlier_threshold(Reader& out, const std::vector<std::shared_ptr<const Operator>>& operators,
+                                 const std::string& prefix, const PhaseProgress& progress);
 
 }  // namespace pointsweep

@@ -173,7 +173,7 @@ TEST_F(RunVerb, OperatorsAreListedWithEveryOption) {
     ASSERT_NE(at, std::string::npos) << declaration.name;
     for (const OptionDeclaration& option : declaration.options)
       EXPECT_NE(out.find("\n  " + option.name + " ", at), std::string::npos) << option.name;
-    const Contract contract = make_operator(declaration, sample_values(declaration), {})->contract();
+    const Contract contract = contract_of(make_stage(declaration, sample_values(declaration), {}));
     const bool makes = !contract.makes.empty() && contract.selects == Selects::nothing;
     EXPECT_EQ(tool("operators " + declaration.name).out.find("\n  makes ") != std::string::npos, makes);
     EXPECT_NE(out.find(tool("operators " + declaration.name).out), std::string::npos);

@@ -89,6 +89,23 @@ TEST_F(SelectStages, VerifyFindsAMissingRowAndAWrongOutlier) {
   refused(2, "verify all.txt kept.txt", "'where' leaves out rows after other stages");
 }
 
+TEST_F(SelectStages, VerifyRefusesASelectBehindOtherStagesAndChecksWhatStandsBeforeIt) {
+  write_rows("all.txt", [](int) { return true; });
+  for (const char* behind : {"normals | where(nz > 0 || level < 3)", "normals | unique", "reneighbor | where(z < 0.5)",
+                             "where(level > 1) | normals | where(z < 0.5)"}) {
+    made(fmt::format("run all.txt out.txt -f -q --pipeline '{}'", behind), "out.txt");
+    refused(2, "verify all.txt out.txt", "leaves out rows after other stages, and a sample of the input does not tell");
+    refused(2, fmt::format("verify all.txt out.txt --pipeline '{}'", behind), "of the stages before it");
+  }
+  for (const char* before : {"normals", "where(level > 1) | normals", "unique | where(level > 1) | normals | sor"}) {
+    made(fmt::format("run all.txt out.txt -f -q --pipeline '{}'", before), "out.txt");
+    EXPECT_EQ(tool("verify all.txt out.txt").status, 0) << before;
+  }
+  // A row too many, or another one, is found.
+  made("run all.txt out.txt -f -q --no-provenance --pipeline 'where(level > 1)'", "out.txt");
+  refused(1, "verify all.txt out.txt --pipeline 'where(level > 2)'", "points came out of");
+}
+
 TEST_F(SelectStages, MistakesNameTheirPlace) {
   write_rows("all.txt", [](int) { return true; });
   refused(2, "run all.txt o.txt --pipeline 'where(level = 3)'", "column 7: '=' compares nothing; write ==.");

@@ -6,8 +6,8 @@ SWEEP = "pointsweep/sweep/"
 PIPELINE = "pointsweep/pipeline/"
 
 MUTANTS = [
-    Mutant("the reference engine's stream is in no order", "order", PIPELINE + "run.cpp",
-           "canonical = canonical || whole || by_reference();", "canonical = canonical || whole;", ("reference:Reference.*",)),
+    Mutant("the reference engine's stream is in no order", "order", PIPELINE + "run/order_phase.cpp",
+           "whole || run.by_reference();", "whole;", ("reference:Reference.*",)),
     Mutant("rows carried between sweeps begin at 0", "spills", PIPELINE + "updated_cloud.cpp",
            "carried->read(first + at, old);", "carried->read(at, old);", ("pipeline:Reneighbor.*",)),
     Mutant("points of infinite position are lost in sweep order", "order", PIPELINE + "ordered_output.cpp",
@@ -30,8 +30,8 @@ MUTANTS = [
     Mutant("another radius counts as the same run", "resume", "pointsweep/points/neighborhood.cpp",
            "if (std::isfinite(radius)) options", "if (radius < 0) options", ("pipeline:Resume.*:Refused.*",)),
     Mutant("a run that keeps other attributes counts as the same run", "resume", PIPELINE + "run_identity.cpp",
-           "text += kept_text(planned.kept, cloud.schema());",
-           "if (text.empty()) text += kept_text(planned.kept, cloud.schema());", ("pipeline:Resume.*:Refused.*",)),
+           "text += kept_text(plan.kept, cloud.schema());",
+           "if (text.empty()) text += kept_text(plan.kept, cloud.schema());", ("pipeline:Resume.*:Refused.*",)),
     Mutant("another type of moved positions counts as the same run", "resume", PIPELINE + "run_identity.cpp",
            "if (options.moved_positions != Type::f64)", "if (options.moved_positions == Type::i32)",
            ("pipeline:Resume.*:Refused.*",)),

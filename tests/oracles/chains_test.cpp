@@ -57,10 +57,10 @@ TEST(Oracles, WidthsOfFairingAreHalfAPercentOfTheDiagonal) {
   PointCloud points(surface);
   const Chain usual = build_chain(parse_pipeline("knn(k=16) | normals | splats | fair"), points.cloud());
   Chain said = usual;
-  said.operators.back() = std::make_shared<Fair>(FairOptions{.f = width, .g = width});
+  said.stages.back() = std::make_shared<Fair>(FairOptions{.f = width, .g = width});
   const RunResult result = run_in_memory(points.cloud(), usual, streamed(surface.size()));
   EXPECT_EQ(Oracle(points.cloud(), said).compare(result).wrong, 0u);
-  said.operators.back() = std::make_shared<Fair>(FairOptions{.f = 1.001 * width, .g = width});
+  said.stages.back() = std::make_shared<Fair>(FairOptions{.f = 1.001 * width, .g = width});
   EXPECT_GT(Oracle(points.cloud(), said).compare(result).wrong, surface.size() / 2) << "a wrong width is noticed";
 }
 

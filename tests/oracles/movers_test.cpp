@@ -50,8 +50,8 @@ class Snap final : public Operator {
 
 std::vector<std::string> all_but_positions(const Chain& chain) {
   std::vector<std::string> names;
-  for (const auto& op : chain.operators)
-    for (const Attribute& a : op->contract().makes)
+  for (const ChainStage& stage : chain.stages)
+    for (const Attribute& a : contract_of(stage).makes)
       if (a.name != position_attribute().name) names.push_back(a.name);
   return names;
 }
@@ -62,7 +62,7 @@ TEST(OraclesOfMovedPoints, AMoverOfTheUserIsFollowedByTheFormulas) {
     for (const char* behind : {"knn(k=16) | normals | splats | neighborhood_size", "knn(k=12) | normals | curvature"}) {
       PointCloud points(surface);
       Chain chain = build_chain(parse_pipeline(behind), points.cloud());
-      chain.operators.insert(chain.operators.begin(), std::make_shared<Snap>(step));
+      chain.stages.insert(chain.stages.begin(), std::make_shared<Snap>(step));
       chain.keep = all_but_positions(chain);
       expect_formulas(points.cloud(), chain, fmt::format("snapped to {}", step), 0.5);
     }
@@ -98,8 +98,8 @@ TEST(OraclesOfMovedPoints, NewNeighborhoodsAreThoseOfTheMovedPositions) {
     after.with({"nx", "ny", "nz"}, normals);
     Chain chain = build_chain(parse_pipeline("knn(k=11) | " + behind), after.cloud());
     // The widths of fairing are those of the input's diagonal.
-    for (auto& op : chain.operators)
-      if (dynamic_cast<const FairInPercent*>(op.get()) != nullptr) op = with_input_values({op}, points.cloud()).front();
+    for (ChainStage& stage : chain.stages)
+      if (name_of(stage) == "fair") stage = with_input_values(operators_of({stage}), points.cloud()).front();
     const OracleReport report = Oracle(after.cloud(), chain).compare(whole);
     EXPECT_EQ(report.wrong, 0u) << behind << ", of " << report.values;
     for (const std::string& difference : report.differences) ADD_FAILURE() << behind << ": " << difference;

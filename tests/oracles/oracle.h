@@ -15,6 +15,7 @@
 #include "pointsweep/verify/made_value.h"
 #include "tests/oracles/grid_neighbors.h"
 #include "tests/pipeline/in_memory.h"
+#include "tests/support/operators_of.h"
 
 namespace pointsweep {
 
@@ -65,7 +66,8 @@ class Oracle {
  public:
   Oracle(Cloud& cloud, const Chain& chain)
       : source_(cloud),
-        values_(with_input_values(chain.operators, cloud), chain.keep, cloud.schema(), chain.neighborhood.rule) {
+        values_(with_input_values(operators_of(chain.stages), cloud), chain.keep, cloud.schema(),
+                chain.neighborhood.rule) {
     const Surroundings all = surroundings_of_all(positions_of(source_), chain.neighborhood, values_.rings());
     rows_ = all.row;
     expected_ = values_.evaluate(all, source_);

@@ -11,7 +11,7 @@
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/operators/splats.h"
-#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
 
@@ -20,15 +20,15 @@ namespace {
 
 Chain ridges(std::vector<std::string> keep) {
   return {.neighborhood = {.k = 8},
-          .operators = {std::make_shared<Normals>(), std::make_shared<Curvature>(),
-                        std::make_shared<Splats>(SplatsOptions{SplatAxes::curvature})},
+          .stages = {std::make_shared<Normals>(), std::make_shared<Curvature>(),
+                     std::make_shared<Splats>(SplatsOptions{SplatAxes::curvature})},
           .keep = std::move(keep)};
 }
 
 std::vector<std::string> all_made() {
   std::vector<std::string> names;
-  for (const auto& op : ridges({}).operators)
-    for (const Attribute& a : op->contract().makes) names.push_back(a.name);
+  for (const ChainStage& stage : ridges({}).stages)
+    for (const Attribute& a : contract_of(stage).makes) names.push_back(a.name);
   return names;
 }
 
@@ -58,7 +58,7 @@ TEST(KeptColumns, ChangesNoValueOfWhatIsKept) {
 std::map<std::string, Lasting> lasting(const std::vector<std::string>& keep) {
   Schema input;
   for (const char* axis : {"x", "y", "z"}) input.append(axis, Type::f32);
-  const SweepPlan plan = plan_chain(ridges(keep), input).plan;
+  const SweepPlan plan = plan_chain(ridges(keep), input).passes.front().plan;
   std::map<std::string, Lasting> by_name;
   for (const Stage& stage : plan.stages) {
     const Contract contract = stage.op->contract();
@@ -99,7 +99,7 @@ class TwoNumbers final : public Operator {
 
 TEST(KeptColumns, TellsOperatorsWhatNobodyWants) {
   const std::vector<Vec3> points = {{1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
-  const Chain chain{.neighborhood = {.k = 1}, .operators = {std::make_shared<TwoNumbers>()}, .keep = {"first"}};
+  const Chain chain{.neighborhood = {.k = 1}, .stages = {std::make_shared<TwoNumbers>()}, .keep = {"first"}};
   EXPECT_EQ(run_in_memory(points, chain, {}).field("first"), (std::vector<double>{1, 2, 3}));
 }
 
@@ -118,7 +118,7 @@ TEST(KeptColumns, AreZeroWhereAnOperatorSaysNothing) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes().front().second, 500, 3);
   RunOptions options;
   options.slab_points = 100, options.cell_points = 32, options.threads = 1;
-  const Chain chain{.neighborhood = {.k = 1}, .operators = {std::make_shared<EveryThird>()}};
+  const Chain chain{.neighborhood = {.k = 1}, .stages = {std::make_shared<EveryThird>()}};
   const std::vector<double> third = run_in_memory(points, chain, options).field("third");
   for (std::size_t row = 0; row < third.size(); ++row) EXPECT_EQ(third[row], row % 3 == 0 ? 5 : 0) << row;
 }

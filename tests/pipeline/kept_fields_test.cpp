@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/kept_fields.h"
+#include "pointsweep/pipeline/plan/kept_fields.h"
 
 #include <gtest/gtest.h>
 

@@ -21,7 +21,7 @@
 
 namespace pointsweep {
 
-using Operators = std::vector<std::shared_ptr<const Operator>>;
+using Stages = std::vector<ChainStage>;
 
 /// Throws every point somewhere else, by up to `reach` along each axis; one in fifty out of space.
 class Throw final : public Operator {
@@ -52,11 +52,9 @@ class Throw final : public Operator {
 inline std::shared_ptr<const Operator> thrown(double reach, std::uint64_t seed = 1) {
   return std::make_shared<Throw>(reach, seed);
 }
-inline std::shared_ptr<const Operator> reneighbor() { return std::make_shared<Reneighbor>(); }
-inline std::shared_ptr<const Operator> reneighbor(std::size_t k) {
-  return std::make_shared<Reneighbor>(Neighborhood{.k = k});
-}
-inline std::shared_ptr<const Operator> resort() { return std::make_shared<Resort>(); }
+inline ChainStage reneighbor() { return Reneighbor(); }
+inline ChainStage reneighbor(std::size_t k) { return Reneighbor(Neighborhood{.k = k}); }
+inline ChainStage resort() { return Resort(); }
 inline std::shared_ptr<const Operator> normals() { return std::make_shared<Normals>(); }
 inline std::shared_ptr<const Operator> graph(std::size_t k, std::size_t n) {
   return std::make_shared<NeighborRows>(k, n, false);

@@ -9,6 +9,7 @@
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/preview.h"
 #include "tests/operators/chosen.h"
 #include "tests/pipeline/hostile_clouds.h"
@@ -233,8 +234,8 @@ TEST(NeighborhoodRules, OfALaterSweepReadWhatAnEarlierOneMade) {
 TEST(NeighborhoodRules, AnAttributeThatTheInputLacksIsRefusedWithWhatItHas) {
   const Attributed input(hostile_shapes()[0].second, 10, 1, 1, 25);
   Cloud cloud = input.cloud();
-  const std::string sentence =
-      refusal([&] { build_chain(parse_pipeline("knn(k=8, k_from=scales) | normals"), cloud); });
+  const std::string sentence = refusal(
+      [&] { plan_chain(build_chain(parse_pipeline("knn(k=8, k_from=scales) | normals"), cloud), cloud.schema()); });
   EXPECT_EQ(sentence,
             "The neighbours are to be as many as 'scales' says, but the input has no attribute 'scales'; it has x, y, "
             "z, scale, range.");

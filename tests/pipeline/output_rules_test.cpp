@@ -41,7 +41,7 @@ struct Sheet {
 };
 
 const Chain kCurvature{.neighborhood = {.k = 8},
-                       .operators = {std::make_shared<Normals>(), std::make_shared<Curvature>()}};
+                       .stages = {std::make_shared<Normals>(), std::make_shared<Curvature>()}};
 
 /// What a run writes under a name, or of the column.
 std::vector<float> written(Cloud& cloud, const RunOptions& options, const std::string& name, std::size_t rows) {

@@ -11,8 +11,9 @@
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/canonical_text.h"
-#include "pointsweep/pipeline/nearest_names.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/preview.h"
+#include "pointsweep/points/nearest_names.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/pipeline/refusal.h"
 
@@ -68,7 +69,7 @@ TEST(Registry, EveryPresetIsAllowedAndMakesTheOperatorOfThatName) {
       EXPECT_TRUE(!has_value(option.preset) || option.allows(option.preset)) << option.name;
       EXPECT_TRUE(!option.required || option.allows(option.sample)) << option.name;
     }
-    EXPECT_EQ(make_operator(declaration, sample_values(declaration), {})->name(), declaration.name);
+    EXPECT_EQ(name_of(make_stage(declaration, sample_values(declaration), {})), declaration.name);
   }
 }
 
@@ -99,11 +100,11 @@ OptionValues changed(const OperatorDeclaration& declaration, const OptionDeclara
 TEST(Registry, EveryOptionOfEveryOperatorIsInItsCanonicalTextWhichIsReadBack) {
   for (const OperatorDeclaration& declaration : all_operators()) {
     for (const OptionDeclaration& option : declaration.options) {
-      const auto made = make_operator(declaration, changed(declaration, option), {});
+      const auto made = make_stage(declaration, changed(declaration, option), {});
       for (const Presets presets : {Presets::left_out, Presets::spelled_out}) {
-        const std::string text = canonical_text(*made, presets);
+        const std::string text = canonical_text(made, presets);
         EXPECT_NE(text.find(text_of_value(another_value(option))), std::string::npos) << option.name << ": " << text;
-        EXPECT_EQ(canonical_text(*chain_of(text).operators.front(), presets), text);
+        EXPECT_EQ(canonical_text(chain_of(text).stages.front(), presets), text);
       }
     }
   }
@@ -294,7 +295,7 @@ TEST(Keep, WritesOnlyWhatItNames) {
   const RunResult all = run_in_memory(surface(), chain, {});
   chain.keep = {"normal"};
   EXPECT_EQ(run_in_memory(surface(), chain, {}).records, all.records);
-  EXPECT_EQ(plan_chain(chain, schema_with_normals()).plan.result_bytes, 12u);
+  EXPECT_EQ(plan_chain(chain, schema_with_normals()).passes.front().plan.result_bytes, 12u);
 }
 
 /// Makes two attributes that are told apart by their values.
@@ -363,8 +364,8 @@ class PreviewOfAChain : public testing::Test {
 TEST_F(PreviewOfAChain, SaysWhenColumnsDie) {
   chain_.keep = {"sum"};
   const Preview p = preview(*cloud_, chain_);
-  ASSERT_EQ(p.columns.size(), 1u);
-  const std::vector<ColumnPlan>& columns = p.columns[0];
+  ASSERT_EQ(p.planned.passes.size(), 1u);
+  const std::vector<ColumnPlan>& columns = p.planned.passes[0].columns;
   ASSERT_EQ(columns.size(), 5u);
   const auto expect = [&](std::size_t c, const char* name, const char* made_by, std::size_t last_step, bool written) {
     EXPECT_EQ(columns[c].attribute, name);
@@ -377,7 +378,7 @@ TEST_F(PreviewOfAChain, SaysWhenColumnsDie) {
   expect(2, "normal", "2 normals", 1, false);
   expect(3, "sum", "3 across", 1, true);
   expect(4, "normal", "4 normals", 1, false);
-  EXPECT_EQ(p.planned.sweeps[0].chain.plan.result_bytes, 4u);
+  EXPECT_EQ(p.planned.passes[0].plan.result_bytes, 4u);
 }
 
 TEST_F(PreviewOfAChain, NamesTheBufferOfEveryStage) {
@@ -397,16 +398,17 @@ TEST_F(PreviewOfAChain, RefusesWhatARunWouldRefuse) {
   RunOptions options;
   options.memory_bytes = 1 << 20;
   EXPECT_THROW(preview(*cloud_, chain_, options), Error);
-  chain_.operators.erase(chain_.operators.begin());
+  chain_.stages.erase(chain_.stages.begin());
   EXPECT_THROW(preview(*cloud_, chain_), UsageError);
 }
 
 TEST_F(PreviewOfAChain, ChainsAreCheckedAgainstTheCloud) {
-  EXPECT_NE(refusal([&] { build_chain(parse_pipeline("knn(k=3)"), *cloud_); }), "");
-  EXPECT_NE(refusal([&] { build_chain(parse_pipeline("normals(orient=input)"), *cloud_); }).find("needs 'normal'"),
-            std::string::npos);
-  EXPECT_NE(refusal([&] { build_chain(parse_pipeline("normals"), *cloud_, {"colour"}); }).find("'colour'"),
-            std::string::npos);
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& keep = {}) {
+    return refusal([&] { plan_chain(build_chain(parse_pipeline(text), *cloud_, keep), cloud_->schema()); });
+  };
+  EXPECT_NE(refused("knn(k=3)"), "");
+  EXPECT_NE(refused("normals(orient=input)").find("needs 'normal'"), std::string::npos);
+  EXPECT_NE(refused("normals", {"colour"}).find("'colour'"), std::string::npos);
   EXPECT_EQ(build_chain(parse_pipeline("normals"), *cloud_, {"normal"}).keep, std::vector<std::string>{"normal"});
 }
 

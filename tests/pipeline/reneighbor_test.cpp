@@ -50,10 +50,9 @@ TEST(Reneighbor, MayAskForOtherNeighborhoodsAndSeveralTimes) {
   const Neighborhood near{.k = Neighborhood::kUnlimited, .radius = 0.2};
   for (const auto& [name, shape] : hostile_shapes()) {
     SCOPED_TRACE(name);
-    const Operators operators = {normals(),      thrown(0.1, 1), reneighbor(12),
-                                 normals(),      thrown(4, 2),   std::make_shared<Reneighbor>(near),
-                                 thrown(0.2, 3), reneighbor(),   graph(5, 500)};
-    expect_as_the_whole_cloud(make_cloud(shape, 500, 22), {{.k = 4}, operators}, 5);
+    const Stages stages = {normals(),        thrown(0.1, 1), reneighbor(12), normals(),    thrown(4, 2),
+                           Reneighbor(near), thrown(0.2, 3), reneighbor(),   graph(5, 500)};
+    expect_as_the_whole_cloud(make_cloud(shape, 500, 22), {{.k = 4}, stages}, 5);
     if (HasFatalFailure()) return;
   }
 }
@@ -91,8 +90,8 @@ TEST(Reneighbor, IsAFreshRunOverAFileOfTheMovedPositions) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 1500, 25);
   const Throw mover(3);
   const RunResult fresh = run_on_moved(points, mover, {{.k = 9}, {normals()}});
-  const Operators operators = {std::make_shared<Throw>(mover), reneighbor(9), normals()};
-  EXPECT_EQ(run_in_memory(points, {{.k = 3}, operators}, tiny(100)).records, fresh.records);
+  const Stages stages = {std::make_shared<Throw>(mover), reneighbor(9), normals()};
+  EXPECT_EQ(run_in_memory(points, {{.k = 3}, stages}, tiny(100)).records, fresh.records);
 }
 
 TEST(Reneighbor, MovedPositionsAreRoundedNeitherBetweenSweepsNorInTheOutput) {
@@ -160,8 +159,8 @@ TEST(Reneighbor, LaterSweepsReadWhatTheFileHasAndWhatEarlierOnesMade) {
 
 TEST(Reneighbor, WritesTheAttributesInTheOrderAndLayoutOfAChainWithoutIt) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 400, 27);
-  const Operators plain = {normals(), thrown(1), graph(3, 400), normals()};
-  const Operators updating = {normals(), thrown(1), reneighbor(), graph(3, 400), reneighbor(), normals()};
+  const Stages plain = {normals(), thrown(1), graph(3, 400), normals()};
+  const Stages updating = {normals(), thrown(1), reneighbor(), graph(3, 400), reneighbor(), normals()};
   EXPECT_EQ(run_in_memory(points, {{.k = 5}, updating}, tiny(100)).schema,
             run_in_memory(points, {{.k = 5}, plain}, tiny(100)).schema);
   for (const std::vector<std::string>& keep :
@@ -178,8 +177,8 @@ TEST(Reneighbor, WritesTheAttributesInTheOrderAndLayoutOfAChainWithoutIt) {
 
 TEST(Reneighbor, ASweepWhoseResultsNobodyNeedsIsLeftOut) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 500, 28);
-  const auto sweeps = [&](const Operators& operators, std::vector<std::string> keep = {}) {
-    return run_in_memory(points, {{.k = 5}, operators, std::move(keep)}, tiny(100)).statistics.sweeps;
+  const auto sweeps = [&](const Stages& stages, std::vector<std::string> keep = {}) {
+    return run_in_memory(points, {{.k = 5}, stages, std::move(keep)}, tiny(100)).statistics.sweeps;
   };
   EXPECT_EQ(sweeps({normals()}), 1u);
   EXPECT_EQ(sweeps({normals(), reneighbor()}), 1u);

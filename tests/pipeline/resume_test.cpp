@@ -179,6 +179,34 @@ TEST_F(Resume, StoppedAnywhereARunGoesOnToTheSameBytes) {
   }
 }
 
+/// At the first and at the last report of every phase.
+TEST_F(Resume, StoppedInAnyPhaseARunWithSelectsAndValuesGoesOn) {
+  for (const Order order : {Order::input, Order::sweep}) {
+    const Work work{"selects and values", "knn(k=6) | unique | sor(multiplier=1) | where(outlier == 0) | normals | sor",
+                    "out.ply", order};
+    run_uninterrupted(work);
+    std::vector<std::uint64_t> stops;
+    std::uint64_t reports = 0;
+    std::string phase;
+    RunOptions counting = options(work);
+    counting.progress = [&](const Progress& progress) {
+      ++reports;
+      if (phase != progress.phase && reports > 1) stops.insert(stops.end(), {reports - 1, reports});
+      phase = progress.phase;
+    };
+    counting.resume_folder = folder_ / "done";
+    counting.checkpoint_seconds = 0;
+    run_all(work, counting);
+    EXPECT_GE(stops.size(), 2u * 6);
+    for (const std::uint64_t stop : stops) {
+      SCOPED_TRACE(fmt::format("stopped at report {} of {}", stop, reports));
+      EXPECT_FALSE(run_until(stop, work, resuming(work)));
+      expect_as_uninterrupted(work, run_all(work, resuming(work)));
+      if (HasFailure()) return;
+    }
+  }
+}
+
 TEST_F(Resume, StoppedAgainAndAgainARunComesToItsEnd) {
   for (const Work& work : works()) {
     SCOPED_TRACE(work.name);
@@ -281,7 +309,7 @@ class Counted final : public Operator {
 };
 
 TEST_F(Resume, IsRefusedToChainsMadeByHandThatDifferInAnOption) {
-  const auto op = [](auto made) { return std::vector<std::shared_ptr<const Operator>>{std::move(made)}; };
+  const auto op = [](auto made) { return std::vector<ChainStage>{std::move(made)}; };
   const auto normals = [&](NormalsOptions options) { return op(std::make_shared<Normals>(options)); };
   const std::pair<Chain, Chain> pairs[] = {
       {{{.k = 8}, normals({})}, {{.k = 8}, normals({Orient::up, {}})}},

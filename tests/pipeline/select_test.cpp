@@ -10,7 +10,9 @@
 #include "pointsweep/operators/unique.h"
 #include "pointsweep/operators/where.h"
 #include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/preview.h"
+#include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/refusal.h"
@@ -307,12 +309,35 @@ TEST(Select, WidthsOfFairingAreThoseOfTheRowsThatAreLeft) {
                  "knn(k=9) | normals | splats | fair(f=5, g=5) | normals");
 }
 
+/// Arrays have a row for each point that is left, as those of a cloud that holds only these.
+TEST(Select, ArraysHoldTheRowsThatAreLeft) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 600, 21));
+  const Records kept = input.those([&](std::size_t i) { return input.value(i, "classification") < 3; });
+  const TemporaryFolder folder;
+  const auto arrays = [&](const Records& records, const std::string& pipeline, const RunOptions& options) {
+    Cloud cloud = records.cloud();
+    RunOptions over = options;
+    over.overwrite = true;
+    run(cloud, build_chain(parse_pipeline(pipeline), cloud),
+        {{}, {{"normal", folder / "n.npy"}, {"splat_length", folder / "l.npy"}}, {}}, over);
+    return content_of(folder / "n.npy") + content_of(folder / "l.npy");
+  };
+  for (const RunOptions& options : ways(Order::input)) {
+    const std::string got = arrays(input, "where(classification < 3) | normals | splats", options);
+    EXPECT_TRUE(got == arrays(kept, "normals | splats", options));
+    EXPECT_NE(got.find(fmt::format("({}, 3)", kept.size())), std::string::npos);
+    const std::string late = arrays(input, "normals | splats | where(classification < 3)", options);
+    EXPECT_NE(late.find(fmt::format("({}, 3)", kept.size())), std::string::npos);
+    EXPECT_TRUE(late != got) << "neighbours of all points";
+  }
+}
+
 TEST(Select, PassesAreAsFewAsTheChainAllows) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 100, 15));
   const auto kinds = [&](const std::string& text) {
     Cloud cloud = input.cloud();
     std::string letters;
-    for (const PlannedSweep& pass : plan_sweeps(build_chain(parse_pipeline(text), cloud), cloud.schema()).sweeps)
+    for (const PlannedPass& pass : plan_chain(build_chain(parse_pipeline(text), cloud), cloud.schema()).passes)
       letters += pass.kind == PassKind::sweep ? 's' : pass.kind == PassKind::rows ? 'r' : 'o';
     return letters;
   };

@@ -16,7 +16,7 @@ namespace pointsweep {
 namespace {
 
 TEST(Updates, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
-  const Operators operators = {thrown(1), resort(), reneighbor(), normals(), thrown(0.5, 4)};
+  const Stages stages = {thrown(1), resort(), reneighbor(), normals(), thrown(0.5, 4)};
   for (const Order order : {Order::input, Order::sweep}) {
     for (const auto& [name, shape] : hostile_shapes()) {
       SCOPED_TRACE(name + (order == Order::input ? ", input order" : ", sweep order"));
@@ -27,7 +27,7 @@ TEST(Updates, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
           for (const bool spill : {false, true}) {
             RunOptions options = tiny(slab, spill, threads);
             options.order = order;
-            const RunResult result = run_in_memory(points, {{.k = 6}, operators}, options);
+            const RunResult result = run_in_memory(points, {{.k = 6}, stages}, options);
             ASSERT_EQ(result.statistics.bytes_spilled > 0, spill);
             if (first.empty()) first = result.records;
             ASSERT_EQ(result.records, first) << threads << " threads, slabs of " << slab;
@@ -74,7 +74,7 @@ TEST(Resort, OrdersTheOutputByThePositionsAtItsPlaceAndChangesNoValue) {
     // Within one sweep a point that was thrown out of space is still thrown by the second.
     for (std::size_t i = 0; i < points.size(); ++i)
       twice.push_back(is_finite(points[i]) ? second.moved(once[i], i) : points[i]);
-    const std::vector<std::tuple<std::string, Operators, std::vector<Vec3>>> chains = {
+    const std::vector<std::tuple<std::string, Stages, std::vector<Vec3>>> chains = {
         {"no update", {a, normals()}, points},
         {"before any move", {resort(), a, normals()}, points},
         {"last", {a, normals(), resort()}, once},
@@ -84,14 +84,14 @@ TEST(Resort, OrdersTheOutputByThePositionsAtItsPlaceAndChangesNoValue) {
         {"after new neighbours", {normals(), a, reneighbor(4), resort(), normals()}, once},
         {"new neighbours only", {a, reneighbor(), normals()}, points},
     };
-    for (const auto& [what, operators, key] : chains) {
-      const RunResult by_row = run_in_memory(points, {{.k = 5}, operators}, tiny(150));
+    for (const auto& [what, stages, key] : chains) {
+      const RunResult by_row = run_in_memory(points, {{.k = 5}, stages}, tiny(150));
       for (const int axis : {-1, 1}) {
         SCOPED_TRACE(fmt::format("{}: {}, axis {}", name, what, axis));
         RunOptions options = tiny(90, axis == 1);
         options.order = Order::sweep;
         if (axis >= 0) options.axis = axis;
-        const RunResult ordered = run_in_memory(points, {{.k = 5}, operators}, options);
+        const RunResult ordered = run_in_memory(points, {{.k = 5}, stages}, options);
         ASSERT_EQ(ordered.schema, by_row.schema);
         ASSERT_EQ(ordered.records, permuted(by_row, canonical_rows(key, axis)));
       }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pointsweep/operators/update_operators.h"
-#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/pipeline/plan/chain.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/in_core.h"
 
@@ -22,11 +22,11 @@ class WholeCloud {
   WholeCloud(std::vector<Vec3> points, const Chain& chain) : input_(points), points_(std::move(points)) {
     neighborhood_ = chain.neighborhood;
     begin_sweep();
-    for (const auto& op : chain.operators) {
-      if (const auto* update = dynamic_cast<const Reneighbor*>(op.get())) {
-        neighborhood_ = update->neighborhood().value_or(neighborhood_);
+    for (const ChainStage& stage : chain.stages) {
+      if (const auto* update = std::get_if<Reneighbor>(&stage)) {
+        if (update->neighborhood) neighborhood_ = *update->neighborhood;
         begin_sweep();
-      } else {
+      } else if (const Operator* op = operator_of(stage)) {
         const std::vector<std::vector<double>> values = values_for(*op);
         apply(values.empty() ? *op : *op->with_values(values));
       }

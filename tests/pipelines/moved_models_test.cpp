@@ -131,7 +131,7 @@ TEST(MovedModels, SnappedToAGridHaveNormalsWhereverTheyHavePlanes) {
   const std::vector<Vec3> points = vertices_of(data / "models/stanford_dragon/dragon_vrip_res3.ply");
   Chain chain =
       build_chain(parse_pipeline(fmt::format("knn(k={}) | normals | neighborhood_size", kNeighbors)), Facts{});
-  chain.operators.insert(chain.operators.begin(), std::make_shared<Snap>(0.004));
+  chain.stages.insert(chain.stages.begin(), std::make_shared<Snap>(0.004));
   expect_equation1(run_in_memory(points, chain, {}), neighbors_of(points));
 }
 

@@ -45,7 +45,7 @@ const auto kFair = std::make_shared<Fair>(FairOptions{.f = 0.1, .g = 0.1});
 
 struct NamedChain {
   std::string name;
-  Operators operators;
+  Stages stages;
   int hops;  ///< how far from a point its results look: along lists of neighbours of neighbours
 };
 
@@ -93,7 +93,7 @@ TEST(ReferenceChains, GiveTheEnginesBytesWhereNeighborhoodsAreExact) {
     for (const Order order : kOrders) {
       SCOPED_TRACE(chain.name);
       const auto records = [&](Engine engine) {
-        const RunResult run = run_in_memory(points, {{.k = k}, chain.operators, {}}, by(engine, order));
+        const RunResult run = run_in_memory(points, {{.k = k}, chain.stages, {}}, by(engine, order));
         return records_by_row(run, points, order);
       };
       const std::vector<std::string> expected = records(Engine::exact), made = records(Engine::reference);

@@ -21,7 +21,7 @@
 namespace pointsweep {
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
-using Operators = std::vector<std::shared_ptr<const Operator>>;
+using Stages = std::vector<ChainStage>;
 
 inline constexpr Order kOrders[] = {Order::input, Order::sweep};
 
@@ -107,7 +107,7 @@ inline NeighborRun neighbor_run(Cloud& cloud, const std::vector<Vec3>& points, c
               {std::make_shared<NeighborhoodSize>(), std::make_shared<NeighborRows>(width, points.size(), false)},
               {"neighbor_count", "neighbors"}};
   if (options.engine == Engine::reference)
-    chain.operators.insert(chain.operators.begin(), std::make_shared<Passing>(run.entered));
+    chain.stages.insert(chain.stages.begin(), std::make_shared<Passing>(run.entered));
   const RunResult result = run_in_memory(cloud, chain, options);
   run.statistics = result.statistics;
   run.records = records_by_row(result, points, options.order);

@@ -13,7 +13,7 @@
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/operators/splats.h"
-#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/sweep/sweep.h"
 #include "pointsweep/threads.h"
 #include "tests/support/memory_source.h"
@@ -50,15 +50,15 @@ struct Swept {
 /// Operators of four steps: each looks at what the one before made of its neighbours.
 Chain deep_chain(std::size_t k) {
   return {.neighborhood = {.k = k},
-          .operators = {std::make_shared<Normals>(), std::make_shared<Curvature>(), std::make_shared<Splats>(),
-                        std::make_shared<Fair>(FairOptions{.f = 0.05, .g = 0.05}), std::make_shared<Normals>(),
-                        std::make_shared<Splats>()}};
+          .stages = {std::make_shared<Normals>(), std::make_shared<Curvature>(), std::make_shared<Splats>(),
+                     std::make_shared<Fair>(FairOptions{.f = 0.05, .g = 0.05}), std::make_shared<Normals>(),
+                     std::make_shared<Splats>()}};
 }
 
 Swept swept(const std::vector<Vec3>& points, const Chain& chain, std::uint64_t slab_points,
             const SweepOptions& options) {
   const PointSource source = source_of(points);
-  PlannedChain planned = plan_chain(chain, source.schema);
+  PlannedPass planned = plan_chain(chain, source.schema).passes.front();
   StreamOptions order;
   order.slab_points = slab_points;
   order.canonical = false;

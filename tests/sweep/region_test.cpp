@@ -7,7 +7,7 @@
 #include <set>
 
 #include "pointsweep/operators/normals.h"
-#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "tests/support/memory_source.h"
 
 namespace pointsweep {
@@ -36,7 +36,8 @@ StreamOptions small_slabs() {
 struct SweptCloud {
   std::vector<Vec3> points = random_points(4000);
   PointSource source = source_of(points);
-  PlannedChain planned = plan_chain({.neighborhood = {}, .operators = {std::make_shared<Normals>()}}, source.schema);
+  PlannedPass planned =
+      plan_chain({.neighborhood = {}, .stages = {std::make_shared<Normals>()}}, source.schema).passes.front();
   Stream stream{source, survey(source, std::nullopt, true), small_slabs()};
   SlabLoader loader{stream, planned.plan, 64};
   Frontier frontier{stream.slabs(), stream.axis()};

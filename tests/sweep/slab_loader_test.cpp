@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pointsweep/operators/normals.h"
-#include "pointsweep/pipeline/chain.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "tests/support/memory_source.h"
 
 namespace pointsweep {
@@ -31,7 +31,8 @@ std::vector<Vec3> sheet_with_outliers_and_copies() {
 struct StreamInSlabs {
   std::vector<Vec3> points = sheet_with_outliers_and_copies();
   PointSource source = source_of(points);
-  PlannedChain planned = plan_chain({.neighborhood = {}, .operators = {std::make_shared<Normals>()}}, source.schema);
+  PlannedPass planned =
+      plan_chain({.neighborhood = {}, .stages = {std::make_shared<Normals>()}}, source.schema).passes.front();
   Stream stream{source, survey(source, std::nullopt, true), options()};
   SlabLoader loader{stream, planned.plan, kCellPoints};
 

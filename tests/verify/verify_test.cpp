@@ -13,6 +13,7 @@
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/hostile_clouds.h"
+#include "tests/support/operators_of.h"
 
 namespace pointsweep {
 namespace {
@@ -20,7 +21,7 @@ namespace {
 MadeBy made_by(const Chain& chain) {
   return {.neighborhood = {chain.neighborhood.k, chain.neighborhood.radius},
           .rule = chain.neighborhood.rule,
-          .operators = chain.operators,
+          .operators = operators_of(chain.stages),
           .keep = chain.keep};
 }
 
@@ -193,9 +194,9 @@ TEST_F(Verify, WhatIsExactIsFoundByItsLastBit) {
 /// Every made attribute of a chain, off by a hundred-thousandth or, where that is less, by what is far above rounding.
 TEST_F(Verify, EveryAttributeThatIsOffIsFound) {
   for (const char* pipeline : {"knn(k=12) | normals | curvature | splats", "knn(k=10) | normals | splats | fair"}) {
-    const Chain operators = chain(pipeline);
-    for (const auto& op : operators.operators)
-      for (const Attribute& a : op->contract().makes)
+    const Chain written = chain(pipeline);
+    for (const ChainStage& stage : written.stages)
+      for (const Attribute& a : contract_of(stage).makes)
         for (const std::string& name : a.fields) {
           const auto output = made(pipeline, "out.ply");
           change(output, [&](auto& records, const Schema& schema) {
@@ -314,7 +315,7 @@ class Steepness final : public Operator {
 
 TEST_F(Verify, OperatorsOfUsersAreAppliedAgainAndNamedAsNotIndependent) {
   Chain written = chain("knn(k=9) | normals");
-  written.operators.push_back(std::make_shared<Steepness>());
+  written.stages.push_back(std::make_shared<Steepness>());
   Cloud cloud({input()});
   run(cloud, written, {.points = folder_ / "out.ply", .arrays = {}, .writer = {}});
   const auto checked = [&] { return verify(cloud, *open_reader(folder_ / "out.ply"), false, made_by(written)); };

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/kept_fields.h"
+#include "pointsweep/pipeline/plan/kept_fields.h"
 
 #include <algorithm>
 #include <numeric>
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/field_names.h"
-#include "pointsweep/pipeline/nearest_names.h"
+#include "pointsweep/points/nearest_names.h"
 
 namespace pointsweep {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/pass_schedule.h"
+#include "pointsweep/pipeline/plan/pass_schedule.h"
 
 #include <algorithm>
 
@@ -16,34 +16,62 @@ std::vector<std::string> read_by(const Contract& contract) {
   return names;
 }
 
+/// Whether a stage of the first segment needs a value of the input, for which the rows are read first.
+bool begins_with_input_values(const ChainGraph& graph) {
+  bool any_stage = false;
+  for (const GraphNode& node : graph.nodes) {
+    if (node.kind == NodeKind::select || (node.kind == NodeKind::neighborhood && any_stage)) return false;
+    if (node.kind == NodeKind::reduce && node.reduction->of_input()) return true;
+    any_stage |= node.kind == NodeKind::stage;
+  }
+  return false;
+}
+
 }  // namespace
 
-void PassSchedule::add(const std::shared_ptr<const Operator>& op) {
-  const Contract contract = op->contract();
-  if (contract.selects != Selects::nothing) return add_select(op);
-  std::size_t from = earliest(contract);
-  const std::vector<std::size_t> values = find_values(contract, from);
-  const std::size_t pass = pass_for(*op, contract, from);
-  passes_[pass].chain.operators.push_back(op);
-  passes_[pass].values_of_stages.push_back(values);
+PassSchedule::PassSchedule(const ChainGraph& graph) : graph_(graph) {
+  if (begins_with_input_values(graph)) new_pass(PassKind::rows);
+}
+
+std::vector<ScheduledPass> PassSchedule::passes() {
+  for (std::size_t n = 1; n < graph_.nodes.size(); ++n) add(n);
+  return std::move(passes_);
+}
+
+void PassSchedule::add(std::size_t node) {
+  switch (graph_.nodes[node].kind) {
+    case NodeKind::stage:
+      return add_stage(node);
+    case NodeKind::select:
+      return add_select(node);
+    case NodeKind::neighborhood:
+      neighborhood_ = node;
+      return begin_segment();
+    case NodeKind::order:
+      if (graph_.nodes[node].op) add_stage(node);
+      return;
+    case NodeKind::reduce:  // with the first stage that needs it
+      return;
+  }
+}
+
+void PassSchedule::add_stage(std::size_t node) {
+  const Operator& op = *graph_.nodes[node].op;
+  const Contract contract = op.contract();
+  const std::size_t readable = earliest(contract), known = known_after_values(graph_.nodes[node].values);
+  const std::size_t pass = pass_for(op, contract, std::max(readable, known));
+  passes_[pass].stages.push_back(node);
   note_use(contract, pass);
 }
 
-void PassSchedule::renew(const std::optional<Neighborhood>& neighborhood) {
-  neighborhood_ = neighborhood.value_or(neighborhood_);
-  begin_segment();
-}
-
 /// A select is the last of its segment: whatever was asked for before it is made of all rows.
-void PassSchedule::add_select(const std::shared_ptr<const Operator>& op) {
-  const bool by_value = op->contract().selects == Selects::by_value;
+void PassSchedule::add_select(std::size_t node) {
+  const bool by_value = graph_.nodes[node].op->contract().selects == Selects::by_value;
   const bool last_may =
-      passes_.size() > segment_ && passes_.back().kind == PassKind::rows && passes_.back().values.empty();
+      passes_.size() > segment_ && passes_.back().kind == PassKind::rows && passes_.back().reduces.empty();
   ScheduledPass& pass = by_value && last_may ? passes_.back() : new_pass(by_value ? PassKind::rows : PassKind::order);
   pass.selects = true;
-  pass.chain.operators.push_back(op);
-  pass.values_of_stages.emplace_back();
-  input_values_.clear();
+  pass.stages.push_back(node);
   begin_segment();
 }
 
@@ -72,37 +100,32 @@ std::size_t PassSchedule::known_after(const Reduction& reduction) const {
 }
 
 /// The end of the pass before the segment tells it, or the reading of rows at the beginning of the chain.
-std::size_t PassSchedule::find_input_value(const std::shared_ptr<const Reduction>& reduction, std::size_t& earliest) {
-  const std::size_t after = segment_ == 0 ? 0 : segment_ - 1;
-  const auto [known, is_new] = input_values_.try_emplace(reduction->text(), values_, after);
-  if (is_new) passes_[after].values.push_back({reduction, values_++});
-  earliest = std::max(earliest, known->second.second + 1);
-  return known->second.first;
-}
+std::size_t PassSchedule::find_input_value() { return segment_ == 0 ? 0 : segment_ - 1; }
 
-std::size_t PassSchedule::find_value(const std::shared_ptr<const Reduction>& reduction, std::size_t& earliest) {
-  const std::size_t after = known_after(*reduction);
+std::size_t PassSchedule::find_value(const Reduction& reduction) {
+  const std::size_t after = known_after(reduction);
   if (after >= passes_.size()) new_pass(PassKind::rows);
   // It reads what the pass leaves, so a stage that remakes that comes later.
-  for (const Attribute& a : reduction->reads()) {
+  for (const Attribute& a : reduction.reads()) {
     Use& use = used_.try_emplace(a.name, Use{segment_, segment_}).first->second;
     use.read = std::max(use.read, after + 1);
   }
-  earliest = std::max(earliest, after + 1);
-  std::vector<PlannedValue>& values = passes_[after].values;
-  const auto same = [&](const PlannedValue& v) { return v.reduction->text() == reduction->text(); };
-  const auto known = std::ranges::find_if(values, same);
-  if (known != values.end()) return known->number;
-  values.push_back({reduction, values_});
-  return values_++;
+  return after;
 }
 
-/// Finds a place for the values that a stage needs; it comes after all of them.
-std::vector<std::size_t> PassSchedule::find_values(const Contract& contract, std::size_t& earliest) {
-  std::vector<std::size_t> numbers;
-  for (const auto& reduction : contract.values)
-    numbers.push_back(reduction->of_input() ? find_input_value(reduction, earliest) : find_value(reduction, earliest));
-  return numbers;
+/// Finds a place for the values that a stage needs, and returns the first pass in which all are known.
+std::size_t PassSchedule::known_after_values(const std::vector<std::size_t>& reduces) {
+  std::size_t known = 0;
+  for (const std::size_t reduce : reduces) {
+    if (!value_of_.contains(reduce)) {
+      const Reduction& reduction = *graph_.nodes[reduce].reduction;
+      const std::size_t after = reduction.of_input() ? find_input_value() : find_value(reduction);
+      value_of_[reduce] = after;
+      passes_[after].reduces.push_back(reduce);
+    }
+    known = std::max(known, value_of_.at(reduce) + 1);
+  }
+  return known;
 }
 
 std::size_t PassSchedule::pass_for(const Operator& op, const Contract& contract, std::size_t earliest) {
@@ -139,7 +162,7 @@ void PassSchedule::note_use(const Contract& contract, std::size_t pass) {
 ScheduledPass& PassSchedule::new_pass(PassKind kind) {
   ScheduledPass& pass = passes_.emplace_back();
   pass.kind = kind;
-  pass.chain.neighborhood = neighborhood_;
+  pass.neighborhood = neighborhood_;
   return pass;
 }
 

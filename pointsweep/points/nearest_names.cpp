@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/nearest_names.h"
+#include "pointsweep/points/nearest_names.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/plan/chain_graph.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+namespace {
+
+using Attributes = std::vector<Attribute>;
+
+std::string field_names(const Schema& schema) {
+  std::string names;
+  for (const Field& field : schema.fields) names += (names.empty() ? "" : ", ") + field.name;
+  return names;
+}
+
+/// Remembers where the points are when the stream is sorted again.
+class NoteStreamPosition final : public Operator {
+ public:
+  std::string name() const override { return "resort"; }
+  Contract contract() const override { return {{}, {}, {stream_position_attribute()}, true}; }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const auto position = out.column<std::array<double, 3>>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const Vec3 p = in.position(i);
+      position[i] = {p.x, p.y, p.z};
+    }
+  }
+};
+
+void require_neighbors(const Neighborhood& neighborhood) {
+  if (neighborhood.k == 0) fail_usage("k = 0 gives no neighbours: choose k of at least 1.");
+  if (!(neighborhood.radius >= 0))
+    fail_usage("The radius {} is not a distance: choose one of at least 0.", neighborhood.radius);
+}
+
+class GraphBuilder {
+ public:
+  explicit GraphBuilder(const Schema& input) : input_(input) {}
+
+  void add(const Neighborhood& neighborhood) {
+    require_neighbors(neighborhood);
+    GraphNode node{.kind = NodeKind::neighborhood, .neighborhood = neighborhood};
+    if (neighborhood.rule)
+      for (const Attribute& a : neighborhood.rule->reads())
+        node.reads.push_back(version_ruled_by(a, *neighborhood.rule));
+    for (const std::size_t v : node.reads) note_reader(v, graph_.nodes.size(), ReadAs::self);
+    neighborhood_ = neighborhood;
+    graph_.nodes.push_back(std::move(node));
+  }
+  void operator()(const Reneighbor& update) {
+    add(Neighborhood(update.neighborhood ? *update.neighborhood : neighborhood_));
+  }
+  void operator()(const Resort&) { graph_.nodes.push_back({.kind = NodeKind::order, .position = position_}); }
+  void operator()(const std::shared_ptr<const Operator>& op) {
+    const auto parts = op->parts();
+    if (parts.empty()) return add(op);
+    for (const auto& part : parts) add(part);
+  }
+
+  ChainGraph finish(bool ordered) {
+    if (ordered) note_stream_position();
+    for (const Attribute& a : made_) graph_.made.push_back(latest_.at(a.name));
+    return std::move(graph_);
+  }
+
+ private:
+  void add(std::shared_ptr<const Operator> op) {
+    if (auto bound = op->bound(input_, made_)) op = std::move(bound);
+    const Contract contract = op->contract();
+    const bool selects = contract.selects != Selects::nothing;
+    GraphNode node{.kind = selects ? NodeKind::select : NodeKind::stage, .op = op, .position = position_};
+    for (const Attribute& a : contract.reads) node.reads.push_back(version_read(a, *op));
+    for (const Attribute& a : contract.reads_neighbors) node.reads_neighbors.push_back(version_read(a, *op));
+    for (const auto& reduction : contract.values) node.values.push_back(reduce_node(reduction, *op));
+    const std::size_t number = graph_.nodes.size();
+    for (const std::size_t v : node.reads) note_reader(v, number, ReadAs::self);
+    for (const std::size_t v : node.reads_neighbors) note_reader(v, number, ReadAs::neighbors);
+    for (const Attribute& a : contract.makes) node.makes.push_back(selects ? new_version(a, number) : make(a, number));
+    graph_.nodes.push_back(std::move(node));
+    if (selects) ++selects_;
+  }
+
+  /// A rule reads a field that the cloud holds where the neighbourhoods begin.
+  std::size_t version_ruled_by(const Attribute& wanted, const NeighborhoodRule& rule) {
+    const Schema cloud = with_carried(input_, made_);
+    if (!cloud.find(wanted.name))
+      fail_usage("The neighbours are to be {}, but the input has no attribute '{}'; it has {}.", rule.meaning(),
+                 wanted.name, field_names(cloud));
+    const std::string made = carried_with(wanted.name, input_, made_);
+    return made.empty() ? input_version(wanted) : latest_.at(made);
+  }
+
+  /// Stages that need the same value of the same versions, of the same rows, share a node.
+  std::size_t reduce_node(const std::shared_ptr<const Reduction>& reduction, const Operator& op) {
+    GraphNode node{.kind = NodeKind::reduce, .reduction = reduction};
+    for (const Attribute& a : reduction->reads()) {
+      const bool made = !reduction->of_input() && latest_.contains(a.name);
+      if (!made) require_in_input(a, op);
+      node.reads.push_back(made ? latest_.at(a.name) : input_version(a));
+    }
+    const auto [known, is_new] =
+        reduce_nodes_.try_emplace({reduction->text(), node.reads, selects_}, graph_.nodes.size());
+    if (!is_new) return known->second;
+    for (const std::size_t v : node.reads) note_reader(v, known->second, ReadAs::whole_cloud);
+    graph_.nodes.push_back(std::move(node));
+    return known->second;
+  }
+
+  std::size_t version_read(const Attribute& wanted, const Operator& op) {
+    if (!latest_.contains(wanted.name)) {
+      require_in_input(wanted, op);
+      latest_[wanted.name] = input_version(wanted);
+    }
+    const std::size_t version = latest_.at(wanted.name);
+    const Attribute& has = graph_.versions[version].attribute;
+    if (has.type != wanted.type || has.fields.size() != wanted.fields.size()) {
+      fail_usage("{}: needs '{}' as {} x {}, but it is made as {} x {}.", op.name(), wanted.name, wanted.fields.size(),
+                 name_of(wanted.type), has.fields.size(), name_of(has.type));
+    }
+    return version;
+  }
+
+  void require_in_input(const Attribute& wanted, const Operator& op) const {
+    for (const std::string& name : wanted.fields) {
+      if (input_.find(name)) continue;
+      fail_usage(
+          "{}: needs '{}', which no earlier stage makes and the input does not have. Add the operator that makes "
+          "it before '{}'.",
+          op.name(), wanted.name, op.name());
+    }
+  }
+
+  std::size_t input_version(const Attribute& wanted) {
+    const auto [known, is_new] = of_input_.try_emplace({wanted.name, wanted.type}, graph_.versions.size());
+    if (is_new) graph_.versions.push_back({.attribute = wanted});
+    return known->second;
+  }
+
+  std::size_t new_version(const Attribute& a, std::size_t node) {
+    graph_.versions.push_back({.attribute = a, .version = ++versions_made_[a.name], .producer = node});
+    return graph_.versions.size() - 1;
+  }
+
+  std::size_t make(const Attribute& a, std::size_t node) {
+    const std::size_t version = new_version(a, node);
+    latest_[a.name] = version;
+    made_ = updated(std::move(made_), {a});
+    if (a.name == position_attribute().name) position_ = version;
+    return version;
+  }
+
+  void note_reader(std::size_t version, std::size_t node, ReadAs as) {
+    graph_.versions[version].readers.push_back({node, as});
+  }
+
+  /// The last Resort decides the order of the output, if points may have moved before it.
+  void note_stream_position() {
+    for (std::size_t n = graph_.nodes.size(); n-- > 0;) {
+      if (graph_.nodes[n].kind != NodeKind::order) continue;
+      if (!graph_.nodes[n].position) return;
+      graph_.nodes[n].op = std::make_shared<NoteStreamPosition>();
+      graph_.nodes[n].makes = {new_version(stream_position_attribute(), n)};
+      return;
+    }
+  }
+
+  const Schema& input_;
+  ChainGraph graph_;
+  Neighborhood neighborhood_;
+  Attributes made_;                                               ///< so far, the last versions
+  std::map<std::string, std::size_t> latest_;                     ///< version by name of the attribute
+  std::map<std::pair<std::string, Type>, std::size_t> of_input_;  ///< version by name and type, of what the input has
+  std::map<std::string, std::size_t> versions_made_;
+  std::map<std::tuple<std::string, std::vector<std::size_t>, std::size_t>, std::size_t> reduce_nodes_;
+  std::size_t selects_ = 0;              ///< so far
+  std::optional<std::size_t> position_;  ///< version of the moved positions
+};
+
+}  // namespace
+
+Attribute stream_position_attribute() {
+  return {"stream_position", Type::f64,
+          Kind::position,    {"stream_x", "stream_y", "stream_z"},
+          "length",          "position where the stream was last sorted"};
+}
+
+std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<Attribute>& made) {
+  for (const Attribute& a : made) {
+    const auto known = std::ranges::find(before, a.name, &Attribute::name);
+    known == before.end() ? before.push_back(a) : void(*known = a);
+  }
+  return before;
+}
+
+Schema with_carried(const Schema& input, const std::vector<Attribute>& carried) {
+  Schema schema = input;
+  for (const Attribute& a : carried) {
+    for (const std::string& name : a.fields) {
+      const auto known = input.find(name);
+      const std::size_t added = schema.append(known ? input.fields[*known].name : name, a.type);
+      if (!known) continue;
+      schema.fields[*known] = schema.fields[added];
+      schema.fields.pop_back();
+    }
+  }
+  return schema;
+}
+
+std::string carried_with(std::string_view field, const Schema& input, const std::vector<Attribute>& carried) {
+  const Schema cloud = with_carried(input, carried);
+  const auto at = cloud.find(field);
+  std::size_t end = input.stride;
+  for (const Attribute& a : carried) {
+    const std::size_t begin = end;
+    end += a.bytes();
+    if (at && cloud.fields[*at].offset >= begin && cloud.fields[*at].offset < end) return a.name;
+  }
+  return "";
+}
+
+std::vector<Attribute> ChainGraph::made_attributes() const {
+  Attributes attributes;
+  for (const std::size_t v : made) attributes.push_back(versions[v].attribute);
+  return attributes;
+}
+
+bool ChainGraph::has(NodeKind kind) const { return std::ranges::find(nodes, kind, &GraphNode::kind) != nodes.end(); }
+
+ChainGraph resolve(const Chain& chain, const Schema& input, bool ordered) {
+  GraphBuilder builder(input);
+  builder.add(chain.neighborhood);
+  for (const ChainStage& stage : chain.stages) std::visit(builder, stage);
+  return builder.finish(ordered);
+}
+
+}  // namespace pointsweep

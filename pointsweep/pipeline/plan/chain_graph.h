@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+/// A chain resolved against the attributes of a cloud: its nodes, and which version of an attribute each of them reads.
+/// Composites are taken apart and conditions are bound here, once; whatever needs to know the chain reads the graph.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/operators/operator.h"
+#include "pointsweep/operators/reduction.h"
+#include "pointsweep/pipeline/plan/chain.h"
+#include "pointsweep/points/neighborhood.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+enum class NodeKind : std::uint8_t {
+  stage,         ///< a local operator
+  neighborhood,  ///< how the neighbours are found from here on
+  reduce,        ///< a value of the whole cloud
+  select,        ///< which rows are left from here on
+  order,         ///< the order of the output's rows
+};
+
+/// What a node looks at when it reads a version of an attribute.
+enum class ReadAs : std::uint8_t {
+  self,         ///< the value of the point itself
+  neighbors,    ///< the values of its neighbours
+  whole_cloud,  ///< the values of all points that are left
+};
+
+struct VersionReader {
+  std::size_t node;
+  ReadAs as;
+};
+
+/// An attribute as the input has it, or as one node makes it. No version is ever overwritten.
+struct AttributeVersion {
+  Attribute attribute;
+  std::size_t version = 0;                   ///< 0: the input's; the first that is made is 1
+  std::optional<std::size_t> producer = {};  ///< the node that makes it; absent: the input
+  std::vector<VersionReader> readers = {};   ///< in the order of the nodes
+  bool is_written = false;                   ///< to the output
+};
+
+/// Indices of versions are places in ChainGraph::versions, those of nodes in ChainGraph::nodes.
+struct GraphNode {
+  NodeKind kind;
+  std::shared_ptr<const Operator> op = {};          ///< of a stage, of a select, and of the order that counts
+  Neighborhood neighborhood = {};                   ///< of a neighborhood
+  std::shared_ptr<const Reduction> reduction = {};  ///< of a reduce
+  std::vector<std::size_t> reads = {};              ///< versions, in the order of the contract
+  std::vector<std::size_t> reads_neighbors = {};
+  std::vector<std::size_t> makes = {};
+  std::vector<std::size_t> values = {};      ///< the reduce nodes whose values it needs
+  std::optional<std::size_t> position = {};  ///< version of the moved positions that it sees; absent: the input's
+};
+
+struct ChainGraph {
+  std::vector<GraphNode> nodes;  ///< the first is the neighbourhood with which the chain begins
+  std::vector<AttributeVersion> versions;
+  /// The last version of every attribute that is made, in the order first made; without selections and orders.
+  std::vector<std::size_t> made;
+
+  std::vector<Attribute> made_attributes() const;
+  bool has(NodeKind kind) const;
+};
+
+/// Throws UsageError in a sentence naming the stage when k is 0, a radius is negative, or an operator reads an
+/// attribute that neither the input nor an earlier stage has, or a rule of neighbourhoods one that the cloud has not.
+/// `input` names the cloud's fields. `ordered`: the output is in stream order, so that the last Resort counts.
+ChainGraph resolve(const Chain& chain, const Schema& input, bool ordered);
+
+/// The position a point had at the last Resort of the chain; made only where the order of the output needs it.
+Attribute stream_position_attribute();
+
+/// `before`, with the newer versions and the new ones of `made`.
+std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<Attribute>& made);
+
+/// `input` with the values of `carried`, which follow its record one after another, instead of its fields of the same
+/// names.
+Schema with_carried(const Schema& input, const std::vector<Attribute>& carried);
+
+/// The attribute of `carried` that holds `field` in this schema; empty: the input's own record does, or nothing.
+std::string carried_with(std::string_view field, const Schema& input, const std::vector<Attribute>& carried);
+
+}  // namespace pointsweep

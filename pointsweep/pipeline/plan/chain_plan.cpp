@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/plan/chain_plan.h"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "pointsweep/error.h"
+#include "pointsweep/pipeline/plan/pass_planner.h"
+
+namespace pointsweep {
+namespace {
+
+using Attributes = std::vector<Attribute>;
+using Names = std::set<std::string>;
+
+std::uint64_t bytes_of(const Attributes& attributes) {
+  return std::accumulate(attributes.begin(), attributes.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const Attribute& a) { return sum + a.bytes(); });
+}
+
+Attributes only(Attributes attributes, const Names& names) {
+  std::erase_if(attributes, [&](const Attribute& a) { return !names.contains(a.name); });
+  return attributes;
+}
+
+bool is_selection(const Attribute& a) { return a.name == selection_attribute().name; }
+
+/// A pass while it is not known yet which of its results are used.
+struct Draft {
+  ScheduledPass pass;
+  Attributes carried;  ///< before it: everything made by then
+  Attributes makes;    ///< without a selection
+  Names needed;        ///< after it
+};
+
+Attributes made_by(const ScheduledPass& pass, const ChainGraph& graph) {
+  Attributes made;
+  for (const std::size_t node : pass.stages)
+    for (const std::size_t v : graph.nodes[node].makes) made = updated(std::move(made), {graph.versions[v].attribute});
+  std::erase_if(made, is_selection);
+  return made;
+}
+
+std::vector<Draft> draft_passes(std::vector<ScheduledPass> passes, const ChainGraph& graph) {
+  std::vector<Draft> drafts;
+  Attributes carried;
+  for (ScheduledPass& pass : passes) {
+    const Attributes made = made_by(pass, graph);
+    drafts.push_back({std::move(pass), carried, made, {}});
+    carried = updated(std::move(carried), made);
+  }
+  return drafts;
+}
+
+/// The attributes, of those carried into a pass, that its neighbourhoods and stages read. Every pass reads positions.
+Names reads_of_pass(const Draft& draft, const ChainGraph& graph, const Schema& input) {
+  Names read;
+  const auto note = [&](const Attribute& a) {
+    for (const std::string& field : a.fields) read.insert(carried_with(field, input, draft.carried));
+  };
+  if (const auto& rule = graph.nodes[draft.pass.neighborhood].neighborhood.rule)
+    std::ranges::for_each(rule->reads(), note);
+  std::set<std::size_t> made;
+  for (const std::size_t n : draft.pass.stages) {
+    const GraphNode& node = graph.nodes[n];
+    for (const auto* versions : {&node.reads, &node.reads_neighbors})
+      for (const std::size_t v : *versions)
+        if (!made.contains(v)) note(graph.versions[v].attribute);
+    made.insert(node.makes.begin(), node.makes.end());
+  }
+  for (const Attribute& a : draft.carried)
+    if (a.name == position_attribute().name) read.insert(a.name);
+  read.erase("");
+  return read;
+}
+
+/// From the last to the first: what is kept, and what later passes read and do not make. One that makes nothing of that
+/// and leaves out no rows is dropped.
+void find_needed(std::vector<Draft>& drafts, Names needed, const ChainGraph& graph, const Schema& input) {
+  std::set<std::size_t> needed_values;
+  for (std::size_t d = drafts.size(); d-- > 0;) {
+    Draft& draft = drafts[d];
+    std::erase_if(draft.pass.reduces, [&](std::size_t node) { return !needed_values.contains(node); });
+    for (const std::size_t node : draft.pass.reduces)
+      if (!graph.nodes[node].reduction->of_input())
+        for (const Attribute& a : graph.nodes[node].reduction->reads()) needed.insert(a.name);
+    const auto is_needed = [&](const Attribute& a) { return needed.contains(a.name); };
+    if (std::ranges::none_of(draft.makes, is_needed) && !draft.pass.selects && draft.pass.reduces.empty()) {
+      drafts.erase(drafts.begin() + static_cast<std::ptrdiff_t>(d));
+      continue;
+    }
+    draft.needed = needed;
+    for (const std::size_t node : draft.pass.stages)
+      needed_values.insert(graph.nodes[node].values.begin(), graph.nodes[node].values.end());
+    for (const Attribute& a : draft.makes) needed.erase(a.name);
+    needed.merge(reads_of_pass(draft, graph, input));
+  }
+}
+
+std::vector<std::string> kept_by(const Draft& draft) {
+  std::vector<std::string> kept;
+  for (const Attribute& a : draft.makes)
+    if (draft.needed.contains(a.name)) kept.push_back(a.name);
+  if (draft.pass.selects) kept.push_back(selection_attribute().name);
+  return kept;
+}
+
+/// `carried`: into the pass, what is needed of it.
+PlannedPass planned_pass(const Draft& draft, const ChainGraph& graph, const Attributes& carried,
+                         std::size_t first_stage, const Schema& input) {
+  PlannedPass pass;
+  pass.kind = draft.pass.kind;
+  pass.selects = draft.pass.selects;
+  for (const std::size_t node : draft.pass.reduces) pass.values.push_back({graph.nodes[node].reduction, node});
+  pass.input = with_carried(input, carried);
+  PassPlanner planner(graph, carried, first_stage, pass);
+  planner.add_neighborhood(draft.pass.neighborhood);
+  for (const std::size_t node : draft.pass.stages) {
+    planner.add_stage(node);
+    pass.values_of_stages.push_back(graph.nodes[node].values);
+  }
+  planner.finish(kept_by(draft));
+  Attributes made = pass.made;
+  std::erase_if(made, is_selection);
+  pass.carried = only(updated(carried, made), draft.needed);
+  return pass;
+}
+
+/// Puts what a pass makes into the order of `order`, which names all of it.
+void put_in_order(PlannedPass& pass, const Attributes& order) {
+  const std::vector<ResultColumn> results = std::move(pass.plan.results);
+  const Attributes made = std::move(pass.made);
+  pass.plan.results.clear();
+  pass.made.clear();
+  std::uint32_t offset = 0;
+  for (const Attribute& a : order) {
+    const auto at = std::ranges::find(made, a.name, &Attribute::name) - made.begin();
+    ResultColumn& result = pass.plan.results.emplace_back(results[static_cast<std::size_t>(at)]);
+    pass.made.push_back(a);
+    result.offset = offset;
+    offset += result.bytes;
+  }
+}
+
+/// What is written of what is made, and the notes of it in the graph.
+void find_written(ChainPlan& plan, const Schema& input) {
+  plan.made = plan.graph.made_attributes();
+  if (!plan.chain.keep.empty()) {
+    plan.kept = kept_fields(plan.chain.keep, plan.made, input);
+    plan.made = only(plan.made, {plan.kept.attributes.begin(), plan.kept.attributes.end()});
+  }
+  for (const std::size_t v : plan.graph.made)
+    plan.graph.versions[v].is_written =
+        std::ranges::find(plan.made, plan.graph.versions[v].attribute.name, &Attribute::name) != plan.made.end();
+  if (plan.made.empty() && !plan.selects())
+    fail_usage("The pipeline makes nothing; add an operator, as in knn(k=8) | normals.");
+}
+
+bool orders_by_moved_positions(const ChainGraph& graph) {
+  return std::ranges::any_of(graph.nodes, [](const GraphNode& n) { return n.kind == NodeKind::order && n.op; });
+}
+
+/// Whether the only pass makes all that is written, and where it is written.
+void find_order(ChainPlan& plan, const Schema& input, bool ordered) {
+  PlannedPass& last = plan.passes.back();
+  last.carried = plan.made;
+  if (plan.by_moved_positions) last.carried.push_back(stream_position_attribute());
+  const bool makes_all = last.kind == PassKind::sweep && last.input.stride == input.stride && !last.selects;
+  // Where other passes were left out, it may make things in another order than the whole chain.
+  if (makes_all) put_in_order(last, last.carried);
+  plan.reorders = ordered && (!makes_all || plan.by_moved_positions);
+}
+
+}  // namespace
+
+ChainPlan plan_chain(const Chain& chain, const Schema& input, bool ordered) {
+  ChainPlan plan;
+  plan.chain = chain;
+  plan.graph = resolve(chain, input, ordered);
+  find_written(plan, input);
+  plan.by_moved_positions = orders_by_moved_positions(plan.graph);
+  Names needed;
+  for (const Attribute& a : plan.made) needed.insert(a.name);
+  if (plan.by_moved_positions) needed.insert(stream_position_attribute().name);
+  std::vector<Draft> drafts = draft_passes(PassSchedule(plan.graph).passes(), plan.graph);
+  find_needed(drafts, std::move(needed), plan.graph, input);
+  std::size_t stages = 0;
+  for (const Draft& draft : drafts) {
+    const Attributes carried = plan.passes.empty() ? Attributes{} : plan.passes.back().carried;
+    plan.passes.push_back(planned_pass(draft, plan.graph, carried, stages, input));
+    stages += draft.pass.stages.size();
+  }
+  find_order(plan, input, ordered);
+  return plan;
+}
+
+bool ChainPlan::leaves_rows(std::size_t p) const { return reorders || passes[p].selects || p + 1 < passes.size(); }
+
+std::uint64_t ChainPlan::most_carried_bytes() const {
+  std::uint64_t most = 0, before = 0;
+  for (std::size_t p = 0; p < passes.size(); ++p) {
+    const std::uint64_t after = leaves_rows(p) ? passes[p].carried_bytes() : 0;
+    most = std::max(most, before + after);
+    before = after;
+  }
+  return most;
+}
+
+std::uint64_t PlannedPass::carried_bytes() const { return bytes_of(carried); }
+
+std::uint64_t PlannedPass::travelling_bytes() const {
+  const PositionFields p = position_fields(input, "The input");
+  return size_of(p.x.type) + size_of(p.y.type) + size_of(p.z.type) + 8 * payload().size();
+}
+
+std::vector<std::size_t> PlannedPass::payload() const {
+  std::vector<std::size_t> indices;
+  for (const auto& names : file_fields) {
+    for (const std::string& name : names) {
+      const auto at = std::ranges::find(input.fields, name, &Field::name);
+      const auto index = static_cast<std::size_t>(at - input.fields.begin());
+      if (std::ranges::find(indices, index) == indices.end()) indices.push_back(index);
+    }
+  }
+  return indices;
+}
+
+void PlannedPass::bind(const Schema& working_record) {
+  for (std::size_t c = 0; c < file_fields.size(); ++c) {
+    plan.file_columns[c].fields.clear();
+    for (const std::string& name : file_fields[c]) {
+      const auto at = std::ranges::find(working_record.fields, name, &Field::name);
+      plan.file_columns[c].fields.push_back(static_cast<std::size_t>(at - working_record.fields.begin()));
+    }
+  }
+}
+
+}  // namespace pointsweep

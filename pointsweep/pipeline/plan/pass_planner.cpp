@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/plan/pass_planner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace pointsweep {
+
+PassPlanner::PassPlanner(const ChainGraph& graph, const std::vector<Attribute>& carried, std::size_t first_stage,
+                         PlannedPass& pass)
+    : graph_(graph), carried_(carried), first_stage_(first_stage), pass_(pass), plan_(pass.plan) {
+  plan_.steps = {0};
+}
+
+/// A rule looks at points as they come, before any stage.
+void PassPlanner::add_neighborhood(std::size_t node) {
+  plan_.neighborhood = graph_.nodes[node].neighborhood;
+  if (!plan_.neighborhood.rule) return;
+  for (const Attribute& a : plan_.neighborhood.rule->reads()) plan_.rule_reads.push_back(file_column(a));
+}
+
+void PassPlanner::add_stage(std::size_t number) {
+  const GraphNode& node = graph_.nodes[number];
+  const Contract contract = node.op->contract();
+  Stage stage{.op = node.op, .reads = {}, .reads_neighbors = {}, .makes = {}};
+  stage.position = column_moved_to(node);
+  for (const std::size_t v : node.reads) stage.reads.push_back(column_of(v));
+  for (const std::size_t v : node.reads_neighbors) stage.reads_neighbors.push_back(column_of(v));
+  // Every stage behind one that moves points reads the moved positions of the neighbours.
+  const bool sees_moved =
+      !contract.alone && stage.position >= 0 && made_in_this_step(static_cast<std::uint16_t>(stage.position));
+  const auto is_new = [&](std::uint16_t column) { return made_in_this_step(column); };
+  if (sees_moved || std::ranges::any_of(stage.reads_neighbors, is_new)) plan_.steps.push_back(plan_.stages.size());
+  const std::string maker = fmt::format("{} {}", first_stage_ + plan_.stages.size() + 1, node.op->name());
+  for (const std::size_t v : node.makes) {
+    const Attribute& a = graph_.versions[v].attribute;
+    stage.makes.push_back(column_of_version_[v] = new_column(a, maker));
+    made_in_step_[stage.makes.back()] = plan_.steps.size() - 1;
+    const auto same = [&](std::size_t other) { return graph_.versions[other].attribute.name == a.name; };
+    const auto known = std::ranges::find_if(made_, same);
+    known == made_.end() ? made_.push_back(v) : void(*known = v);
+  }
+  note_step_of(stage);
+  pass_.nodes.push_back(number);
+  plan_.stages.push_back(std::move(stage));
+}
+
+/// The column of the moved positions that a stage sees; -1 where points have not moved since the pass began.
+int PassPlanner::column_moved_to(const GraphNode& node) const {
+  if (!node.position) return -1;
+  const auto column = column_of_version_.find(*node.position);
+  return column != column_of_version_.end() && made_in_step_.contains(column->second) ? column->second : -1;
+}
+
+void PassPlanner::note_step_of(const Stage& stage) {
+  const auto note = [&](std::uint16_t column) { pass_.columns[column].last_step = plan_.steps.size() - 1; };
+  for (const auto* columns : {&stage.reads, &stage.reads_neighbors, &stage.makes})
+    std::ranges::for_each(*columns, note);
+  if (stage.position >= 0) note(static_cast<std::uint16_t>(stage.position));
+}
+
+std::uint16_t PassPlanner::new_column(const Attribute& attribute, std::string made_by) {
+  const auto bytes = static_cast<std::uint32_t>(attribute.bytes());
+  plan_.column_bytes.push_back(bytes);
+  pass_.columns.push_back({.attribute = attribute.name, .made_by = std::move(made_by), .bytes = bytes});
+  return static_cast<std::uint16_t>(plan_.column_bytes.size() - 1);
+}
+
+/// A new column of what the cloud holds when the pass begins.
+std::uint16_t PassPlanner::file_column(const Attribute& attribute) {
+  std::vector<std::string> fields;
+  for (const std::string& name : attribute.fields)
+    fields.push_back(pass_.input.fields[pass_.input.find(name).value()].name);
+  const bool is_carried = std::ranges::find(carried_, attribute.name, &Attribute::name) != carried_.end();
+  const std::uint16_t column = new_column(attribute, is_carried ? "a pass before" : "the file");
+  plan_.file_columns.push_back({column, {}, attribute.type});
+  pass_.file_fields.push_back(std::move(fields));
+  return column;
+}
+
+std::uint16_t PassPlanner::column_of(std::size_t version) {
+  const auto known = column_of_version_.find(version);
+  if (known != column_of_version_.end()) return known->second;
+  return column_of_version_[version] = file_column(graph_.versions[version].attribute);
+}
+
+bool PassPlanner::made_in_this_step(std::uint16_t column) const {
+  const auto made = made_in_step_.find(column);
+  return made != made_in_step_.end() && made->second == plan_.steps.size() - 1;
+}
+
+void PassPlanner::finish(const std::vector<std::string>& kept) {
+  plan_.steps.push_back(plan_.stages.size());
+  find_results(kept);
+  find_lasting();
+}
+
+void PassPlanner::find_results(const std::vector<std::string>& kept) {
+  for (const std::size_t v : made_) {
+    const Attribute& a = graph_.versions[v].attribute;
+    if (std::ranges::find(kept, a.name) == kept.end()) continue;
+    const std::uint16_t column = column_of_version_.at(v);
+    plan_.results.push_back({column, plan_.result_bytes, pass_.columns[column].bytes});
+    plan_.result_bytes += pass_.columns[column].bytes;
+    pass_.made.push_back(a);
+    pass_.columns[column].written = true;
+    pass_.columns[column].last_step = plan_.step_count() - 1;
+  }
+}
+
+/// Who reads a column says how long it lasts.
+void PassPlanner::find_lasting() {
+  plan_.lasting.assign(plan_.column_bytes.size(), Lasting::not_at_all);
+  for (const FileColumn& file : plan_.file_columns) plan_.lasting[file.column] = Lasting::its_cell;
+  for (const ResultColumn& result : plan_.results) read_in_step(result.column, plan_.step_count() - 1);
+  for (std::size_t step = 0; step < plan_.step_count(); ++step) {
+    for (std::size_t s = plan_.steps[step]; s < plan_.steps[step + 1]; ++s) {
+      const Stage& stage = plan_.stages[s];
+      for (const std::uint16_t column : stage.reads) read_in_step(column, step);
+      for (const std::uint16_t column : stage.reads_neighbors) plan_.lasting[column] = Lasting::its_cell;
+      if (stage.position >= 0) plan_.lasting[static_cast<std::size_t>(stage.position)] = Lasting::its_cell;
+    }
+  }
+}
+
+void PassPlanner::read_in_step(std::uint16_t column, std::size_t step) {
+  const auto made = made_in_step_.find(column);
+  const bool outlasts = made == made_in_step_.end() || made->second != step;
+  plan_.lasting[column] = std::max(plan_.lasting[column], outlasts ? Lasting::its_cell : Lasting::its_step);
+}
+
+}  // namespace pointsweep

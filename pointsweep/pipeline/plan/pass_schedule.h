@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+/// Which pass each node of a chain runs in.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointsweep/pipeline/plan/chain_graph.h"
+
+namespace pointsweep {
+
+enum class PassKind : std::uint8_t {
+  sweep,  ///< finds neighbourhoods
+  rows,   ///< reads the rows in their order: its stages look at their own point only
+  order,  ///< puts the points in canonical order, in which equal ones are adjacent
+};
+
+/// A pass of which only the nodes are known.
+struct ScheduledPass {
+  PassKind kind = PassKind::sweep;
+  std::size_t neighborhood = 0;      ///< the node that says which
+  std::vector<std::size_t> stages;   ///< nodes with an operator, in their order
+  std::vector<std::size_t> reduces;  ///< nodes whose values are known when the pass has ended
+  bool selects = false;
+};
+
+/// Takes the nodes of a graph one after another. Each comes into the first pass in which every attribute and every
+/// value it reads is known, no later stage having remade one; a select and a new neighbourhood end all passes before
+/// them. So two values that do not depend on each other are found by one pass.
+class PassSchedule {
+ public:
+  explicit PassSchedule(const ChainGraph& graph);
+  /// Throws UsageError for a stage that would need the neighbours of a pass that has ended.
+  std::vector<ScheduledPass> passes();
+
+ private:
+  /// When an attribute was made and last read, by number of the pass.
+  struct Use {
+    std::size_t made = 0, read = 0;
+    bool is_made = false;  ///< by a stage of this segment
+  };
+  void add(std::size_t node);
+  void add_stage(std::size_t node);
+  void add_select(std::size_t node);
+  std::size_t earliest(const Contract& contract) const;
+  std::size_t pass_for(const Operator& op, const Contract& contract, std::size_t earliest);
+  std::size_t find_input_value();
+  std::size_t find_value(const Reduction& reduction);
+  std::size_t known_after_values(const std::vector<std::size_t>& reduces);
+  void require_search_positions(const Operator& op, std::size_t pass) const;
+  std::size_t known_after(const Reduction& reduction) const;
+  void note_use(const Contract& contract, std::size_t pass);
+  ScheduledPass& new_pass(PassKind kind);
+  void begin_segment();
+
+  const ChainGraph& graph_;
+  std::size_t neighborhood_ = 0;
+  std::vector<ScheduledPass> passes_;
+  std::size_t segment_ = 0;                      ///< first pass after the last select or renewal
+  std::map<std::string, Use> used_;              ///< in this segment, by attribute
+  std::map<std::size_t, std::size_t> value_of_;  ///< by reduce node, the pass whose end tells its value
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+/// Puts the points of a pass, or the records of the output, in order along the axis.
+#include <algorithm>
+
+#include "pointsweep/pipeline/nonfinite_points.h"
+#include "pointsweep/pipeline/run/output_files.h"
+#include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/pipeline/run/survey_input.h"
+
+namespace pointsweep {
+namespace {
+
+/// How the points are to be ordered.
+struct Ordering {
+  const MemoryPlan& memory;
+  bool canonical = false;  ///< ties, too
+  bool whole = false;      ///< whole records travel, not only what the stages read
+  std::vector<std::size_t> payload = {};
+};
+
+bool is_in_order(const RunState& run) { return run.checkpoints && run.checkpoints->last().is_in_order(); }
+
+StreamOptions stream_options(const RunState& run, const Ordering& how) {
+  // The reorder of the output has no checkpoints, so its file may have the name of the first stream.
+  const std::size_t number = *run.pass == run.plan.passes.size() ? 0 : *run.pass;
+  return {.axis = run.survey.axis,
+          .slab_points = how.memory.slab_points,
+          .max_slab_points = 0,
+          .canonical = how.canonical,
+          .whole_records = how.whole,
+          .payload = how.payload,
+          .spill = run.place("stream", number, how.memory.spill_stream),
+          .buffer_bytes = how.memory.stream_buffer_bytes,
+          .progress = [&run](std::uint64_t rows) { run.report("ordering", rows, 0); }};
+}
+
+void note_nonfinite(RunState& run) {
+  const std::uint64_t count = run.stream->nonfinite_count();
+  if (run.statistics.nonfinite_rows.empty() && count > 0)
+    run.statistics.nonfinite_rows = run.rows_of_cloud(first_nonfinite_rows(*run.stream, NonfiniteRows::kMostListed));
+  run.statistics.nonfinite = std::max(run.statistics.nonfinite, run.statistics.dropped + count);
+}
+
+/// The stream of a checkpoint, or a new one.
+void make_stream(RunState& run, const Ordering& how) {
+  const auto start = std::chrono::steady_clock::now();
+  const StreamOptions options = stream_options(run, how);
+  if (is_in_order(run)) {
+    run.checkpoints->require_slabs_of(how.memory.slab_points);
+    Unpacker packed(run.checkpoints->last().stream);
+    run.stream.emplace(packed, run.source, options);
+  } else {
+    run.stream.emplace(run.source, run.survey, options);
+  }
+  run.survey.sample = {};
+  note_nonfinite(run);
+  run.statistics.order_seconds += seconds_since(start);
+}
+
+/// The records of the output, which go by positions that no sweep went by; or those of the input.
+void order_output(RunState& run) {
+  if (run.rows) {
+    run.reordered.emplace(run.cloud, *run.rows, *run.layout, run.plan.by_moved_positions);
+    run.source = run.reordered->positions();
+    survey_source(run, true);
+    if (!run.files) open_late(run);
+    run.source = run.reordered->records();
+  }
+  make_stream(run, {.memory = run.memory.reordering, .canonical = true, .whole = true});
+}
+
+}  // namespace
+
+/// The reference reads points in canonical order, whatever order the output has: its search depends on it, and where it
+/// is not exact, its results depend on the axis, too.
+void order_phase(RunState& run, std::size_t p) {
+  if (p == run.plan.passes.size()) return order_output(run);
+  const PlannedPass& pass = run.plan.passes[p];
+  const bool whole = run.makes_output(p);
+  const bool canonical = pass.kind == PassKind::order || whole || run.by_reference();
+  if (p > 0 && !is_in_order(run)) survey_source(run, canonical);
+  make_stream(run, {.memory = run.memory.passes[p], .canonical = canonical, .whole = whole, .payload = pass.payload()});
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/error.h"
+#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/reference_run.h"
+#include "pointsweep/pipeline/run/made_rows.h"
+#include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/pipeline/run/run_checkpoints.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+namespace {
+
+OutputNames names_of_output(const RunState& run) {
+  const bool is_sort = run.plan.passes.empty();
+  if (is_sort || (run.outputs.points.empty() && !run.outputs.writer)) return {run.plan.made, run.plan.kept, {}};
+  return name_outputs(run.cloud.schema(), run.name_of_cloud(), run.plan.made, run.plan.kept, run.outputs.points,
+                      {run.options.prefix, run.options.replace});
+}
+
+/// Warns of neighbourhoods that ask for more points than there are.
+void note_neighborhoods(RunState& run) {
+  std::set<std::size_t> noted;
+  for (const PlannedPass& pass : run.plan.passes) {
+    if (pass.kind != PassKind::sweep) continue;
+    const std::size_t k = pass.plan.neighborhood.k;
+    const bool limited = k != Neighborhood::kUnlimited;
+    if (noted.empty()) run.statistics.k = limited ? k : 0;
+    if (!noted.insert(k).second || !limited || k < run.cloud.count()) continue;
+    run.warn(fmt::format("k = {} is more than the {} other points there are: neighbourhoods hold all of them.", k,
+                         run.cloud.count() - 1));
+  }
+}
+
+/// What can be refused before the first point is read.
+void check_request(RunState& run) {
+  if (run.options.order == Order::sweep && !run.outputs.arrays.empty())
+    fail_usage("Arrays have their rows in input order: leave out --order sweep.");
+  run.names = names_of_output(run);
+  run.warn(run.names.warning());
+  if (run.by_reference() && !run.plan.passes.empty()) require_reference_can(run.options);
+  note_neighborhoods(run);
+}
+
+/// The cloud as the pass sees it, what its stages wait for, and a place for its results.
+void begin_pass(RunState& run, std::size_t p) {
+  run.pass = p;
+  if (p == run.plan.passes.size()) return;
+  PlannedPass& pass = run.plan.passes[p];
+  run.source = p == 0 ? run.cloud_source() : updated_source(run.cloud, *run.rows, pass, [&run](std::uint64_t bytes) {
+    run.statistics.bytes_read += bytes;
+  });
+  give_values(pass, run.values);
+  if (pass.kind != PassKind::rows) run.results = results_of_pass(run, p);
+}
+
+void perform(RunState& run, const Phase& phase) {
+  if (phase.kind != PhaseKind::survey && !run.is_empty() && run.pass != phase.pass) begin_pass(run, phase.pass);
+  switch (phase.kind) {
+    case PhaseKind::survey:
+      survey_phase(run);
+      return restore_rows(run);
+    case PhaseKind::order:
+      return order_phase(run, phase.pass);
+    case PhaseKind::sweep:
+      return sweep_phase(run, phase.pass);
+    case PhaseKind::update:
+      return update_phase(run, phase.pass);
+    case PhaseKind::write:
+      return write_phase(run, phase.pass);
+  }
+}
+
+/// The outputs get their names.
+void finish(RunState& run) {
+  for (const std::string& warning : run.files->warnings()) run.warn(warning);
+  run.files->finish(run.cloud);
+  if (run.checkpoints) run.checkpoints->finish();
+  // Rows are numbered as in the input, whose nonfinite points may have been dropped.
+  for (DegenerateResults& results : run.statistics.degenerate_results)
+    for (std::uint64_t& row : results.rows) row = run.cloud.input_row(row);
+  run.statistics.bytes_written = run.files->bytes_written();
+  run.statistics.total_seconds = seconds_since(run.started);
+  run.statistics.peak_rss_bytes = peak_resident_bytes();
+}
+
+/// A run from survey to finished files.
+Statistics run_phases(RunState& run) {
+  check_request(run);
+  open_checkpoints(run);
+  for (const Phase& phase : phases_of(run.plan)) {
+    const bool nothing_left = run.is_empty() && phase.kind != PhaseKind::write;
+    if (nothing_left || is_done(run, phase)) continue;
+    perform(run, phase);
+    checkpoint_after(run, phase);
+  }
+  finish(run);
+  return std::move(run.statistics);
+}
+
+/// Runs on as many threads as asked for, however many the caller's arena has.
+Statistics run_plan(Cloud& cloud, const Outputs& outputs, const RunOptions& options, ChainPlan plan) {
+  const unsigned threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+  const CancellationScope scope(options.cancellation);
+  Statistics statistics;
+  with_threads(threads, [&] {
+    RunState state(cloud, outputs, options, std::move(plan));
+    statistics = run_phases(state);
+  });
+  return statistics;
+}
+
+/// Without passes: only the order of the output.
+ChainPlan plan_sort(const Schema& input, const std::vector<std::string>& keep) {
+  ChainPlan plan;
+  plan.chain.keep = keep;
+  if (!keep.empty()) plan.kept = kept_fields(keep, {}, input);
+  plan.reorders = true;
+  return plan;
+}
+
+}  // namespace
+
+Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs, const RunOptions& options) {
+  return run_plan(cloud, outputs, options, plan_chain(chain, cloud.schema(), options.order == Order::sweep));
+}
+
+Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options,
+                const std::vector<std::string>& keep) {
+  const Outputs outputs{.points = output, .arrays = {}, .writer = {}};
+  return run_plan(cloud, outputs, options, plan_sort(cloud.schema(), keep));
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/run/run_state.h"
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/files/same_file.h"
+#include "pointsweep/pipeline/statistics.h"
+
+namespace pointsweep {
+namespace {
+
+/// Throws UsageError where an output is an input or another output.
+Cloud& with_own_files(Cloud& cloud, const Outputs& outputs, const RunOptions& options) {
+  std::vector<std::filesystem::path> read, written = {outputs.points, options.half_way_states};
+  for (std::size_t i = 0; i < cloud.readers().size(); ++i)
+    if (cloud.states()[i].is_known()) read.push_back(cloud.readers()[i]->info().path);
+  for (const auto& [name, path] : outputs.arrays) written.push_back(path);
+  require_separate_files(read, written);
+  return cloud;
+}
+
+/// Of the input, before the first phase.
+Statistics first_counts(const Cloud& cloud, const FiniteInput& input, const RunOptions& options) {
+  Statistics counts;
+  counts.points = counts.points_written = cloud.count();
+  counts.threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+  counts.memory_budget_bytes = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
+  counts.machine = machine_description();
+  for (const auto& reader : cloud.readers()) {
+    const auto& warnings = reader->info().warnings;
+    counts.warnings.insert(counts.warnings.end(), warnings.begin(), warnings.end());
+  }
+  counts.warnings.insert(counts.warnings.end(), cloud.warnings().begin(), cloud.warnings().end());
+  counts.dropped = counts.nonfinite = input.dropped().count;
+  counts.nonfinite_rows = input.dropped().rows;
+  return counts;
+}
+
+}  // namespace
+
+RunState::RunState(Cloud& read, const Outputs& written, const RunOptions& given, ChainPlan planned)
+    : cloud(with_own_files(read, written, given)),
+      outputs(written),
+      options(given),
+      plan(std::move(planned)),
+      input(read, written, given),
+      statistics(first_counts(read, input, given)) {
+  if (!options.temp_folder.empty()) require_temp_parent(options.temp_folder);
+  if (cloud.count() == 0) fail("{}: has no points, so there is nothing to do.", name_of_cloud());
+  warn(input.warning());
+}
+
+std::string RunState::name_of_cloud() const {
+  return cloud.readers().empty() ? "The input" : cloud.readers().front()->info().path.string();
+}
+
+SpillPlace RunState::place(const char* kind, std::size_t p, bool spills) const {
+  if (checkpoints) return checkpoints->place(kind, p);
+  return spills ? &*folder : nullptr;
+}
+
+PointSource RunState::cloud_source() {
+  return {cloud.schema(), cloud.count(), [this](std::uint64_t row, std::span<std::byte> records) {
+            const std::size_t n = cloud.read(row, records);
+            statistics.bytes_read += n * cloud.schema().stride;
+            return n;
+          }};
+}
+
+void RunState::warn(const std::string& sentence) {
+  if (!sentence.empty()) statistics.warnings.push_back(sentence);
+}
+
+void RunState::report(const char* phase, std::uint64_t done, std::uint64_t active) const {
+  if (options.progress) options.progress({phase, done, cloud.count(), active});
+}
+
+std::vector<std::uint64_t> RunState::rows_of_cloud(std::vector<std::uint64_t> of_rows) const {
+  if (const RowSelection* selection = cloud.selection())
+    for (std::uint64_t& row : of_rows) row = selection->row_of(row);
+  return of_rows;
+}
+
+void RunState::number_degenerate_rows(std::size_t first) {
+  for (std::size_t r = first; r < statistics.degenerate_results.size(); ++r)
+    statistics.degenerate_results[r].rows = rows_of_cloud(std::move(statistics.degenerate_results[r].rows));
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace pointsweep

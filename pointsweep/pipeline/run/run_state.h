@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+/// What the phases of a run share: the request, the plan, what an earlier phase has left for a later one, and the
+/// counts.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "pointsweep/order/row_file.h"
+#include "pointsweep/order/row_store.h"
+#include "pointsweep/order/stream.h"
+#include "pointsweep/order/survey.h"
+#include "pointsweep/order/temp_folder.h"
+#include "pointsweep/pipeline/checkpoints.h"
+#include "pointsweep/pipeline/finite_input.h"
+#include "pointsweep/pipeline/ordered_output.h"
+#include "pointsweep/pipeline/output_layout.h"
+#include "pointsweep/pipeline/output_names.h"
+#include "pointsweep/pipeline/output_set.h"
+#include "pointsweep/pipeline/pass_values.h"
+#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/pipeline/run_memory.h"
+
+namespace pointsweep {
+
+struct RunState {
+  /// Throws UsageError where an output is an input or another output; Error for a cloud without points.
+  RunState(Cloud& cloud, const Outputs& outputs, const RunOptions& options, ChainPlan plan);
+
+  Cloud& cloud;
+  const Outputs& outputs;
+  const RunOptions& options;
+  std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
+  ChainPlan plan;
+  FiniteInput input;  ///< made before the rows of the cloud are counted
+  Statistics statistics;
+  OutputNames names;
+
+  std::optional<Checkpoints> checkpoints;  ///< of a run that can be resumed
+  Survey survey;                           ///< of the points that are put in order next
+  std::optional<OutputLayout> layout;      ///< of the output's records; known when the survey has ended
+  RunMemory memory;                        ///< the same
+  std::optional<TempFolder> folder;        ///< of a run that spills and has no checkpoints
+
+  std::optional<std::size_t> pass;      ///< whose phases run now; the number of passes: the output is put in order
+  PointSource source;                   ///< the cloud as that pass sees it
+  std::optional<Stream> stream;         ///< its points in order: from its order to its sweep
+  std::unique_ptr<RowStore> results;    ///< what it makes: from its order to its update, or to the output
+  std::unique_ptr<RowFile> rows;        ///< what the pass before has left
+  CloudValues values;                   ///< that are known by now
+  std::optional<Reordering> reordered;  ///< the output's records while they are put in order
+  std::optional<OutputSet> files;       ///< opened before the first pass, or after the last select
+
+  bool by_reference() const { return options.engine == Engine::reference; }
+  bool is_empty() const { return cloud.count() == 0; }  ///< a select has left no row
+  bool is_last(std::size_t p) const { return p + 1 == plan.passes.size(); }
+  /// Whether pass `p` makes whole output records in the order of its stream.
+  bool makes_output(std::size_t p) const { return leaves_in_order(plan, options) && is_last(p); }
+  std::string name_of_cloud() const;
+  /// What a stream, "results", "rows" or "mask" of a pass are spilled to.
+  SpillPlace place(const char* kind, std::size_t p, bool spills) const;
+  PointSource cloud_source();
+  /// Adds the sentence to the warnings, unless it is empty.
+  void warn(const std::string& sentence);
+  void report(const char* phase, std::uint64_t done, std::uint64_t active) const;
+  /// Numbers of rows of the cloud before any select.
+  std::vector<std::uint64_t> rows_of_cloud(std::vector<std::uint64_t> of_rows) const;
+  /// Gives the rows of the degenerate results from `first` on these numbers.
+  void number_degenerate_rows(std::size_t first);
+};
+
+/// Seconds of wall time since `start`.
+double seconds_since(std::chrono::steady_clock::time_point start);
+
+}  // namespace pointsweep

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+/// The first phase: the input is surveyed, and everything is decided that the work needs.
+#include <algorithm>
+
+#include "pointsweep/pipeline/radius_estimate.h"
+#include "pointsweep/pipeline/run/output_files.h"
+#include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/pipeline/run/survey_input.h"
+
+namespace pointsweep {
+namespace {
+
+void give_notice(const RunState& run) {
+  double seconds = 0, neighbors = 0;
+  for (const Effort& effort : run.memory.efforts) {
+    seconds += effort.seconds;
+    neighbors = std::max(neighbors, effort.neighbors_per_point);
+  }
+  constexpr double kWorthSaying = 60;
+  if (run.options.notice && seconds >= kWorthSaying)
+    run.options.notice(fmt::format("The radius means {}; a smaller one, or k beside it, takes less.",
+                                   effort_text(neighbors, seconds)));
+}
+
+bool needs_exact_survey(const RunState& run) {
+  const std::vector<PlannedPass>& passes = run.plan.passes;
+  return passes.empty() || passes.front().kind == PassKind::order || run.options.order == Order::sweep ||
+         run.by_reference() || needs_bounds(run);
+}
+
+void plan_memory_of(RunState& run) {
+  const Schema& input = run.cloud.schema();
+  if (!run.plan.passes.empty())
+    run.layout.emplace(input, run.names.made, run.names.kept,
+                       type_of_moved_positions(input, run.outputs.points, run.options));
+  const std::uint64_t output = run.layout ? run.layout->schema().stride : input.stride;
+  run.memory =
+      plan_run_memory(run.statistics.memory_budget_bytes, run.plan, run.cloud.count(), run.survey, run.options, output);
+}
+
+void make_folder(RunState& run) {
+  if (!run.memory.spills() || run.checkpoints) return;
+  run.folder.emplace(run.options.temp_folder.empty() ? std::filesystem::temp_directory_path()
+                                                     : run.options.temp_folder);
+}
+
+}  // namespace
+
+void survey_source(RunState& run, bool exact) {
+  const auto start = std::chrono::steady_clock::now();
+  run.survey = survey(run.source, run.options.axis, exact);
+  run.statistics.order_seconds += seconds_since(start);
+}
+
+void survey_phase(RunState& run) {
+  run.source = run.cloud_source();
+  if (run.checkpoints && run.checkpoints->found())
+    run.survey = run.checkpoints->last().survey;
+  else
+    survey_source(run, needs_exact_survey(run));
+  if (!run.plan.passes.empty()) require_distances(run.survey.bounds);
+  plan_memory_of(run);
+  open_outputs(run);
+  give_notice(run);
+  make_folder(run);
+}
+
+}  // namespace pointsweep

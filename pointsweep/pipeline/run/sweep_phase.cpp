@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+/// Takes the points in their order through the stages of a pass.
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "pointsweep/order/working_record.h"
+#include "pointsweep/pipeline/nonfinite_points.h"
+#include "pointsweep/pipeline/observation.h"
+#include "pointsweep/pipeline/reference_run.h"
+#include "pointsweep/pipeline/result_sinks.h"
+#include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/sweep/sweep.h"
+
+namespace pointsweep {
+namespace {
+
+/// The records in `results` are whole output records by place in the stream, and not result records by row.
+const OutputLayout* layout_of_results(const RunState& run, std::size_t p) {
+  return run.makes_output(p) ? &*run.layout : nullptr;
+}
+
+std::function<void(std::uint64_t, std::uint64_t)> sweep_progress(const RunState& run) {
+  return [&run](std::uint64_t read, std::uint64_t active) { run.report("sweeping", read, active); };
+}
+
+SweepOptions sweep_options(const RunState& run, const MemoryPlan& memory) {
+  const bool first = run.statistics.sweeps == 0;
+  return {.cell_points = run.options.cell_points,
+          .read_ahead = std::max(1u, run.statistics.threads / 2),
+          .recall_bytes = memory.recall_bytes,
+          .cells_bytes = run.options.search_again ? 0 : memory.cells_bytes,
+          .lists_bytes = run.options.lists_bytes != 0 ? run.options.lists_bytes : memory.lists_bytes,
+          .count_distances = first && run.options.count_distances,
+          .progress = sweep_progress(run)};
+}
+
+SweepStatistics sweep_by_cells(RunState& run, std::size_t p) {
+  const SweepPlan& plan = run.plan.passes[p].plan;
+  InputOrderSink by_row(*run.results, plan.result_bytes);
+  std::optional<SweepOrderSink> by_place;
+  if (const OutputLayout* layout = layout_of_results(run, p))
+    by_place.emplace(*run.results, *run.stream, *layout, run.cloud.schema().stride);
+  const bool notes = run.statistics.sweeps == 0 && !run.options.half_way_states.empty();
+  std::vector<PointState> half_way(notes ? run.cloud.count() : 0);
+  std::optional<CheckpointKeeper> keeper;
+  std::optional<SweepProgress> from;
+  if (run.checkpoints) keeper.emplace(*run.checkpoints, *run.results), from = run.checkpoints->progress();
+  SweepOptions options = sweep_options(run, run.memory.passes[p]);
+  options.half_way = notes ? &half_way : nullptr;
+  options.keeper = keeper ? &*keeper : nullptr;
+  options.resume_from = from ? &*from : nullptr;
+  Sink& sink = by_place ? static_cast<Sink&>(*by_place) : by_row;
+  const SweepStatistics done = sweep(*run.stream, plan, sink, options);
+  if (notes) write_states(half_way, run.options.half_way_states, run.options.overwrite);
+  return done;
+}
+
+SweepStatistics sweep_by_reference(RunState& run, std::size_t p) {
+  const MemoryPlan& memory = run.memory.passes[p];
+  const std::uint64_t others = memory.expected_bytes - memory.window_bytes;
+  const std::uint64_t budget = run.statistics.memory_budget_bytes;
+  if (!run.statistics.reference) run.statistics.reference.emplace();
+  return run_reference({.stream = *run.stream,
+                        .pass = run.plan.passes[p],
+                        .store = *run.results,
+                        .layout = layout_of_results(run, p),
+                        .memory_bytes = budget - std::min(budget, others),
+                        .progress = sweep_progress(run)},
+                       *run.statistics.reference);
+}
+
+/// What is made of points that are in no slab.
+void put_nonfinite(RunState& run, std::size_t p) {
+  NonfiniteResult none(run.plan.passes[p].made, run.stream->record_schema());
+  const OutputLayout* layout = layout_of_results(run, p);
+  for_each_nonfinite(*run.stream, [&](std::uint64_t i, const std::byte* record, std::uint64_t row) {
+    if (layout == nullptr) return run.results->put({&row, 1}, none.of(record));
+    std::vector<std::byte> output(layout->schema().stride);
+    layout->assemble(record, none.of(record).data(), 1, output.data());
+    const std::uint64_t place = run.cloud.count() - run.stream->nonfinite_count() + i;
+    run.results->put({&place, 1}, output);
+  });
+}
+
+void sweep_stages(RunState& run, std::size_t p) {
+  const std::size_t before = run.statistics.degenerate_results.size();
+  add_sweep(run.statistics, run.plan.passes[p].plan,
+            run.by_reference() ? sweep_by_reference(run, p) : sweep_by_cells(run, p));
+  run.number_degenerate_rows(before);
+  put_nonfinite(run, p);
+}
+
+/// Of the points of the stream with equal coordinates, all but the first get 0; a row that gets nothing is kept.
+void leave_out_equal(RunState& run) {
+  const Schema& schema = run.stream->record_schema();
+  const PositionFields fields = position_fields(schema, "the stream");
+  std::optional<Vec3> last;
+  std::vector<std::uint64_t> equal;
+  const auto compare = [&](std::span<const std::byte> records) {
+    equal.clear();
+    for (std::size_t at = 0; at < records.size(); at += schema.stride) {
+      const std::byte* record = records.data() + at;
+      const Vec3 p{value_of(fields.x, record), value_of(fields.y, record), value_of(fields.z, record)};
+      if (last && p == *last) equal.push_back(row_of(schema, record));
+      last = p;
+    }
+    run.results->put(equal, std::vector<std::byte>(equal.size()));
+  };
+  write_in_order(*run.stream, schema.stride, compare, [&run](std::uint64_t done) { run.report("updating", done, 0); });
+}
+
+}  // namespace
+
+void sweep_phase(RunState& run, std::size_t p) {
+  PlannedPass& pass = run.plan.passes[p];
+  pass.bind(run.stream->record_schema());
+  pass.kind == PassKind::order ? leave_out_equal(run) : sweep_stages(run, p);
+  run.statistics.bytes_spilled += run.stream->spilled_bytes();
+  run.stream.reset();  // nothing is read from it any more
+}
+
+}  // namespace pointsweep

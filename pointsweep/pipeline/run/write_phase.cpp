@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+/// Writes the output: what the last pass makes, the rows that it has left, or the records that were put in order.
+#include <algorithm>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/pipeline/run/made_rows.h"
+#include "pointsweep/pipeline/run/output_files.h"
+#include "pointsweep/pipeline/run/phases.h"
+
+namespace pointsweep {
+namespace {
+
+/// Whole output records, in the order of the stream of the last pass.
+void write_whole(RunState& run) {
+  const std::size_t stride = run.files->layout().schema().stride;
+  run.results->drain([&](std::uint64_t first, std::span<const std::byte> records) {
+    run.files->write_records(records);
+    run.report("writing", first + records.size() / stride, 0);
+  });
+}
+
+/// What the last pass makes, by row, while it is made or after it.
+void write_made(RunState& run, std::size_t p) {
+  const auto use = [&run](std::uint64_t first, std::size_t n, const std::byte* records, std::size_t bytes) {
+    run.files->write_results(run.cloud, first, {records, n * bytes});
+    run.report("writing", first + n, 0);
+  };
+  const std::size_t bytes = run.plan.passes[p].plan.result_bytes;
+  const MadeRows made = made_by_pass(run, p);
+  if (p == 0)
+    return made([&](std::uint64_t first, std::size_t n, const std::byte* records) { use(first, n, records, bytes); });
+  const RowUpdate after = update_after(run.plan, p);
+  update_rows(made, run.rows.get(), after, bytes,
+              [&](const UpdatedRows& rows) { use(rows.first, rows.count, rows.after, after.record_bytes()); });
+}
+
+/// The rows that the last pass has left.
+void write_rows(RunState& run) {
+  std::size_t bytes = 0;
+  for (const Attribute& a : run.plan.made) bytes += a.bytes();
+  const std::size_t stride = bytes != 0 ? bytes : run.cloud.schema().stride;
+  const std::uint64_t chunk = std::max<std::size_t>(1, (std::size_t{4} << 20) / stride);
+  std::vector<std::byte> records;
+  for (std::uint64_t first = 0; first < run.cloud.count(); first += chunk) {
+    stop_if_cancelled();
+    records.resize(std::min(chunk, run.cloud.count() - first) * stride);
+    if (bytes != 0) {
+      run.rows->read(first, records);
+      run.files->write_results(run.cloud, first, records);
+    } else {
+      read_fully(run.cloud_source(), first, records);
+      run.files->write_inputs(records);
+    }
+    run.report("writing", first + records.size() / stride, 0);
+  }
+}
+
+/// Of a run of passes, records of the output; of a sort, those of the input.
+void write_ordered(RunState& run) {
+  const std::size_t bytes = run.layout ? run.layout->schema().stride : run.cloud.schema().stride;
+  const auto write = [&run](std::span<const std::byte> records) {
+    run.layout ? run.files->write_records(records) : run.files->write_inputs(records);
+  };
+  write_in_order(*run.stream, bytes, write, [&run](std::uint64_t done) { run.report("writing", done, 0); });
+  run.statistics.bytes_spilled += run.stream->spilled_bytes();
+}
+
+void write_output(RunState& run, std::size_t p) {
+  if (run.stream) return write_ordered(run);
+  if (run.is_empty() || p == run.plan.passes.size()) return write_rows(run);
+  run.makes_output(p) ? write_whole(run) : write_made(run, p);
+}
+
+}  // namespace
+
+void write_phase(RunState& run, std::size_t p) {
+  const auto start = std::chrono::steady_clock::now();
+  if (!run.files) open_late(run);
+  write_output(run, p);
+  if (run.results) run.statistics.bytes_spilled += run.results->spilled_bytes();
+  run.statistics.write_seconds += seconds_since(start);
+}
+
+}  // namespace pointsweep

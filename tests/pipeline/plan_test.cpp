@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+/// The one plan of a chain: its graph, its passes, what a point takes in them, and the phases of the run.
+#include <gtest/gtest.h>
+
+#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/outliers.h"
+#include "pointsweep/operators/unique.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/pipeline/run_memory.h"
+#include "tests/pipeline/in_memory.h"
+
+namespace pointsweep {
+namespace {
+
+Schema positions_and_level() {
+  Schema schema;
+  for (const char* name : {"x", "y", "z"}) schema.append(name, Type::f32);
+  schema.append("level", Type::u16);
+  return schema;
+}
+
+ChainPlan plan_of(const std::string& text, bool ordered = false, const std::vector<std::string>& keep = {}) {
+  Chain chain = build_chain(parse_pipeline(text), Facts{.points = 1000});
+  chain.keep = keep;
+  return plan_chain(chain, positions_and_level(), ordered);
+}
+
+/// Kinds of nodes, in their order.
+std::string kinds_of(const ChainPlan& plan) {
+  std::string kinds;
+  for (const GraphNode& node : plan.graph.nodes) kinds += "snrlo"[static_cast<std::size_t>(node.kind)];
+  return kinds;
+}
+
+const AttributeVersion& version_of(const ChainGraph& graph, const std::string& name, std::size_t version) {
+  for (const AttributeVersion& v : graph.versions)
+    if (v.attribute.name == name && v.version == version) return v;
+  throw Error("no version " + std::to_string(version) + " of " + name);
+}
+
+TEST(ChainGraph, HasANodeOfItsKindForEveryPartOfAChain) {
+  EXPECT_EQ(kinds_of(plan_of("normals")), "ns");
+  EXPECT_EQ(kinds_of(plan_of("normals | splats | fair | reneighbor | normals")), "nssrsns");
+  EXPECT_EQ(kinds_of(plan_of("sor | where(outlier == 0) | resort")), "nsrslo");
+  EXPECT_EQ(kinds_of(plan_of("unique | normals")), "nls");
+}
+
+TEST(ChainGraph, KnowsWhichVersionEachStageReadsAndWhichIsWritten) {
+  const ChainGraph graph = plan_of("normals | curvature | splats | normals | curvature").graph;
+  const AttributeVersion &first = version_of(graph, "normal", 1), &second = version_of(graph, "normal", 2);
+  EXPECT_EQ(first.producer, 1u);
+  EXPECT_EQ(second.producer, 4u);
+  for (const VersionReader& reader : first.readers) EXPECT_TRUE(reader.node == 2 || reader.node == 3) << reader.node;
+  ASSERT_FALSE(second.readers.empty());
+  for (const VersionReader& reader : second.readers) EXPECT_EQ(reader.node, 5u);
+  EXPECT_TRUE(std::ranges::any_of(second.readers, [](const auto& r) { return r.as == ReadAs::neighbors; }));
+  EXPECT_FALSE(first.is_written);
+  EXPECT_TRUE(second.is_written);
+}
+
+TEST(ChainGraph, ReadsOfTheInputAreVersion0) {
+  const ChainGraph graph = plan_of("where(level == 2) | normals").graph;
+  EXPECT_FALSE(version_of(graph, "level", 0).producer);
+  EXPECT_EQ(version_of(graph, "level", 0).readers.front().node, 1u);
+}
+
+TEST(ChainGraph, StagesThatNeedOneValueOfTheSameRowsShareItsNode) {
+  const auto reduces = [](const std::string& text) {
+    const std::string kinds = kinds_of(plan_of(text));
+    return std::count(kinds.begin(), kinds.end(), 'r');
+  };
+  EXPECT_EQ(reduces("normals | splats | fair | normals | splats | fair"), 1);
+  EXPECT_EQ(reduces("normals | splats | fair | reneighbor | normals | splats | fair"), 1);
+  EXPECT_EQ(reduces("normals | splats | fair | where(z > 0) | normals | splats | fair"), 2) << "of other rows";
+  EXPECT_EQ(reduces("sor | sor(multiplier=1)"), 2) << "of another version";
+}
+
+TEST(ChainPlan, AChainThatBeginsWithNewNeighborsFindsValuesOfTheInputBeforeTheSweep) {
+  const ChainPlan plan = plan_of("reneighbor | normals | splats | fair");
+  ASSERT_EQ(plan.passes.size(), 2u);
+  EXPECT_EQ(plan.passes[0].kind, PassKind::rows);
+  EXPECT_EQ(plan.passes[1].kind, PassKind::sweep);
+}
+
+/// float32 positions, a count of neighbours and a distance are 12, 4 and 8 bytes.
+TEST(ChainPlan, CountsWhatAPointTakesInTheStreamAndBetweenPasses) {
+  const ChainPlan plan = plan_of("sor | where(outlier == 0 && level > 3) | normals");
+  ASSERT_EQ(plan.passes.size(), 3u);
+  EXPECT_EQ(plan.passes[0].travelling_bytes(), 12u) << "positions only";
+  EXPECT_EQ(plan.passes[0].carried_bytes(), 8u) << "mean_distance";
+  EXPECT_EQ(plan.passes[1].carried_bytes(), 8u + 1) << "and outlier";
+  EXPECT_TRUE(plan.leaves_rows(0) && plan.leaves_rows(1) && !plan.leaves_rows(2));
+  EXPECT_EQ(plan.most_carried_bytes(), 8u + 9);
+  EXPECT_EQ(plan_of("normals | splats").most_carried_bytes(), 0u);
+}
+
+TEST(ChainPlan, SaysOfEveryColumnWhoMakesItAndHowLongItIsNeeded) {
+  const ChainPlan plan = plan_of("sor | normals | curvature", false, {"mean_curvature", "outlier"});
+  const PlannedPass& sweep = plan.passes.front();
+  ASSERT_EQ(sweep.columns.size(), sweep.plan.column_bytes.size());
+  for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
+    const ColumnPlan& column = sweep.columns[c];
+    EXPECT_EQ(column.bytes, sweep.plan.column_bytes[c]);
+    const bool normal = column.attribute == "normal";
+    EXPECT_EQ(column.written, column.attribute == "mean_distance" || column.attribute == "mean_curvature")
+        << column.attribute;
+    EXPECT_EQ(column.made_by == "2 normals", normal);
+    EXPECT_TRUE(!normal || sweep.plan.lasting[c] == Lasting::its_cell) << "curvature reads it of neighbours";
+  }
+  EXPECT_EQ(plan.passes.back().columns.front().made_by, "a pass before");
+}
+
+/// Counts how often a chain is resolved.
+class CountsBindings final : public Operator {
+ public:
+  explicit CountsBindings(int& count) : count_(count) {}
+  std::string name() const override { return "counts_bindings"; }
+  Contract contract() const override { return {{}, {}, {scalar("one", Type::f32, "1", "")}}; }
+  void apply(const Neighborhoods&, Columns&) const override {}
+  std::shared_ptr<const Operator> bound(const Schema&, std::span<const Attribute>) const override {
+    ++count_;
+    return nullptr;
+  }
+
+ private:
+  int& count_;
+};
+
+TEST(ChainPlan, IsMadeOnceForARunHoweverManyPassesItHas) {
+  int count = 0;
+  RunOptions options;
+  options.order = Order::sweep;
+  const Chain chain{{.k = 3},
+                    {std::make_shared<CountsBindings>(count), std::make_shared<StatisticalOutliers>(), Reneighbor(),
+                     std::make_shared<Normals>(), std::make_shared<Unique>()}};
+  run_in_memory(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}}, chain, options);
+  EXPECT_EQ(count, 1);
+}
+
+std::string phases_text(const ChainPlan& plan) {
+  std::string text;
+  for (const Phase& phase : phases_of(plan))
+    text += fmt::format("{}{}{}", text.empty() ? "" : " ", "SOWUT"[static_cast<std::size_t>(phase.kind)], phase.pass);
+  return text;
+}
+
+/// S survey, O order, W sweep, U update, T write.
+TEST(Phases, OfARunFollowFromItsPlan) {
+  EXPECT_EQ(phases_text(plan_of("normals")), "S0 O0 W0 T0");
+  EXPECT_EQ(phases_text(plan_of("normals", true)), "S0 O0 W0 T0");
+  EXPECT_EQ(phases_text(plan_of("where(z > 0)")), "S0 U0 T1");
+  EXPECT_EQ(phases_text(plan_of("where(z > 0) | normals", true)), "S0 U0 O1 W1 T1") << "the sweep has the order";
+  EXPECT_EQ(phases_text(plan_of("sor", true)), "S0 O0 W0 U0 U1 O2 T2");
+  EXPECT_EQ(phases_text(plan_of("sor | where(outlier == 0) | normals")), "S0 O0 W0 U0 U1 O2 W2 T2");
+  EXPECT_EQ(phases_text(plan_of("normals | splats | fair | reneighbor | normals")), "S0 U0 O1 W1 U1 O2 W2 T2");
+  ChainPlan sort;
+  sort.reorders = true;
+  EXPECT_EQ(phases_text(sort), "S0 O0 T0");
+}
+
+/// A cube of so many points.
+Survey survey_of() {
+  Survey survey;
+  survey.bounds.include(Vec3{0, 0, 0}), survey.bounds.include(Vec3{1, 1, 1});
+  survey.exact = true;
+  return survey;
+}
+
+constexpr std::uint64_t kMega = 1 << 20;
+
+TEST(RunMemory, CountsRowsAndMasksBetweenPassesOnce) {
+  constexpr std::uint64_t kPoints = 10'000'000;
+  const auto memory = [&](const std::string& text, std::uint64_t budget, bool ordered = false) {
+    RunOptions options;
+    options.threads = 2;
+    options.order = ordered ? Order::sweep : Order::input;
+    return plan_run_memory(budget, plan_of(text, ordered), kPoints, survey_of(), options, 40);
+  };
+  const RunMemory none = memory("normals", 8192 * kMega);
+  EXPECT_EQ(none.row_bytes, 0u);
+  EXPECT_FALSE(none.spills());
+  const char* chain = "sor | where(outlier == 0) | normals";
+  const RunMemory all = memory(chain, 8192 * kMega);
+  EXPECT_FALSE(all.spills());
+  EXPECT_GE(all.row_bytes, kPoints * (8 + 9) + 2 * kPoints / 8) << "mean_distance and outlier, and a bit in each mask";
+  EXPECT_LE(all.row_bytes, kPoints * (8 + 9) + 2 * kPoints / 8 + kPoints / 100);
+  std::uint64_t most = 0;
+  for (const MemoryPlan& pass : all.passes) most = std::max(most, pass.expected_bytes);
+  EXPECT_EQ(all.expected_bytes, most + all.row_bytes);
+  for (const bool ordered : {false, true}) {
+    const RunMemory tight = memory(chain, 96 * kMega, ordered);
+    EXPECT_TRUE(tight.spill_rows && tight.spills());
+    EXPECT_LE(tight.expected_bytes, 96 * kMega);
+    EXPECT_EQ(tight.row_bytes, memory(chain, 8192 * kMega, ordered).row_bytes) << "in the temporary folder now";
+  }
+}
+
+TEST(RunMemory, WithRowsBetweenPassesNeverExpectsMoreThanTheBudget) {
+  for (const char* chain : {"where(z > 0) | normals", "sor | where(outlier == 0) | normals | splats | fair",
+                            "unique | normals | where(nz > 0)", "normals | splats | fair | reneighbor | normals"}) {
+    for (std::uint64_t mega = 32; mega < 4096; mega += mega / 3) {
+      try {
+        RunOptions options;
+        options.threads = 2;
+        const RunMemory memory = plan_run_memory(mega * kMega, plan_of(chain), 20'000'000, survey_of(), options, 40);
+        EXPECT_LE(memory.expected_bytes, mega * kMega) << chain;
+        for (const MemoryPlan& pass : memory.passes) EXPECT_LE(pass.expected_bytes, mega * kMega) << chain;
+      } catch (const Error& e) {
+        EXPECT_NE(std::string(e.what()).find("--memory"), std::string::npos) << e.what();
+        EXPECT_LT(mega, 128u) << chain;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep
