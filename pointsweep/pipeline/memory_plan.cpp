@@ -59,8 +59,7 @@ std::uint64_t window_points(const SweepPlan& plan, std::uint64_t slab_points, co
 }
 
 std::uint64_t cells_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand, bool lists) {
-  return window_points(plan, slab_points, demand) *
-         (kWindowPointBytes + plan.lasting_bytes() + (lists ? kept_list_bytes(plan) : 0));
+  return window_points(plan, slab_points, demand) * (window_point_bytes(plan) + (lists ? kept_list_bytes(plan) : 0));
 }
 
 /// Neighbours of one point, the most.

@@ -24,7 +24,7 @@ struct ListMemory {
 class CellLists {
  public:
   CellLists(const SweepPlan& plan, const Window& window, const ListMemory& memory)
-      : plan_(plan), window_(window), memory_(memory), point_bytes_(kWindowPointBytes + plan.lasting_bytes()) {}
+      : plan_(plan), window_(window), memory_(memory), point_bytes_(window_point_bytes(plan)) {}
 
   /// Fills worker.reach2: how far each neighbourhood of the cell reaches. True if all lists were found on the way and
   /// are in worker.neighbors. Without a limit k the reach is the radius, and no search is needed to know it.

@@ -19,7 +19,7 @@ constexpr std::size_t kMostGrowth = 4;
 std::size_t Recall::first_guess() const {
   const double k = static_cast<double>(std::min<std::size_t>(plan_.neighborhood.k, 100'000));
   const double width = static_cast<double>(plan_.step_count()) + 1;
-  const double point = static_cast<double>(kWindowPointBytes + plan_.lasting_bytes()) + sizeof(NeighborRef) * k;
+  const double point = static_cast<double>(window_point_bytes(plan_)) + sizeof(NeighborRef) * k;
   return std::max<std::size_t>(
       1, static_cast<std::size_t>(static_cast<double>(memory_.bytes) / (k * width * width * point)));
 }

@@ -25,7 +25,7 @@ class RecalledPoints {
         memory_(memory),
         workers_(workers),
         region_(stream, loader, frontier, memory.slabs_at_once),
-        point_bytes_(kWindowPointBytes + plan.lasting_bytes()) {}
+        point_bytes_(window_point_bytes(plan)) {}
 
   /// Loads the surroundings of `points` and finds all lists. False if they take more memory than allowed; one point is
   /// always taken.

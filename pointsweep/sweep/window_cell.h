@@ -10,13 +10,9 @@
 #include "pointsweep/search/cell.h"
 #include "pointsweep/search/cell_search.h"
 #include "pointsweep/sweep/deferred_point.h"
+#include "pointsweep/sweep/plan.h"
 
 namespace pointsweep {
-
-/// What a point takes in the window in addition to its columns and lists: coordinates, row, place in the slab (36
-/// bytes), its share of boxes of leaves, of their reach and lowest rows, of the cell and of what is lost between
-/// allocations.
-inline constexpr std::uint64_t kWindowPointBytes = 48;
 
 struct WindowCell {
   Cell cell;
@@ -53,5 +49,23 @@ struct WindowCell {
     column_pointers[column] = columns[column].data();
   }
 };
+
+/// Of a point, without columns and lists: coordinates, row and place in the slab.
+inline constexpr std::uint64_t kOwnPointBytes =
+    3 * sizeof(double) + sizeof(std::uint64_t) + sizeof(decltype(WindowCell::index_in_slab)::value_type);
+/// Of a leaf: its box, lowest row and reach.
+inline constexpr std::uint64_t kWindowLeafBytes = 6 * sizeof(float) + sizeof(std::uint64_t) + sizeof(double);
+/// Points of a cell that is cut in two with one point too many. A smaller cell is that of a whole slab.
+inline constexpr std::uint64_t kUsualCellPoints = 512;
+/// Padding of whole leaves, and what is lost between allocations: a fifth of the rest.
+inline constexpr std::uint64_t kLostShare = 5;
+
+/// What a point takes in the window with its columns, and without its lists. The memory plan, the lists that are kept,
+/// and the recall count with this one number.
+inline std::uint64_t window_point_bytes(const SweepPlan& plan) {
+  constexpr std::uint64_t kShared = kWindowLeafBytes / kLeafCapacity + 1 + sizeof(WindowCell) / kUsualCellPoints + 1;
+  constexpr std::uint64_t kBytes = kOwnPointBytes + kShared;
+  return kBytes + kBytes / kLostShare + plan.lasting_bytes();
+}
 
 }  // namespace pointsweep
