@@ -28,8 +28,10 @@ void remember(int signal) {
   if (has_timer) timer_settime(hard_end_timer, 0, &once, nullptr);
 }
 
-/// The run did not stop by itself: it waits for a disk, or an operator takes long.
+/// The run did not stop by itself: it waits for a disk, or an operator takes long. An alarm that no interruption has set
+/// is ignored.
 void end_at_once(int) {
+  if (interrupting_signal() == 0) return;
   remove_leftovers();
   constexpr char kSentence[] = "\npointsweep: stopped; what was not complete is removed\n";
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kSentence, sizeof kSentence - 1);

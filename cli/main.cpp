@@ -42,7 +42,8 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return complain(1, "the machine has no memory left for this; lower --memory or close other programs");
   } catch (const std::exception& error) {
-    return complain(1, error.what());
+    // After an interruption, threads that still run may miss what the hard end has removed.
+    return complain(interrupted() ? 128 + interrupting_signal() : 1, error.what());
   }
 }
 

@@ -42,12 +42,12 @@ void Leftover::forget() noexcept {
   place_ = kNone;
 }
 
+/// Files first, so that folders are empty.
 void remove_leftovers() noexcept {
   const int before = errno;
-  for (const Place& place : places) {
-    if (place.state != State::listed) continue;
-    if (::unlink(place.name.data()) != 0) ::rmdir(place.name.data());
-  }
+  for (const auto remove : {::unlink, ::rmdir})
+    for (const Place& place : places)
+      if (place.state == State::listed) remove(place.name.data());
   errno = before;
 }
 

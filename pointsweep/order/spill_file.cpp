@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "pointsweep/error.h"
+#include "pointsweep/leftovers.h"
 #include "pointsweep/order/temp_folder.h"
 
 namespace pointsweep {
@@ -51,8 +52,9 @@ SpillFile::SpillFile(const SpillPlace& place)
     if (descriptor_ < 0) fail_write(parent_, option_, errno, 0);
     return;
   }
-  std::string name = (place.folder() / "spill-XXXXXX").string();
-  descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
+  const std::string name = random_name((place.folder() / "spill-").string());
+  const Leftover listed(name);
+  descriptor_ = ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (descriptor_ < 0) fail_write(parent_, option_, errno, 0);
   ::unlink(name.c_str());
 }

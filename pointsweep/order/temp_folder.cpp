@@ -7,8 +7,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -16,12 +18,13 @@
 #include <system_error>
 
 #include "pointsweep/error.h"
+#include "pointsweep/order/mix.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr std::string_view kPrefix = "pointsweep-";
-constexpr std::string_view kRandom = "XXXXXX";  // what mkdtemp replaces
+constexpr std::size_t kRandomLetters = 6;
 
 /// The process that made a folder of this name, or nothing when the name is not one of ours.
 std::optional<pid_t> maker_of(std::string_view name) {
@@ -30,7 +33,7 @@ std::optional<pid_t> maker_of(std::string_view name) {
   pid_t pid = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), pid);
   const std::string_view rest = name.substr(static_cast<std::size_t>(end - name.data()));
-  if (error != std::errc() || pid <= 0 || rest.size() != 1 + kRandom.size() || rest[0] != '-') return {};
+  if (error != std::errc() || pid <= 0 || rest.size() != 1 + kRandomLetters || rest[0] != '-') return {};
   return pid;
 }
 
@@ -77,14 +80,30 @@ void require_temp_parent(const std::filesystem::path& parent) {
     fail("the temporary folder '{}' cannot be used: {}; name a writable folder with --temp-dir.", parent.string(), why);
 }
 
+std::string random_name(const std::string& begin) {
+  static std::atomic<std::uint64_t> made = 0;
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789";
+  const auto now = static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
+  std::uint64_t number = mix(now ^ mix(static_cast<std::uint64_t>(::getpid()) ^ mix(++made)));
+  std::string name = begin;
+  for (std::size_t i = 0; i < kRandomLetters; ++i, number /= kLetters.size())
+    name += kLetters[number % kLetters.size()];
+  return name;
+}
+
 TempFolder::TempFolder(const std::filesystem::path& parent) {
   remove_abandoned_folders(parent);
-  std::string name = (parent / std::string(kPrefix)).string() + std::to_string(::getpid()) + "-" + std::string(kRandom);
-  if (::mkdtemp(name.data()) == nullptr)
-    fail("cannot make a temporary folder in '{}': {}; name a writable folder with --temp-dir.", parent.string(),
-         std::strerror(errno));
-  path_ = name;
-  leftover_.emplace(path_);
+  const std::string begin = (parent / std::string(kPrefix)).string() + std::to_string(::getpid()) + "-";
+  do {
+    path_ = random_name(begin);
+    leftover_.emplace(path_);
+    if (::mkdir(path_.c_str(), 0700) == 0) break;
+    const int error = errno;
+    leftover_.reset();
+    if (error != EEXIST)
+      fail("cannot make a temporary folder in '{}': {}; name a writable folder with --temp-dir.", parent.string(),
+           std::strerror(error));
+  } while (true);
   lock_ = open_folder(path_);
   if (lock_ >= 0) ::flock(lock_, LOCK_EX | LOCK_NB);  // best effort: some file systems know no locks
 }

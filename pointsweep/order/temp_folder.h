@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "pointsweep/leftovers.h"
 
@@ -11,6 +12,9 @@ namespace pointsweep {
 
 /// Throws Error unless `parent` is an existing folder in which this process may create files.
 void require_temp_parent(const std::filesystem::path& parent);
+
+/// `begin` and six letters: another one in each call, and by all probability in each process.
+std::string random_name(const std::string& begin);
 
 /// Made as `<parent>/pointsweep-<pid>-<random>`, mode 0700; removed with everything in it by the destructor. Creating
 /// one first removes the folders of the same parent whose process no longer lives (what kill -9 left behind).

@@ -181,13 +181,9 @@ ssize_t pwrite64(int descriptor, const void* bytes, size_t count, off64_t offset
   return transfer_at("write", "pwrite64", descriptor, const_cast<void*>(bytes), count, offset);
 }
 
-int mkostemp(char* name, int flags) {
-  if (fault_at("mkostemp", name, kSpace) == Fault::error) return -1;
-  return real<int (*)(char*, int)>("mkostemp")(name, flags);
-}
-char* mkdtemp(char* name) {
-  if (fault_at("mkdtemp", name, kSpace) == Fault::error) return nullptr;
-  return real<char* (*)(char*)>("mkdtemp")(name);
+int mkdir(const char* path, mode_t mode) {
+  if (fault_at("mkdir", path, kSpace) == Fault::error) return -1;
+  return real<int (*)(const char*, mode_t)>("mkdir")(path, mode);
 }
 int rename(const char* from, const char* to) {
   if (fault_at("rename", to, kSpace) == Fault::error) return -1;

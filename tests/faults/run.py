@@ -46,7 +46,7 @@ RESUMED_RUNS = {
     "sort": ("in.ply", f"sort in.ply out.ply {RESUMED}", ["out.ply"]),
 }
 # Operations that each kind of fault can meet.
-SPACE = {"create", "mkostemp", "mkdtemp", "write", "rename", "link", "truncate", "sync", "close"}
+SPACE = {"create", "mkdir", "write", "rename", "link", "truncate", "sync", "close"}
 KINDS = {"enospc": SPACE, "eio": None, "short": {"read", "write"}, "eintr": {"read", "write"}, "kill": None, "int": None,
          "term": None}
 HARMLESS = {"short", "eintr"}

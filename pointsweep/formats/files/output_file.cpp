@@ -124,10 +124,10 @@ OutputFile::OutputFile(const fs::path& destination, bool overwrite) : destinatio
   }
   remove_abandoned_parts(destination_);
   part_ = folder_of(destination_) / fmt::format(".{}.{}.part", destination_.filename().string(), ::getpid());
+  leftover_.emplace(part_);
   descriptor_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor_ < 0 && errno == EEXIST) fail("{}: is being written already.", destination_.string());
   if (descriptor_ < 0) fail_to_write(destination_, errno);
-  leftover_.emplace(part_);
   ::flock(descriptor_, LOCK_EX | LOCK_NB);
 }
 
