@@ -18,7 +18,7 @@ void sort_points(const SortCommand& command) {
   const std::vector<std::string>& keep = command.common.keep;
   if (command.common.dry_run) {
     look_at_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
-      fmt::print("{}", to_text(preview_sort(cloud, options, keep)));
+      fmt::print("{}", to_text(preview_sort(cloud, command.paths.output(), options, keep)));
     });
     return;
   }

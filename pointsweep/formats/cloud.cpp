@@ -151,6 +151,8 @@ void Cloud::require_unchanged() const {
 
 /// As read(), from one input whose rows start at 0 and which has at least one more.
 std::size_t Cloud::read_input(std::size_t input, std::uint64_t row, std::span<std::byte> records) {
+  if (input != last_input_) readers_[last_input_]->rest();
+  last_input_ = input;
   Reader& reader = *readers_[input];
   const InputMapping& mapping = mappings_[input];
   const std::size_t stride = reader.info().schema.stride;

@@ -88,6 +88,7 @@ class Cloud {
   std::vector<std::uint64_t> first_row_;
   std::vector<InputMapping> mappings_;
   std::vector<std::byte> scratch_;
+  std::size_t last_input_ = 0;  ///< that was read
   Schema schema_;
   std::optional<Crs> crs_;
   std::optional<LasOrigin> las_;

@@ -51,6 +51,8 @@ struct Format {
   bool real_coordinates = true;
   /// Box of all points is in the header (FileInfo::bounds), so that it is known without reading the points.
   bool states_bounds = false;
+  /// What its writer takes to encode records of so many bytes on so many threads; null: nothing worth counting.
+  std::uint64_t (*encoder_bytes)(std::uint64_t record_bytes, unsigned threads) = nullptr;
   std::size_t name_bytes = 0;  ///< longest name of an attribute; 0: any length
   /// The name under which its outputs hold an attribute; null: its own.
   std::string (*stored_name)(const std::string& name) = nullptr;

@@ -32,6 +32,7 @@ struct FileInfo {
   std::uint64_t count = 0;            ///< points really in the file, never merely what a header claims
   std::uint64_t left_out = 0;         ///< points of the file that `count` and read() leave out (FiniteRows)
   std::uint64_t bytes = 0;            ///< size of the file
+  std::uint64_t decoder_bytes = 0;    ///< what each thread takes that decodes it, in addition to the records
   std::optional<Box> bounds;          ///< as a header states them: a hint, not to be trusted
   bool z_is_up = false;               ///< the format says that z is the height
   std::vector<std::string> warnings;  ///< what was wrong but harmless, one sentence each
@@ -50,6 +51,8 @@ class Reader {
   /// cloud) and returns how many. Consecutive calls run at disk speed; a jump is cheap for binary formats and costs at
   /// most a rescan of 65,536 lines for text. Not thread-safe. Throws Error when the file fails or has changed.
   virtual std::size_t read(std::uint64_t row, std::span<std::byte> records) = 0;
+  /// Frees what it keeps from one read() to the next, since others are read now.
+  virtual void rest() {}
 
  protected:
   /// How many records a read() at `row` into `records` gives.

@@ -154,8 +154,8 @@ class Division {
     const std::uint64_t results = demand_.points * demand_.result_record_bytes;
     out_.window_bytes = cells_bytes(plan_, out_.slab_points, demand_, lists_) +
                         threads * thread_bytes(plan_, out_.slab_points, budget_, demand_);
-    out_.expected_bytes =
-        kFixedBytes + out_.window_bytes + index_bytes(plan_, out_.slab_points, demand_) + out_.stream_buffer_bytes;
+    out_.expected_bytes = kFixedBytes + demand_.codec_bytes + out_.window_bytes +
+                          index_bytes(plan_, out_.slab_points, demand_) + out_.stream_buffer_bytes;
     out_.expected_bytes +=
         out_.spill_stream ? stream_index_bytes(out_.slab_points, out_.stream_buffer_bytes, demand_) : stream;
     out_.expected_bytes +=

@@ -138,7 +138,7 @@ Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options, con
   const OutputLayout layout(cloud.schema(), out.names.made, out.names.kept,
                             type_of_moved_positions(cloud.schema(), output, options));
   out.memory = plan_run_memory(out.budget, out.planned, out.points, survey(source, options.axis, false), options,
-                               layout.schema().stride);
+                               layout.schema().stride, codec_bytes(cloud, output, layout.schema().stride, options));
   return out;
 }
 

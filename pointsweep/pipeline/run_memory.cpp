@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/radius_estimate.h"
 #include "pointsweep/pipeline/row_mask.h"
 
@@ -14,16 +15,24 @@ constexpr std::uint64_t kMovedPositionBytes = 3 * sizeof(double);
 
 bool in_memory(const MemoryPlan& plan) { return !plan.spill_stream && !plan.spill_results; }
 
+/// Readers and writers decode and encode a few chunks at once.
+constexpr unsigned kMostDecoders = 4;
+
+unsigned threads_of(const RunOptions& options) {
+  return options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+}
+
 MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std::uint64_t points, const Survey& survey,
-                    const RunOptions& options) {
+                    const RunOptions& options, std::uint64_t codec_bytes) {
   const std::uint64_t row_bytes = points >> 32 ? 8 : 4;
   return {
       .points = points,
       .working_record_bytes = record_bytes + row_bytes,
       .result_record_bytes = result_bytes,
       .slab_points = options.slab_points != 0 ? options.slab_points : recommended_slab_points(points, survey.dimension),
-      .threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency()),
-      .cell_points = options.cell_points};
+      .threads = threads_of(options),
+      .cell_points = options.cell_points,
+      .codec_bytes = codec_bytes};
 }
 
 /// What a radius without a limit k adds to the demand, and what it means for the user.
@@ -56,9 +65,9 @@ SweepPlan unswept(std::uint32_t result_bytes) {
 }
 
 /// Reads rows in their order: a megabyte of them at once.
-MemoryPlan plan_rows() {
+MemoryPlan plan_rows(std::uint64_t codec_bytes) {
   MemoryPlan memory;
-  memory.expected_bytes = kFixedBytes;
+  memory.expected_bytes = kFixedBytes + codec_bytes;
   return memory;
 }
 
@@ -74,20 +83,20 @@ bool RunMemory::spills() const {
 }
 
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
-                          const RunOptions& options, std::uint64_t output_bytes) {
+                          const RunOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes) {
   RunMemory memory;
   for (const PlannedPass& pass : planned.passes) {
     if (pass.kind == PassKind::rows) {
       memory.efforts.emplace_back();
       memory.record_bytes.push_back(pass.input.stride);
-      memory.passes.push_back(plan_rows());
+      memory.passes.push_back(plan_rows(codec_bytes));
       continue;
     }
     SweepPlan stages = pass.plan;
     if (pass.kind == PassKind::order) stages = unswept(pass.plan.result_bytes);
     const bool whole = leaves_in_order(planned, options) && &pass == &planned.passes.back();
     MemoryDemand needs = demand(whole ? pass.input.stride : pass.travelling_bytes(),
-                                whole ? output_bytes : stages.result_bytes, points, survey, options);
+                                whole ? output_bytes : stages.result_bytes, points, survey, options, codec_bytes);
     memory.efforts.push_back(add_radius(needs, stages, survey));
     memory.record_bytes.push_back(needs.working_record_bytes);
     memory.passes.push_back(plan(budget, stages, needs, options));
@@ -95,7 +104,8 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
   }
   if (planned.reorders) {
     const std::uint64_t position_bytes = planned.passes.empty() ? 0 : kMovedPositionBytes;
-    memory.reordering = plan_ordering_memory(budget, output_bytes + position_bytes, points, survey, options);
+    memory.reordering =
+        plan_ordering_memory(budget, output_bytes + position_bytes, points, survey, options, codec_bytes);
     memory.expected_bytes = std::max(memory.expected_bytes, memory.reordering.expected_bytes);
   }
   std::uint64_t needed = memory.reordering.needed_bytes;
@@ -108,8 +118,18 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
 }
 
 MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
-                                const Survey& survey, const RunOptions& options) {
-  return plan(budget, unswept(0), demand(record_bytes, 0, points, survey, options), options);
+                                const Survey& survey, const RunOptions& options, std::uint64_t codec_bytes) {
+  return plan(budget, unswept(0), demand(record_bytes, 0, points, survey, options, codec_bytes), options);
+}
+
+std::uint64_t codec_bytes(const Cloud& cloud, const std::filesystem::path& output, std::uint64_t record_bytes,
+                          const RunOptions& options) {
+  const unsigned threads = threads_of(options);
+  std::uint64_t decoder = 0;  // one input is read at a time
+  for (const auto& reader : cloud.readers()) decoder = std::max(decoder, reader->info().decoder_bytes);
+  const Format* const format = output.empty() ? nullptr : format_of_output(output);
+  const bool encodes = format != nullptr && format->encoder_bytes != nullptr;
+  return decoder * std::min(threads, kMostDecoders) + (encodes ? format->encoder_bytes(record_bytes, threads) : 0);
 }
 
 bool leaves_in_order(const ChainPlan& planned, const RunOptions& options) {

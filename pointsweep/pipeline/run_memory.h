@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
+#include "pointsweep/formats/cloud.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/pipeline/pipeline.h"
@@ -31,13 +33,18 @@ struct RunMemory {
 };
 
 /// What is carried from sweep to sweep is in memory only where everything is. Throws as plan_memory(). The same survey
-/// serves all sweeps: where points move is not known yet. `output_bytes`: of an output record.
+/// serves all sweeps: where points move is not known yet. `output_bytes`: of an output record; `codec_bytes`:
+/// codec_bytes().
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
-                          const RunOptions& options, std::uint64_t output_bytes);
+                          const RunOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes = 0);
 
 /// For whole records of `record_bytes` that are only put in order. Does not throw: see MemoryPlan::needed_bytes.
 MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
-                                const Survey& survey, const RunOptions& options);
+                                const Survey& survey, const RunOptions& options, std::uint64_t codec_bytes = 0);
+
+/// What decoding the inputs and encoding records of `record_bytes` to an output of this name takes.
+std::uint64_t codec_bytes(const Cloud& cloud, const std::filesystem::path& output, std::uint64_t record_bytes,
+                          const RunOptions& options);
 
 /// The order of the only sweep is the one that the output is to have: its records travel along.
 bool leaves_in_order(const ChainPlan& planned, const RunOptions& options);

@@ -12,7 +12,8 @@
 
 namespace pointsweep {
 
-SortPreview preview_sort(Cloud& cloud, const RunOptions& options, const std::vector<std::string>& keep) {
+SortPreview preview_sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options,
+                         const std::vector<std::string>& keep) {
   if (!options.temp_folder.empty()) require_temp_parent(options.temp_folder);
   const KeptFields kept = keep.empty() ? KeptFields() : kept_fields(keep, {}, cloud.schema());
   const PointSource source{cloud.schema(), cloud.count(),
@@ -24,7 +25,8 @@ SortPreview preview_sort(Cloud& cloud, const RunOptions& options, const std::vec
   out.axis = seen.axis;
   out.record_bytes = cloud.schema().stride;
   out.output_bytes = OutputLayout(cloud.schema(), {}, kept).schema().stride;
-  out.memory = plan_ordering_memory(out.budget, out.record_bytes, out.points, seen, options);
+  out.memory = plan_ordering_memory(out.budget, out.record_bytes, out.points, seen, options,
+                                    codec_bytes(cloud, output, out.output_bytes, options));
   if (out.memory.needed_bytes != 0) fail_budget(out.budget, out.memory.needed_bytes);
   return out;
 }

@@ -19,8 +19,9 @@ struct SortPreview {
   MemoryPlan memory;
 };
 
-/// Looks at a sample of the cloud and writes nothing. Throws what sort() would throw before the work.
-SortPreview preview_sort(Cloud& cloud, const RunOptions& options, const std::vector<std::string>& keep = {});
+/// Looks at a sample of the cloud and writes nothing. Throws what sort() to `output` would throw before the work.
+SortPreview preview_sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options,
+                         const std::vector<std::string>& keep = {});
 
 /// Several lines: points, order, slabs, records, memory.
 std::string to_text(const SortPreview& preview);

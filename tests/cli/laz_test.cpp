@@ -23,8 +23,8 @@ class CompressedFiles : public Tool {
 
   static constexpr const char* kChains[] = {
       "--pipeline 'knn(k=8) | normals'",
-      "--pipeline 'knn(k=8) | normals' --order sweep --memory 40M",
-      "--pipeline 'knn(k=6) | normals | splats | fair' --memory 40M --threads 1",
+      "--pipeline 'knn(k=8) | normals' --order sweep --memory 64M",
+      "--pipeline 'knn(k=6) | normals | splats | fair' --memory 64M --threads 1",
       "--pipeline 'knn(k=8) | sor | where(outlier == 0) | normals'",
   };
 };
@@ -60,7 +60,7 @@ TEST_F(CompressedFiles, AreVerifiedAndMergedWithLas) {
 }
 
 TEST_F(CompressedFiles, GoOnAfterAnInterruption) {
-  const std::string options = "--pipeline 'knn(k=8) | normals' --memory 40M";
+  const std::string options = "--pipeline 'knn(k=8) | normals' --memory 64M";
   const std::string expected = out_of("a.laz", "whole.laz", options);
   tool_under("timeout -s KILL 0.15", "run a.laz r.laz --quiet --no-provenance --resume work " + options);
   const Result again = tool("run a.laz r.laz --quiet --no-provenance --resume work --force " + options);

@@ -197,6 +197,21 @@ TEST(RunMemory, CountsRowsAndMasksBetweenPassesOnce) {
   }
 }
 
+TEST(RunMemory, CountsWhatDecodingAndEncodingTakeInEveryPass) {
+  RunOptions options;
+  options.threads = 2;
+  constexpr std::uint64_t kPoints = 1'000'000, kCodecs = 10 * kMega;
+  for (const char* chain : {"normals", "sor | where(outlier == 0) | normals", "where(z > 0)"}) {
+    const auto expected = [&](std::uint64_t codecs) {
+      return plan_run_memory(8192 * kMega, plan_of(chain), kPoints, survey_of(), options, 40, codecs);
+    };
+    const RunMemory without = expected(0), with = expected(kCodecs);
+    for (std::size_t p = 0; p < with.passes.size(); ++p)
+      EXPECT_EQ(with.passes[p].expected_bytes, without.passes[p].expected_bytes + kCodecs) << chain << ", pass " << p;
+  }
+  EXPECT_THROW(plan_run_memory(32 * kMega, plan_of("normals"), kPoints, survey_of(), options, 40, kCodecs), Error);
+}
+
 TEST(RunMemory, WithRowsBetweenPassesNeverExpectsMoreThanTheBudget) {
   for (const char* chain : {"where(z > 0) | normals", "sor | where(outlier == 0) | normals | splats | fair",
                             "unique | normals | where(nz > 0)", "normals | splats | fair | reneighbor | normals"}) {

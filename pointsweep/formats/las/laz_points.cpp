@@ -170,10 +170,12 @@ void LazPoints::read(std::uint64_t row, std::span<std::byte> records) {
     if (!decoders[i]) decoders[i] = std::make_unique<Decoder>(*this, piece.chunk);
     decoders[i]->skip_to(piece.first);
     decoders[i]->decode(piece.records, piece.rows);
+    if (decoders[i]->next() == first_row_[piece.chunk + 1] - first_row_[piece.chunk]) decoders[i].reset();
   });
-  if (decoders.back()->next() < first_row_[all.back().chunk + 1] - first_row_[all.back().chunk])
-    open_ = std::move(decoders.back());
+  open_ = std::move(decoders.back());
 }
+
+void LazPoints::rest() { open_.reset(); }
 
 #else
 
@@ -184,6 +186,7 @@ LazPoints::LazPoints(std::shared_ptr<const InputFile> file, std::span<const std:
     : file_(std::move(file)), layout_(LazLayout::parse(vlr, file_->path().string())), record_bytes_(record_bytes) {}
 LazPoints::~LazPoints() = default;
 void LazPoints::read(std::uint64_t, std::span<std::byte>) {}
+void LazPoints::rest() {}
 
 #endif
 

@@ -25,6 +25,8 @@ class LazPoints {
 
   /// Whole records from `row` on; all must exist. Not thread-safe. Throws Error.
   void read(std::uint64_t row, std::span<std::byte> records);
+  /// Forgets the chunk that was last read to its middle, and frees its memory.
+  void rest();
 
   std::size_t chunks() const { return first_row_.size() - 1; }
   std::uint64_t first_row(std::size_t chunk) const { return first_row_[chunk]; }

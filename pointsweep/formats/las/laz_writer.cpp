@@ -87,6 +87,12 @@ class LazWriter : public Writer {
 
 }  // namespace
 
+std::uint64_t laz_encoder_bytes(std::uint64_t record_bytes, unsigned threads) {
+  constexpr std::uint64_t kModels = 2 << 20;  // measured: 1 to 2 MB a chunk
+  const std::uint64_t chunk = kLazChunkPoints * record_bytes;
+  return std::clamp(threads, 1u, kMostChunksAtOnce) * (chunk + chunk / 2 + kModels);
+}
+
 std::unique_ptr<Writer> create_laz_writer(const OutputPlan& plan) { return std::make_unique<LazWriter>(plan); }
 
 }  // namespace pointsweep

@@ -2,6 +2,7 @@
 /// Writing LAZ: what a LAS file would be (las_writer.h), with its points in compressed chunks.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "pointsweep/formats/writer.h"
@@ -11,5 +12,9 @@ namespace pointsweep {
 /// As create_las_writer(). Records come in order; several chunks of kLazChunkPoints points are compressed at once, by
 /// all threads. Throws Error where codecs are not built in.
 std::unique_ptr<Writer> create_laz_writer(const OutputPlan& plan);
+
+/// What it takes for records of `record_bytes`: the chunks that are compressed at once, before and after, and the
+/// models of the coder.
+std::uint64_t laz_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
 
 }  // namespace pointsweep

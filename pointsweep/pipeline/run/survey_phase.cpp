@@ -34,8 +34,8 @@ void plan_memory_of(RunState& run) {
     run.layout.emplace(input, run.names.made, run.names.kept,
                        type_of_moved_positions(input, run.outputs.points, run.options));
   const std::uint64_t output = run.layout ? run.layout->schema().stride : input.stride;
-  run.memory =
-      plan_run_memory(run.statistics.memory_budget_bytes, run.plan, run.cloud.count(), run.survey, run.options, output);
+  run.memory = plan_run_memory(run.statistics.memory_budget_bytes, run.plan, run.cloud.count(), run.survey, run.options,
+                               output, codec_bytes(run.cloud, run.outputs.points, output, run.options));
 }
 
 void make_folder(RunState& run) {
