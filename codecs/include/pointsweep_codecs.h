@@ -76,7 +76,7 @@ enum { PSC_E57_SINGLE = 0, PSC_E57_DOUBLE = 1, PSC_E57_SCALED_INTEGER = 2, PSC_E
 typedef struct psc_e57_attribute {
   char name[64];       /* as in the file, e.g. cartesianX; with a final 0 */
   int32_t kind;        /* PSC_E57_SINGLE, ... */
-  int64_t least, most; /* of integers, scaled or not, as they are stored */
+  int64_t least, most; /* of stored integers, before scale and offset */
   double scale, offset;
 } psc_e57_attribute;
 

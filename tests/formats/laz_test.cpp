@@ -88,8 +88,8 @@ TEST_F(Laz, HoldsAllOfALasFileOfEveryPointFormat) {
         file.format = format;
         file.extra_bytes = extra_bytes;
         file.count = count;
-        file.vlrs = {las_test::vlr("somebody", 7, "first"), las_test::vlr("somebody", 8, "second")};
-        if (file.minor == 4) file.evlrs = {las_test::vlr("somebody", 9, std::string(1000, 'e'), true)};
+        file.vlrs = {las_test::vlr("vendor", 7, "first"), las_test::vlr("vendor", 8, "second")};
+        if (file.minor == 4) file.evlrs = {las_test::vlr("vendor", 9, std::string(1000, 'e'), true)};
         file.padding = "xy";
         write_file(folder_ / "a.las", file.bytes());
         copy_points(folder_ / "a.las", folder_ / "b.laz", create_laz_writer);

@@ -21,7 +21,7 @@ struct E57Attribute {
   enum class Kind : std::uint8_t { single, real, scaled_integer, integer };
   std::string name;  ///< as in the file, e.g. "cartesianX"
   Kind kind = Kind::real;
-  std::int64_t least = 0, most = 0;  ///< of integers, scaled or not, as they are stored
+  std::int64_t least = 0, most = 0;  ///< of stored integers, before scale and offset
   double scale = 1, offset = 0;      ///< of scaled integers
 
   bool is_stored_as_integer() const { return kind == Kind::scaled_integer || kind == Kind::integer; }

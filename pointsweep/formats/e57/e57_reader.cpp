@@ -96,7 +96,8 @@ class E57Reader : public Reader {
     info_.path = path;
     info_.format = fmt::format("E57, {} scan{}", file_.scans().size(), file_.scans().size() == 1 ? "" : "s");
     info_.bytes = file_.file().size();
-    constexpr std::uint64_t kDecoderBytes = 3 << 20;  // measured: 2 MB, for a packet and the values in it
+    constexpr std::uint64_t kDecoderBytes = 3
+                                            << 20;  // a packet and its values; an estimate from the peak memory of runs
     info_.decoder_bytes = kDecoderBytes;
     make_schema();
     for (const E57Scan& scan : file_.scans()) {

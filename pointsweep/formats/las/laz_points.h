@@ -29,7 +29,6 @@ class LazPoints {
   void rest();
 
   std::size_t chunks() const { return first_row_.size() - 1; }
-  std::uint64_t first_row(std::size_t chunk) const { return first_row_[chunk]; }
 
  private:
   class Decoder;

@@ -88,7 +88,7 @@ class LazWriter : public Writer {
 }  // namespace
 
 std::uint64_t laz_encoder_bytes(std::uint64_t record_bytes, unsigned threads) {
-  constexpr std::uint64_t kModels = 2 << 20;  // measured: 1 to 2 MB a chunk
+  constexpr std::uint64_t kModels = 2 << 20;  // an estimate from the peak memory of runs
   const std::uint64_t chunk = kLazChunkPoints * record_bytes;
   return std::clamp(threads, 1u, kMostChunksAtOnce) * (chunk + chunk / 2 + kModels);
 }

@@ -25,8 +25,8 @@ VertexLineReader::VertexLineReader(std::unique_ptr<InputFile> file, const LineRe
   info_.count = rows_.count();
 }
 
-std::vector<double> VertexLineReader::numbers(std::string_view line) const {
-  std::vector<double> values;
+const std::vector<double>& VertexLineReader::numbers(std::string_view line) {
+  numbers_.clear();
   std::size_t begin = line.find_first_not_of(" \t");
   if (has_keyword_ && begin != line.npos) begin = line.find_first_not_of(" \t", line.find_first_of(" \t", begin));
   for (std::size_t at = begin; at != line.npos; at = line.find_first_not_of(" \t", at)) {
@@ -36,10 +36,10 @@ std::vector<double> VertexLineReader::numbers(std::string_view line) const {
     if (!parse_number(line.substr(at, end - at), value))
       fail("{}: line {}: '{}' is no number; correct it.", file_->path().string(), rows_.line(),
            line.substr(at, std::min<std::size_t>(end - at, 40)));
-    values.push_back(value);
+    numbers_.push_back(value);
     at = end;
   }
-  return values;
+  return numbers_;
 }
 
 void VertexLineReader::set_columns(const VertexColumns& columns) {
@@ -57,7 +57,7 @@ void VertexLineReader::set_columns(const VertexColumns& columns) {
   bool fractions = true;
   for (std::uint64_t row = 0; row < rows_.count() && fractions; ++row) {
     if (row % 65536 == 0) stop_if_cancelled();
-    const std::vector<double> values = numbers(rows_.at(row));
+    const std::vector<double>& values = numbers(rows_.at(row));
     for (std::size_t c = first; c < std::min(first + columns.color, values.size()); ++c)
       fractions = fractions && values[c] <= 1;
   }
@@ -75,7 +75,7 @@ std::size_t VertexLineReader::read(std::uint64_t row, std::span<std::byte> recor
 void VertexLineReader::fill(std::uint64_t row, std::size_t rows, std::byte* records, std::size_t stride) {
   const std::size_t lengths = 3 + (columns_.normal ? 3 : 0);
   for (std::size_t i = 0; i < rows; ++i, records += stride) {
-    const std::vector<double> values = numbers(rows_.at(row + i));
+    const std::vector<double>& values = numbers(rows_.at(row + i));
     if (values.size() != width_)
       fail("{}: line {} has {} numbers where the first vertex has {}; correct the line.", file_->path().string(),
            rows_.line(), values.size(), width_);

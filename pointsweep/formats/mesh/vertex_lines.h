@@ -39,8 +39,8 @@ class VertexLineReader : public Reader {
 
   const InputFile& file() const { return *file_; }
   std::string_view first_line() { return rows_.at(0); }  ///< there must be one
-  /// Numbers in a line, behind its keyword.
-  std::vector<double> numbers(std::string_view line) const;
+  /// Numbers in a line, behind its keyword; valid until the next call.
+  const std::vector<double>& numbers(std::string_view line);
   /// Makes the fields, and looks at all colours.
   void set_columns(const VertexColumns& columns);
   std::uint64_t rows() const { return rows_.count(); }
@@ -52,6 +52,7 @@ class VertexLineReader : public Reader {
   VertexColumns columns_;
   std::size_t width_ = 3;  ///< numbers in a line
   double color_scale_ = 1;
+  std::vector<double> numbers_;
 };
 
 }  // namespace pointsweep
