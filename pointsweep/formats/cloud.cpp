@@ -11,6 +11,15 @@ namespace {
 
 constexpr std::size_t kScratchBytes = 1 << 20;
 
+/// Where a chunk is longer, threads would wait for the one that decodes it: they do better to take turns at reading and
+/// to work on what they have read meanwhile.
+constexpr std::uint64_t kLongestChunk = 1 << 18;
+
+bool decodes_side_by_side(const std::unique_ptr<Reader>& reader) {
+  if (!reader->has_decoders()) return false;
+  return reader->info().count == 0 || reader->decodes_any_range() || reader->chunk_of(0).rows <= kLongestChunk;
+}
+
 std::vector<std::unique_ptr<Reader>> open_all(const std::vector<std::filesystem::path>& paths) {
   std::vector<std::unique_ptr<Reader>> readers;
   for (const auto& path : paths) readers.push_back(open_reader(path));
@@ -132,13 +141,64 @@ std::size_t Cloud::read(std::uint64_t row, std::span<std::byte> records) {
 
 /// As read(), of all rows, selected or not.
 std::size_t Cloud::read_any(std::uint64_t row, std::span<std::byte> records) {
+  const auto read = [this](std::size_t input, std::uint64_t first, std::span<std::byte> bytes) {
+    if (input != last_input_) readers_[last_input_]->rest();
+    last_input_ = input;
+    return readers_[input]->read(first, bytes);
+  };
+  return read_with(read, scratch_, row, records);
+}
+
+std::size_t Cloud::read_with(const ReadInput& read, std::vector<std::byte>& scratch, std::uint64_t row,
+                             std::span<std::byte> records) const {
   std::size_t done = 0;
   for (const std::size_t wanted = records.size() / schema_.stride; done < wanted && row + done < count_;) {
-    const auto next = std::upper_bound(first_row_.begin(), first_row_.end(), row + done);
-    const auto input = static_cast<std::size_t>(next - first_row_.begin()) - 1;
-    done += read_input(input, row + done - first_row_[input], records.subspan(done * schema_.stride));
+    const std::size_t input = input_of(row + done);
+    done += read_input(read, scratch, input, row + done - first_row_[input], records.subspan(done * schema_.stride));
   }
   return done;
+}
+
+std::size_t Cloud::input_of(std::uint64_t row) const {
+  return static_cast<std::size_t>(std::ranges::upper_bound(first_row_, row) - first_row_.begin()) - 1;
+}
+
+std::uint64_t Cloud::chunk_end(std::uint64_t row) const {
+  const std::size_t input = input_of(row);
+  const Reader& reader = *readers_[input];
+  if (reader.decodes_any_range()) return row;
+  return first_row_[input] + reader.chunk_of(row - first_row_[input]).end_row();
+}
+
+/// Has a decoder for the input it reads; the others have none, since there may be thousands of inputs.
+class Cloud::Decoder final : public RowDecoder {
+ public:
+  Decoder(const Cloud& cloud, WantedFields wanted) : cloud_(cloud), wanted_(std::move(wanted)) {}
+
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
+    const auto read_rows = [this](std::size_t input, std::uint64_t first, std::span<std::byte> bytes) {
+      if (!decoder_ || input != input_) {
+        // Where records are converted, the fields of the input have other numbers.
+        const bool all = cloud_.mappings_[input].conversion != nullptr;
+        decoder_ = cloud_.readers_[input]->decoder(all ? WantedFields{} : wanted_);
+        input_ = input;
+      }
+      return decoder_->read(first, bytes);
+    };
+    return cloud_.read_with(read_rows, scratch_, row, records);
+  }
+
+ private:
+  const Cloud& cloud_;
+  WantedFields wanted_;
+  std::unique_ptr<RowDecoder> decoder_;
+  std::size_t input_ = 0;
+  std::vector<std::byte> scratch_;
+};
+
+std::unique_ptr<RowDecoder> Cloud::decoder(const WantedFields& wanted) const {
+  if (selection_ || !std::ranges::all_of(readers_, &decodes_side_by_side)) return nullptr;
+  return std::make_unique<Decoder>(*this, wanted);
 }
 
 void Cloud::require_unchanged() const {
@@ -150,20 +210,19 @@ void Cloud::require_unchanged() const {
 }
 
 /// As read(), from one input whose rows start at 0 and which has at least one more.
-std::size_t Cloud::read_input(std::size_t input, std::uint64_t row, std::span<std::byte> records) {
-  if (input != last_input_) readers_[last_input_]->rest();
-  last_input_ = input;
-  Reader& reader = *readers_[input];
+std::size_t Cloud::read_input(const ReadInput& read, std::vector<std::byte>& scratch, std::size_t input,
+                              std::uint64_t row, std::span<std::byte> records) const {
+  const Reader& reader = *readers_[input];
   const InputMapping& mapping = mappings_[input];
   const std::size_t stride = reader.info().schema.stride;
   std::span<std::byte> target = records;
   if (mapping.conversion) {
     const std::size_t most = std::max<std::size_t>(1, kScratchBytes / stride);
     const std::size_t rows = std::min(records.size() / schema_.stride, most);
-    scratch_.resize(std::max(scratch_.size(), rows * stride));
-    target = std::span(scratch_).first(rows * stride);
+    scratch.resize(std::max(scratch.size(), rows * stride));
+    target = std::span(scratch).first(rows * stride);
   }
-  const std::size_t rows = reader.read(row, target);
+  const std::size_t rows = read(input, row, target);
   if (rows == 0)
     fail("{}: ends before its last point; run again when nobody writes to it.", reader.info().path.string());
   if (mapping.shift.is_needed()) mapping.shift.run(target.first(rows * stride), stride, reader.info().path);

@@ -58,6 +58,14 @@ class Cloud {
   /// As Reader::read, over all inputs. Not thread-safe.
   std::size_t read(std::uint64_t row, std::span<std::byte> records);
 
+  /// A decoder of the rows for one thread, beside which others may read; null where only read() gives them: rows are
+  /// selected or left out, or an input has no decoders or very long chunks. Only the `wanted` fields are sure to have
+  /// their values. It is of use until drop_nonfinite(), select() or keep_all() is called. Thread-safe.
+  std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const;
+  /// The row behind the chunk that holds `row`: one decoder should read that far. `row` itself where any range is a
+  /// chunk.
+  std::uint64_t chunk_end(std::uint64_t row) const;
+
   /// Leaves out the rows with NaN or infinite coordinates until keep_all() is called: all other rows follow each other,
   /// numbered from 0. Reads every input that can have such rows once; `progress` is told the rows read so far. What was
   /// found has rows numbered as before, and bounds unless some input was not read.
@@ -81,13 +89,21 @@ class Cloud {
   void begin(CloudOptions options);
   void number_rows();
   std::size_t read_any(std::uint64_t row, std::span<std::byte> records);
-  std::size_t read_input(std::size_t input, std::uint64_t row, std::span<std::byte> records);
+  std::size_t input_of(std::uint64_t row) const;
+  class Decoder;
+  /// Reads rows of an input, which has at least one more.
+  using ReadInput = std::function<std::size_t(std::size_t input, std::uint64_t row, std::span<std::byte> records)>;
+  std::size_t read_with(const ReadInput& read, std::vector<std::byte>& scratch, std::uint64_t row,
+                        std::span<std::byte> records) const;
+  std::size_t read_input(const ReadInput& read, std::vector<std::byte>& scratch, std::size_t input, std::uint64_t row,
+                         std::span<std::byte> records) const;
 
   std::vector<FileState> states_;  ///< of the inputs before they were opened
   std::vector<std::unique_ptr<Reader>> readers_;
   std::vector<std::uint64_t> first_row_;
   std::vector<InputMapping> mappings_;
   std::vector<std::byte> scratch_;
+  std::size_t last_input_ = 0;  ///< that read() read
   std::size_t last_input_ = 0;  ///< that was read
   Schema schema_;
   std::optional<Crs> crs_;

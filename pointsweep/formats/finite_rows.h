@@ -55,6 +55,7 @@ class FiniteRows final : public Reader {
  public:
   FiniteRows(std::unique_ptr<Reader> all, FiniteRowIndex index);
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
+  void rest() override { all_->rest(); }
   /// The row of the input that is finite row `row`.
   std::uint64_t input_row(std::uint64_t row);
   /// The reader of all rows; this one is of no use afterwards.

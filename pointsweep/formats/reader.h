@@ -42,17 +42,48 @@ struct FileInfo {
   std::vector<std::string> provenance;  ///< lines that say how the file was made (formats/provenance.h); may be empty
 };
 
+/// Rows of a file that can be decoded without the rows before them.
+struct Chunk {
+  std::uint64_t first_row = 0, rows = 0;
+  std::uint64_t begin = 0, end = 0;  ///< its bytes in the file; 0 and 0 where they are in several places or unknown
+  std::optional<Box> bounds;         ///< of its points, as the file states it: a hint, not to be trusted
+
+  std::uint64_t end_row() const { return first_row + rows; }
+};
+
+/// Decodes rows of one file for one thread. It must not outlive its reader.
+class RowDecoder {
+ public:
+  virtual ~RowDecoder() = default;
+
+  /// Decodes the records `row`, `row+1`, ... into `records` (as many whole records as fit, fewer only at the end of the
+  /// file) and returns how many. A call that continues the one before costs nothing more than its own rows; a jump
+  /// decodes the rows of the chunk that are before `row`. Throws Error when the file fails or has changed.
+  virtual std::size_t read(std::uint64_t row, std::span<std::byte> records) = 0;
+};
+
+/// Fields of a schema by index. Empty: all of them.
+using WantedFields = std::vector<std::size_t>;
+
 class Reader {
  public:
   virtual ~Reader() = default;
   const FileInfo& info() const { return info_; }
 
-  /// Reads the records `row`, `row+1`, ... into `records` (as many whole records as fit, fewer only at the end of the
-  /// cloud) and returns how many. Consecutive calls run at disk speed; a jump is cheap for binary formats and costs at
-  /// most a rescan of 65,536 lines for text. Not thread-safe. Throws Error when the file fails or has changed.
-  virtual std::size_t read(std::uint64_t row, std::span<std::byte> records) = 0;
-  /// Frees what it keeps from one read() to the next, since others are read now.
-  virtual void rest() {}
+  /// The chunk that holds `row` < info().count. Thread-safe. By default all rows are one chunk.
+  virtual Chunk chunk_of(std::uint64_t row) const;
+  /// Whether decoder() gives decoders. If not, one thread at a time reads rows by read(). Thread-safe.
+  virtual bool has_decoders() const { return false; }
+  /// Whether any range of rows is a chunk, as where all records have one size. Thread-safe.
+  virtual bool decodes_any_range() const { return false; }
+  /// A decoder for one thread, beside which others may decode. Thread-safe. Only the `wanted` fields of its records are
+  /// sure to have their values; the bytes of the others are unspecified. Null without has_decoders().
+  virtual std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const;
+
+  /// As RowDecoder::read, through a decoder of the reader's own. Not thread-safe.
+  virtual std::size_t read(std::uint64_t row, std::span<std::byte> records);
+  /// Frees what read() keeps for the next call, since another reader is read now.
+  virtual void rest() { own_decoder_.reset(); }
 
  protected:
   /// How many records a read() at `row` into `records` gives.
@@ -62,6 +93,9 @@ class Reader {
   }
 
   FileInfo info_;
+
+ private:
+  std::unique_ptr<RowDecoder> own_decoder_;  ///< of read(), between the first row and the last
 };
 
 /// Opens a point file of any known format. Throws Error in one sentence when it cannot.

@@ -35,6 +35,7 @@ struct Chunk {
 
   std::uint64_t first = 0;
   std::size_t count = 0;
+  std::uint64_t next = 0, end = 0;  ///< records that its thread has taken, but not read
   std::unique_ptr<std::byte[]> records, sorted;
   std::unique_ptr<double[]> numbers;       ///< x, then y, then z, then rows if they are the key
   std::unique_ptr<std::uint16_t[]> list;   ///< by record
@@ -59,7 +60,8 @@ class Distribution {
 
   void run() {
     parallel_for(chunks_.size(), [this](std::size_t i, unsigned) {
-      while (read(chunks_[i])) deal_out(chunks_[i]);
+      const ReadRecords own = deal_.for_thread ? deal_.for_thread() : ReadRecords();
+      while (own ? read(chunks_[i], own) : read_in_turn(chunks_[i])) deal_out(chunks_[i]);
     });
   }
 
@@ -75,15 +77,49 @@ class Distribution {
 
  private:
   /// False at the end of the source.
-  bool read(Chunk& chunk) {
+  bool read_in_turn(Chunk& chunk) {
     stop_if_cancelled();
     const std::lock_guard lock(reading_);
-    if (next_ == deal_.count) return false;
-    chunk.first = next_;
-    chunk.count = std::min<std::uint64_t>(capacity_, deal_.count - next_);
-    deal_.read(next_, {chunk.records.get(), chunk.count * deal_.schema.stride});
-    next_ += chunk.count;
+    if (!take(chunk, next_)) return false;
+    deal_.read(chunk.first, room(chunk));
+    note(chunk.count);
     return true;
+  }
+
+  /// The same beside other threads, each of which reads the chunks that it takes.
+  bool read(Chunk& chunk, const ReadRecords& own) {
+    stop_if_cancelled();
+    {
+      const std::lock_guard lock(reading_);
+      if (!take(chunk, deal_.chunk_end && next_ < deal_.count ? deal_.chunk_end(next_) : next_)) return false;
+    }
+    own(chunk.first, room(chunk));
+    const std::lock_guard lock(reading_);
+    note(chunk.count);
+    return true;
+  }
+
+  /// The next records of what the thread has taken, or of what no thread has: up to `end`, or as many as there is room
+  /// for where that is next_.
+  bool take(Chunk& chunk, std::uint64_t end) {
+    if (chunk.next == chunk.end) {
+      if (next_ == deal_.count) return false;
+      chunk.next = next_;
+      chunk.end = next_ = std::min(end > next_ ? end : next_ + capacity_, deal_.count);
+    }
+    chunk.first = chunk.next;
+    chunk.count = std::min<std::uint64_t>(capacity_, chunk.end - chunk.next);
+    chunk.next += chunk.count;
+    return true;
+  }
+
+  std::span<std::byte> room(const Chunk& chunk) const {
+    return {chunk.records.get(), chunk.count * deal_.schema.stride};
+  }
+
+  void note(std::size_t count) {
+    read_ += count;
+    if (deal_.progress) deal_.progress(read_);
   }
 
   void deal_out(Chunk& chunk) {
@@ -154,7 +190,8 @@ class Distribution {
   std::size_t first_sparse_piece_;
   std::size_t lists_;         ///< pieces, and one more for points without a place in space
   std::size_t capacity_ = 0;  ///< records of a chunk
-  std::uint64_t next_ = 0;    ///< first record not yet read
+  std::uint64_t next_ = 0;    ///< first record that no thread has taken
+  std::uint64_t read_ = 0;    ///< records read
   std::mutex reading_;
   std::vector<Chunk> chunks_;  ///< one for each thread
 };

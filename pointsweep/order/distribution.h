@@ -21,12 +21,14 @@ namespace pointsweep {
 /// What decides to which piece a point goes: a coordinate, or its input row (exact below 2^53, as a double).
 enum class SortKey : std::uint8_t { x, y, z, row };
 
+/// Fills `records` with those from `first` on.
+using ReadRecords = std::function<void(std::uint64_t first, std::span<std::byte> records)>;
+
 /// A list of records to be dealt out.
 struct Deal {
   const Schema& schema;  ///< of the records read
   std::uint64_t count;
-  std::function<void(std::uint64_t first, std::span<std::byte> records)>
-      read;                     ///< called by one thread at a time, in order
+  ReadRecords read;             ///< called by one thread at a time, in order
   const WorkingRecord& record;  ///< what the store gets of each
   SortKey key;
   std::span<const Splitters>
@@ -36,6 +38,10 @@ struct Deal {
       nonfinite_list;                     ///< without it all points are taken to be finite, or the key to be the row
   std::size_t memory_bytes;               ///< aim for all buffers of the pass
   const LocalSpacing* spacing = nullptr;  ///< knows the sparse places, where there are two splitters
+  /// Gives a function in the place of `read` for one thread, beside which others read with theirs; or an empty one.
+  std::function<ReadRecords()> for_thread = {};
+  std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};  ///< as PointSource::chunk_end
+  std::function<void(std::uint64_t rows)> progress = {};  ///< told the records read; called by one thread at a time
 };
 
 /// Returns the tight boxes of the pieces. Which points a piece gets and its box never depend on threads.

@@ -82,6 +82,16 @@ struct PiecedSlab {
   std::vector<StreamPiece> pieces;
 };
 
+/// What working records are made of.
+std::vector<std::size_t> wanted_fields(const Schema& schema, const StreamOptions& options) {
+  std::vector<std::size_t> wanted;
+  if (options.whole_records) return wanted;
+  wanted.assign(options.payload.begin(), options.payload.end());
+  for (const char* axis : {"x", "y", "z"})
+    if (const auto field = schema.find(axis)) wanted.push_back(*field);
+  return wanted;
+}
+
 }  // namespace
 
 struct Stream::State {
@@ -107,9 +117,11 @@ struct Stream::State {
       split.most_pieces = std::clamp<std::size_t>(options.buffer_bytes / 2 / block, 2, split.most_pieces);
     }
     nonfinite_list = count;
-    const auto read = [&](std::uint64_t row, std::span<std::byte> records) {
-      read_fully(source, row, records);
-      if (options.progress) options.progress(row + records.size() / source.schema.stride);
+    const auto read = [&](std::uint64_t row, std::span<std::byte> records) { read_fully(source, row, records); };
+    const auto for_thread = [&]() -> ReadRecords {
+      ReadRows own = source.for_thread ? source.for_thread(wanted_fields(source.schema, options)) : ReadRows();
+      if (!own) return {};
+      return [&source, own](std::uint64_t row, std::span<std::byte> to) { read_fully(source, own, row, to); };
     };
     const std::vector<Box> boxes = distribute({.schema = source.schema,
                                                .count = source.count,
@@ -120,7 +132,10 @@ struct Stream::State {
                                                .first_list = 0,
                                                .nonfinite_list = nonfinite_list,
                                                .memory_bytes = options.buffer_bytes / 4,
-                                               .spacing = &spacing},
+                                               .spacing = &spacing,
+                                               .for_thread = for_thread,
+                                               .chunk_end = source.for_thread ? source.chunk_end : nullptr,
+                                               .progress = options.progress},
                                               *store);
     store->finish();
     std::vector<std::vector<StreamPiece>> dealt;

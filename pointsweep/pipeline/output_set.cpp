@@ -85,7 +85,7 @@ void OutputSet::write_results(Cloud& cloud, std::uint64_t first_row, std::span<c
     if (!points_.empty()) {
       inputs_.resize(n * input_stride_);
       assembled_.resize(n * layout_.schema().stride);
-      if (cloud.read(first_row + done, inputs_) != n) {
+      if (input_rows_.read(cloud, first_row + done, inputs_) != n) {
         fail("The input ended at row {} although it had {} points: it changed while it was read.", first_row + done,
              cloud.count());
       }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/formats/parallel_rows.h"
 #include "pointsweep/formats/write_behind.h"
 #include "pointsweep/pipeline/output_layout.h"
 #include "pointsweep/pipeline/pipeline.h"
@@ -48,6 +49,7 @@ class OutputSet {
   std::size_t result_bytes_ = 0;
   WriteBehind points_;
   std::deque<Array> arrays_;
+  ParallelRows input_rows_;
   std::vector<std::byte> inputs_;
   std::vector<std::byte> assembled_;  ///< output records of the next chunk
   std::size_t filled_ = 0;            ///< bytes of it that came by write_records()

@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kReadBytes = 256 << 10;
+constexpr std::size_t kReadBytes = 64 << 10;  // for each thread that reads
 constexpr std::size_t kLongestLine = 1 << 20;
 
 std::string_view without_carriage_return(const std::byte* text, std::size_t size) {

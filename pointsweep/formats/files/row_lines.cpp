@@ -6,44 +6,34 @@
 #include "pointsweep/error.h"
 
 namespace pointsweep {
-namespace {
 
-constexpr std::uint64_t kRowsPerPlace = 65536;
-
-}  // namespace
-
-RowLines::RowLines(const LineReader& lines, IsRow is_row, std::uint64_t most) : lines_(lines), is_row_(is_row) {
+RowLines::RowLines(LineReader lines, IsRow is_a_row, std::uint64_t most) : file_(&lines.file()), is_row_(is_a_row) {
   while (count_ < most) {
-    const Place place{lines_.offset(), lines_.next_line()};
-    const auto line = lines_.next();
+    const Place place{lines.offset(), lines.next_line()};
+    const auto line = lines.next();
     if (!line) break;
-    if (!is_row(*line)) continue;
+    if (!is_row_(*line)) continue;
     if (count_ % kRowsPerPlace == 0) places_.push_back(place);
     ++count_;
   }
-  rest();
+  end_ = lines.offset();
 }
 
-void RowLines::rest() {
-  lines_ = LineReader(lines_.file());
-  next_row_ = count_;  // so that the next row asked for is found from its place
-}
-
-std::string_view RowLines::at(std::uint64_t row) {
-  assert(row < count_);
-  const std::uint64_t place = row / kRowsPerPlace;
-  if (row < next_row_ || place > next_row_ / kRowsPerPlace) {
-    lines_.jump(places_[place].offset, places_[place].line);
-    next_row_ = place * kRowsPerPlace;
+std::string_view RowCursor::at(std::uint64_t row) {
+  assert(row < rows_->count());
+  const std::uint64_t place = row / RowLines::kRowsPerPlace;
+  if (row < next_row_ || place > next_row_ / RowLines::kRowsPerPlace) {
+    lines_.jump(rows_->place(place).offset, rows_->place(place).line);
+    next_row_ = place * RowLines::kRowsPerPlace;
   }
   for (; next_row_ < row; ++next_row_) advance();
   ++next_row_;
   return advance();
 }
 
-std::string_view RowLines::advance() {
+std::string_view RowCursor::advance() {
   while (const auto line = lines_.next()) {
-    if (is_row_(*line)) return *line;
+    if (rows_->is_row(*line)) return *line;
   }
   fail("{}: has fewer rows than when it was opened; run again when nobody writes to it.",
        lines_.file().path().string());

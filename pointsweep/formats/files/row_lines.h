@@ -11,35 +11,56 @@
 
 namespace pointsweep {
 
-/// Lines that hold values, counted once, with the place of each 65,536th kept, so that a jump rescans at most that
-/// many.
+/// Lines that hold values, counted once, with the place of each 16,384th kept, so that these can be read side by side
+/// and a jump rescans at most that many.
 class RowLines {
  public:
   using IsRow = bool (*)(std::string_view line);
+  struct Place {
+    std::uint64_t offset, line;
+  };
+  static constexpr std::uint64_t kRowsPerPlace = 16384;
 
   /// Counts the rows among the lines from where `lines` stands, and stops after `most` of them.
-  RowLines(const LineReader& lines, IsRow is_row, std::uint64_t most);
+  RowLines(LineReader lines, IsRow is_a_row, std::uint64_t most);
 
   std::uint64_t count() const { return count_; }
+  const InputFile& file() const { return *file_; }
+  bool is_row(std::string_view line) const { return is_row_(line); }
+  /// Where row i * kRowsPerPlace < count() begins, or lines that are no rows before it.
+  const Place& place(std::uint64_t i) const { return places_[i]; }
+  /// Bytes of the rows from place i to the next.
+  std::uint64_t begin_of(std::uint64_t i) const { return places_[i].offset; }
+  std::uint64_t end_of(std::uint64_t i) const { return i + 1 < places_.size() ? places_[i + 1].offset : end_; }
+
+ private:
+  const InputFile* file_;
+  IsRow is_row_;
+  std::vector<Place> places_;  ///< of rows 0, kRowsPerPlace, ...
+  std::uint64_t count_ = 0;
+  std::uint64_t end_ = 0;  ///< byte behind the last row
+};
+
+/// Reads rows by number for one thread.
+class RowCursor {
+ public:
+  /// `rows` must outlive it.
+  explicit RowCursor(const RowLines& rows) : rows_(&rows), lines_(rows.file()), next_row_(rows.count()) {}
+
   /// Line `row` < count(), valid until the next call; quick for the row after the last. Throws if the file has changed.
   std::string_view at(std::uint64_t row);
   /// Frees the buffer until the next call of at().
-  void rest();
+  void rest() { *this = RowCursor(*rows_); }
   /// Number in the file, from 1, of the line that at() returned last.
   std::uint64_t line() const { return lines_.line(); }
 
  private:
-  struct Place {
-    std::uint64_t offset, line;
-  };
   /// The next line that is a row; throws at the end of the file.
   std::string_view advance();
 
+  const RowLines* rows_;
   LineReader lines_;
-  IsRow is_row_;
-  std::vector<Place> places_;  ///< of rows 0, 65,536, ...
-  std::uint64_t count_ = 0;
-  std::uint64_t next_row_ = 0;
+  std::uint64_t next_row_;  ///< row that the next line holds; count(): none, it has to be found from its place
 };
 
 }  // namespace pointsweep

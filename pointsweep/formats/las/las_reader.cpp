@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/fixed_records.h"
 #include "pointsweep/formats/las/las_crs.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_point_formats.h"
@@ -108,69 +109,93 @@ LasOrigin origin_of(const LasHeader& header) {
           .overlap_is_class_12 = header.point_format < kFirstModernLasFormat};
 }
 
-std::unique_ptr<LazPoints> open_compressed(const LasExtras& extras) {
+FileInfo info_of(const std::shared_ptr<const LasExtras>& extras, std::vector<std::string> warnings) {
+  const LasHeader& header = extras->header;
+  FileInfo info;
+  info.path = extras->file->path();
+  info.format =
+      fmt::format("{} 1.{} point format {}", header.is_compressed ? "LAZ" : "LAS", header.minor, header.point_format);
+  info.schema = extras->schema;
+  info.count = point_count(header);
+  info.bytes = extras->file->size();
+  const Box& box = header.bounds;
+  if (info.count != 0 && is_finite(box.lo) && is_finite(box.hi) && box.lo.x <= box.hi.x && box.lo.y <= box.hi.y &&
+      box.lo.z <= box.hi.z) {
+    info.bounds = box;
+  }
+  info.z_is_up = true;
+  info.warnings = std::move(warnings);
+  info.extras = extras;
+  info.crs = extras->crs;
+  info.las = origin_of(header);
+  info.provenance = extras->provenance;
+  return info;
+}
+
+class LasReader final : public FixedRecordReader {
+ public:
+  LasReader(const std::shared_ptr<const LasExtras>& extras, std::vector<std::string> warnings) {
+    info_ = info_of(extras, std::move(warnings));
+    has_records(extras->file, extras->header.offset_to_points);
+  }
+};
+
+LazPoints open_compressed(const LasExtras& extras) {
   const std::string path = extras.file->path().string();
   const LasHeader& header = extras.header;
   if (!extras.vlrs.laszip)
     fail("{}: says that it is compressed (byte 104), but has no LASzip VLR; copy or export it again.", path);
   std::vector<std::byte> vlr(static_cast<std::size_t>(std::min<std::uint64_t>(extras.vlrs.laszip->length, 1u << 16)));
   extras.file->read_at(extras.vlrs.laszip->content, vlr);
-  return std::make_unique<LazPoints>(extras.file, vlr, header.offset_to_points, point_count(header),
-                                     header.record_length);
+  return {extras.file, vlr, header.offset_to_points, point_count(header), header.record_length};
 }
 
-class LasReader : public Reader {
+/// The chunks are those of the file.
+class LazReader final : public Reader {
  public:
-  explicit LasReader(const std::filesystem::path& path) {
-    const std::shared_ptr<const LasExtras> extras = read_extras(path, info_.warnings);
-    const LasHeader& header = extras->header;
-    file_ = extras->file;
-    points_begin_ = header.offset_to_points;
-    info_.path = path;
+  LazReader(const std::shared_ptr<const LasExtras>& extras, std::vector<std::string> warnings)
+      : points_(open_compressed(*extras)) {
+    info_ = info_of(extras, std::move(warnings));
     constexpr std::uint64_t kDecoderBytes =
         3 << 20;  // buffers, layers and models; an estimate from the peak memory of runs
-    if (header.is_compressed) info_.decoder_bytes = kDecoderBytes;
-    if (header.is_compressed) compressed_ = open_compressed(*extras);
-    info_.format =
-        fmt::format("{} 1.{} point format {}", header.is_compressed ? "LAZ" : "LAS", header.minor, header.point_format);
-    info_.schema = extras->schema;
-    info_.count = point_count(header);
-    info_.bytes = file_->size();
-    const Box& box = header.bounds;
-    if (info_.count != 0 && is_finite(box.lo) && is_finite(box.hi) && box.lo.x <= box.hi.x && box.lo.y <= box.hi.y &&
-        box.lo.z <= box.hi.z) {
-      info_.bounds = box;
-    }
-    info_.extras = extras;
-    info_.z_is_up = true;
-    info_.crs = extras->crs;
-    info_.las = origin_of(header);
-    info_.provenance = extras->provenance;
+    info_.decoder_bytes = kDecoderBytes;
   }
 
-  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
-    if (row >= info_.count) return 0;
-    const std::size_t stride = info_.schema.stride;
-    const std::size_t rows = rows_for(row, records);
-    if (compressed_)
-      compressed_->read(row, records.first(rows * stride));
-    else
-      file_->read_at(points_begin_ + row * stride, records.first(rows * stride));
-    return rows;
+  bool has_decoders() const override { return true; }
+  Chunk chunk_of(std::uint64_t row) const override {
+    const std::size_t chunk = points_.chunk_of(row);
+    const std::uint64_t first = points_.first_row(chunk);
+    return {first, points_.first_row(chunk + 1) - first, points_.first_byte(chunk), points_.first_byte(chunk + 1),
+            std::nullopt};
   }
-
-  void rest() override {
-    if (compressed_) compressed_->rest();
-  }
+  std::unique_ptr<RowDecoder> decoder(const WantedFields&) const override { return std::make_unique<Decoder>(*this); }
 
  private:
-  std::shared_ptr<const InputFile> file_;
-  std::uint64_t points_begin_ = 0;
-  std::unique_ptr<LazPoints> compressed_;  ///< null where points are not compressed
+  class Decoder final : public RowDecoder {
+   public:
+    explicit Decoder(const LazReader& reader) : reader_(reader), cursor_(reader.points_) {}
+
+    std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
+      const std::size_t rows = reader_.rows_for(row, records);
+      cursor_.read(row, records.first(rows * reader_.info_.schema.stride));
+      return rows;
+    }
+
+   private:
+    const LazReader& reader_;
+    LazPoints::Cursor cursor_;
+  };
+
+  LazPoints points_;
 };
 
 }  // namespace
 
-std::unique_ptr<Reader> open_las(const std::filesystem::path& path) { return std::make_unique<LasReader>(path); }
+std::unique_ptr<Reader> open_las(const std::filesystem::path& path) {
+  std::vector<std::string> warnings;
+  const std::shared_ptr<const LasExtras> extras = read_extras(path, warnings);
+  if (extras->header.is_compressed) return std::make_unique<LazReader>(extras, std::move(warnings));
+  return std::make_unique<LasReader>(extras, std::move(warnings));
+}
 
 }  // namespace pointsweep

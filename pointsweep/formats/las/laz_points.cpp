@@ -111,7 +111,8 @@ LazPoints::LazPoints(std::shared_ptr<const InputFile> file, std::span<const std:
   }
 }
 
-LazPoints::~LazPoints() = default;
+LazPoints::Cursor::Cursor(const LazPoints& points) : points_(points) {}
+LazPoints::Cursor::~Cursor() = default;
 
 /// A writer that could not go back to the begin of its data has put the place of the table behind it, at the end of the
 /// file.
@@ -144,10 +145,14 @@ void LazPoints::read_chunk_table(std::uint64_t begin, std::uint64_t count) {
   first_byte_.push_back(byte);
 }
 
+std::size_t LazPoints::chunk_of(std::uint64_t row) const {
+  return static_cast<std::size_t>(std::ranges::upper_bound(first_row_, row) - first_row_.begin()) - 1;
+}
+
 std::vector<LazPoints::Piece> LazPoints::pieces(std::uint64_t row, std::span<std::byte> records) const {
   std::vector<Piece> pieces;
   std::uint64_t left = records.size() / record_bytes_;
-  auto chunk = static_cast<std::size_t>(std::ranges::upper_bound(first_row_, row) - first_row_.begin()) - 1;
+  std::size_t chunk = chunk_of(row);
   for (std::byte* to = records.data(); left > 0; ++chunk) {
     const std::uint64_t rows = std::min(left, first_row_[chunk + 1] - row);
     if (rows > 0) pieces.push_back({chunk, row - first_row_[chunk], rows, to});
@@ -159,23 +164,22 @@ std::vector<LazPoints::Piece> LazPoints::pieces(std::uint64_t row, std::span<std
 }
 
 /// Of the pieces, only the first can begin in the middle of its chunk, and only the last can end there.
-void LazPoints::read(std::uint64_t row, std::span<std::byte> records) {
-  const std::vector<Piece> all = pieces(row, records);
+void LazPoints::Cursor::read(std::uint64_t row, std::span<std::byte> records) {
+  const std::vector<Piece> all = points_.pieces(row, records);
   if (all.empty()) return;
   std::vector<std::unique_ptr<Decoder>> decoders(all.size());
   if (open_ && open_->chunk() == all[0].chunk && open_->next() <= all[0].first) decoders[0] = std::move(open_);
   open_.reset();
   parallel_for(all.size(), [&](std::size_t i, unsigned) {
     const Piece& piece = all[i];
-    if (!decoders[i]) decoders[i] = std::make_unique<Decoder>(*this, piece.chunk);
+    if (!decoders[i]) decoders[i] = std::make_unique<Decoder>(points_, piece.chunk);
     decoders[i]->skip_to(piece.first);
     decoders[i]->decode(piece.records, piece.rows);
-    if (decoders[i]->next() == first_row_[piece.chunk + 1] - first_row_[piece.chunk]) decoders[i].reset();
+    if (decoders[i]->next() == points_.first_row(piece.chunk + 1) - points_.first_row(piece.chunk))
+      decoders[i].reset();
   });
   open_ = std::move(decoders.back());
 }
-
-void LazPoints::rest() { open_.reset(); }
 
 #else
 
@@ -184,9 +188,10 @@ class LazPoints::Decoder {};
 LazPoints::LazPoints(std::shared_ptr<const InputFile> file, std::span<const std::byte> vlr, std::uint64_t,
                      std::uint64_t, std::uint32_t record_bytes)
     : file_(std::move(file)), layout_(LazLayout::parse(vlr, file_->path().string())), record_bytes_(record_bytes) {}
-LazPoints::~LazPoints() = default;
-void LazPoints::read(std::uint64_t, std::span<std::byte>) {}
-void LazPoints::rest() {}
+std::size_t LazPoints::chunk_of(std::uint64_t) const { return 0; }
+LazPoints::Cursor::Cursor(const LazPoints& points) : points_(points) {}
+LazPoints::Cursor::~Cursor() = default;
+void LazPoints::Cursor::read(std::uint64_t, std::span<std::byte>) {}
 
 #endif
 

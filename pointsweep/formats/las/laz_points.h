@@ -13,25 +13,38 @@
 
 namespace pointsweep {
 
-/// Reads rows of records as LAS stores them. Chunks that are wholly asked for are decoded at the same time, by all
-/// threads; a chunk that is read piece by piece is decoded once as long as the pieces follow each other.
+/// Rows of records as LAS stores them. It does not change, so that many threads may have a Cursor.
 class LazPoints {
+  class Decoder;
+
  public:
   /// `begin`: the byte where the compressed data begin; `count` records of `record_bytes`. Throws Error if the VLR or
   /// the chunk table contradicts this or the file.
   LazPoints(std::shared_ptr<const InputFile> file, std::span<const std::byte> vlr, std::uint64_t begin,
             std::uint64_t count, std::uint32_t record_bytes);
-  ~LazPoints();
 
-  /// Whole records from `row` on; all must exist. Not thread-safe. Throws Error.
-  void read(std::uint64_t row, std::span<std::byte> records);
-  /// Forgets the chunk that was last read to its middle, and frees its memory.
-  void rest();
+  /// Reads rows for one thread. Chunks that are wholly asked for are decoded at the same time, by all threads; a chunk
+  /// that is read piece by piece is decoded once as long as the pieces follow each other.
+  class Cursor {
+   public:
+    /// `points` must outlive it.
+    explicit Cursor(const LazPoints& points);
+    ~Cursor();
+    /// Whole records from `row` on; all must exist. Throws Error.
+    void read(std::uint64_t row, std::span<std::byte> records);
+
+   private:
+    const LazPoints& points_;
+    std::unique_ptr<Decoder> open_;  ///< of the chunk that was last read to its middle
+  };
 
   std::size_t chunks() const { return first_row_.size() - 1; }
+  std::size_t chunk_of(std::uint64_t row) const;
+  /// Of a chunk; `chunk` may be chunks() for the end of the last.
+  std::uint64_t first_row(std::size_t chunk) const { return first_row_[chunk]; }
+  std::uint64_t first_byte(std::size_t chunk) const { return first_byte_[chunk]; }
 
  private:
-  class Decoder;
   struct Piece {
     std::size_t chunk;
     std::uint64_t first, rows;  ///< in the chunk
@@ -45,7 +58,6 @@ class LazPoints {
   LazLayout layout_;
   std::uint32_t record_bytes_;
   std::vector<std::uint64_t> first_row_, first_byte_;  ///< by chunk, and one more for the end
-  std::unique_ptr<Decoder> open_;                      ///< of the chunk that was last read to its middle
 };
 
 }  // namespace pointsweep

@@ -34,7 +34,7 @@ const std::vector<double>& VertexLineReader::numbers(std::string_view line) {
     const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
     double value = 0;
     if (!parse_number(line.substr(at, end - at), value))
-      fail("{}: line {}: '{}' is no number; correct it.", file_->path().string(), rows_.line(),
+      fail("{}: line {}: '{}' is no number; correct it.", file_->path().string(), cursor_.line(),
            line.substr(at, std::min<std::size_t>(end - at, 40)));
     numbers_.push_back(value);
     at = end;
@@ -57,12 +57,12 @@ void VertexLineReader::set_columns(const VertexColumns& columns) {
   bool fractions = true;
   for (std::uint64_t row = 0; row < rows_.count() && fractions; ++row) {
     if (row % 65536 == 0) stop_if_cancelled();
-    const std::vector<double>& values = numbers(rows_.at(row));
+    const std::vector<double>& values = numbers(cursor_.at(row));
     for (std::size_t c = first; c < std::min(first + columns.color, values.size()); ++c)
       fractions = fractions && values[c] <= 1;
   }
   color_scale_ = fractions ? kMostColor : 1;
-  rows_.rest();
+  cursor_.rest();
 }
 
 std::size_t VertexLineReader::read(std::uint64_t row, std::span<std::byte> records) {
@@ -75,10 +75,10 @@ std::size_t VertexLineReader::read(std::uint64_t row, std::span<std::byte> recor
 void VertexLineReader::fill(std::uint64_t row, std::size_t rows, std::byte* records, std::size_t stride) {
   const std::size_t lengths = 3 + (columns_.normal ? 3 : 0);
   for (std::size_t i = 0; i < rows; ++i, records += stride) {
-    const std::vector<double>& values = numbers(rows_.at(row + i));
+    const std::vector<double>& values = numbers(cursor_.at(row + i));
     if (values.size() != width_)
       fail("{}: line {} has {} numbers where the first vertex has {}; correct the line.", file_->path().string(),
-           rows_.line(), values.size(), width_);
+           cursor_.line(), values.size(), width_);
     std::byte* to = records;
     std::memcpy(to, values.data(), lengths * sizeof(double));
     to += lengths * sizeof(double);
@@ -89,7 +89,7 @@ void VertexLineReader::fill(std::uint64_t row, std::size_t rows, std::byte* reco
     for (std::size_t c = 0; c < columns_.color; ++c)
       *to++ = static_cast<std::byte>(std::lround(std::clamp(values[lengths + c] * color_scale_, 0.0, kMostColor)));
   }
-  if (rows != 0 && row + rows == info_.count) rows_.rest();
+  if (rows != 0 && row + rows == info_.count) cursor_.rest();
 }
 
 }  // namespace pointsweep

@@ -38,7 +38,7 @@ class VertexLineReader : public Reader {
                    bool has_keyword);
 
   const InputFile& file() const { return *file_; }
-  std::string_view first_line() { return rows_.at(0); }  ///< there must be one
+  std::string_view first_line() { return cursor_.at(0); }  ///< there must be one
   /// Numbers in a line, behind its keyword; valid until the next call.
   const std::vector<double>& numbers(std::string_view line);
   /// Makes the fields, and looks at all colours.
@@ -48,6 +48,7 @@ class VertexLineReader : public Reader {
  private:
   std::unique_ptr<InputFile> file_;
   RowLines rows_;
+  RowCursor cursor_{rows_};
   bool has_keyword_;
   VertexColumns columns_;
   std::size_t width_ = 3;  ///< numbers in a line

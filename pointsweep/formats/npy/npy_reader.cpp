@@ -9,6 +9,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/fixed_records.h"
 
 namespace pointsweep {
 namespace {
@@ -16,23 +17,17 @@ namespace {
 constexpr std::size_t kMostHeader = 4096;
 constexpr std::uint64_t kMostColumns = 1 << 16;
 
-class NpyReader final : public Reader {
+class NpyReader final : public FixedRecordReader {
  public:
-  explicit NpyReader(const std::filesystem::path& path) : file_(path) {
+  explicit NpyReader(const std::filesystem::path& path) : file_(std::make_shared<const InputFile>(path)) {
     info_.path = path;
     info_.format = "NumPy array";
-    info_.bytes = file_.size();
+    info_.bytes = file_->size();
     const std::string header = read_header();
     const Type type = type_of(value_after(header, "'descr'"));
     if (value_after(header, "'fortran_order'") != "False") fail("{}: is in Fortran order; save it in C order.", name());
     take_shape(value_after(header, "'shape'"), type);
-  }
-
-  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
-    if (row >= info_.count) return 0;
-    const std::size_t n = std::min<std::uint64_t>(records.size() / info_.schema.stride, info_.count - row);
-    file_.read_at(data_ + row * info_.schema.stride, records.first(n * info_.schema.stride));
-    return n;
+    has_records(file_, data_);
   }
 
  private:
@@ -40,7 +35,7 @@ class NpyReader final : public Reader {
 
   std::string read_header() {
     std::string head(kMostHeader, '\0');
-    head.resize(file_.read_some(0, std::as_writable_bytes(std::span(head))));
+    head.resize(file_->read_some(0, std::as_writable_bytes(std::span(head))));
     const auto byte = [&](std::size_t i) { return static_cast<std::size_t>(static_cast<unsigned char>(head[i])); };
     if (head.size() < 12 || !head.starts_with("\x93NUMPY")) fail("{}: is no NumPy array.", name());
     const std::size_t prefix = byte(6) == 1 ? 10 : 12;
@@ -73,7 +68,7 @@ class NpyReader final : public Reader {
     if (sizes.empty() || sizes.size() > 2 || columns == 0 || columns > kMostColumns)
       fail("{}: its shape {}) is not that of rows of neighbours.", name(), shape);
     info_.count = sizes[0];
-    const std::uint64_t row = columns * size_of(type), there = file_.size() - data_;
+    const std::uint64_t row = columns * size_of(type), there = file_->size() - data_;
     if (there / row != info_.count || there % row != 0)
       fail("{}: its header speaks of {} rows of {} bytes, but {} bytes follow; it is damaged.", name(), info_.count,
            row, there);
@@ -94,7 +89,7 @@ class NpyReader final : public Reader {
     return sizes;
   }
 
-  InputFile file_;
+  std::shared_ptr<const InputFile> file_;
   std::uint64_t data_ = 0;  ///< offset of row 0
 };
 

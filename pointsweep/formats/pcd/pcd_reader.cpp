@@ -8,9 +8,10 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/number_text.h"
-#include "pointsweep/formats/files/row_lines.h"
+#include "pointsweep/formats/fixed_records.h"
 #include "pointsweep/formats/pcd/lzf_stream.h"
 #include "pointsweep/formats/pcd/pcd_header.h"
+#include "pointsweep/formats/row_text_reader.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {
@@ -35,86 +36,64 @@ bool is_identity(std::string_view viewpoint) {
   return true;
 }
 
-class PcdReader : public Reader {
- protected:
-  PcdReader(std::unique_ptr<InputFile> file, PcdHeader header) : file_(std::move(file)), header_(std::move(header)) {
-    info_.path = file_->path();
-    info_.format = fmt::format("PCD {}", name_of_data(header_.data));
-    info_.bytes = file_->size();
-    info_.schema = header_.schema();
-    info_.count = header_.points;
-    position_fields(info_.schema, name());
-    if (!is_identity(header_.viewpoint))
-      info_.warnings.push_back(
-          fmt::format("{}: its line '{}' is not applied to the points.", name(), header_.viewpoint));
-    if (header_.height > 1)
-      info_.warnings.push_back(fmt::format("{}: that its points are {} rows of {} is not kept in an output.", name(),
-                                           header_.height, header_.width));
-  }
+[[noreturn]] void fail_truncated(const InputFile& file, const PcdHeader& header, std::uint64_t found) {
+  fail("{}: the header says {} points, but the file ends after {}; get the whole file or correct the line POINTS.",
+       file.path().string(), header.points, found);
+}
 
-  std::string name() const { return file_->path().string(); }
-  [[noreturn]] void fail_truncated(std::uint64_t found) const {
-    fail("{}: the header says {} points, but the file ends after {}; get the whole file or correct the line POINTS.",
-         name(), header_.points, found);
-  }
-
-  std::unique_ptr<InputFile> file_;
-  PcdHeader header_;
-};
+/// What all encodings have in their header.
+FileInfo info_of(const InputFile& file, const PcdHeader& header) {
+  FileInfo info;
+  const std::string name = file.path().string();
+  info.path = file.path();
+  info.format = fmt::format("PCD {}", name_of_data(header.data));
+  info.bytes = file.size();
+  info.schema = header.schema();
+  info.count = header.points;
+  position_fields(info.schema, name);
+  if (!is_identity(header.viewpoint))
+    info.warnings.push_back(fmt::format("{}: its line '{}' is not applied to the points.", name, header.viewpoint));
+  if (header.height > 1)
+    info.warnings.push_back(fmt::format("{}: that its points are {} rows of {} is not kept in an output.", name,
+                                        header.height, header.width));
+  return info;
+}
 
 /// The file may be longer than its points: PCL fills it up to a page.
-class BinaryPcdReader final : public PcdReader {
+class BinaryPcdReader final : public FixedRecordReader {
  public:
-  BinaryPcdReader(std::unique_ptr<InputFile> file, PcdHeader header) : PcdReader(std::move(file), std::move(header)) {
-    const std::uint64_t found = (file_->size() - header_.body_offset) / header_.stride;
-    if (found < header_.points) fail_truncated(found);
-  }
-
-  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
-    const std::size_t rows = rows_for(row, records);
-    file_->read_at(header_.body_offset + row * header_.stride, records.first(rows * header_.stride));
-    return rows;
+  BinaryPcdReader(std::shared_ptr<const InputFile> file, const PcdHeader& header) {
+    info_ = info_of(*file, header);
+    const std::uint64_t found = (file->size() - header.body_offset) / header.stride;
+    if (found < header.points) fail_truncated(*file, header, found);
+    has_records(std::move(file), header.body_offset);
   }
 };
 
-class AsciiPcdReader final : public PcdReader {
+class PcdLineParser final : public LineParser {
  public:
-  AsciiPcdReader(std::unique_ptr<InputFile> file, PcdHeader header)
-      : PcdReader(std::move(file), std::move(header)), rows_(find_rows(*file_, header_)) {
-    if (rows_.count() < header_.points) fail_truncated(rows_.count());
-  }
+  PcdLineParser(const std::filesystem::path& path, const PcdHeader& header) : path_(path), header_(header) {}
 
-  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
-    const std::size_t rows = rows_for(row, records);
-    for (std::size_t i = 0; i < rows; ++i) parse(rows_.at(row + i), records.data() + i * header_.stride);
-    if (rows != 0 && row + rows == info_.count) rows_.rest();
-    return rows;
-  }
-
- private:
   static bool is_row(std::string_view line) { return line.find_first_not_of(" \t\r") != line.npos; }
-  static RowLines find_rows(const InputFile& file, const PcdHeader& header) {
-    LineReader lines(file);
-    lines.jump(header.body_offset, header.body_line);
-    return RowLines(lines, is_row, header.points);
-  }
 
-  void parse(std::string_view line, std::byte* record) const {
+  void parse(std::string_view line, std::uint64_t number, std::byte* record) override {
     std::size_t at = 0;
     for (const PcdField& field : header_.fields) {
       for (std::uint32_t c = 0; c < field.count; ++c) {
         const std::size_t start = line.find_first_not_of(" \t\r", at);
-        if (start == line.npos) complain("has fewer values than the header has fields");
+        if (start == line.npos) complain(number, "has fewer values than the header has fields");
         at = std::min(line.find_first_of(" \t\r", start), line.size());
         const std::string_view word = line.substr(start, at - start);
         if (!store(field, word, record + field.offset + c * size_of(field.type)))
-          complain(
-              fmt::format("'{}' is no {} for the field '{}'", word.substr(0, 40), name_of(field.type), field.name));
+          complain(number, fmt::format("'{}' is no {} for the field '{}'", word.substr(0, 40), name_of(field.type),
+                                       field.name));
       }
     }
-    if (line.find_first_not_of(" \t\r", at) != line.npos) complain("has more values than the header has fields");
+    if (line.find_first_not_of(" \t\r", at) != line.npos)
+      complain(number, "has more values than the header has fields");
   }
 
+ private:
   static bool store(const PcdField& field, std::string_view word, std::byte* to) {
     return with_type(field.type, [&]<class T>() {
       T value{};
@@ -124,83 +103,133 @@ class AsciiPcdReader final : public PcdReader {
     });
   }
 
-  [[noreturn]] void complain(std::string_view what) const {
-    fail("{}: line {} {}; correct the line or the header.", name(), rows_.line(), what);
+  [[noreturn]] void complain(std::uint64_t number, std::string_view what) const {
+    fail("{}: line {} {}; correct the line or the header.", path_.string(), number, what);
   }
 
-  RowLines rows_;
+  const std::filesystem::path& path_;
+  const PcdHeader& header_;
 };
 
-/// All values of the first field, then all of the second, and so on, compressed as one block.
-class CompressedPcdReader final : public PcdReader {
+class AsciiPcdReader final : public RowTextReader {
  public:
-  CompressedPcdReader(std::unique_ptr<InputFile> file, PcdHeader header)
-      : PcdReader(std::move(file), std::move(header)) {
-    std::uint32_t sizes[2] = {};  // compressed, decompressed
-    if (file_->size() < header_.body_offset + sizeof sizes) fail_truncated(0);
-    file_->read_at(header_.body_offset, std::as_writable_bytes(std::span(sizes)));
-    const std::uint64_t begin = header_.body_offset + sizeof sizes;
-    if (file_->size() - begin < sizes[0])
-      fail("{}: its compressed data should be {} bytes long, but the file ends after {}; get the whole file.", name(),
-           sizes[0], file_->size() - begin);
-    if (sizes[1] / header_.stride != header_.points || sizes[1] % header_.stride != 0)
-      fail("{}: its compressed data hold {} bytes, but {} points take {}; correct the header or write the file again.",
-           name(), sizes[1], header_.points, header_.points * header_.stride);
-    find_places(LzfStream(*file_, begin, sizes[0]));
-  }
-
-  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
-    const std::size_t rows = rows_for(row, records);
-    for (Column& column : columns_) {
-      go_to(column, row);
-      values_.resize(rows * column.bytes);
-      column.stream.read(values_);
-      for (std::size_t i = 0; i < rows; ++i)
-        std::memcpy(records.data() + i * header_.stride + column.offset, values_.data() + i * column.bytes,
-                    column.bytes);
-    }
-    return rows;
+  AsciiPcdReader(std::unique_ptr<const InputFile> file, PcdHeader header) : header_(std::move(header)) {
+    file_ = std::move(file);
+    info_ = info_of(*file_, header_);
+    LineReader lines(*file_);
+    lines.jump(header_.body_offset, header_.body_line);
+    rows_.emplace(lines, PcdLineParser::is_row, header_.points);
+    if (rows_->count() < header_.points) fail_truncated(*file_, header_, rows_->count());
   }
 
  private:
-  struct Place {
-    std::uint64_t row;
-    LzfStream::State state;
-  };
-  /// A field in the block, with the places at which its decompression can begin.
+  std::unique_ptr<LineParser> parser() const override { return std::make_unique<PcdLineParser>(info_.path, header_); }
+
+  PcdHeader header_;
+};
+
+/// All values of the first field, then all of the second, and so on, compressed as one block. The rows between two
+/// places at which the decompression of every field can begin are a chunk.
+class CompressedPcdReader final : public Reader {
+ public:
+  CompressedPcdReader(std::unique_ptr<const InputFile> file, const PcdHeader& header)
+      : file_(std::move(file)), stride_(header.stride) {
+    info_ = info_of(*file_, header);
+    const std::string name = file_->path().string();
+    std::uint32_t sizes[2] = {};  // compressed, decompressed
+    if (file_->size() < header.body_offset + sizeof sizes) fail_truncated(*file_, header, 0);
+    file_->read_at(header.body_offset, std::as_writable_bytes(std::span(sizes)));
+    const std::uint64_t begin = header.body_offset + sizeof sizes;
+    if (file_->size() - begin < sizes[0])
+      fail("{}: its compressed data should be {} bytes long, but the file ends after {}; get the whole file.", name,
+           sizes[0], file_->size() - begin);
+    if (sizes[1] / header.stride != header.points || sizes[1] % header.stride != 0)
+      fail("{}: its compressed data hold {} bytes, but {} points take {}; correct the header or write the file again.",
+           name, sizes[1], header.points, header.points * header.stride);
+    find_places(LzfStream(*file_, begin, sizes[0]), header);
+  }
+
+  Chunk chunk_of(std::uint64_t row) const override {
+    const std::uint64_t first = row / chunk_rows_ * chunk_rows_;
+    return {.first_row = first, .rows = std::min(chunk_rows_, info_.count - first), .bounds = {}};
+  }
+  bool has_decoders() const override { return true; }
+  std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted) const override {
+    return std::make_unique<Decoder>(*this, wanted);
+  }
+
+ private:
+  /// A field in the block.
   struct Column {
     std::uint32_t offset, bytes;
-    std::uint64_t begin;  ///< in the decompressed block
-    LzfStream stream;
-    std::vector<Place> places;
+    std::uint64_t begin;                   ///< in the decompressed block
+    std::vector<LzfStream::State> places;  ///< of rows 0, chunk_rows_, ...
   };
 
-  void find_places(LzfStream stream) {
-    constexpr std::uint64_t kBetweenPlaces = 16 << 20;
-    for (const PcdField& field : header_.fields) {
+  class Decoder final : public RowDecoder {
+   public:
+    Decoder(const CompressedPcdReader& reader, const WantedFields& wanted) : reader_(reader) {
+      for (const Column& column : reader.columns_)
+        if (wanted.empty() || std::ranges::any_of(wanted, [&](std::size_t f) { return holds(column, f); }))
+          streams_.push_back({&column, *reader.begin_});
+    }
+
+    std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
+      const std::size_t rows = reader_.rows_for(row, records);
+      if (rows == 0) return 0;
+      for (auto& [column, stream] : streams_) {
+        go_to(*column, stream, row);
+        values_.resize(rows * column->bytes);
+        stream.read(values_);
+        for (std::size_t i = 0; i < rows; ++i)
+          std::memcpy(records.data() + i * reader_.stride_ + column->offset, values_.data() + i * column->bytes,
+                      column->bytes);
+      }
+      return rows;
+    }
+
+   private:
+    /// Colours are fields inside a column.
+    bool holds(const Column& column, std::size_t field) const {
+      const std::uint32_t offset = reader_.info().schema.fields[field].offset;
+      return offset >= column.offset && offset < column.offset + column.bytes;
+    }
+
+    void go_to(const Column& column, LzfStream& stream, std::uint64_t row) const {
+      const LzfStream::State& place = column.places[row / reader_.chunk_rows_];
+      const std::uint64_t wanted = column.begin + row * column.bytes, at = stream.state().out;
+      if (at > wanted || at < place.out) stream.go_to(place);
+      stream.skip(wanted - stream.state().out);
+    }
+
+    const CompressedPcdReader& reader_;
+    std::vector<std::pair<const Column*, LzfStream>> streams_;
+    std::vector<std::byte> values_;
+  };
+
+  void find_places(LzfStream stream, const PcdHeader& header) {
+    constexpr std::uint64_t kBetweenPlaces = 16 << 20;  // bytes of the widest field
+    std::uint32_t widest = 1;
+    for (const PcdField& field : header.fields) widest = std::max(widest, field.bytes());
+    chunk_rows_ = std::max<std::uint64_t>(kBetweenPlaces / widest, 1);
+    begin_.emplace(stream);
+    for (const PcdField& field : header.fields) {
       if (field.bytes() == 0) continue;
-      Column column{field.offset, field.bytes(), stream.state().out, stream, {}};
-      const std::uint64_t step = std::max<std::uint64_t>(kBetweenPlaces / field.bytes(), 1);
-      for (std::uint64_t row = 0; row < header_.points; row += step) {
+      Column column{field.offset, field.bytes(), stream.state().out, {}};
+      for (std::uint64_t row = 0; row < header.points; row += chunk_rows_) {
         stop_if_cancelled();
-        column.places.push_back({row, stream.state()});
-        stream.skip(std::min(step, header_.points - row) * field.bytes());
+        column.places.push_back(stream.state());
+        stream.skip(std::min(chunk_rows_, header.points - row) * field.bytes());
       }
       columns_.push_back(std::move(column));
     }
   }
 
-  static void go_to(Column& column, std::uint64_t row) {
-    const auto behind = std::ranges::upper_bound(column.places, row, {}, &Place::row);
-    if (behind == column.places.begin()) return;  // no rows
-    const Place& place = *std::prev(behind);
-    const std::uint64_t wanted = column.begin + row * column.bytes, at = column.stream.state().out;
-    if (at > wanted || at < place.state.out) column.stream.go_to(place.state);
-    column.stream.skip(wanted - column.stream.state().out);
-  }
-
+  std::unique_ptr<const InputFile> file_;
+  std::uint32_t stride_;
+  std::uint64_t chunk_rows_ = 1;
   std::vector<Column> columns_;
-  std::vector<std::byte> values_;
+  std::optional<LzfStream> begin_;  ///< at the begin of the block
 };
 
 }  // namespace

@@ -97,14 +97,4 @@ void skip_ascii_element(LineReader& lines, const PlyElement& element) {
 
 bool is_ply_row(std::string_view line) { return line.find_first_not_of(" \t\r\v\f") != line.npos; }
 
-void swap_bytes(const Schema& schema, std::span<std::byte> records) {
-  for (std::byte *record = records.data(), *end = record + records.size(); record != end; record += schema.stride) {
-    for (const Field& field : schema.fields) {
-      const std::size_t size = size_of(field.type);
-      std::byte* const value = record + field.offset;
-      if (size > 1) std::reverse(value, value + size);
-    }
-  }
-}
-
 }  // namespace pointsweep

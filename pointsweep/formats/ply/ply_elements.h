@@ -21,7 +21,4 @@ void skip_ascii_element(LineReader& lines, const PlyElement& element);
 /// A line that holds anything but spaces.
 bool is_ply_row(std::string_view line);
 
-/// Turns the bytes of every value of big-endian records around.
-void swap_bytes(const Schema& schema, std::span<std::byte> records);
-
 }  // namespace pointsweep

@@ -7,11 +7,12 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/number_text.h"
-#include "pointsweep/formats/files/row_lines.h"
+#include "pointsweep/formats/fixed_records.h"
 #include "pointsweep/formats/ply/ply_comments.h"
 #include "pointsweep/formats/ply/ply_elements.h"
 #include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"
+#include "pointsweep/formats/row_text_reader.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {
@@ -26,108 +27,71 @@ static_assert(std::endian::native == std::endian::little, "records are the bytes
       file.path().string(), expected, found);
 }
 
-class PlyReader : public Reader {
- protected:
-  PlyReader(std::unique_ptr<InputFile> file, const PlyHeader& header, const PlyElement& vertex)
-      : file_(std::move(file)) {
-    info_.path = file_->path();
-    info_.format = fmt::format("PLY 1.0 {}", name_of(header.encoding));
-    info_.bytes = file_->size();
-    for (const PlyProperty& property : vertex.properties) info_.schema.append(property.name, property.type);
-    for (const PlyElement& element : header.elements) {
-      if (&element == &vertex || element.count == 0) continue;
-      info_.warnings.push_back(fmt::format("{}: the {} entries of element '{}' are not kept in an output.",
-                                           file_->path().string(), element.count, element.name));
-    }
-    auto extras = std::make_shared<PlyExtras>();
-    extras->lines = header.remarks;
-    info_.crs = take_crs_comments(extras->lines);
-    info_.las = take_las_comment(extras->lines);
-    for (const std::string& line : extras->lines)
-      if (line.starts_with("comment"))
-        if (auto found = provenance_line(line.substr(7))) extras->provenance.push_back(std::move(*found));
-    info_.provenance = extras->provenance;
-    info_.extras = std::move(extras);
-    position_fields(info_.schema, file_->path().string());
+/// What both encodings have in their header.
+FileInfo info_of(const InputFile& file, const PlyHeader& header, const PlyElement& vertex) {
+  FileInfo info;
+  info.path = file.path();
+  info.format = fmt::format("PLY 1.0 {}", name_of(header.encoding));
+  info.bytes = file.size();
+  for (const PlyProperty& property : vertex.properties) info.schema.append(property.name, property.type);
+  for (const PlyElement& element : header.elements) {
+    if (&element == &vertex || element.count == 0) continue;
+    info.warnings.push_back(fmt::format("{}: the {} entries of element '{}' are not kept in an output.",
+                                        file.path().string(), element.count, element.name));
   }
+  auto extras = std::make_shared<PlyExtras>();
+  extras->lines = header.remarks;
+  info.crs = take_crs_comments(extras->lines);
+  info.las = take_las_comment(extras->lines);
+  for (const std::string& line : extras->lines)
+    if (line.starts_with("comment"))
+      if (auto found = provenance_line(line.substr(7))) extras->provenance.push_back(std::move(*found));
+  info.provenance = extras->provenance;
+  info.extras = std::move(extras);
+  position_fields(info.schema, file.path().string());
+  return info;
+}
 
-  std::unique_ptr<InputFile> file_;
+class BinaryPlyReader final : public FixedRecordReader {
+ public:
+  BinaryPlyReader(std::shared_ptr<const InputFile> file, const PlyHeader& header, const PlyElement& vertex) {
+    info_ = info_of(*file, header, vertex);
+    std::uint64_t offset = header.body_offset;
+    for (const PlyElement* element = header.elements.data(); element != &vertex; ++element) {
+      offset = end_of_binary_element(*file, *element, header.encoding, offset);
+    }
+    const std::uint64_t found = (file->size() - offset) / info_.schema.stride;
+    if (vertex.count > found) fail_truncated(*file, vertex.count, found);
+    info_.count = vertex.count;
+    has_records(std::move(file), offset, header.encoding == PlyEncoding::big_endian);
+  }
 };
 
-class BinaryPlyReader final : public PlyReader {
+class PlyLineParser final : public LineParser {
  public:
-  BinaryPlyReader(std::unique_ptr<InputFile> file, const PlyHeader& header, const PlyElement& vertex)
-      : PlyReader(std::move(file), header, vertex),
-        offset_(header.body_offset),
-        swaps_(header.encoding == PlyEncoding::big_endian) {
-    for (const PlyElement* element = header.elements.data(); element != &vertex; ++element) {
-      offset_ = end_of_binary_element(*file_, *element, header.encoding, offset_);
-    }
-    const std::uint64_t found = (file_->size() - offset_) / info_.schema.stride;
-    if (vertex.count > found) fail_truncated(*file_, vertex.count, found);
-    info_.count = vertex.count;
-  }
+  explicit PlyLineParser(const FileInfo& info) : info_(info) {}
 
-  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
-    const std::size_t rows = rows_for(row, records);
-    if (rows == 0) return 0;
-    const auto bytes = records.first(rows * info_.schema.stride);
-    file_->read_at(offset_ + row * info_.schema.stride, bytes);
-    if (swaps_) swap_bytes(info_.schema, bytes);
-    return rows;
-  }
-
- private:
-  std::uint64_t offset_;
-  bool swaps_;
-};
-
-class AsciiPlyReader final : public PlyReader {
- public:
-  AsciiPlyReader(std::unique_ptr<InputFile> file, const PlyHeader& header, const PlyElement& vertex)
-      : PlyReader(std::move(file), header, vertex), rows_(find_rows(*file_, header, vertex)) {
-    if (rows_.count() < vertex.count) fail_truncated(*file_, vertex.count, rows_.count());
-    info_.count = vertex.count;
-  }
-
-  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
-    const std::size_t rows = rows_for(row, records);
-    for (std::size_t i = 0; i < rows; ++i) parse(rows_.at(row + i), records.data() + i * info_.schema.stride);
-    if (row + rows == info_.count) rows_.rest();
-    return rows;
-  }
-
- private:
-  static RowLines find_rows(const InputFile& file, const PlyHeader& header, const PlyElement& vertex) {
-    LineReader lines(file);
-    lines.jump(header.body_offset, header.body_line);
-    for (const PlyElement* element = header.elements.data(); element != &vertex; ++element) {
-      skip_ascii_element(lines, *element);
-    }
-    return RowLines(lines, is_ply_row, vertex.count);
-  }
-
-  void parse(std::string_view line, std::byte* record) const {
+  void parse(std::string_view line, std::uint64_t number, std::byte* record) override {
     std::size_t at = 0;
     for (const Field& field : info_.schema.fields) {
       const std::string_view word = take_word(line, at);
-      if (word.empty()) complain(fmt::format("has fewer than the {} values of a vertex", info_.schema.fields.size()));
+      if (word.empty())
+        complain(number, fmt::format("has fewer than the {} values of a vertex", info_.schema.fields.size()));
       const bool good = with_type(field.type, [&]<class T>() {
         T value{};
         if (!parse_number(word, value)) return false;
         std::copy_n(reinterpret_cast<const std::byte*>(&value), sizeof value, record + field.offset);
         return true;
       });
-      if (!good) {
-        complain(
-            fmt::format("'{}' is no {} for the property '{}'", word.substr(0, 40), name_of(field.type), field.name));
-      }
+      if (!good)
+        complain(number, fmt::format("'{}' is no {} for the property '{}'", word.substr(0, 40), name_of(field.type),
+                                     field.name));
     }
-    if (!take_word(line, at).empty()) {
-      complain(fmt::format("has more than the {} values of a vertex", info_.schema.fields.size()));
-    }
+    if (!take_word(line, at).empty())
+      complain(number, fmt::format("has more than the {} values of a vertex", info_.schema.fields.size()));
   }
 
+ private:
   /// The next word of `line` from `at` on, empty at its end.
   static std::string_view take_word(std::string_view line, std::size_t& at) {
     const auto is_space = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
@@ -137,11 +101,30 @@ class AsciiPlyReader final : public PlyReader {
     return line.substr(start, at - start);
   }
 
-  [[noreturn]] void complain(std::string_view what) const {
-    fail("{}: line {}: {}; correct the line or the header.", file_->path().string(), rows_.line(), what);
+  [[noreturn]] void complain(std::uint64_t number, std::string_view what) const {
+    fail("{}: line {}: {}; correct the line or the header.", info_.path.string(), number, what);
   }
 
-  RowLines rows_;
+  const FileInfo& info_;
+};
+
+class AsciiPlyReader final : public RowTextReader {
+ public:
+  AsciiPlyReader(std::unique_ptr<const InputFile> file, const PlyHeader& header, const PlyElement& vertex) {
+    file_ = std::move(file);
+    info_ = info_of(*file_, header, vertex);
+    LineReader lines(*file_);
+    lines.jump(header.body_offset, header.body_line);
+    for (const PlyElement* element = header.elements.data(); element != &vertex; ++element) {
+      skip_ascii_element(lines, *element);
+    }
+    rows_.emplace(lines, is_ply_row, vertex.count);
+    if (rows_->count() < vertex.count) fail_truncated(*file_, vertex.count, rows_->count());
+    info_.count = vertex.count;
+  }
+
+ private:
+  std::unique_ptr<LineParser> parser() const override { return std::make_unique<PlyLineParser>(info_); }
 };
 
 const PlyElement& vertex_of(const PlyHeader& header, const std::filesystem::path& path) {

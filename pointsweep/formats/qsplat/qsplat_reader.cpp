@@ -24,7 +24,7 @@ Box box_of(const QsplatSphere& s) {
 
 class QsplatReader final : public Reader {
  public:
-  explicit QsplatReader(const std::filesystem::path& path) : file_(path), walk_(file_) {
+  explicit QsplatReader(const std::filesystem::path& path) : file_(path) {
     info_.path = path;
     info_.format = "QSplat 11";
     info_.bytes = file_.size();
@@ -34,21 +34,15 @@ class QsplatReader final : public Reader {
       for (const char* name : {"red", "green", "blue"}) info_.schema.append(name, Type::u8);
     }
     count_leaves();
-    walk_.go_to({});
   }
 
-  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
-    if (row >= info_.count) return 0;
-    go_to(row);
-    const std::size_t stride = info_.schema.stride;
-    const std::size_t rows = rows_for(row, records);
-    QsplatLeaf leaf;
-    for (std::size_t i = 0; i < rows; ++i) {
-      if (!next(leaf)) return i;
-      encode(leaf, records.data() + i * stride);
-    }
-    return rows;
+  /// The leaves between two places; the nodes that lead to them are all over the file.
+  Chunk chunk_of(std::uint64_t row) const override {
+    const std::uint64_t first = row / kBetweenPlaces * kBetweenPlaces;
+    return {.first_row = first, .rows = std::min(kBetweenPlaces, info_.count - first), .bounds = {}};
   }
+  bool has_decoders() const override { return true; }
+  std::unique_ptr<RowDecoder> decoder(const WantedFields&) const override { return std::make_unique<Decoder>(*this); }
 
  private:
   /// Whether any part has colours; bounds on the way.
@@ -68,25 +62,11 @@ class QsplatReader final : public Reader {
   }
 
   void count_leaves() {
+    QsplatWalk walk(file_);
     QsplatLeaf leaf;
-    for (places_.push_back(walk_.place()); walk_.next(leaf);) {
-      if (++info_.count % kBetweenPlaces == 0) places_.push_back(walk_.place());
+    for (places_.push_back(walk.place()); walk.next(leaf);) {
+      if (++info_.count % kBetweenPlaces == 0) places_.push_back(walk.place());
     }
-  }
-
-  void go_to(std::uint64_t row) {
-    const std::uint64_t place = row / kBetweenPlaces;
-    if (row < row_ || row_ / kBetweenPlaces < place) {
-      walk_.go_to(places_[place]);
-      row_ = place * kBetweenPlaces;
-    }
-    for (QsplatLeaf leaf; row_ < row && next(leaf);) continue;
-  }
-
-  bool next(QsplatLeaf& leaf) {
-    const bool there_is = walk_.next(leaf);
-    row_ += there_is ? 1 : 0;
-    return there_is;
   }
 
   void encode(const QsplatLeaf& leaf, std::byte* record) const {
@@ -99,10 +79,45 @@ class QsplatReader final : public Reader {
     std::memcpy(record + sizeof values, color.data(), color.size());
   }
 
+  class Decoder final : public RowDecoder {
+   public:
+    explicit Decoder(const QsplatReader& reader) : reader_(reader), walk_(reader.file_) {}
+
+    std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
+      const std::size_t rows = reader_.rows_for(row, records), stride = reader_.info().schema.stride;
+      if (rows == 0) return 0;
+      go_to(row);
+      QsplatLeaf leaf;
+      for (std::size_t i = 0; i < rows; ++i) {
+        if (!next(leaf)) return i;
+        reader_.encode(leaf, records.data() + i * stride);
+      }
+      return rows;
+    }
+
+   private:
+    void go_to(std::uint64_t row) {
+      const std::uint64_t place = row / kBetweenPlaces;
+      if (row < row_ || row_ / kBetweenPlaces < place) {
+        walk_.go_to(reader_.places_[place]);
+        row_ = place * kBetweenPlaces;
+      }
+      for (QsplatLeaf leaf; row_ < row && next(leaf);) continue;
+    }
+
+    bool next(QsplatLeaf& leaf) {
+      const bool there_is = walk_.next(leaf);
+      row_ += there_is ? 1 : 0;
+      return there_is;
+    }
+
+    const QsplatReader& reader_;
+    QsplatWalk walk_;
+    std::uint64_t row_ = 0;  ///< the row that the walk gives next
+  };
+
   InputFile file_;
-  QsplatWalk walk_;
-  std::uint64_t row_ = 0;  ///< the row that the walk gives next
-  std::vector<QsplatWalk::Place> places_;
+  std::vector<QsplatWalk::Place> places_;  ///< of rows 0, kBetweenPlaces, ...
 };
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/files/input_file.h"
-#include "pointsweep/formats/files/row_lines.h"
+#include "pointsweep/formats/row_text_reader.h"
 #include "pointsweep/formats/text/text_layout.h"
 
 namespace pointsweep {
@@ -24,15 +24,48 @@ std::string_view word_for(Separator separator) {
   return "space";
 }
 
-class TextReader final : public Reader {
+class TextLineParser final : public LineParser {
  public:
-  explicit TextReader(std::unique_ptr<InputFile> file)
-      : file_(std::move(file)), layout_(find_text_layout(*file_)), rows_(find_rows(*file_, layout_)) {
-    info_.path = file_->path();
+  TextLineParser(const std::filesystem::path& path, const TextLayout& layout) : path_(path), layout_(layout) {}
+
+  void parse(std::string_view line, std::uint64_t number, std::byte* record) override {
+    split_cells(line, layout_.separator, cells_);
+    const std::size_t columns = layout_.names.size();
+    // An empty last cell looks like a trailing separator.
+    if (cells_.size() + 1 == columns && layout_.separator != Separator::space) cells_.emplace_back();
+    if (cells_.size() != columns) {
+      fail("{}: line {} has {} values where {} are expected ({}); correct the line.", path_.string(), number,
+           cells_.size(), columns, layout_.has_header ? "as in the header" : "as in the first row");
+    }
+    for (std::size_t i = 0; i < columns; ++i) {
+      double value = 0;
+      if (!parse_cell(cells_[i], value)) {
+        fail("{}: line {}: '{}' in column '{}' is no number; correct it or write nan.", path_.string(), number,
+             cells_[i].substr(0, 40), layout_.names[i]);
+      }
+      std::copy_n(reinterpret_cast<const std::byte*>(&value), sizeof value, record + i * sizeof value);
+    }
+  }
+
+ private:
+  const std::filesystem::path& path_;
+  const TextLayout& layout_;
+  std::vector<std::string_view> cells_;
+};
+
+class TextReader final : public RowTextReader {
+ public:
+  explicit TextReader(const std::filesystem::path& path) {
+    file_ = std::make_unique<const InputFile>(path);
+    layout_ = find_text_layout(*file_);
+    LineReader lines(*file_);
+    lines.jump(layout_.body_offset, layout_.body_line);
+    rows_.emplace(lines, is_text_row, std::numeric_limits<std::uint64_t>::max());
+    info_.path = path;
     info_.format = fmt::format("text, {} separated, {}", word_for(layout_.separator),
                                layout_.has_header ? "with header" : "without header");
     info_.bytes = file_->size();
-    info_.count = rows_.count();
+    info_.count = rows_->count();
     info_.provenance = layout_.provenance;
     for (const std::string& name : layout_.names) info_.schema.append(name, Type::f64);
     if (layout_.announced && *layout_.announced != info_.count) {
@@ -41,49 +74,14 @@ class TextReader final : public Reader {
     }
   }
 
-  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
-    const std::size_t rows = rows_for(row, records);
-    for (std::size_t i = 0; i < rows; ++i) parse(rows_.at(row + i), records.data() + i * info_.schema.stride);
-    if (rows != 0 && row + rows == info_.count) rows_.rest();
-    return rows;
-  }
-
  private:
-  static RowLines find_rows(const InputFile& file, const TextLayout& layout) {
-    LineReader lines(file);
-    lines.jump(layout.body_offset, layout.body_line);
-    return RowLines(lines, is_text_row, std::numeric_limits<std::uint64_t>::max());
-  }
+  std::unique_ptr<LineParser> parser() const override { return std::make_unique<TextLineParser>(info_.path, layout_); }
 
-  void parse(std::string_view line, std::byte* record) {
-    split_cells(line, layout_.separator, cells_);
-    const std::size_t columns = layout_.names.size();
-    // An empty last cell looks like a trailing separator.
-    if (cells_.size() + 1 == columns && layout_.separator != Separator::space) cells_.emplace_back();
-    if (cells_.size() != columns) {
-      fail("{}: line {} has {} values where {} are expected ({}); correct the line.", file_->path().string(),
-           rows_.line(), cells_.size(), columns, layout_.has_header ? "as in the header" : "as in the first row");
-    }
-    for (std::size_t i = 0; i < columns; ++i) {
-      double value = 0;
-      if (!parse_cell(cells_[i], value)) {
-        fail("{}: line {}: '{}' in column '{}' is no number; correct it or write nan.", file_->path().string(),
-             rows_.line(), cells_[i].substr(0, 40), layout_.names[i]);
-      }
-      std::copy_n(reinterpret_cast<const std::byte*>(&value), sizeof value, record + i * sizeof value);
-    }
-  }
-
-  std::unique_ptr<InputFile> file_;
   TextLayout layout_;
-  RowLines rows_;
-  std::vector<std::string_view> cells_;
 };
 
 }  // namespace
 
-std::unique_ptr<Reader> open_text(const std::filesystem::path& path) {
-  return std::make_unique<TextReader>(std::make_unique<InputFile>(path));
-}
+std::unique_ptr<Reader> open_text(const std::filesystem::path& path) { return std::make_unique<TextReader>(path); }
 
 }  // namespace pointsweep

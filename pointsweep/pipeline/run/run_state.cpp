@@ -2,6 +2,8 @@
 #include "pointsweep/pipeline/run/run_state.h"
 
 #include <algorithm>
+#include <atomic>
+#include <memory>
 #include <thread>
 #include <utility>
 
@@ -63,11 +65,21 @@ SpillPlace RunState::place(const char* kind, std::size_t p, bool spills) const {
 }
 
 PointSource RunState::cloud_source() {
-  return {cloud.schema(), cloud.count(), [this](std::uint64_t row, std::span<std::byte> records) {
-            const std::size_t n = cloud.read(row, records);
-            statistics.bytes_read += n * cloud.schema().stride;
-            return n;
-          }};
+  const auto counted = [this](std::size_t n) {
+    std::atomic_ref(statistics.bytes_read) += n * cloud.schema().stride;
+    return n;
+  };
+  return {
+      cloud.schema(), cloud.count(),
+      [this, counted](std::uint64_t row, std::span<std::byte> records) { return counted(cloud.read(row, records)); },
+      [this, counted](const std::vector<std::size_t>& wanted) -> ReadRows {
+        const std::shared_ptr<RowDecoder> own = cloud.decoder(wanted);
+        if (!own) return {};
+        return [own, counted](std::uint64_t row, std::span<std::byte> records) {
+          return counted(own->read(row, records));
+        };
+      },
+      [this](std::uint64_t row) { return cloud.chunk_end(row); }};
 }
 
 void RunState::warn(const std::string& sentence) {

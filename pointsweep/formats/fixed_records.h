@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+/// Files whose points are records of one size, one after another.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/reader.h"
+
+namespace pointsweep {
+
+/// Any range of rows is a chunk. Records are the bytes of the file, turned round where its numbers are big-endian.
+class FixedRecordReader : public Reader {
+ public:
+  Chunk chunk_of(std::uint64_t row) const override;
+  bool decodes_any_range() const override { return true; }
+  bool has_decoders() const override { return true; }
+  std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const override;
+
+ protected:
+  /// Row 0 begins at byte `first`, once info_.schema is known.
+  void has_records(std::shared_ptr<const InputFile> file, std::uint64_t first, bool big_endian = false);
+
+ private:
+  class Decoder;
+  /// As RowDecoder::read. Thread-safe.
+  std::size_t decode(std::uint64_t row, std::span<std::byte> records) const;
+
+  std::shared_ptr<const InputFile> file_;
+  std::uint64_t first_ = 0;  ///< byte
+  bool big_endian_ = false;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+/// Files whose points are lines of text.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/files/row_lines.h"
+#include "pointsweep/formats/reader.h"
+
+namespace pointsweep {
+
+/// Turns lines into records. All fields are read, also where only some are wanted, so that a wrong value ends a run in
+/// its first pass over the file.
+class LineParser {
+ public:
+  virtual ~LineParser() = default;
+  /// Line number `number` of the file, from 1. Throws Error for a line that is no record.
+  virtual void parse(std::string_view line, std::uint64_t number, std::byte* record) = 0;
+};
+
+/// The rows between two places of RowLines are a chunk.
+class RowTextReader : public Reader {
+ public:
+  Chunk chunk_of(std::uint64_t row) const override;
+  bool has_decoders() const override { return true; }
+  std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const override;
+
+ protected:
+  /// A parser for one thread.
+  virtual std::unique_ptr<LineParser> parser() const = 0;
+
+  std::unique_ptr<const InputFile> file_;
+  std::optional<RowLines> rows_;
+
+ private:
+  class Decoder;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+/// Reading by chunks: laws for every reader with decoders.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <thread>
+
+#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/parallel_rows.h"
+#include "pointsweep/formats/reader.h"
+#include "pointsweep/formats/registry.h"
+#include "tests/formats/point_files.h"
+#include "tests/formats/temporary_folder.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::uint64_t kRows = 70000;  // several chunks of each format
+
+/// Records of x, y, z, intensity, whose values tell the row.
+std::vector<std::byte> rows_of_values(const Schema& schema, std::uint64_t count) {
+  std::vector<std::byte> records(count * schema.stride);
+  for (std::uint64_t row = 0; row < count; ++row)
+    for (std::size_t f = 0; f < schema.fields.size(); ++f)
+      set_value(schema.fields[f], records.data() + row * schema.stride,
+                static_cast<double>(row) + static_cast<double>(f) * 0.25);
+  return records;
+}
+
+OutputPlan plan_of_rows(const std::filesystem::path& path, std::uint64_t count) {
+  OutputPlan plan = plan_for(path, count);
+  for (const char* name : {"x", "y", "z", "quality"}) plan.schema.append(name, Type::f64);
+  plan.bounds.emplace();
+  plan.bounds->include(Vec3{});
+  plan.bounds->include(Vec3{1e5, 1e5, 1e5});
+  return plan;
+}
+
+/// One file of each way to hold rows.
+std::vector<std::filesystem::path> files(const TemporaryFolder& folder) {
+  std::vector<std::filesystem::path> paths;
+  for (const char* name : {"a.ply", "a.las", "a.laz", "a.xyz", "a.csv"}) {
+    if (!format_of_output(name)->is_built_in()) continue;
+    const OutputPlan plan = plan_of_rows(folder / name, kRows);
+    write_all(plan, rows_of_values(plan.schema, kRows));
+    paths.push_back(plan.path);
+  }
+  std::string ply = "ply\nformat ascii 1.0\nelement vertex 70000\n", pcd = "VERSION 0.7\nFIELDS x y z q\n";
+  for (const char* name : {"x", "y", "z", "q"}) ply += std::string("property double ") + name + "\n";
+  pcd += "SIZE 8 8 8 8\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 70000\nHEIGHT 1\nPOINTS 70000\nDATA ascii\n";
+  std::string lines;
+  for (std::uint64_t row = 0; row < kRows; ++row) lines += fmt::format("{0} {0}.25 {0}.5 {0}.75\n", row);
+  paths.push_back(folder.write("ascii.ply", ply + "end_header\n" + lines));
+  paths.push_back(folder.write("ascii.pcd", pcd + lines));
+  return paths;
+}
+
+TEST(Chunks, FollowEachOtherFromTheFirstRowToTheLast) {
+  const TemporaryFolder folder;
+  for (const auto& path : files(folder)) {
+    SCOPED_TRACE(path.filename());
+    const auto reader = open_reader(path);
+    std::uint64_t row = 0, byte = 0, chunks = 0;
+    for (; row < kRows; ++chunks) {
+      const Chunk chunk = reader->chunk_of(row);
+      EXPECT_EQ(chunk.first_row, row);
+      ASSERT_GT(chunk.rows, 0u);
+      EXPECT_GE(chunk.begin, byte);
+      EXPECT_LE(chunk.end, reader->info().bytes);
+      EXPECT_EQ(reader->chunk_of(chunk.end_row() - 1).first_row, row);
+      row = chunk.end_row();
+      byte = chunk.end;
+    }
+    EXPECT_EQ(row, kRows);
+    EXPECT_GT(chunks, 1u);
+  }
+}
+
+TEST(Chunks, AreDecodedByManyThreadsAtOnceAsByOne) {
+  const TemporaryFolder folder;
+  for (const auto& path : files(folder)) {
+    SCOPED_TRACE(path.filename());
+    const auto reader = open_reader(path);
+    const std::vector<std::byte> expected = all_records(*reader);
+    const std::size_t stride = reader->info().schema.stride;
+    std::vector<std::byte> decoded(expected.size());
+    std::vector<std::thread> threads;
+    for (std::uint64_t begin = 0; begin < kRows; begin = reader->chunk_of(begin).end_row())
+      threads.emplace_back([&, begin] {
+        const auto decoder = reader->decoder();
+        const std::uint64_t end = reader->chunk_of(begin).end_row();
+        for (std::uint64_t row = begin; row < end;) {
+          const std::size_t n = std::min<std::uint64_t>(1000, end - row);
+          row += decoder->read(row, std::span(decoded).subspan(row * stride, n * stride));
+        }
+      });
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(decoded, expected);
+  }
+}
+
+TEST(Chunks, ADecoderJumpsToAnyRow) {
+  const TemporaryFolder folder;
+  for (const auto& path : files(folder)) {
+    SCOPED_TRACE(path.filename());
+    const auto reader = open_reader(path);
+    const std::vector<std::byte> expected = all_records(*reader);
+    const std::size_t stride = reader->info().schema.stride;
+    const auto decoder = reader->decoder();
+    std::vector<std::byte> records(3 * stride);
+    for (const std::uint64_t row : {69999u, 0u, 40000u, 40003u, 40001u, 16383u, 69998u}) {
+      const std::size_t n = decoder->read(row, records);
+      ASSERT_EQ(n, std::min<std::uint64_t>(3, kRows - row));
+      EXPECT_EQ(std::memcmp(records.data(), expected.data() + row * stride, n * stride), 0) << row;
+    }
+    EXPECT_EQ(decoder->read(kRows, records), 0u);
+  }
+}
+
+/// Inputs of different schemas, so that records are converted, in every order.
+TEST(Chunks, OfSeveralInputsAreDecodedInParallelAsInTurn) {
+  const TemporaryFolder folder;
+  const auto paths = files(folder);
+  for (const auto& first : paths)
+    for (const auto& second : paths) {
+      SCOPED_TRACE(fmt::format("{} {}", first.filename().string(), second.filename().string()));
+      Cloud cloud({first, second});
+      const std::size_t stride = cloud.schema().stride;
+      const std::vector<std::byte> expected = all_records(cloud, cloud.schema(), cloud.count(), 5000);
+      ParallelRows rows;
+      std::vector<std::byte> decoded(expected.size());
+      for (std::uint64_t row = 0; row < cloud.count(); row += 33333) {
+        const std::size_t n = std::min<std::uint64_t>(33333, cloud.count() - row);
+        EXPECT_EQ(rows.read(cloud, row, std::span(decoded).subspan(row * stride, n * stride)), n);
+      }
+      EXPECT_EQ(decoded, expected);
+    }
+}
+
+TEST(Chunks, ACloudOfSelectedRowsIsReadInTurn) {
+  const TemporaryFolder folder;
+  Cloud cloud({files(folder).front()});
+  EXPECT_NE(cloud.decoder(), nullptr);
+  cloud.select(RowSelection(kRows, [](std::uint64_t block, std::span<std::byte> bits) {
+    std::ranges::fill(bits, std::byte{});
+    for (std::uint64_t i = 0; i < RowSelection::kBlockRows && block * RowSelection::kBlockRows + i < kRows; i += 2)
+      bits[i / 8] |= std::byte{1} << (i % 8);
+  }));
+  EXPECT_EQ(cloud.decoder(), nullptr);
+  const std::vector<std::byte> expected = all_records(cloud, cloud.schema(), cloud.count());
+  ParallelRows rows;
+  std::vector<std::byte> decoded(expected.size());
+  EXPECT_EQ(rows.read(cloud, 0, decoded), cloud.count());
+  EXPECT_EQ(decoded, expected);
+}
+
+}  // namespace
+}  // namespace pointsweep
