@@ -67,6 +67,14 @@ using WantedFields = std::vector<std::size_t>;
 
 class Reader {
  public:
+  Reader() = default;
+  /// Each has a decoder of its own for read().
+  Reader(const Reader& other) : info_(other.info_) {}
+  Reader& operator=(const Reader& other) {
+    info_ = other.info_;
+    own_decoder_.reset();
+    return *this;
+  }
   virtual ~Reader() = default;
   const FileInfo& info() const { return info_; }
 
