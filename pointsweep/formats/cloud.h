@@ -104,7 +104,6 @@ class Cloud {
   std::vector<InputMapping> mappings_;
   std::vector<std::byte> scratch_;
   std::size_t last_input_ = 0;  ///< that read() read
-  std::size_t last_input_ = 0;  ///< that was read
   Schema schema_;
   std::optional<Crs> crs_;
   std::optional<LasOrigin> las_;

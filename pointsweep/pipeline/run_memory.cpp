@@ -15,9 +15,6 @@ constexpr std::uint64_t kMovedPositionBytes = 3 * sizeof(double);
 
 bool in_memory(const MemoryPlan& plan) { return !plan.spill_stream && !plan.spill_results; }
 
-/// Readers and writers decode and encode a few chunks at once.
-constexpr unsigned kMostDecoders = 4;
-
 unsigned threads_of(const RunOptions& options) {
   return options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
 }
@@ -125,11 +122,12 @@ MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes
 std::uint64_t codec_bytes(const Cloud& cloud, const std::filesystem::path& output, std::uint64_t record_bytes,
                           const RunOptions& options) {
   const unsigned threads = threads_of(options);
-  std::uint64_t decoder = 0;  // one input is read at a time
-  for (const auto& reader : cloud.readers()) decoder = std::max(decoder, reader->info().decoder_bytes);
+  std::uint64_t decoders = 0;  // a thread reads one input at a time
+  for (const auto& reader : cloud.readers())
+    decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));
   const Format* const format = output.empty() ? nullptr : format_of_output(output);
   const bool encodes = format != nullptr && format->encoder_bytes != nullptr;
-  return decoder * std::min(threads, kMostDecoders) + (encodes ? format->encoder_bytes(record_bytes, threads) : 0);
+  return decoders + (encodes ? format->encoder_bytes(record_bytes, threads) : 0);
 }
 
 bool leaves_in_order(const ChainPlan& planned, const RunOptions& options) {

@@ -175,8 +175,7 @@ void LazPoints::Cursor::read(std::uint64_t row, std::span<std::byte> records) {
     if (!decoders[i]) decoders[i] = std::make_unique<Decoder>(points_, piece.chunk);
     decoders[i]->skip_to(piece.first);
     decoders[i]->decode(piece.records, piece.rows);
-    if (decoders[i]->next() == points_.first_row(piece.chunk + 1) - points_.first_row(piece.chunk))
-      decoders[i].reset();
+    if (decoders[i]->next() == points_.first_row(piece.chunk + 1) - points_.first_row(piece.chunk)) decoders[i].reset();
   });
   open_ = std::move(decoders.back());
 }
