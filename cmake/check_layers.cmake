@@ -1,6 +1,6 @@
 # cmake -D ROOT=<tree> -P check_layers.cmake: fails when an include of the library or of cli/ points up.
 # A layer is a folder with sources, named by its path without `pointsweep/`; a folder that is not named here is refused. A file may
-# include its own folder, the layers named for it, and pointsweep/error.h, cancellation.h, leftovers.h, threads.h, made_ahead.h.
+# include its own folder, the layers named for it, and pointsweep/error.h, cancellation.h, leftovers.h, threads.h, prefetch.h.
 cmake_minimum_required(VERSION 3.25)
 set(may_include_math "")
 set(may_include_points math)
@@ -64,7 +64,7 @@ foreach(file ${files})
       endif()
       continue()
     endif()
-    if(path MATCHES "^pointsweep/(error|threads|made_ahead|cancellation|leftovers)\\.h$" OR path MATCHES "^hwy/")
+    if(path MATCHES "^pointsweep/(error|threads|prefetch|cancellation|leftovers)\\.h$" OR path MATCHES "^hwy/")
       continue()
     endif()
     if(target STREQUAL layer OR target IN_LIST may_include_${layer} OR target IN_LIST ${file}_may_include)

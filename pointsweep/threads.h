@@ -17,9 +17,9 @@ void with_threads(unsigned threads, const std::function<void()>& work);
 unsigned thread_count();
 
 /// Calls body(i, worker) once for each i in [0, count). Calls with the same worker never run at once, so that each
-/// worker can have memory of its own. A body may have a loop of its own, also while it holds a lock: meanwhile its
-/// thread takes up nothing else. Returns when all have returned; the first exception ends the loop and is thrown, and
-/// so is Cancelled if the caller's CancellationScope asks to stop, in which the bodies run too.
+/// worker can have its own memory. A body may itself call parallel_for, also while it holds a lock: its thread then
+/// runs no other body until that loop ends. Returns when all have returned; the first exception ends the loop and is
+/// thrown, and so is Cancelled if the caller's CancellationScope asks to stop, in which the bodies run too.
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, unsigned worker)>& body);
 
 /// One piece of work in the background, on one of the threads of the run.

@@ -36,7 +36,7 @@ float search_in_cache(std::size_t points, std::uint32_t leaves) {
     packed.x[i] = 2 * uniform(rng), packed.y[i] = 2 * uniform(rng), packed.z[i] = 0.1f * uniform(rng);
   float sum = 0;
   Group<8> group;
-  group.radius_key = hn::Set(d, kNobody);
+  group.radius_key = hn::Set(d, kEmptyKey);
   for (std::size_t i = 0; i < points; i += hn::Lanes(d)) {
     const Vec shift = hn::Set(d, static_cast<float>(i % 64) * 0x1p-10f);
     group.x = hn::Add(hn::Load(d, packed.x), shift), group.y = hn::Load(d, packed.y), group.z = hn::Load(d, packed.z);

@@ -18,7 +18,7 @@ namespace bench {
 /// Bytes of a normal, which the programs append to each record.
 inline constexpr std::size_t kNormalBytes = 12;
 
-/// A whole file in memory: all before the points, and the records as they are.
+/// A whole file in memory: all before the points, and the records unchanged.
 struct Las : Records {
   std::vector<char> head;  ///< header and VLRs, up to the first point
 

@@ -14,7 +14,7 @@
 
 namespace bench {
 
-/// A whole file in memory: the lines of its header and its records as they are.
+/// A whole file in memory: the lines of its header and its records unchanged.
 struct Ply : Records {
   std::vector<std::string> header;                                        ///< up to the last vertex property
   std::map<std::string, std::pair<std::size_t, std::string>> properties;  ///< name -> offset, type

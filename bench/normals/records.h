@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Point records of the contenders: as they are in the file, all in memory.
+/// Point records of the contenders: unchanged from the file, all in memory.
 #pragma once
 
 #include <algorithm>

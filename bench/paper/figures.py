@@ -122,5 +122,5 @@ def figure_9(tool, data, stand_in):
         what = "one raw range scan of the Stanford dragon"
     else:
         model, what = stand_in, stand_in.name
-    return [shaded(tool, model.path, "figure9-scan.png", f"{what}, as it is", model.view),
+    return [shaded(tool, model.path, "figure9-scan.png", f"{what}, unchanged", model.view),
             faired(tool, model.path, "figure9-smoothed.png", "smoothed (k = 64)", model.view)]

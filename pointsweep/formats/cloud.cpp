@@ -204,7 +204,7 @@ std::unique_ptr<RowDecoder> Cloud::decoder(const WantedFields& wanted) const {
 void Cloud::require_unchanged() const {
   for (std::size_t i = 0; i < readers_.size(); ++i) {
     if (!states_[i].has_changed()) continue;
-    fail("{}: was written to while it was read, so old and new points may be mixed; run again when nobody does.",
+    fail("{}: was written to while it was read, so old and new points may be mixed; run again once it is complete.",
          readers_[i]->info().path.string());
   }
 }
@@ -223,8 +223,7 @@ std::size_t Cloud::read_input(const ReadInput& read, std::vector<std::byte>& scr
     target = std::span(scratch).first(rows * stride);
   }
   const std::size_t rows = read(input, row, target);
-  if (rows == 0)
-    fail("{}: ends before its last point; run again when nobody writes to it.", reader.info().path.string());
+  if (rows == 0) fail("{}: ends before its last point; run again once it is complete.", reader.info().path.string());
   if (mapping.shift.is_needed()) mapping.shift.run(target.first(rows * stride), stride, reader.info().path);
   if (mapping.conversion) mapping.conversion->run(target.data(), records.data(), rows);
   if (mapping.missing.is_needed()) mapping.missing.run(records.first(rows * schema_.stride), schema_.stride);

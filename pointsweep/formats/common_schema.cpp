@@ -15,7 +15,7 @@ namespace {
 using Readers = std::vector<std::unique_ptr<Reader>>;
 constexpr std::array kAxes{"x", "y", "z"};
 
-/// The schema as it is once its coordinates are on `grid`.
+/// The schema after its coordinates are converted to `grid`.
 Schema on_grid(Schema schema, const LasQuantization& grid) {
   for (int axis = 0; axis < 3; ++axis) {
     Field& field = schema.fields[*schema.find(kAxes[static_cast<std::size_t>(axis)])];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The rows of an input whose coordinates are finite, as an input of its own.
+/// A reader of only those rows of an input whose coordinates are finite.
 #pragma once
 
 #include <algorithm>

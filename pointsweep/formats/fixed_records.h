@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// Any range of rows is a chunk. Records are the bytes of the file, turned round where its numbers are big-endian.
+/// Any range of rows is a chunk. Records are the bytes of the file; big-endian numbers are byte-swapped.
 class FixedRecordReader : public Reader {
  public:
   Chunk chunk_of(std::uint64_t row) const override;

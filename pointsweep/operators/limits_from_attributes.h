@@ -20,8 +20,8 @@ struct AttributeLimits {
 /// has no neighbours, which operators count as degenerate. A value above what the search was asked for allows all that
 /// it found. A radius of 0 keeps the points in the same place. Within means, in double, d² = ((dx² + dy²) + dz²)
 /// <= radius², as for a radius for all points, or √d² <= radius: the attribute `neighbor_radius` holds the rounded
-/// root, whose square can be less than d². An attribute of float32 is taken as it is: a distance that was rounded down
-/// to it leaves the farthest neighbour out.
+/// root, whose square can be less than d². An attribute of float32 is not adjusted: a distance that was rounded down
+/// to float32 excludes the farthest neighbour.
 class LimitsFromAttributes final : public NeighborhoodRule {
  public:
   /// Throws UsageError where neither attribute is named.

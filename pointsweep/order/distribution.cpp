@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kLeastChunk = 1024, kLargestChunk = 12288;  ///< records
 
-/// The box of a list so far, in a cache line of its own.
+/// The box of a list so far, on its own cache line.
 struct alignas(64) GrowingBox : Box {
   /// Adding 0 makes -0 to 0: which of them came first must not be seen.
   Box box() const { return {lo + Vec3{}, hi + Vec3{}}; }
@@ -24,9 +24,9 @@ struct alignas(64) GrowingBox : Box {
 
 /// Some records on their way from the source to the store, and all the room that working on them needs.
 struct Chunk {
-  Chunk(const Deal& deal, std::size_t capacity, std::size_t lists)
-      : records(std::make_unique_for_overwrite<std::byte[]>(capacity * deal.schema.stride)),
-        sorted(std::make_unique_for_overwrite<std::byte[]>(capacity * deal.record.schema().stride)),
+  Chunk(const PartitionInput& input, std::size_t capacity, std::size_t lists)
+      : records(std::make_unique_for_overwrite<std::byte[]>(capacity * input.schema.stride)),
+        sorted(std::make_unique_for_overwrite<std::byte[]>(capacity * input.record.schema().stride)),
         numbers(std::make_unique_for_overwrite<double[]>(4 * capacity)),
         list(std::make_unique_for_overwrite<std::uint16_t[]>(capacity)),
         place(std::make_unique_for_overwrite<std::uint32_t[]>(capacity)),
@@ -46,22 +46,22 @@ struct Chunk {
 
 class Distribution {
  public:
-  Distribution(const Deal& deal, SlabStore& store)
-      : deal_(deal),
+  Distribution(const PartitionInput& input, SlabStore& store)
+      : input_(input),
         store_(store),
-        position_(position_fields(deal.schema, "the input")),
-        first_sparse_piece_(deal.splitters.front().pieces()),
-        lists_(first_sparse_piece_ + (deal.splitters.size() > 1 ? deal.splitters[1].pieces() : 0) + 1) {
+        position_(position_fields(input.schema, "the input")),
+        first_sparse_piece_(input.splitters.front().pieces()),
+        lists_(first_sparse_piece_ + (input.splitters.size() > 1 ? input.splitters[1].pieces() : 0) + 1) {
     const unsigned threads = thread_count();
-    const std::size_t per_record = deal.schema.stride + deal.record.schema().stride + 4 * sizeof(double) + 6;
-    capacity_ = std::clamp(deal.memory_bytes / threads / per_record, kLeastChunk, kLargestChunk);
-    for (unsigned t = 0; t < threads; ++t) chunks_.emplace_back(deal, capacity_, lists_);
+    const std::size_t per_record = input.schema.stride + input.record.schema().stride + 4 * sizeof(double) + 6;
+    capacity_ = std::clamp(input.memory_bytes / threads / per_record, kLeastChunk, kLargestChunk);
+    for (unsigned t = 0; t < threads; ++t) chunks_.emplace_back(input, capacity_, lists_);
   }
 
   void run() {
     parallel_for(chunks_.size(), [this](std::size_t i, unsigned) {
-      const ReadRecords own = deal_.for_thread ? deal_.for_thread() : ReadRecords();
-      while (own ? read(chunks_[i], own) : read_in_turn(chunks_[i])) deal_out(chunks_[i]);
+      const ReadRecords own = input_.for_thread ? input_.for_thread() : ReadRecords();
+      while (own ? read(chunks_[i], own) : read_in_turn(chunks_[i])) partition(chunks_[i]);
     });
   }
 
@@ -81,7 +81,7 @@ class Distribution {
     stop_if_cancelled();
     const std::lock_guard lock(reading_);
     if (!take(chunk, next_)) return false;
-    deal_.read(chunk.first, room(chunk));
+    input_.read(chunk.first, room(chunk));
     note(chunk.count);
     return true;
   }
@@ -91,7 +91,7 @@ class Distribution {
     stop_if_cancelled();
     {
       const std::lock_guard lock(reading_);
-      if (!take(chunk, deal_.chunk_end && next_ < deal_.count ? deal_.chunk_end(next_) : next_)) return false;
+      if (!take(chunk, input_.chunk_end && next_ < input_.count ? input_.chunk_end(next_) : next_)) return false;
     }
     own(chunk.first, room(chunk));
     const std::lock_guard lock(reading_);
@@ -103,9 +103,9 @@ class Distribution {
   /// for where that is next_.
   bool take(Chunk& chunk, std::uint64_t end) {
     if (chunk.next == chunk.end) {
-      if (next_ == deal_.count) return false;
+      if (next_ == input_.count) return false;
       chunk.next = next_;
-      chunk.end = next_ = std::min(end > next_ ? end : next_ + capacity_, deal_.count);
+      chunk.end = next_ = std::min(end > next_ ? end : next_ + capacity_, input_.count);
     }
     chunk.first = chunk.next;
     chunk.count = std::min<std::uint64_t>(capacity_, chunk.end - chunk.next);
@@ -114,15 +114,15 @@ class Distribution {
   }
 
   std::span<std::byte> room(const Chunk& chunk) const {
-    return {chunk.records.get(), chunk.count * deal_.schema.stride};
+    return {chunk.records.get(), chunk.count * input_.schema.stride};
   }
 
   void note(std::size_t count) {
     read_ += count;
-    if (deal_.progress) deal_.progress(read_);
+    if (input_.progress) input_.progress(read_);
   }
 
-  void deal_out(Chunk& chunk) {
+  void partition(Chunk& chunk) {
     classify(chunk);
     sort_by_list(chunk);
     append(chunk);
@@ -133,11 +133,11 @@ class Distribution {
     double* x = chunk.numbers.get();
     double* y = x + capacity_;
     double* z = y + capacity_;
-    decode_positions(position_, chunk.records.get(), deal_.schema.stride, chunk.count, x, y, z);
-    const double* key = x + static_cast<std::size_t>(deal_.key) * capacity_;
-    if (deal_.key == SortKey::row) decode_rows(chunk, z + capacity_);
+    decode_positions(position_, chunk.records.get(), input_.schema.stride, chunk.count, x, y, z);
+    const double* key = x + static_cast<std::size_t>(input_.key) * capacity_;
+    if (input_.key == SortKey::row) decode_rows(chunk, z + capacity_);
     const auto nonfinite = static_cast<std::uint16_t>(lists_ - 1);
-    const bool check = deal_.nonfinite_list.has_value();
+    const bool check = input_.nonfinite_list.has_value();
     for (std::size_t i = 0; i < chunk.count; ++i) {
       // 0 * v is a zero unless v is NaN or infinite.
       const bool finite = !check || (0 * x[i] + 0 * y[i]) + 0 * z[i] == 0;
@@ -148,16 +148,16 @@ class Distribution {
   }
 
   std::size_t piece_of(Vec3 p, double key) const {
-    if (deal_.splitters.size() > 1 && deal_.spacing->is_sparse(p)) {
-      return first_sparse_piece_ + deal_.splitters[1].piece_of(key);
+    if (input_.splitters.size() > 1 && input_.spacing->is_sparse(p)) {
+      return first_sparse_piece_ + input_.splitters[1].piece_of(key);
     }
-    return deal_.splitters[0].piece_of(key);
+    return input_.splitters[0].piece_of(key);
   }
 
   void decode_rows(const Chunk& chunk, double* rows) const {
     const std::byte* record = chunk.records.get();
-    for (std::size_t i = 0; i < chunk.count; ++i, record += deal_.schema.stride)
-      rows[i] = static_cast<double>(row_of(deal_.schema, record));
+    for (std::size_t i = 0; i < chunk.count; ++i, record += input_.schema.stride)
+      rows[i] = static_cast<double>(row_of(input_.schema, record));
   }
 
   /// Counting sort; makes the working records in order of their lists.
@@ -170,21 +170,21 @@ class Distribution {
     // Now each begin is the begin of the next list.
     std::copy_backward(begin.begin(), begin.end() - 1, begin.end());
     begin[0] = 0;
-    deal_.record.scatter(chunk.records.get(), deal_.schema.stride, chunk.count, chunk.first, chunk.place.get(),
-                         chunk.sorted.get());
+    input_.record.scatter(chunk.records.get(), input_.schema.stride, chunk.count, chunk.first, chunk.place.get(),
+                          chunk.sorted.get());
   }
 
   void append(const Chunk& chunk) {
-    const std::size_t stride = deal_.record.schema().stride;
+    const std::size_t stride = input_.record.schema().stride;
     for (std::size_t list = 0; list < lists_; ++list) {
       const std::size_t begin = chunk.begin[list], end = chunk.begin[list + 1];
       if (begin == end) continue;
-      const std::size_t target = list + 1 < lists_ ? deal_.first_list + list : *deal_.nonfinite_list;
+      const std::size_t target = list + 1 < lists_ ? input_.first_list + list : *input_.nonfinite_list;
       store_.append(target, {chunk.sorted.get() + begin * stride, (end - begin) * stride});
     }
   }
 
-  const Deal& deal_;
+  const PartitionInput& input_;
   SlabStore& store_;
   PositionFields position_;
   std::size_t first_sparse_piece_;
@@ -198,8 +198,8 @@ class Distribution {
 
 }  // namespace
 
-std::vector<Box> distribute(const Deal& deal, SlabStore& store) {
-  Distribution distribution(deal, store);
+std::vector<Box> distribute(const PartitionInput& input, SlabStore& store) {
+  Distribution distribution(input, store);
   distribution.run();
   return distribution.boxes();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// One pass that deals out a list of points to the slabs of a store, on all threads.
+/// One pass that partitions a list of points into the pieces of a store, on all threads.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +24,8 @@ enum class SortKey : std::uint8_t { x, y, z, row };
 /// Fills `records` with those from `first` on.
 using ReadRecords = std::function<void(std::uint64_t first, std::span<std::byte> records)>;
 
-/// A list of records to be dealt out.
-struct Deal {
+/// Records to partition, and how.
+struct PartitionInput {
   const Schema& schema;  ///< of the records read
   std::uint64_t count;
   ReadRecords read;             ///< called by one thread at a time, in order
@@ -38,13 +38,14 @@ struct Deal {
       nonfinite_list;                     ///< without it all points are taken to be finite, or the key to be the row
   std::size_t memory_bytes;               ///< aim for all buffers of the pass
   const LocalSpacing* spacing = nullptr;  ///< knows the sparse places, where there are two splitters
-  /// Gives a function in the place of `read` for one thread, beside which others read with theirs; or an empty one.
+  /// Makes a function that replaces `read` for one thread while other threads read with theirs; may return an empty
+  /// one.
   std::function<ReadRecords()> for_thread = {};
   std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};  ///< as PointSource::chunk_end
   std::function<void(std::uint64_t rows)> progress = {};  ///< told the records read; called by one thread at a time
 };
 
 /// Returns the tight boxes of the pieces. Which points a piece gets and its box never depend on threads.
-std::vector<Box> distribute(const Deal& deal, SlabStore& store);
+std::vector<Box> distribute(const PartitionInput& input, SlabStore& store);
 
 }  // namespace pointsweep

@@ -74,7 +74,7 @@ class Unpacker {
 
  private:
   void require(std::uint64_t count, std::size_t size) const {
-    if (count > rest_.size() / size) fail("a checkpoint ends too early: remove its folder and start anew.");
+    if (count > rest_.size() / size) fail("a checkpoint ends too early: remove its folder and start again.");
   }
   void take(void* to, std::size_t size, std::uint64_t count) {
     require(count, size);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Where points come from, without saying what a file is.
+/// Where points come from; independent of files and formats.
 #pragma once
 
 #include <cstddef>
@@ -15,15 +15,15 @@ namespace pointsweep {
 /// Fills records with rows from `row` on and returns how many, as Reader::read.
 using ReadRows = std::function<std::size_t(std::uint64_t row, std::span<std::byte> records)>;
 
-/// Where points come from, without saying what a file is.
+/// A schema, a number of rows, and functions that read them.
 struct PointSource {
   Schema schema;
   std::uint64_t count = 0;
   ReadRows read;  ///< for one thread at a time
-  /// Gives a function for one thread, beside which others may read with theirs; it fills only the `wanted` fields, or
-  /// all if none is named. Empty functions where rows can only be read by one thread at a time.
+  /// Makes a function for one thread, while other threads read with theirs; it fills only the `wanted` fields, or all
+  /// if none is named. Returns an empty function where only one thread at a time can read.
   std::function<ReadRows(const std::vector<std::size_t>& wanted)> for_thread = {};
-  /// The row behind the rows from `row` on that one thread should read, or `row` where that does not matter.
+  /// The end of the rows from `row` on that one thread should read, or `row` where any split will do.
   std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};
 };
 

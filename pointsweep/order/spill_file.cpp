@@ -69,7 +69,7 @@ SpillFile::SpillFile(const SpillPlace& place, std::uint64_t bytes)
     if (::ftruncate(descriptor_, static_cast<off_t>(bytes)) == 0) return;
   }
   if (descriptor_ >= 0) ::close(descriptor_);
-  fail("'{}' is not as the last checkpoint left it: remove the folder '{}' and start anew.", place.file().string(),
+  fail("'{}' is not as the last checkpoint left it: remove the folder '{}' and start again.", place.file().string(),
        parent_);
 }
 

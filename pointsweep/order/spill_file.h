@@ -13,8 +13,8 @@ namespace pointsweep {
 
 class TempFolder;
 
-/// Where spilled data go: nowhere, since they stay in memory; to a file that loses its name as soon as it is open, so
-/// that nothing is left of it however the process ends; or to a file that is kept for a run that continues.
+/// Where spilled data go: to memory; to a file that is unlinked as soon as it is open, so that it vanishes however the
+/// process ends; or to a file that is kept so that the run can be resumed.
 class SpillPlace {
  public:
   /// Null: memory.

@@ -44,7 +44,7 @@ class Splitters {
   double lo_ = 0, scale_ = 0, last_cell_ = 0;
 };
 
-/// At most `pieces` - 1 quantiles of a sample. A value that fills more than one piece gets a piece of its own, so that
+/// At most `pieces` - 1 quantiles of a sample. A value that fills more than one piece gets its own piece, so that
 /// it can be split by something else. Reorders the sample.
 std::vector<double> quantile_limits(std::vector<double>& sample, std::size_t pieces);
 

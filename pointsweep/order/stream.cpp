@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kMostPieces = 4096;                           ///< dealt out at once
+constexpr std::size_t kMostPieces = 4096;                           ///< of one pass
 constexpr std::size_t kFewPieces = 64;                              ///< so many may one that is too big become at once
 constexpr std::size_t kSamplesPerSlab = 16;                         ///< fewer make uneven slabs
 constexpr std::size_t kLeastBlock = 8192, kLargestBlock = 1 << 20;  ///< bytes
@@ -106,8 +106,8 @@ struct Stream::State {
   }
 
   /// Reads the source once and returns the pieces it is cut into, by splitter.
-  std::vector<std::vector<StreamPiece>> deal_out(const PointSource& source, const std::vector<Splitters>& splitters,
-                                                 const LocalSpacing& spacing, const StreamOptions& options) {
+  std::vector<std::vector<StreamPiece>> partition(const PointSource& source, const std::vector<Splitters>& splitters,
+                                                  const LocalSpacing& spacing, const StreamOptions& options) {
     std::size_t count = 0;
     for (const Splitters& s : splitters) count += s.pieces();
     const std::size_t record_bytes = record.schema().stride;
@@ -138,15 +138,15 @@ struct Stream::State {
                                                .progress = options.progress},
                                               *store);
     store->finish();
-    std::vector<std::vector<StreamPiece>> dealt;
+    std::vector<std::vector<StreamPiece>> pieces;
     std::size_t piece = 0;
     for (const Splitters& s : splitters) {
-      dealt.emplace_back();
+      pieces.emplace_back();
       for (const std::size_t end = piece + s.pieces(); piece < end; ++piece) {
-        dealt.back().push_back({piece, store->count(piece), boxes[piece]});
+        pieces.back().push_back({piece, store->count(piece), boxes[piece]});
       }
     }
-    return dealt;
+    return pieces;
   }
 
   /// Joins neighbouring pieces that are small together: a thin slab gives slivers. Copies of one point stay by
@@ -168,10 +168,10 @@ struct Stream::State {
     return slabs;
   }
 
-  void make_slabs(const std::vector<StreamPiece>& dealt, std::uint64_t aim) {
+  void make_slabs(const std::vector<StreamPiece>& pieces, std::uint64_t aim) {
     SplitOptions options = split;
     options.aim = std::clamp<std::uint64_t>(aim, 1, split.most);
-    merge(join(split_large_pieces(dealt, record.schema(), options, *store), options.aim));
+    merge(join(split_large_pieces(pieces, record.schema(), options, *store), options.aim));
   }
 
   /// The others as late as may be, but before the first slab that reaches to where they, or any after them, begin: its
@@ -216,9 +216,9 @@ Stream::Stream(const PointSource& source, const Survey& survey, const StreamOpti
   State& s = *state_;
   record_schema_ = s.record.schema();
   LocalSpacing spacing(survey.sample, source.count, survey.dimension);
-  const auto dealt = s.deal_out(source, first_splitters(source.count, survey, spacing, options), spacing, options);
-  s.make_slabs(dealt[0], options.slab_points);
-  if (dealt.size() > 1) s.make_slabs(dealt[1], sparse_aim(options));
+  const auto pieces = s.partition(source, first_splitters(source.count, survey, spacing, options), spacing, options);
+  s.make_slabs(pieces[0], options.slab_points);
+  if (pieces.size() > 1) s.make_slabs(pieces[1], sparse_aim(options));
   for (PiecedSlab& slab : s.slabs) {
     slab.slab.first = slabs_.empty() ? 0 : slabs_.back().first + slabs_.back().count;
     slabs_.push_back(slab.slab);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A folder of its own for the spilled data of one run.
+/// A separate folder for the spilled data of one run.
 #pragma once
 
 #include <filesystem>

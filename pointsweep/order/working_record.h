@@ -16,7 +16,7 @@ class WorkingRecord {
  public:
   /// Carries the position and the fields `payload`, or every byte of a record if `whole`; rows below `rows`.
   WorkingRecord(const Schema& source, bool whole, std::span<const std::size_t> payload, std::uint64_t rows);
-  /// Takes working records as they are.
+  /// For records that already are working records.
   explicit WorkingRecord(const Schema& working);
 
   /// Source schema (with names, types, scales), then "row".

@@ -44,7 +44,7 @@ std::optional<SweepProgress> Checkpoints::progress() const {
 
 void Checkpoints::require_slabs_of(std::uint64_t slab_points) const {
   if (last_.slab_points > slab_points)
-    fail("'{}' was begun with more memory: give --memory as then, or more, or remove the folder to start anew.",
+    fail("'{}' was begun with more memory: give --memory as then, or more, or remove the folder to start again.",
          folder_.path().string());
 }
 

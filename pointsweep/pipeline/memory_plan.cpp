@@ -81,7 +81,7 @@ std::uint64_t thread_bytes(const SweepPlan& plan, std::uint64_t slab_points, std
   const std::uint64_t lists =
       std::min(lists_bytes(budget, demand), is_unlimited(plan) ? kMostListBytes : cell * listed * sizeof(NeighborRef));
   const std::uint64_t point = listed * (is_unlimited(plan) ? kNeighborInHandBytes : kCandidateBytes);
-  return loading + cell * (2 * plan.result_bytes + plan.passing_bytes()) + lists + point;
+  return loading + cell * (2 * plan.result_bytes + plan.step_lifetime_bytes()) + lists + point;
 }
 
 /// What grows with the number of slabs and cells.

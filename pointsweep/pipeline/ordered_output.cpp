@@ -5,9 +5,9 @@
 #include <cstring>
 
 #include "pointsweep/error.h"
-#include "pointsweep/made_ahead.h"
 #include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/slab_order.h"
+#include "pointsweep/prefetch.h"
 
 namespace pointsweep {
 namespace {
@@ -40,8 +40,8 @@ void write_in_order(const Stream& stream, std::size_t bytes,
                     const std::function<void(std::span<const std::byte>)>& write,
                     const std::function<void(std::uint64_t)>& report) {
   const std::size_t slabs = stream.slabs().size();
-  MadeAhead<std::vector<std::byte>> sorted([&](std::size_t s) { return sorted_slab(stream, s, bytes); }, 0, slabs,
-                                           thread_count());
+  Prefetch<std::vector<std::byte>> sorted([&](std::size_t s) { return sorted_slab(stream, s, bytes); }, 0, slabs,
+                                          thread_count());
   std::uint64_t done = 0;
   for (std::size_t s = 0; s < slabs; ++s) {
     write(sorted.next());

@@ -11,8 +11,8 @@
 
 namespace pointsweep {
 
-/// An option as it is written. A list has become its elements with commas between, as "0,0,1.7". The name is empty
-/// where only a value is written, as in thin(0.1), which no operator takes (OptionValues).
+/// The text of one option. A list is stored as its elements separated by commas, as "0,0,1.7". The name is empty
+/// where only a value is given, as in thin(0.1), which no operator accepts (OptionValues).
 struct OptionText {
   std::string name, value;
   std::string place;  ///< for messages, e.g. "pipeline, column 12" or "chain.json, stage 2"

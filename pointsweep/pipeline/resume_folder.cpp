@@ -129,7 +129,7 @@ void ResumeFolder::load() {
     file.read_at(sizeof head, saved_);
     if (checksum(saved_) == head.checksum) return;
   }
-  fail("'{}' is damaged: remove the folder and start anew.", (path_ / kCheckpoint).string());
+  fail("'{}' is damaged: remove the folder and start again.", (path_ / kCheckpoint).string());
 }
 
 void ResumeFolder::save(std::vector<std::byte> bytes, const std::set<std::string>& names) {

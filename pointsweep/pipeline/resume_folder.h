@@ -31,9 +31,9 @@ class ResumeFolder {
   const std::vector<std::byte>& saved() const { return saved_; }
   /// A file for spilled data; `name` begins with "stream-", "results-", "rows-" or "mask-".
   SpillPlace place(const std::string& name) const { return SpillPlace::kept(path_ / name); }
-  /// Begins to save `bytes`, which speak of the data in the files `names` as they are now, and returns while a thread
-  /// of its own brings both to the disk: first the data, then the bytes under their name, so that not even a loss of
-  /// power leaves one without the other. Then other data files are removed. Throws what went wrong the last time.
+  /// Begins to save `bytes`, which describe the present data of the files `names`, and returns while another thread
+  /// flushes both to the disk: first the data, then the bytes under their name, so that not even a loss of power
+  /// leaves one without the other. Then other data files are removed. Throws what went wrong the last time.
   void save(std::vector<std::byte> bytes, const std::set<std::string>& names);
   bool is_saving() const;
   /// Removes all spilled data but files of these names.

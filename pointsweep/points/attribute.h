@@ -25,7 +25,7 @@ struct Attribute {
   std::byte fill{0};  ///< every byte of the value of a point that has none (its coordinates are not finite)
 
   std::size_t bytes() const { return size_of(type) * fields.size(); }
-  /// A list of m values, N×m even where m is 1, and not a number of its own.
+  /// A list of m values, stored as N×m even where m is 1; otherwise a scalar.
   bool is_list() const { return fields.size() != 1 || fields.front() != name; }
 };
 

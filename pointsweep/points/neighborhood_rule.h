@@ -16,11 +16,11 @@
 namespace pointsweep {
 
 /// Shortens the list of a point's neighbours. The search finds the largest neighbourhood that any point may have,
-/// nearest first; the rule keeps the first so many of each point. What it keeps is exact because the whole is: the
+/// nearest first; the rule keeps the first m of each point, with m its choice. These are exact because the list is: the
 /// first m of the k nearest are the m nearest.
 ///
-/// A rule is a pure function of a point, of its own attributes and of its list, as an operator is, and runs once per
-/// point, before all stages. The cost of the search is that of the largest neighbourhood.
+/// Like an operator, a rule is a pure function of a point, its attributes and its list. It runs once per point,
+/// before all stages. The cost of the search is that of the largest neighbourhood.
 class NeighborhoodRule {
  public:
   virtual ~NeighborhoodRule() = default;

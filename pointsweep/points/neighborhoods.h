@@ -163,7 +163,7 @@ class Columns {
     assert(m < made_.size());
     return {reinterpret_cast<T*>(made_[m]), size_};
   }
-  /// False if column `m` is never read. An operator may then leave it as it is, and spare itself the work.
+  /// False if column `m` is never read. An operator may then skip computing it.
   bool wanted(std::size_t m) const { return m >= unwanted_.size() || !unwanted_[m]; }
   /// Point i gets the documented value in place of a result, because its data define none.
   void mark_degenerate(std::size_t i) {

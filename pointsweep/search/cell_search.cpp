@@ -162,9 +162,9 @@ class CellSearch {
     group.selection.start(d_, what_.k);
     const double r = what_.radius * frame_.scale, m = r + 2 * leaf_extent_;
     limited_ = r < kFarthest;
-    radius2_ = limited_ ? static_cast<float>(r * r) : kNobody;
+    radius2_ = limited_ ? static_cast<float>(r * r) : kEmptyKey;
     group.radius_key = hn::Set(
-        d_, limited_ ? static_cast<float>(r * r * (1 + 2 * kRelativeMargin) + m * m * kAbsoluteMargin) : kNobody);
+        d_, limited_ ? static_cast<float>(r * r * (1 + 2 * kRelativeMargin) + m * m * kAbsoluteMargin) : kEmptyKey);
   }
 
   void take(const Cell& cell, std::uint32_t slot, std::uint32_t leaf) {
@@ -180,8 +180,8 @@ class CellSearch {
 
   /// A squared distance in the frame in length units of the file, rounded up.
   double unscaled(float reach2) const {
-    return reach2 < 0.99f * kNobody ? static_cast<double>(reach2) * (1 + 1e-6) * frame_.unscale2
-                                    : std::numeric_limits<double>::infinity();
+    return reach2 < 0.99f * kEmptyKey ? static_cast<double>(reach2) * (1 + 1e-6) * frame_.unscale2
+                                      : std::numeric_limits<double>::infinity();
   }
 
   /// Collects the leaves that a query may need, nearest first, except those of its own cell tried before.
@@ -229,9 +229,9 @@ class CellSearch {
   /// is not even certain who belongs, because the first one out or the radius is too close, the point is settled in
   /// double.
   void settle(const Group<K>& group, std::uint32_t first, std::uint32_t queries) {
-    const Vec nobody = hn::Set(d_, kNobody), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
+    const Vec nobody = hn::Set(d_, kEmptyKey), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
-    const Vec surely_within = hn::Set(d_, limited_ ? radius2_ * (1 - 1e-6f) : kNobody);
+    const Vec surely_within = hn::Set(d_, limited_ ? radius2_ * (1 - 1e-6f) : kEmptyKey);
     Vec set_unsure = hn::Zero(d_);
     std::uint64_t close_to_next[kGroup] = {};  // by lane; a bit for each place in the list
     for (std::size_t i = 0; i <= K; ++i) {
@@ -282,7 +282,7 @@ class CellSearch {
   void write_lane(std::uint32_t point, std::uint32_t lane, std::uint64_t close_to_next) {
     NeighborRef* const refs = out_.refs.data() + written_;
     std::size_t size = 0;
-    for (std::size_t i = K - what_.k; i < K && keys_[i][lane] < kNobody; ++i) {
+    for (std::size_t i = K - what_.k; i < K && keys_[i][lane] < kEmptyKey; ++i) {
       const std::uint32_t number = std::bit_cast<std::uint32_t>(keys_[i][lane]) & (kCandidates - 1);
       refs[size++] = packed_.first[number / kLeafCapacity] + number % kLeafCapacity;
     }

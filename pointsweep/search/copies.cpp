@@ -18,10 +18,10 @@ std::uint32_t end_of_copies(const Cell& cell, std::uint32_t leaf) {
 
 void search_copies(const CellDirectory& directory, const Cell& cell, std::uint32_t first, std::uint32_t end,
                    const Neighborhood& what, SearchScratch& scratch, double& reach2, CellNeighbors& out) {
-  constexpr std::uint64_t kNobodysRow = ~std::uint64_t{0};
+  constexpr std::uint64_t kNoRow = ~std::uint64_t{0};
   Neighborhood with_self = what;
   if (what.k != Neighborhood::kUnlimited) ++with_self.k;
-  search_place_plainly(directory, cell, cell.position(first), kNobodysRow, with_self, scratch, reach2);
+  search_place_plainly(directory, cell, cell.position(first), kNoRow, with_self, scratch, reach2);
   const std::vector<Candidate>& found = scratch.best.finish();
   for (std::uint32_t i = first; i < end; ++i) {
     std::size_t size = 0;

@@ -89,8 +89,8 @@ class GatheredSearch {
   /// More points than this around one leaf are not gathered.
   static constexpr std::size_t kMostGathered = 1 << 15;
   static constexpr std::uint64_t kDistanceBits = ~std::uint64_t{0} << 32;
-  static constexpr std::size_t kMostCopied = 4096;         ///< candidates copied out to be compared; more are looked up
-  static constexpr NeighborRef kNobody = ~NeighborRef{0};  ///< the name of no point: a slot is never so full
+  static constexpr std::size_t kMostCopied = 4096;  ///< candidates copied out to be compared; more are looked up
+  static constexpr NeighborRef kNoPoint = ~NeighborRef{0};  ///< refers to no point: slots hold fewer
 
   bool unlimited() const { return what_.k == Neighborhood::kUnlimited; }
 
@@ -125,7 +125,7 @@ class GatheredSearch {
       return behind;
     }
     find_leaves({cell_.position(i), cell_.position(i)}, what_.radius2(), std::numeric_limits<std::size_t>::max());
-    const std::span<const std::uint64_t> keys = all_within(cell_.position(i), kNobody);
+    const std::span<const std::uint64_t> keys = all_within(cell_.position(i), kNoPoint);
     for (const std::uint32_t begin = i; i < end && (i == begin || out_.refs.size() < most_); ++i) {
       stop_if_cancelled();
       make_room(keys.size());

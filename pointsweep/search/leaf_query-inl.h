@@ -29,9 +29,9 @@ using Vec = hn::Vec<Lanes>;
 /// alone.
 inline constexpr std::uint32_t kCandidateBits = 10;
 inline constexpr std::uint32_t kCandidates = 1u << kCandidateBits;
-inline constexpr float kNobody = 1e30f;        ///< key of an empty place
-inline constexpr float kPadding = 1e16f;       ///< coordinate of padding: its key is above kNobody
-inline constexpr float kFarthest = 1e14f;      ///< coordinates are clamped here: their keys stay below kNobody
+inline constexpr float kEmptyKey = 1e30f;      ///< key of an empty entry
+inline constexpr float kPadding = 1e16f;       ///< coordinate of padding: its key is above kEmptyKey
+inline constexpr float kFarthest = 1e14f;      ///< coordinates are clamped here: their keys stay below kEmptyKey
 inline constexpr float kSmallest = 0x1p-100f;  ///< added to every key, keeps it normal
 
 /// How far keys and the squared distances in double may differ, all coordinates at most m from the centre:
@@ -97,13 +97,13 @@ struct Selection {
   Vec list[K + 1];
 
   HWY_INLINE void start(Lanes d, std::size_t k) {
-    for (std::size_t i = 0; i <= K; ++i) list[i] = hn::Set(d, i + k < K ? -1.0f : kNobody);
+    for (std::size_t i = 0; i <= K; ++i) list[i] = hn::Set(d, i + k < K ? -1.0f : kEmptyKey);
   }
   HWY_INLINE void insert(Vec key) {
     for (std::size_t i = K; i > 0; --i) list[i] = hn::Max(list[i - 1], hn::Min(list[i], key));
     list[0] = hn::Min(list[0], key);
   }
-  /// Takes sixteen keys at once. The smaller halves of two ascending lists, one of them turned round, make a bitonic
+  /// Takes sixteen keys at once. The smaller halves of two ascending lists, one of them reversed, make a bitonic
   /// one; of what falls out the smallest is the new last key.
   HWY_INLINE void merge(Vec (&keys)[kLeafCapacity]) {
     static_assert(K % kLeafCapacity == 0 && K <= 64);
@@ -232,7 +232,7 @@ struct Group {
     if constexpr (Selection<K>::kMergeFrom <= kLeafCapacity) {
       if (static_cast<std::size_t>(__builtin_popcount(wanted)) >= Selection<K>::kMergeFrom) {
         Vec all[kLeafCapacity];
-        const Vec beyond = hn::Set(d, kNobody);
+        const Vec beyond = hn::Set(d, kEmptyKey);
         for (std::size_t j = 0; j < kLeafCapacity; ++j) {
           const Vec key = hn::Load(d, keys + j * hn::Lanes(d));
           all[j] = hn::IfThenElse(hn::Gt(key, radius_key), beyond, key);
@@ -241,7 +241,7 @@ struct Group {
       }
     }
     if (wanted == 0) return;
-    Selection<K> best = selection;  // a copy of its own stays in registers
+    Selection<K> best = selection;  // a local copy stays in registers
     for (; wanted != 0; wanted &= wanted - 1) {
       best.insert(hn::Load(d, keys + static_cast<std::size_t>(__builtin_ctz(wanted)) * hn::Lanes(d)));
     }
@@ -256,7 +256,7 @@ struct Group {
     const auto key_but_own = [&](std::size_t j) HWY_ATTR {
       const auto number = hn::Set(du, static_cast<std::uint32_t>(first + j));
       const auto self = hn::RebindMask(d, hn::Eq(lane, hn::Set(du, static_cast<std::uint32_t>(j))));
-      return hn::IfThenElse(self, hn::Set(d, kNobody), key_of(d, packed, first + j, number));
+      return hn::IfThenElse(self, hn::Set(d, kEmptyKey), key_of(d, packed, first + j, number));
     };
     if constexpr (Selection<K>::kMergeFrom <= kLeafCapacity) {
       Vec all[kLeafCapacity];
@@ -269,7 +269,8 @@ struct Group {
     }
   }
 
-  /// An upper bound, per lane, of the squared distance at which the neighbourhood ends; kNobody or more where unknown.
+  /// An upper bound, per lane, of the squared distance at which the neighbourhood ends; kEmptyKey or more where
+  /// unknown.
   HWY_INLINE Vec reach(Lanes d, float farthest) const {
     const Vec margin = hn::Set(d, farthest * farthest * kAbsoluteMargin);
     const Vec kth = selection.list[K - 1];

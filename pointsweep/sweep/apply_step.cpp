@@ -84,21 +84,21 @@ void for_each_made(const SweepPlan& plan, std::uint32_t step, Use use) {
 
 }  // namespace
 
-void place_lasting_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker) {
+void place_cell_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker) {
   for_each_made(plan, step, [&](std::uint16_t c) {
-    if (plan.lasting[c] == Lasting::its_cell) cell.make_column(c, plan.column_bytes[c]);
+    if (plan.lifetimes[c] == Lifetime::cell) cell.make_column(c, plan.column_bytes[c]);
   });
   worker.columns.clear();
   for (auto& column : cell.columns) worker.columns.push_back(column.empty() ? nullptr : column.data());
 }
 
 void place_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker) {
-  place_lasting_columns(plan, step, cell, worker);
+  place_cell_columns(plan, step, cell, worker);
   constexpr std::size_t kLine = 64;
   const auto for_each_passing = [&](auto use) {
     for_each_made(plan, step, [&](std::uint16_t c) {
       const std::size_t bytes = std::size_t{plan.column_bytes[c]} * cell.cell.size();
-      if (plan.lasting[c] != Lasting::its_cell) use(c, (bytes + kLine - 1) / kLine * kLine);
+      if (plan.lifetimes[c] != Lifetime::cell) use(c, (bytes + kLine - 1) / kLine * kLine);
     });
   };
   std::size_t passing = 0;

@@ -15,7 +15,7 @@ namespace pointsweep {
 /// All are 0 where an operator writes nothing.
 void place_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
 /// The same without a place for columns that do not outlast the step, which stay null.
-void place_lasting_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
+void place_cell_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
 
 /// Applies the step to the points of the cell from `first` on that are not deferred; `lists` holds one list for each.
 /// Notes in the cell which of them are degenerate.

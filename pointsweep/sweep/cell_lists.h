@@ -20,7 +20,7 @@ struct ListMemory {
   std::uint64_t lists_bytes;
 };
 
-/// Thread-safe for different cells, each thread with a worker of its own.
+/// Thread-safe for different cells, if each thread has its own worker.
 class CellLists {
  public:
   CellLists(const SweepPlan& plan, const Window& window, const ListMemory& memory)

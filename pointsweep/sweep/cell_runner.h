@@ -15,7 +15,7 @@ class CellRunner {
  public:
   CellRunner(const SweepPlan& plan, Window& window, const Frontier& frontier, Sink& sink, const ListMemory& memory);
 
-  /// Thread-safe for different cells that are ready for the step, each thread with a worker of its own.
+  /// Thread-safe for different cells that are ready for the step, if each thread has its own worker.
   void run(std::uint32_t slot, std::uint32_t step, Worker& worker) const;
 
  private:

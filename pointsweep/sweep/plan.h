@@ -14,11 +14,11 @@
 
 namespace pointsweep {
 
-/// How long what a stage makes is of use.
-enum class Lasting : std::uint8_t {
-  not_at_all,  ///< no stage reads it and it is not written
-  its_step,    ///< only later stages of the same step read it, of the point itself; or it is written after that step
-  its_cell,    ///< as long as the point is in memory
+/// How long the values of a column are needed.
+enum class Lifetime : std::uint8_t {
+  none,  ///< no stage reads it and it is not written
+  step,  ///< only later stages of the same step read it, of the point itself; or it is written after that step
+  cell,  ///< as long as the point is in memory
 };
 
 /// An operator at its place in the chain (the paper's Φ_k). Columns are numbered; remaking an attribute makes a new
@@ -52,22 +52,22 @@ struct SweepPlan {
   /// through-buffered and run at once, while the cell is in cache (paper Section 5.2).
   std::vector<std::size_t> steps;
   std::vector<std::uint32_t> column_bytes;  ///< per point, by column number
-  std::vector<Lasting> lasting;             ///< by column number; what comes from the file lasts as long as its cell
+  std::vector<Lifetime> lifetimes;          ///< by column number; what comes from the file lasts as long as its cell
   std::vector<FileColumn> file_columns;
   std::vector<ResultColumn> results;
   std::uint32_t result_bytes = 0;
 
   std::size_t step_count() const { return steps.size() - 1; }
-  /// What the columns of a point take while it is in memory.
-  std::uint64_t lasting_bytes() const {
+  /// Bytes that the columns of a point take while it is in memory.
+  std::uint64_t cell_lifetime_bytes() const {
     std::uint64_t bytes = 0;
     for (std::size_t c = 0; c < column_bytes.size(); ++c)
-      if (lasting[c] == Lasting::its_cell) bytes += column_bytes[c];
+      if (lifetimes[c] == Lifetime::cell) bytes += column_bytes[c];
     return bytes;
   }
-  /// At most, what those take that last no longer than a step.
-  std::uint64_t passing_bytes() const {
-    return std::accumulate(column_bytes.begin(), column_bytes.end(), std::uint64_t{0}) - lasting_bytes();
+  /// Upper bound of the bytes of columns that are dropped at the end of their step.
+  std::uint64_t step_lifetime_bytes() const {
+    return std::accumulate(column_bytes.begin(), column_bytes.end(), std::uint64_t{0}) - cell_lifetime_bytes();
   }
 };
 

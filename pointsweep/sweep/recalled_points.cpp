@@ -283,7 +283,7 @@ void RecalledPoints::reach_neighbors(const CellNeighbors& lists) {
 }
 
 void RecalledPoints::take_step(std::uint32_t slot, std::uint32_t step, Worker& worker, Sink& sink) {
-  place_lasting_columns(plan_, step, region_.at(slot), worker);
+  place_cell_columns(plan_, step, region_.at(slot), worker);
   const auto use = [&](std::uint32_t level, std::span<const std::uint32_t> points, const CellNeighbors& lists) {
     if (level == last_level()) return apply_deferred(slot, step, points, lists, worker, sink);
     apply_step_to(plan_, step, region_.at(slot), points, lists, region_.slots(), worker, worker.halo,

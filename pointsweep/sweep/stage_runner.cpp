@@ -35,7 +35,7 @@ void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, Stage
     std::vector<bool> unwanted;
     for (const std::uint16_t column : stage.makes) {
       made.push_back(batch.made[column]);
-      unwanted.push_back(plan.lasting[column] == Lasting::not_at_all);
+      unwanted.push_back(plan.lifetimes[column] == Lifetime::none);
     }
     const Neighborhoods in(batch.own, batch.size, batch.slots, batch.begin, batch.refs, stage.reads,
                            stage.reads_neighbors, stage.position);

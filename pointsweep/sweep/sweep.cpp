@@ -6,7 +6,7 @@
 #include <chrono>
 #include <optional>
 
-#include "pointsweep/made_ahead.h"
+#include "pointsweep/prefetch.h"
 #include "pointsweep/sweep/cell_runner.h"
 #include "pointsweep/sweep/recall.h"
 #include "pointsweep/sweep/sweep_restart.h"
@@ -50,7 +50,7 @@ class Sweep {
   SweepStatistics run() {
     const std::size_t slabs = stream_.slabs().size();
     const std::uint32_t first = restart();
-    MadeAhead<LoadedSlab> loaded([this](std::size_t slab) { return load(slab); }, first, slabs, options_.read_ahead);
+    Prefetch<LoadedSlab> loaded([this](std::size_t slab) { return load(slab); }, first, slabs, options_.read_ahead);
     for (std::uint32_t slab = first; slab < slabs; ++slab) {
       read(loaded.next(), slab);
       for (std::uint32_t step = 0; step < plan_.step_count(); ++step) pull(step);

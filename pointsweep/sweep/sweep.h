@@ -36,8 +36,8 @@ struct SweepOptions {
   /// points; one point is the least.
   std::uint64_t lists_bytes = 16u << 20;
   bool count_distances = false;  ///< fill SweepStatistics::distances
-  /// If given, the PointState of every point by input row, as it is once half of the points have been read. The caller
-  /// gives it a place for each row of the input.
+  /// If given, receives the PointState of every input row at the moment when half of the points have been read. Its
+  /// size must be the number of rows of the input.
   std::vector<PointState>* half_way = nullptr;
   ProgressKeeper* keeper = nullptr;
   /// What a keeper was given, by another process perhaps, of the same stream and plan and cells of the same size, with

@@ -77,7 +77,7 @@ void SweepRestart::mark(WindowCell& cell) const {
   cell.was_finished = at == window_.end() || at->second.finished != 0;
   if (at == window_.end()) return;
   if (at->second.points != cell.cell.size())
-    fail("a checkpoint is of a build that cuts its points otherwise: remove its folder and start anew.");
+    fail("a checkpoint is of a build that cuts its points otherwise: remove its folder and start again.");
   if (!cell.was_finished || plan_.step_count() > 1) return;
   cell.steps_done = 1;
   cell.reach = at->second.reach;

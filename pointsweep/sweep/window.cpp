@@ -84,8 +84,8 @@ std::vector<std::uint32_t> Window::ready_for(std::uint32_t step) const {
   return slots;
 }
 
-/// How far from a cell something may be that will look at it. Without a limit k that is known: the radius, and what a
-/// rounded square root may lose. Else twice the reach of its own density.
+/// How far from a cell a point may be that will search it. Without a limit k: the radius plus what rounding of a
+/// square root may lose. Otherwise an estimate: twice the reach at the density of the cell.
 double Window::kept_clear(double reach) const {
   return (plan_.neighborhood.k == Neighborhood::kUnlimited ? 1 + 1e-9 : 2) * reach;
 }

@@ -65,7 +65,7 @@ inline constexpr std::uint64_t kLostShare = 5;
 inline std::uint64_t window_point_bytes(const SweepPlan& plan) {
   constexpr std::uint64_t kShared = kWindowLeafBytes / kLeafCapacity + 1 + sizeof(WindowCell) / kUsualCellPoints + 1;
   constexpr std::uint64_t kBytes = kOwnPointBytes + kShared;
-  return kBytes + kBytes / kLostShare + plan.lasting_bytes();
+  return kBytes + kBytes / kLostShare + plan.cell_lifetime_bytes();
 }
 
 }  // namespace pointsweep

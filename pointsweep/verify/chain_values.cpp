@@ -24,7 +24,7 @@ double number_at(Type type, const std::byte* value, std::size_t component) {
   return value_of(field, value, static_cast<std::uint32_t>(component));
 }
 
-/// Stores a number as it is, with the one rounding of the type.
+/// Stores a number, rounded once to its type.
 void store(Type type, formulas::Real number, std::byte* to) {
   const auto copy = [to](auto value) { std::memcpy(to, &value, sizeof value); };
   if (type == Type::f32) return copy(static_cast<float>(number));
@@ -264,7 +264,7 @@ formulas::Kept ChainValues::kept_of(const Surroundings& around, std::size_t i, c
 }
 
 /// Leaves of each list what the rule keeps, before any stage. True for lists of which rounding decides the length.
-std::vector<bool> ChainValues::shorten(Surroundings& around, const ColumnBytes& columns) const {
+std::vector<bool> ChainValues::truncate_lists(Surroundings& around, const ColumnBytes& columns) const {
   std::vector<bool> in_doubt(around.list_begin.size() - 1);
   if (!rule_) return in_doubt;
   std::vector<const std::byte*> pointers;
@@ -367,7 +367,7 @@ ChainResults ChainValues::evaluate(Surroundings around, RowSource& in) const {
   ColumnBytes bits(columns_.size());
   ColumnEstimates estimates(columns_.size());
   fetch_file_columns(around, in, bits);
-  const std::vector<bool> in_doubt = shorten(around, bits);
+  const std::vector<bool> in_doubt = truncate_lists(around, bits);
   for (const FileColumn& f : file_columns_) take_bits(f.column, bits, {}, estimates);
   for (const Stage& stage : stages_) {
     if (stage.ring < 0) continue;

@@ -68,7 +68,7 @@ class ChainValues {
   std::uint16_t column_of(const Attribute& wanted, const Operator& op, const Schema& input);
   void add_file_column(std::uint16_t column, const Attribute& wanted, const std::string& who, const Schema& input);
   void find_applied();
-  std::vector<bool> shorten(Surroundings& around, const ColumnBytes& columns) const;
+  std::vector<bool> truncate_lists(Surroundings& around, const ColumnBytes& columns) const;
   formulas::Kept kept_of(const Surroundings& around, std::size_t i, const ColumnBytes& columns,
                          const std::vector<PointColumns>& slots) const;
   std::uint16_t new_column(const Attribute& attribute);

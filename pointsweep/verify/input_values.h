@@ -10,8 +10,8 @@
 
 namespace pointsweep {
 
-/// `operators`, those that need values of the input (Reduction::of_input) given them. Reads the cloud once for each
-/// such value; operators that need other values stay as they are.
+/// Gives operators that need values of the input (Reduction::of_input) these values. Reads the cloud once for each
+/// value; returns all other operators unchanged.
 std::vector<std::shared_ptr<const Operator>> with_input_values(std::vector<std::shared_ptr<const Operator>> operators,
                                                                Cloud& cloud);
 

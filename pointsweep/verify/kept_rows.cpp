@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-/// Of the rows of `cloud` as it is now, which are kept.
+/// Which of the present rows of `cloud` are kept.
 using Mask = std::vector<bool>;
 
 struct PlacedRow {

@@ -38,8 +38,8 @@ struct Surroundings {
   std::size_t size() const { return row.size(); }
 };
 
-/// Reads the whole input once for each of `rings` (1 or more). `subset` are points of the input, at random or evenly
-/// strewn: from them comes a first idea of how far neighbours are.
+/// Reads the whole input once for each of `rings` (1 or more). `subset` is a sample of the input, random or evenly
+/// spaced, that gives first bounds of the distances of neighbours.
 Surroundings find_surroundings(RowSource& in, std::span<const KnownPoint> chosen, std::span<const KnownPoint> subset,
                                const NeighborRule& rule, std::size_t rings, const PhaseProgress& progress);
 

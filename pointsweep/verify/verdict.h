@@ -16,7 +16,7 @@ struct Verdict {
   bool attributes_compared = true;  ///< false for arrays, which hold none of the input's
   std::string order;                ///< "input" or "sweep along x"; empty if the rows are in neither
   std::vector<std::string> made;    ///< attributes that operators made, by brute force again
-  /// Those of them for which the library has no formula of its own: evaluated with the operator that made them.
+  /// Those of them for which `verify` has no independent formula: evaluated with the operator that made them.
   std::vector<std::string> by_own_operator;
   std::uint64_t values = 0;          ///< values that were evaluated again
   std::uint64_t open_values = 0;     ///< of these, some of which the data do not tell what is right (a tie to rounding)

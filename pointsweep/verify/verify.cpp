@@ -282,7 +282,7 @@ class Verification {
   ChainValues chain_;
   std::vector<std::uint64_t> rows_;                             ///< of the sample, ascending
   std::vector<KnownPoint> finite_, nonfinite_;                  ///< the sample
-  std::vector<KnownPoint> subset_;                              ///< of all points, evenly strewn over the rows
+  std::vector<KnownPoint> subset_;                              ///< of all points, at evenly spaced rows
   std::vector<bool> replaced_;                                  ///< by field of the input
   std::vector<std::pair<std::size_t, MadeValue>> made_values_;  ///< by number of the estimate
   int axis_ = -1;  ///< of the sweep whose order the rows have; negative: the input's

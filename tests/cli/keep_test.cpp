@@ -153,7 +153,7 @@ TEST_F(SharedOptions, KeptWithAPrefixAnAttributeOfTheInputIsNotTheMadeOne) {
   expect_columns_of(table("whole.ply"), table("both.ply"));
 }
 
-/// The input has a curvature of its own, of bytes, and normals of bytes.
+/// The input already has a curvature and normals, both of bytes.
 TEST_F(SharedOptions, AReplacedAttributeIsKeptAsItIsMade) {
   std::string text =
       "ply\nformat ascii 1.0\nelement vertex 300\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "

@@ -104,7 +104,7 @@ TEST_F(ProgressDisplays, ProgramsGetTheFirstAndTheLastOfAPhaseAndSomeBetween) {
                        "\n");
 }
 
-TEST_F(ProgressDisplays, NobodyIsToldAnythingUnlessAsked) {
+TEST_F(ProgressDisplays, AreSilentUnlessAsked) {
   ProgressDisplay display(ProgressDisplay::Targets{}, clock());
   display.report("sweeping", 1, 1);
   display.say("hello");

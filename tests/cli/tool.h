@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Runs the built tool as a user does, in a folder of its own.
+/// Runs the built tool as a user does, in a separate folder.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -80,7 +80,7 @@ struct File {
   }
 
   std::string bytes() const {
-    std::string header = random_bytes(header_size(), seed + 1);  // what nobody looks at has to survive, too
+    std::string header = random_bytes(header_size(), seed + 1);  // unused bytes have to survive, too
     header.replace(0, 4, "LASF");
     header[24] = 1;
     header[25] = static_cast<char>(minor);

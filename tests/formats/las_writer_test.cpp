@@ -41,7 +41,7 @@ std::string all_records(Reader& reader) {
   return bytes;
 }
 
-/// What comes out when `file` is read and written as it is.
+/// What comes out when `file` is read and written unchanged.
 std::string copy_of(const TemporaryFolder& folder, const std::string& file) {
   const auto reader = open_las(folder.write("in.las", file));
   OutputPlan plan = plan_like(*reader, folder / "out.las");

@@ -7,7 +7,7 @@ FORMATS = "pointsweep/formats/"
 MUTANTS = [
     Mutant("a scan angle of a hundredth of a degree", "formats", FORMATS + "las/las_point_formats.cpp",
            "kScanAngleScale = 0.006;", "kScanAngleScale = 0.01;", ("formats",)),
-    Mutant("big-endian PLY is not turned round", "formats", FORMATS + "fixed_records.cpp",
+    Mutant("big-endian PLY is not byte-swapped", "formats", FORMATS + "fixed_records.cpp",
            "if (big_endian_) swap_bytes(info_.schema, bytes);", "", ("formats",)),
     Mutant("integers are cut off instead of rounded", "formats", "pointsweep/points/schema.cpp",
            "const double rounded = std::nearbyint(value);", "const double rounded = std::trunc(value);",

@@ -84,7 +84,7 @@ TEST(RowStore, WithTinyBuffersReadsItsBucketsMoreThanOnce) {
   check({3000, 100, true, 1, 0});
 }
 
-TEST(RowStore, FillsRowsThatNobodyPut) {
+TEST(RowStore, FillsRowsThatWereNotPut) {
   for (const bool spilled : {false, true})
     for (const std::uint64_t every : {1, 2, 1000}) check({10000, 12, spilled, 1 << 16, every});
 }

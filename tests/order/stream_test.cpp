@@ -280,7 +280,7 @@ TEST(Stream, CarriesWholeRecordsIfAsked) {
 }
 
 TEST(Stream, JoinsThinSlabs) {
-  // Half of the points share one coordinate, which gets pieces of its own between pieces of nearly nothing.
+  // Half of the points share one coordinate, which gets its own pieces between pieces of nearly nothing.
   std::vector<Vec3> points = random_points(20000, 9);
   for (std::size_t i = 0; i < points.size(); i += 2) points[i].x = 0.5;
   const CloudSource<double> cloud(points);

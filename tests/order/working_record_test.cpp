@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-/// Something like a LAS record: scaled integers, bits that share a byte, bytes nobody names.
+/// Something like a LAS record: scaled integers, bits that share a byte, unnamed bytes.
 Schema las_like() {
   Schema schema;
   schema.append("X", Type::i32);
@@ -62,7 +62,7 @@ TEST(WorkingRecord, CarriesPositionPayloadAndRow) {
   }
 }
 
-TEST(WorkingRecord, MayBeTheWholeRecordWithBytesNobodyNames) {
+TEST(WorkingRecord, MayBeTheWholeRecordWithUnnamedBytes) {
   const Schema source = las_like();
   const WorkingRecord record(source, true, {}, 1000);
   EXPECT_EQ(record.schema().stride, source.stride + 4);

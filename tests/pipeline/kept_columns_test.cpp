@@ -55,32 +55,33 @@ TEST(KeptColumns, ChangesNoValueOfWhatIsKept) {
 }
 
 /// By attribute, from the chain of ridges.
-std::map<std::string, Lasting> lasting(const std::vector<std::string>& keep) {
+std::map<std::string, Lifetime> lifetimes(const std::vector<std::string>& keep) {
   Schema input;
   for (const char* axis : {"x", "y", "z"}) input.append(axis, Type::f32);
   const SweepPlan plan = plan_chain(ridges(keep), input).passes.front().plan;
-  std::map<std::string, Lasting> by_name;
+  std::map<std::string, Lifetime> by_name;
   for (const Stage& stage : plan.stages) {
     const Contract contract = stage.op->contract();
-    for (std::size_t m = 0; m < stage.makes.size(); ++m) by_name[contract.makes[m].name] = plan.lasting[stage.makes[m]];
+    for (std::size_t m = 0; m < stage.makes.size(); ++m)
+      by_name[contract.makes[m].name] = plan.lifetimes[stage.makes[m]];
   }
   return by_name;
 }
 
 TEST(KeptColumns, LetsAColumnLastAsLongAsAnybodyLooks) {
-  auto all = lasting({});
-  EXPECT_EQ(all["normal"], Lasting::its_cell) << "read of neighbours in the second step";
-  EXPECT_EQ(all["k1"], Lasting::its_step) << "read by splats, and written when the last step is done";
-  EXPECT_EQ(all["splat_axis"], Lasting::its_step);
-  auto splats = lasting({"splat_axis", "splat_length", "splat_ratio"});
-  EXPECT_EQ(splats["normal"], Lasting::its_cell);
-  EXPECT_EQ(splats["k1_direction"], Lasting::its_step);
-  EXPECT_EQ(splats["surface_variation"], Lasting::not_at_all);
-  EXPECT_EQ(splats["splat_axis"], Lasting::its_step);
-  EXPECT_EQ(lasting({"normal"})["splat_axis"], Lasting::not_at_all);
+  auto all = lifetimes({});
+  EXPECT_EQ(all["normal"], Lifetime::cell) << "read of neighbours in the second step";
+  EXPECT_EQ(all["k1"], Lifetime::step) << "read by splats, and written when the last step is done";
+  EXPECT_EQ(all["splat_axis"], Lifetime::step);
+  auto splats = lifetimes({"splat_axis", "splat_length", "splat_ratio"});
+  EXPECT_EQ(splats["normal"], Lifetime::cell);
+  EXPECT_EQ(splats["k1_direction"], Lifetime::step);
+  EXPECT_EQ(splats["surface_variation"], Lifetime::none);
+  EXPECT_EQ(splats["splat_axis"], Lifetime::step);
+  EXPECT_EQ(lifetimes({"normal"})["splat_axis"], Lifetime::none);
 }
 
-/// Makes two attributes, and nobody wants the second: it must have a place all the same.
+/// Makes two attributes, of which the second is not wanted: it needs a place all the same.
 class TwoNumbers final : public Operator {
  public:
   std::string name() const override { return "two_numbers"; }
@@ -97,7 +98,7 @@ class TwoNumbers final : public Operator {
   }
 };
 
-TEST(KeptColumns, TellsOperatorsWhatNobodyWants) {
+TEST(KeptColumns, TellsOperatorsWhichColumnsAreNotWanted) {
   const std::vector<Vec3> points = {{1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
   const Chain chain{.neighborhood = {.k = 1}, .stages = {std::make_shared<TwoNumbers>()}, .keep = {"first"}};
   EXPECT_EQ(run_in_memory(points, chain, {}).field("first"), (std::vector<double>{1, 2, 3}));

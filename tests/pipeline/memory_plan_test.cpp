@@ -16,7 +16,7 @@ SweepPlan normals_plan(std::size_t k = 8) {
   plan.neighborhood.k = k;
   plan.steps = {0, 0};
   plan.column_bytes = {12};
-  plan.lasting = {Lasting::its_step};
+  plan.lifetimes = {Lifetime::step};
   plan.result_bytes = 12;
   return plan;
 }
@@ -59,7 +59,7 @@ SweepPlan three_steps(std::size_t k) {
   SweepPlan plan = normals_plan(k);
   plan.steps = {0, 0, 0, 0};
   plan.column_bytes = {12, 36, 24};
-  plan.lasting = {Lasting::its_cell, Lasting::its_cell, Lasting::its_step};
+  plan.lifetimes = {Lifetime::cell, Lifetime::cell, Lifetime::step};
   plan.result_bytes = 72;
   return plan;
 }

@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-/// A rough sheet of points with a column of its own, some of them nowhere.
+/// A rough sheet of points with an additional column; some have no finite position.
 struct Sheet {
   explicit Sheet(bool with_gaps) {
     std::mt19937 random(5);

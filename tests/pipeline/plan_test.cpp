@@ -107,7 +107,7 @@ TEST(ChainPlan, SaysOfEveryColumnWhoMakesItAndHowLongItIsNeeded) {
     EXPECT_EQ(column.written, column.attribute == "mean_distance" || column.attribute == "mean_curvature")
         << column.attribute;
     EXPECT_EQ(column.made_by == "2 normals", normal);
-    EXPECT_TRUE(!normal || sweep.plan.lasting[c] == Lasting::its_cell) << "curvature reads it of neighbours";
+    EXPECT_TRUE(!normal || sweep.plan.lifetimes[c] == Lifetime::cell) << "curvature reads it of neighbours";
   }
   EXPECT_EQ(plan.passes.back().columns.front().made_by, "a pass before");
 }

@@ -175,7 +175,7 @@ TEST(Reneighbor, WritesTheAttributesInTheOrderAndLayoutOfAChainWithoutIt) {
   }
 }
 
-TEST(Reneighbor, ASweepWhoseResultsNobodyNeedsIsLeftOut) {
+TEST(Reneighbor, ASweepWhoseResultsAreNotNeededIsLeftOut) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 500, 28);
   const auto sweeps = [&](const Stages& stages, std::vector<std::string> keep = {}) {
     return run_in_memory(points, {{.k = 5}, stages, std::move(keep)}, tiny(100)).statistics.sweeps;

@@ -223,7 +223,7 @@ TEST_F(Resume, StoppedAgainAndAgainARunComesToItsEnd) {
   }
 }
 
-TEST_F(Resume, DoesNotBeginAnewWhatWasDone) {
+TEST_F(Resume, DoesNotRepeatWhatWasDone) {
   const Work work = works().front();
   run_uninterrupted(work);
   run_until(0, work, resuming(work));
@@ -424,7 +424,7 @@ TEST_F(Resume, RefusesAFolderInWhichAnotherRunIsWorking) {
   EXPECT_NE(sentence.find("another run is working"), std::string::npos) << sentence;
 }
 
-TEST_F(Resume, IsRefusedWhereNobodyCouldGoOn) {
+TEST_F(Resume, IsRefusedWhereARunCannotBeResumed) {
   const Work work = works().front();
   RunOptions by_reference = resuming(work);
   by_reference.engine = Engine::reference;

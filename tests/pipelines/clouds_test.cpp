@@ -139,7 +139,7 @@ TEST(GeneratedClouds, FillLittleOfTheWindowHoweverUnevenTheirDensity) {
   };
   const Statistics clean = run_on("statue", {});
   EXPECT_LT(clean.peak_points, kPoints * 55 / 1000);
-  // Seldom a single point: which points share a cell depends on which thread dealt them first.
+  // Seldom a single point: which points share a cell depends on which thread partitioned them first.
   EXPECT_LT(clean.recalled, kPoints / 100'000);
   for (const double share : {0.00001, 0.001, 0.01}) {
     for (const double box : {10.0, 1000.0}) {
@@ -156,7 +156,8 @@ TEST(GeneratedClouds, FillLittleOfTheWindowHoweverUnevenTheirDensity) {
   for (const Sampling& sampling : {Sampling{}, noise}) {
     SCOPED_TRACE(sampling.noise);
     const Statistics s = run_on("tls", sampling);
-    // 7 to 10 %: where slabs end depends on the sample, and where cells end on which thread dealt their points first.
+    // 7 to 10 %: where slabs end depends on the sample, and where cells end on which thread partitioned their points
+    // first.
     EXPECT_LT(s.peak_points, kPoints * 11 / 100);
     EXPECT_LT(s.recalled, kPoints / 1000);
   }

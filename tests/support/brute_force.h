@@ -16,7 +16,7 @@
 namespace pointsweep {
 
 /// Neighbours of points[query], nearest first: the k nearest with distance2 <= radius², itself excluded; equal
-/// distances by x, then y, then z, then row. Points that are not finite have no neighbours and are nobody's.
+/// distances by x, then y, then z, then row. Points that are not finite have no neighbours and are neighbours of none.
 inline std::vector<std::uint32_t> brute_force_neighbors_of(std::span<const Vec3> points, std::uint32_t query,
                                                            std::size_t k, double radius) {
   std::vector<std::uint32_t> found;

@@ -49,7 +49,7 @@ TEST(WindowCell, TakesWhatTheMemoryPlanCountsForItsPoints) {
     }
   }
   ASSERT_GT(cells, 50u);
-  const std::uint64_t counted = (window_point_bytes(pass.plan) - pass.plan.lasting_bytes()) * points.size();
+  const std::uint64_t counted = (window_point_bytes(pass.plan) - pass.plan.cell_lifetime_bytes()) * points.size();
   EXPECT_LE(bytes, counted);
   EXPECT_GE(bytes, counted * 3 / 4) << "more would waste the budget";
 }
@@ -61,7 +61,7 @@ TEST(WindowCell, CountsThePartsOfAPointByTheirSizes) {
             16 * (kLeafCapacity * kOwnPointBytes + kWindowLeafBytes));
   const std::uint64_t empty = window_point_bytes(plan);
   plan.column_bytes = {12, 8};
-  plan.lasting = {Lasting::its_cell, Lasting::its_step};
+  plan.lifetimes = {Lifetime::cell, Lifetime::step};
   EXPECT_EQ(window_point_bytes(plan), empty + 12) << "a column of a step alone is not in the window";
 }
 

@@ -5,7 +5,7 @@
 
 #include <atomic>
 
-#include "pointsweep/made_ahead.h"
+#include "pointsweep/prefetch.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -61,7 +61,7 @@ TEST(Cancellation, EndsALoopThatDoesNotLook) {
 TEST(Cancellation, ReachesWorkInTheBackground) {
   CancellationToken token;
   const CancellationScope scope(&token);
-  MadeAhead<int> things(
+  Prefetch<int> things(
       [&](std::size_t i) {
         if (i == 3) token.cancel();
         stop_if_cancelled();

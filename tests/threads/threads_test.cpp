@@ -72,7 +72,7 @@ TEST(BackgroundTask, HasDoneItsWorkWhenWaitReturns) {
   });
 }
 
-TEST(BackgroundTask, ThrowsItsFailureToWhoeverWaitsAndDropsItOtherwise) {
+TEST(BackgroundTask, ThrowsItsFailureFromWaitAndDropsItOtherwise) {
   with_threads(2, [] {
     BackgroundTask waited([] { throw std::runtime_error("no"); });
     EXPECT_THROW(waited.wait(), std::runtime_error);

@@ -47,7 +47,7 @@ InputFile::~InputFile() { ::close(descriptor_); }
 
 void InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
   if (read_some(offset, bytes) < bytes.size()) {
-    fail("{}: ends before byte {}; it has become shorter since it was opened, so run again when nobody writes to it.",
+    fail("{}: ends before byte {}; it has become shorter since it was opened, so run again once it is complete.",
          path_.string(), offset + bytes.size());
   }
 }

@@ -35,8 +35,7 @@ std::string_view RowCursor::advance() {
   while (const auto line = lines_.next()) {
     if (rows_->is_row(*line)) return *line;
   }
-  fail("{}: has fewer rows than when it was opened; run again when nobody writes to it.",
-       lines_.file().path().string());
+  fail("{}: has fewer rows than when it was opened; run again once it is complete.", lines_.file().path().string());
 }
 
 }  // namespace pointsweep

@@ -28,8 +28,8 @@ class LasFrame {
 
   /// Throws Error unless the points that came are as many as the plan announces.
   void require_count(std::uint64_t came) const;
-  /// The points end in front of byte `points_end`: writes what follows them and the header as it is now known, and
-  /// gives the file its name.
+  /// The points end before byte `points_end`: writes what follows them and the final header, and gives the file its
+  /// name.
   void finish(const LasStatistics& points, std::uint64_t points_end);
 
  private:

@@ -18,7 +18,7 @@
 
 namespace pointsweep {
 
-/// Bytes [begin, end) of the input, copied as they are.
+/// Bytes [begin, end) of the input, copied unchanged.
 struct LasPiece {
   std::uint64_t begin = 0, end = 0;
   std::uint64_t size() const { return end - begin; }
@@ -58,7 +58,7 @@ LasLayout lay_out_las(const OutputPlan& plan, LasPoints points = LasPoints::plai
 /// True if `schema` begins with the records of `input`, whose coordinates may have another scale and offset.
 bool las_begins_with_records_of(const LasExtras& input, const Schema& schema);
 
-/// True for coordinates that are LAS's own integers: they stay as they are, and no bounds are needed for a scale.
+/// True for coordinates that are LAS's own integers: they stay unchanged, and no bounds are needed to choose a scale.
 bool las_keeps_scale(const PositionFields& p);
 
 }  // namespace pointsweep

@@ -124,7 +124,7 @@ void LazPoints::read_chunk_table(std::uint64_t begin, std::uint64_t count) {
   if (table <= begin || table > size) table = u64_at(*file_, size - kLazOffsetBytes);
   if (table < data || table + kLazOffsetBytes > size) layout_.fail_with("its chunk table is not in the file");
   const std::uint64_t chunks = u64_at(*file_, table) >> 32;
-  // Every chunk holds at least one record as it is, and points are in chunks but not behind the last.
+  // Every chunk begins with one uncompressed record, and no points follow the last chunk.
   const std::uint32_t each = layout_.chunk_points();
   if (chunks == 0 || chunks > (table - data) / record_bytes_ || chunks > count ||
       (each != LazLayout::kVariable && chunks != (count - 1) / each + 1))

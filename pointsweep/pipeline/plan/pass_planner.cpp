@@ -94,7 +94,7 @@ bool PassPlanner::made_in_this_step(std::uint16_t column) const {
 void PassPlanner::finish(const std::vector<std::string>& kept) {
   plan_.steps.push_back(plan_.stages.size());
   find_results(kept);
-  find_lasting();
+  find_lifetimes();
 }
 
 void PassPlanner::find_results(const std::vector<std::string>& kept) {
@@ -111,16 +111,16 @@ void PassPlanner::find_results(const std::vector<std::string>& kept) {
 }
 
 /// Who reads a column says how long it lasts.
-void PassPlanner::find_lasting() {
-  plan_.lasting.assign(plan_.column_bytes.size(), Lasting::not_at_all);
-  for (const FileColumn& file : plan_.file_columns) plan_.lasting[file.column] = Lasting::its_cell;
+void PassPlanner::find_lifetimes() {
+  plan_.lifetimes.assign(plan_.column_bytes.size(), Lifetime::none);
+  for (const FileColumn& file : plan_.file_columns) plan_.lifetimes[file.column] = Lifetime::cell;
   for (const ResultColumn& result : plan_.results) read_in_step(result.column, plan_.step_count() - 1);
   for (std::size_t step = 0; step < plan_.step_count(); ++step) {
     for (std::size_t s = plan_.steps[step]; s < plan_.steps[step + 1]; ++s) {
       const Stage& stage = plan_.stages[s];
       for (const std::uint16_t column : stage.reads) read_in_step(column, step);
-      for (const std::uint16_t column : stage.reads_neighbors) plan_.lasting[column] = Lasting::its_cell;
-      if (stage.position >= 0) plan_.lasting[static_cast<std::size_t>(stage.position)] = Lasting::its_cell;
+      for (const std::uint16_t column : stage.reads_neighbors) plan_.lifetimes[column] = Lifetime::cell;
+      if (stage.position >= 0) plan_.lifetimes[static_cast<std::size_t>(stage.position)] = Lifetime::cell;
     }
   }
 }
@@ -128,7 +128,7 @@ void PassPlanner::find_lasting() {
 void PassPlanner::read_in_step(std::uint16_t column, std::size_t step) {
   const auto made = made_in_step_.find(column);
   const bool outlasts = made == made_in_step_.end() || made->second != step;
-  plan_.lasting[column] = std::max(plan_.lasting[column], outlasts ? Lasting::its_cell : Lasting::its_step);
+  plan_.lifetimes[column] = std::max(plan_.lifetimes[column], outlasts ? Lifetime::cell : Lifetime::step);
 }
 
 }  // namespace pointsweep

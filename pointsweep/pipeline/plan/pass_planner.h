@@ -31,7 +31,7 @@ class PassPlanner {
   int column_moved_to(const GraphNode& node) const;
   void note_step_of(const Stage& stage);
   void find_results(const std::vector<std::string>& kept);
-  void find_lasting();
+  void find_lifetimes();
   void read_in_step(std::uint16_t column, std::size_t step);
 
   const ChainGraph& graph_;

@@ -14,9 +14,9 @@ namespace pointsweep {
 
 /// make(i) for i in [first, end), up to `depth` of them at once, handed out in order.
 template <class Thing>
-class MadeAhead {
+class Prefetch {
  public:
-  MadeAhead(std::function<Thing(std::size_t)> make, std::size_t first, std::size_t end, std::size_t depth)
+  Prefetch(std::function<Thing(std::size_t)> make, std::size_t first, std::size_t end, std::size_t depth)
       : make_(std::move(make)), next_(first), end_(end), depth_(depth) {
     fill();
   }

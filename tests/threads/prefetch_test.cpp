@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/made_ahead.h"
+#include "pointsweep/prefetch.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-TEST(MadeAhead, HandsOutInOrderAndNeverMoreThanItsDepthAhead) {
+TEST(Prefetch, HandsOutInOrderAndNeverMoreThanItsDepthAhead) {
   for (const unsigned threads : {1u, 4u}) {
     with_threads(threads, [&] {
       std::atomic<std::size_t> begun = 0, used = 0;
@@ -19,7 +19,7 @@ TEST(MadeAhead, HandsOutInOrderAndNeverMoreThanItsDepthAhead) {
         if (++begun - used > 4) too_far = true;  // three pending, and one that has just been handed out
         return std::make_unique<std::size_t>(i * i);
       };
-      MadeAhead<std::unique_ptr<std::size_t>> squares(make, 5, 105, 3);
+      Prefetch<std::unique_ptr<std::size_t>> squares(make, 5, 105, 3);
       for (std::size_t i = 5; i < 105; ++i, ++used) EXPECT_EQ(*squares.next(), i * i);
       EXPECT_EQ(begun, 100u);
       EXPECT_FALSE(too_far);
@@ -27,9 +27,9 @@ TEST(MadeAhead, HandsOutInOrderAndNeverMoreThanItsDepthAhead) {
   }
 }
 
-TEST(MadeAhead, ThrowsWhatAMakingThrewInItsTurn) {
+TEST(Prefetch, ThrowsWhatAMakingThrewInItsTurn) {
   with_threads(2, [] {
-    MadeAhead<int> numbers(
+    Prefetch<int> numbers(
         [](std::size_t i) -> int {
           if (i == 2) throw std::runtime_error("two");
           return static_cast<int>(i);
@@ -41,11 +41,11 @@ TEST(MadeAhead, ThrowsWhatAMakingThrewInItsTurn) {
   });
 }
 
-TEST(MadeAhead, MayBeLeftBeforeItsEnd) {
+TEST(Prefetch, MayBeLeftBeforeItsEnd) {
   with_threads(2, [] {
     const auto made = std::make_shared<std::atomic<int>>(0);
     {
-      MadeAhead<int> numbers([made](std::size_t i) { return ++*made, static_cast<int>(i); }, 0, 1000, 2);
+      Prefetch<int> numbers([made](std::size_t i) { return ++*made, static_cast<int>(i); }, 0, 1000, 2);
       EXPECT_EQ(numbers.next(), 0);
     }
     EXPECT_LE(*made, 3);
