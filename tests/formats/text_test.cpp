@@ -81,13 +81,13 @@ TEST(Text, NamesColumnsWithoutHeaderByTheirNumberAndValues) {
 
 TEST(Text, WordsForMissingValuesAreNaN) {
   const TemporaryFolder folder;
-  const auto reader =
-      open_text(folder.write("in.csv", "x,y,z,a\n1,nan,-inf,\n,NA,n/a,2\nNULL,-1.#IND,1.#INF,1e999\n1,2,3,4\n"));
-  EXPECT_THAT(values_of(*reader, "x"), ElementsAre(1, testing::IsNan(), testing::IsNan(), 1));
-  EXPECT_THAT(values_of(*reader, "y"), ElementsAre(testing::IsNan(), testing::IsNan(), testing::IsNan(), 2));
+  const auto reader = open_text(
+      folder.write("in.csv", "x,y,z,a\n1,nan,-inf,\n,NA,n/a,2\nNULL,-1.#IND,1.#INF,1e999\n1,2,3,4\n5,6,-1.#INF00,7\n"));
+  EXPECT_THAT(values_of(*reader, "x"), ElementsAre(1, testing::IsNan(), testing::IsNan(), 1, 5));
+  EXPECT_THAT(values_of(*reader, "y"), ElementsAre(testing::IsNan(), testing::IsNan(), testing::IsNan(), 2, 6));
   const double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_THAT(values_of(*reader, "z"), ElementsAre(-infinity, testing::IsNan(), infinity, 3));
-  EXPECT_THAT(values_of(*reader, "a"), ElementsAre(testing::IsNan(), 2, infinity, 4));
+  EXPECT_THAT(values_of(*reader, "z"), ElementsAre(-infinity, testing::IsNan(), infinity, 3, -infinity));
+  EXPECT_THAT(values_of(*reader, "a"), ElementsAre(testing::IsNan(), 2, infinity, 4, 7));
 }
 
 TEST(Text, AnnouncedCountThatIsWrongIsAWarning) {

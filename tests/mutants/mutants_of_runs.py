@@ -53,7 +53,7 @@ MUTANTS = [
     Mutant("the provenance record lacks the prefix", "provenance", PIPELINE + "provenance_record.cpp",
            "set(\"prefix\", options.prefix);", "", ("cli:Provenance.*", "cli:Naming.*")),
     Mutant("the provenance record does not say that points were dropped", "provenance", PIPELINE + "provenance_record.cpp",
-           "set(\"nonfinite\", drops_nonfinite ? \"drop\" : \"\");", "", ("cli:Provenance.*", "cli:NonfinitePoints.*")),
+           "set(\"nonfinite\", drops_nonfinite ? \"drop\" : \"\");", "set(\"nonfinite\", drops_nonfinite ? \"\" : \"\");", ("cli:Provenance.*", "cli:NonfinitePoints.*")),
 
     # Names and types of outputs
     Mutant("moved positions are float32", "outputs", PIPELINE + "output_layout.cpp",

@@ -87,6 +87,31 @@ TEST(OutputRules, AnAttributeOfTheInputIsOverwrittenOnlyByItsOwnNameOrOnRequest)
   EXPECT_THROW(written(same, replace, "k1", sheet.size()), UsageError) << "there is no curvature to replace";
 }
 
+/// Makes an attribute under a name that other programs store as "scalar_intensity".
+class Intensities final : public Operator {
+ public:
+  std::string name() const override { return "intensities"; }
+  Contract contract() const override { return {{}, {}, {scalar("intensity", Type::f32, "1", "a number")}}; }
+  void apply(const Neighborhoods&, Columns&) const override {}
+};
+
+TEST(OutputRules, APrefixThatMakesANameOfTheInputIsRefused) {
+  const Sheet sheet(false);
+  Cloud cloud = sheet.cloud("scalar_intensity");
+  const Chain chain{.neighborhood = {.k = 8}, .stages = {std::make_shared<Intensities>()}};
+  std::vector<float> values(sheet.size());
+  const Outputs outputs{.points = {}, .arrays = {}, .writer = [&](const OutputPlan& plan) -> std::unique_ptr<Writer> {
+                          return std::make_unique<ArrayWriter<float>>(
+                              plan, std::vector<std::string>{"scalar_intensity"}, std::span(values));
+                        }};
+  RunOptions prefix;
+  prefix.prefix = "scalar_";
+  EXPECT_THROW(run(cloud, chain, outputs, prefix), UsageError);
+  prefix.replace = {"scalar_intensity"};
+  run(cloud, chain, outputs, prefix);
+  EXPECT_EQ(values, std::vector<float>(sheet.size(), 0)) << "replaced on request";
+}
+
 TEST(OutputRules, EqualPipelinesHaveEqualStages) {
   const auto stages = [](const std::string& text) {
     return canonical_stages(build_chain(parse_pipeline(text), Facts{}), Presets::left_out);
