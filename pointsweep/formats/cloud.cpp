@@ -103,6 +103,10 @@ void Cloud::keep_all() {
   number_rows();
 }
 
+std::unique_ptr<Reader> Cloud::exchange_reader(std::size_t input, std::unique_ptr<Reader> reader) {
+  return std::exchange(readers_[input], std::move(reader));
+}
+
 std::uint64_t Cloud::input_row(std::uint64_t row) {
   std::uint64_t left_out = 0;  // of the inputs before
   for (std::size_t i = 0; i < readers_.size(); ++i) {

@@ -75,6 +75,10 @@ class Cloud {
   /// The number that row `row` has when no rows are left out. Not thread-safe.
   std::uint64_t input_row(std::uint64_t row);
 
+  /// Reads an input by another reader, which must give the same records, and returns the one before. Not while rows are
+  /// left out or selected.
+  std::unique_ptr<Reader> exchange_reader(std::size_t input, std::unique_ptr<Reader> reader);
+
   /// Leaves out all rows that `selection` does not keep, until keep_all() or the next select(): the kept ones follow
   /// each other, numbered from 0. It is made for all rows that drop_nonfinite() has left.
   void select(RowSelection selection);

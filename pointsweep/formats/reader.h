@@ -32,6 +32,7 @@ struct FileInfo {
   std::uint64_t count = 0;            ///< points really in the file, never merely what a header claims
   std::uint64_t left_out = 0;         ///< points of the file that `count` and read() leave out (FiniteRows)
   std::uint64_t bytes = 0;            ///< size of the file
+  bool decode_once = false;           ///< decoding costs much more than writing and reading its records
   std::uint64_t decoder_bytes = 0;    ///< what each thread takes that decodes it, in addition to the records
   std::optional<Box> bounds;          ///< as a header states them: a hint, not to be trusted
   bool z_is_up = false;               ///< the format says that z is the height

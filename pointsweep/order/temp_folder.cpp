@@ -80,6 +80,10 @@ void require_temp_parent(const std::filesystem::path& parent) {
     fail("the temporary folder '{}' cannot be used: {}; name a writable folder with --temp-dir.", parent.string(), why);
 }
 
+std::filesystem::path temp_parent(const std::filesystem::path& asked) {
+  return asked.empty() ? std::filesystem::temp_directory_path() : asked;
+}
+
 std::string random_name(const std::string& begin) {
   static std::atomic<std::uint64_t> made = 0;
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789";

@@ -13,6 +13,9 @@ namespace pointsweep {
 /// Throws Error unless `parent` is an existing folder in which this process may create files.
 void require_temp_parent(const std::filesystem::path& parent);
 
+/// `asked`, or the folder for temporary files of the system where it is empty.
+std::filesystem::path temp_parent(const std::filesystem::path& asked);
+
 /// `begin` and six letters: another one in each call, and by all probability in each process.
 std::string random_name(const std::string& begin);
 

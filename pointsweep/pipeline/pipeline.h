@@ -41,8 +41,8 @@ enum class Nonfinite : std::uint8_t {
 };
 
 struct Progress {
-  const char* phase;   ///< "checking" (for nonfinite points), "ordering", "sweeping", "updating" (from one sweep to the
-                       ///< next) or "writing"
+  const char* phase;   ///< "checking" (for nonfinite points), "decoding", "ordering", "sweeping", "updating" (from one
+                       ///< sweep to the next) or "writing"
   std::uint64_t done;  ///< points
   std::uint64_t total;
   std::uint64_t active;  ///< points in the window, while sweeping

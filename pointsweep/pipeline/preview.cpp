@@ -7,6 +7,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/temp_folder.h"
+#include "pointsweep/pipeline/decoded_input.h"
 #include "pointsweep/pipeline/output_layout.h"
 #include "pointsweep/pipeline/radius_estimate.h"
 
@@ -132,6 +133,7 @@ Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options, con
   out.names =
       name_outputs(cloud.schema(), name, out.planned.made, out.planned.kept, output, {options.prefix, options.replace});
   out.points = cloud.count();
+  out.decoded_bytes = decoded_input_bytes(cloud);
   out.budget = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
@@ -143,7 +145,7 @@ Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options, con
 }
 
 std::string to_text(const Preview& p) {
-  std::string text = fmt::format("points        {}\n", p.points);
+  std::string text = fmt::format("points        {}\n", p.points) + decoded_input_text(p.decoded_bytes);
   std::size_t first_stage = 0;
   for (std::size_t s = 0; s < p.planned.passes.size(); ++s) {
     text += sweep_text(p, s, first_stage);

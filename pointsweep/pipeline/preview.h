@@ -18,6 +18,7 @@ struct Preview {
   OutputNames names;
   std::uint64_t points = 0;
   std::uint64_t budget = 0;
+  std::uint64_t decoded_bytes = 0;  ///< decoded_input_bytes()
   RunMemory memory;
 };
 

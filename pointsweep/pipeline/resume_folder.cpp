@@ -46,7 +46,7 @@ std::uint64_t checksum(std::span<const std::byte> bytes) {
 
 bool is_data(const std::string& name) {
   return name.starts_with("stream-") || name.starts_with("results-") || name.starts_with("rows-") ||
-         name.starts_with("mask-");
+         name.starts_with("mask-") || name.starts_with("decoded-");
 }
 
 std::vector<std::string> names_in(const fs::path& folder) {

@@ -29,7 +29,7 @@ class ResumeFolder {
   const std::filesystem::path& path() const { return path_; }
   /// What was saved last, by any process; empty if nothing was.
   const std::vector<std::byte>& saved() const { return saved_; }
-  /// A file for spilled data; `name` begins with "stream-", "results-", "rows-" or "mask-".
+  /// A file for spilled data; `name` begins with "stream-", "results-", "rows-", "mask-" or "decoded-".
   SpillPlace place(const std::string& name) const { return SpillPlace::kept(path_ / name); }
   /// Begins to save `bytes`, which describe the present data of the files `names`, and returns while another thread
   /// flushes both to the disk: first the data, then the bytes under their name, so that not even a loss of power

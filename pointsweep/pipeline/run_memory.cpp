@@ -124,7 +124,8 @@ std::uint64_t codec_bytes(const Cloud& cloud, const std::filesystem::path& outpu
   const unsigned threads = threads_of(options);
   std::uint64_t decoders = 0;  // a thread reads one input at a time
   for (const auto& reader : cloud.readers())
-    decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));
+    if (!reader->info().decode_once)  // those are gone before the memory is needed (decoded_input.h)
+      decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));
   const Format* const format = output.empty() ? nullptr : format_of_output(output);
   const bool encodes = format != nullptr && format->encoder_bytes != nullptr;
   return decoders + (encodes ? format->encoder_bytes(record_bytes, threads) : 0);

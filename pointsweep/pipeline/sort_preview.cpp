@@ -7,6 +7,7 @@
 
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/temp_folder.h"
+#include "pointsweep/pipeline/decoded_input.h"
 #include "pointsweep/pipeline/output_layout.h"
 #include "pointsweep/pipeline/run_memory.h"
 
@@ -21,6 +22,7 @@ SortPreview preview_sort(Cloud& cloud, const std::filesystem::path& output, cons
   const Survey seen = survey(source, options.axis, false);
   SortPreview out;
   out.points = cloud.count();
+  out.decoded_bytes = decoded_input_bytes(cloud);
   out.budget = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
   out.axis = seen.axis;
   out.record_bytes = cloud.schema().stride;
@@ -34,7 +36,7 @@ SortPreview preview_sort(Cloud& cloud, const std::filesystem::path& output, cons
 std::string to_text(const SortPreview& p) {
   const auto megabytes = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
   const std::uint64_t slab_points = std::max<std::uint64_t>(p.memory.slab_points, 1);
-  std::string text = fmt::format("points        {}\n", p.points);
+  std::string text = fmt::format("points        {}\n", p.points) + decoded_input_text(p.decoded_bytes);
   text += fmt::format("order         ascending along {}, ties by x, y, z, then input row\n", "xyz"[p.axis]);
   text += fmt::format("slabs         about {} of {} points, {} bytes a point on the way, {}\n",
                       (p.points + slab_points - 1) / slab_points, slab_points, p.record_bytes,

@@ -16,6 +16,7 @@ struct SortPreview {
   std::uint64_t budget = 0;  ///< bytes
   int axis = 0;
   std::uint32_t record_bytes = 0, output_bytes = 0;  ///< of a point: of the input, of the output before its format
+  std::uint64_t decoded_bytes = 0;                   ///< decoded_input_bytes()
   MemoryPlan memory;
 };
 

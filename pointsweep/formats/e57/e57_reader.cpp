@@ -99,6 +99,7 @@ class E57Reader : public Reader {
     constexpr std::uint64_t kDecoderBytes = 3
                                             << 20;  // a packet and its values; an estimate from the peak memory of runs
     info_.decoder_bytes = kDecoderBytes;
+    info_.decode_once = true;
     make_schema();
     for (const E57Scan& scan : file_.scans()) {
       first_row_.push_back(info_.count);

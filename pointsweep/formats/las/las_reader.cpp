@@ -159,6 +159,7 @@ class LazReader final : public Reader {
     constexpr std::uint64_t kDecoderBytes =
         3 << 20;  // buffers, layers and models; an estimate from the peak memory of runs
     info_.decoder_bytes = kDecoderBytes;
+    info_.decode_once = true;
   }
 
   bool has_decoders() const override { return true; }

@@ -48,14 +48,13 @@ void open_files(RunState& run) {
                     provenance(run), values_if_needed(run));
 }
 
-/// That the files can be written is known before the work, what is in their headers after the last select.
+}  // namespace
+
 void require_writable(const RunState& run) {
   Box somewhere = run.survey.bounds;
   if (somewhere.empty()) somewhere.include(Vec3{});
   OutputSet(run.cloud, run.names.made, run.names.kept, run.outputs, run.options, somewhere);
 }
-
-}  // namespace
 
 bool needs_bounds(const RunState& run) {
   const Format* const format = format_of_output(run.outputs.points);

@@ -81,6 +81,7 @@ void finish(RunState& run) {
   for (const std::string& warning : run.files->warnings()) run.warn(warning);
   run.files->finish(run.cloud);
   if (run.checkpoints) run.checkpoints->finish();
+  run.decoded.reset();
   // Rows are numbered as in the input, whose nonfinite points may have been dropped.
   for (DegenerateResults& results : run.statistics.degenerate_results)
     for (std::uint64_t& row : results.rows) row = run.cloud.input_row(row);

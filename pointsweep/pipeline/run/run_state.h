@@ -15,6 +15,7 @@
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/checkpoints.h"
+#include "pointsweep/pipeline/decoded_input.h"
 #include "pointsweep/pipeline/finite_input.h"
 #include "pointsweep/pipeline/ordered_output.h"
 #include "pointsweep/pipeline/output_layout.h"
@@ -36,7 +37,8 @@ struct RunState {
   const RunOptions& options;
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   ChainPlan plan;
-  FiniteInput input;  ///< made before the rows of the cloud are counted
+  FiniteInput input;                    ///< made before the rows of the cloud are counted
+  std::optional<DecodedInput> decoded;  ///< from the survey on, of inputs that are decoded once
   Statistics statistics;
   OutputNames names;
 
@@ -44,7 +46,7 @@ struct RunState {
   Survey survey;                           ///< of the points that are put in order next
   std::optional<OutputLayout> layout;      ///< of the output's records; known when the survey has ended
   RunMemory memory;                        ///< the same
-  std::optional<TempFolder> folder;        ///< of a run that spills and has no checkpoints
+  std::optional<TempFolder> folder;        ///< of a run that spills or decodes and has no checkpoints
 
   std::optional<std::size_t> pass;      ///< whose phases run now; the number of passes: the output is put in order
   PointSource source;                   ///< the cloud as that pass sees it

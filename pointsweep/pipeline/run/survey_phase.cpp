@@ -28,6 +28,17 @@ bool needs_exact_survey(const RunState& run) {
          run.by_reference() || needs_bounds(run);
 }
 
+/// Refuses first what can be refused without the work.
+void decode_input(RunState& run) {
+  if (decoded_input_bytes(run.cloud) == 0) return;
+  if (!run.outputs.writer) require_writable(run);
+  const auto start = std::chrono::steady_clock::now();
+  if (!run.checkpoints) run.folder.emplace(temp_parent(run.options.temp_folder));
+  run.decoded.emplace(run.cloud, run.options, [&](std::size_t input) { return run.place("decoded", input, true); });
+  run.statistics.bytes_spilled += run.decoded->bytes();
+  run.statistics.order_seconds += seconds_since(start);
+}
+
 void plan_memory_of(RunState& run) {
   const Schema& input = run.cloud.schema();
   if (!run.plan.passes.empty())
@@ -39,9 +50,8 @@ void plan_memory_of(RunState& run) {
 }
 
 void make_folder(RunState& run) {
-  if (!run.memory.spills() || run.checkpoints) return;
-  run.folder.emplace(run.options.temp_folder.empty() ? std::filesystem::temp_directory_path()
-                                                     : run.options.temp_folder);
+  if (!run.memory.spills() || run.checkpoints || run.folder) return;
+  run.folder.emplace(temp_parent(run.options.temp_folder));
 }
 
 }  // namespace
@@ -53,6 +63,7 @@ void survey_source(RunState& run, bool exact) {
 }
 
 void survey_phase(RunState& run) {
+  decode_input(run);
   run.source = run.cloud_source();
   if (run.checkpoints && run.checkpoints->found())
     run.survey = run.checkpoints->last().survey;

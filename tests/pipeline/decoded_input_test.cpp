@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+/// Inputs that are decoded once: whatever a run does, each row is decoded once, and results do not change.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <random>
+
+#include "pointsweep/error.h"
+#include "pointsweep/formats/registry.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/preview.h"
+#include "tests/formats/temporary_folder.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::uint64_t kRows = 5000, kChunkRows = 700;
+
+/// Records of x, y, z and intensity that are slow to decode, with or without decoders for several threads.
+class SlowReader final : public Reader {
+ public:
+  struct Counts {
+    std::atomic<std::uint64_t> decoded = 0;
+    std::uint64_t fail_at = std::numeric_limits<std::uint64_t>::max();  ///< a row that cannot be decoded
+  };
+  enum class Decoding { once, each_time };
+
+  SlowReader(Counts& counts, Decoding decoding, bool side_by_side, double nan_at = -1)
+      : counts_(counts), side_by_side_(side_by_side) {
+    for (const char* name : {"x", "y", "z", "intensity"}) info_.schema.append(name, Type::f64);
+    info_.path = "slow";
+    info_.count = kRows;
+    info_.decode_once = decoding == Decoding::once;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> uniform;
+    for (std::uint64_t i = 0; i < kRows; ++i)
+      for (const double v : {uniform(random), uniform(random), 0.1 * uniform(random), static_cast<double>(i)})
+        values_.push_back(static_cast<double>(i) == nan_at && v != nan_at ? std::nan("") : v);
+  }
+
+  bool has_decoders() const override { return side_by_side_; }
+  Chunk chunk_of(std::uint64_t row) const override {
+    const std::uint64_t first = row / kChunkRows * kChunkRows;
+    return {.first_row = first, .rows = std::min(kChunkRows, kRows - first), .bounds = {}};
+  }
+  std::unique_ptr<RowDecoder> decoder(const WantedFields&) const override {
+    return side_by_side_ ? std::make_unique<Decoder>(*this) : nullptr;
+  }
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override { return decode(row, records); }
+
+ private:
+  class Decoder final : public RowDecoder {
+   public:
+    explicit Decoder(const SlowReader& reader) : reader_(reader) {}
+    std::size_t read(std::uint64_t row, std::span<std::byte> records) override { return reader_.decode(row, records); }
+
+   private:
+    const SlowReader& reader_;
+  };
+
+  std::size_t decode(std::uint64_t row, std::span<std::byte> records) const {
+    const std::size_t rows = rows_for(row, records);
+    if (row <= counts_.fail_at && counts_.fail_at < row + rows) fail("slow: row {} is damaged.", counts_.fail_at);
+    std::memcpy(records.data(), values_.data() + 4 * row, rows * info_.schema.stride);
+    counts_.decoded += rows;
+    return rows;
+  }
+
+  Counts& counts_;
+  bool side_by_side_;
+  std::vector<double> values_;
+};
+
+using Decoding = SlowReader::Decoding;
+
+Cloud cloud_of(SlowReader::Counts& counts, Decoding decoding, bool side_by_side, double nan_at = -1) {
+  std::vector<std::unique_ptr<Reader>> readers;
+  for (int i = 0; i < 2; ++i)
+    readers.push_back(std::make_unique<SlowReader>(counts, decoding, side_by_side, i == 0 ? nan_at : -1));
+  return Cloud(std::move(readers));
+}
+
+class DecodedInput : public testing::Test {
+ protected:
+  std::string bytes_of(Cloud& cloud, const std::string& pipeline, const RunOptions& options, const char* format) {
+    RunOptions overwriting = options;
+    overwriting.overwrite = true;
+    Outputs outputs;
+    outputs.points = folder_ / (std::string("out") + format);
+    run(cloud, build_chain(parse_pipeline(pipeline), Facts{}), outputs, overwriting);
+    return content_of(outputs.points);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(DecodedInput, EachRowIsDecodedOnceAndResultsAreTheSame) {
+  for (const char* pipeline : {"knn(k=6) | normals", "knn(k=6) | where(intensity < 3000) | normals",
+                               "knn(k=6) | normals | splats | fair | reneighbor | normals", "unique"})
+    for (const Order order : {Order::input, Order::sweep})
+      for (const bool side_by_side : {false, true})
+        for (const char* format : {".ply", ".las"}) {
+          SCOPED_TRACE(testing::Message() << pipeline << format << static_cast<int>(order) << side_by_side);
+          SlowReader::Counts once, often;
+          Cloud slow = cloud_of(once, Decoding::once, side_by_side);
+          Cloud plain = cloud_of(often, Decoding::each_time, side_by_side);
+          RunOptions options;
+          options.order = order;
+          EXPECT_EQ(bytes_of(slow, pipeline, options, format), bytes_of(plain, pipeline, options, format));
+          // What is written as LAS is looked through for points that are not finite, before anything else.
+          EXPECT_EQ(once.decoded, format == std::string(".las") ? 4 * kRows : 2 * kRows);
+          EXPECT_GT(often.decoded, 2 * kRows);
+        }
+}
+
+TEST_F(DecodedInput, PointsThatAreDroppedKeepTheirNumbers) {
+  SlowReader::Counts once, often;
+  Cloud slow = cloud_of(once, Decoding::once, true, 17);
+  Cloud plain = cloud_of(often, Decoding::each_time, true, 17);
+  const Chain chain = build_chain(parse_pipeline("knn(k=20, radius=0.025) | normals"), Facts{});
+  RunOptions options;
+  options.nonfinite = Nonfinite::drop;
+  options.overwrite = true;
+  Outputs outputs;
+  outputs.points = folder_ / "out.ply";
+  const Statistics of_slow = run(slow, chain, outputs, options), of_plain = run(plain, chain, outputs, options);
+  EXPECT_EQ(of_slow.dropped, 1u);
+  ASSERT_EQ(of_slow.degenerate_results.size(), of_plain.degenerate_results.size());
+  ASSERT_FALSE(of_slow.degenerate_results.empty());
+  EXPECT_GT(of_slow.degenerate_results[0].rows.back(), 17u);
+  EXPECT_EQ(of_slow.degenerate_results[0].rows, of_plain.degenerate_results[0].rows);
+}
+
+TEST_F(DecodedInput, IsRefusedBeforeItIsDecoded) {
+  SlowReader::Counts counts;
+  Cloud slow = cloud_of(counts, Decoding::once, true);
+  Outputs outputs;
+  outputs.points = folder_.write("out.ply", "precious");
+  EXPECT_THROW(run(slow, build_chain(parse_pipeline("normals"), Facts{}), outputs, {}), Error);
+  EXPECT_EQ(counts.decoded, 0u);
+  EXPECT_EQ(content_of(outputs.points), "precious");
+}
+
+TEST_F(DecodedInput, ThatIsDamagedEndsTheRunAndLeavesTheCloudAsItWas) {
+  for (const bool side_by_side : {false, true}) {
+    SlowReader::Counts counts;
+    counts.fail_at = 4321;
+    Cloud slow = cloud_of(counts, Decoding::once, side_by_side);
+    try {
+      bytes_of(slow, "normals", {}, ".ply");
+      ADD_FAILURE() << "the damage was not noticed";
+    } catch (const Error& error) {
+      EXPECT_STREQ(error.what(), "slow: row 4321 is damaged.");
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out.ply"));
+    EXPECT_TRUE(slow.readers()[0]->info().decode_once);
+    counts.fail_at = std::numeric_limits<std::uint64_t>::max();
+    EXPECT_FALSE(bytes_of(slow, "normals", {}, ".ply").empty());
+    std::filesystem::remove(folder_ / "out.ply");
+  }
+}
+
+TEST_F(DecodedInput, LeavesNothingInTheFolderOfARunThatIsResumed) {
+  const std::filesystem::path laz = folder_ / "in.laz", las = folder_ / "in.las";
+  if (!format_of_output(laz)->is_built_in()) GTEST_SKIP() << "built without LAZ";
+  SlowReader::Counts counts;
+  Cloud generated = cloud_of(counts, Decoding::each_time, true);
+  sort(generated, laz), sort(generated, las);
+  Cloud slow({laz}), plain({las});
+  RunOptions resuming;
+  resuming.resume_folder = folder_ / "work";
+  resuming.checkpoint_seconds = 0;
+  resuming.provenance = false;
+  resuming.progress = [](const Progress& progress) {
+    if (progress.phase == std::string("sweeping") && progress.done > kRows) fail("interrupted");
+  };
+  resuming.slab_points = 500;
+  EXPECT_THROW(bytes_of(slow, "normals", resuming, ".ply"), Error);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "work"));
+  resuming.progress = {};
+  RunOptions plainly;
+  plainly.provenance = false;
+  EXPECT_EQ(bytes_of(slow, "normals", resuming, ".ply"), bytes_of(plain, "normals", plainly, ".ply"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "work"));
+}
+
+TEST_F(DecodedInput, IsNamedInADryRun) {
+  SlowReader::Counts counts;
+  Cloud slow = cloud_of(counts, Decoding::once, true);
+  const std::string text = to_text(preview(slow, build_chain(parse_pipeline("normals"), Facts{})));
+  EXPECT_NE(text.find("decoding      once, into a temporary file of 0.3 MB\n"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace pointsweep
