@@ -10,10 +10,11 @@
 
 #include "cli/command_line.h"
 #include "cli/help.h"
+#include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/quantities.h"
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/files/same_file.h"
@@ -24,11 +25,11 @@
 namespace pointsweep {
 namespace {
 
-RunOptions run_options(const CommonOptions& options) {
-  RunOptions run;
-  run.memory_bytes = options.memory;
-  run.threads = static_cast<unsigned>(options.threads);
-  run.temp_folder = options.temp_dir;
+EngineOptions run_options(const CommonOptions& options) {
+  EngineOptions run;
+  run.resources.memory_bytes = options.memory;
+  run.resources.threads = static_cast<unsigned>(options.threads);
+  run.resources.temp_folder = options.temp_dir;
   run.axis = options.axis;
   run.order = options.order;
   run.engine = options.engine;
@@ -46,10 +47,10 @@ RunOptions run_options(const CommonOptions& options) {
   return run;
 }
 
-Cloud open_inputs(InputsAndOutput paths, const CommonOptions& options) {
+InputCloud open_inputs(InputsAndOutput paths, const CommonOptions& options) {
   for (const auto& path : {options.stats, options.report, options.half_way}) paths.other_outputs.push_back(path);
   require_named_files(paths);
-  return Cloud(paths.inputs(), {.ignore_crs = options.ignore_crs});
+  return InputCloud(paths.inputs(), {.ignore_crs = options.ignore_crs});
 }
 
 /// The name of the report, refused if it is not that of a page.
@@ -71,7 +72,7 @@ std::optional<Rendering> picture_of(const std::filesystem::path& output, const S
   if (is_array_name(output) || statistics.points_written == 0 ||
       statistics.nonfinite - statistics.dropped == statistics.points)
     return std::nullopt;
-  Cloud cloud({output});
+  InputCloud cloud({output});
   RenderOptions options;
   options.width = 900;
   options.height = 640;
@@ -121,6 +122,18 @@ std::string conclusion(const std::filesystem::path& output, const Statistics& s,
   return text;
 }
 
+/// Shows what a run tells. Signals cancel it.
+class RunDisplay final : public Observer {
+ public:
+  explicit RunDisplay(ProgressDisplay& display) : display_(display) {}
+  void on_progress(const Progress& p) override { display_.report(p.phase, p.done, p.total); }
+  void on_warning(const std::string& sentence) override { display_.say(sentence); }
+  const CancellationToken& token() const noexcept override { return interrupt_token(); }
+
+ private:
+  ProgressDisplay& display_;
+};
+
 }  // namespace
 
 void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning) {
@@ -160,29 +173,25 @@ void add_run_options(CLI::App& verb, CommonOptions& options) {
 }
 
 void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
-                    const std::function<Statistics(Cloud& cloud, const RunOptions& options)>& work) {
-  Cloud cloud = open_inputs(paths, options);
+                    const std::function<Statistics(InputCloud& cloud, const EngineOptions& options)>& work) {
+  InputCloud cloud = open_inputs(paths, options);
   std::optional<OutputFile> stats;  // made first: a place that cannot be written is known before the work, not after
   if (!options.stats.empty()) stats.emplace(options.stats, options.force);
   std::optional<OutputFile> report;
   if (!options.report.empty()) report.emplace(page_name(options.report), options.force);
   ProgressDisplay display(options);
-  RunOptions run = run_options(options);
-  run.progress = [&display](const Progress& p) {
-    stop_if_cancelled();
-    display.report(p.phase, p.done, p.total);
-  };
-  run.notice = [&display](const std::string& sentence) { display.say(sentence); };
+  EngineOptions run = run_options(options);
+  RunDisplay watching(display);
+  run.observer = &watching;
   const Statistics statistics = work(cloud, run);
   if (stats) complete(*stats, to_json(statistics) + "\n");
   if (report) complete(*report, report_of(summary_of(paths, cloud.schema(), statistics, display)));
-  for (const std::string& warning : statistics.warnings) display.say(warning);
   display.say(conclusion(paths.output(), statistics, options.stats));
 }
 
 void look_at_cloud(const InputsAndOutput& paths, const CommonOptions& options,
-                   const std::function<void(Cloud& cloud, const RunOptions& options)>& work) {
-  Cloud cloud = open_inputs(paths, options);
+                   const std::function<void(InputCloud& cloud, const EngineOptions& options)>& work) {
+  InputCloud cloud = open_inputs(paths, options);
   work(cloud, run_options(options));
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cli/common_options.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/engine_run.h"
 
 namespace pointsweep {
 
@@ -40,10 +40,10 @@ void add_run_options(CLI::App& verb, CommonOptions& options);
 /// Opens the inputs as one cloud, lets `work` run over it, shows progress and warnings, writes --stats and says what
 /// was done.
 void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
-                    const std::function<Statistics(Cloud& cloud, const RunOptions& options)>& work);
+                    const std::function<Statistics(InputCloud& cloud, const EngineOptions& options)>& work);
 
 /// Opens the inputs as one cloud for `work` that writes nothing, without progress and statistics.
 void look_at_cloud(const InputsAndOutput& paths, const CommonOptions& options,
-                   const std::function<void(Cloud& cloud, const RunOptions& options)>& work);
+                   const std::function<void(InputCloud& cloud, const EngineOptions& options)>& work);
 
 }  // namespace pointsweep

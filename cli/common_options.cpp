@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "cli/quantities.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/engine_run.h"
 
 namespace pointsweep {
 
@@ -19,7 +19,7 @@ struct CommonOptions {
   int threads = 0;                 ///< set by add_thread_option() to the number of processors
   std::filesystem::path temp_dir;  ///< where to spill; empty: the system's folder
   std::filesystem::path resume;    ///< folder of checkpoints; empty: none
-  double checkpoint_seconds = RunOptions().checkpoint_seconds;
+  double checkpoint_seconds = EngineOptions().checkpoint_seconds;
   std::optional<int> axis;     ///< 0, 1, 2; none: the axis of largest extent
   Order order = Order::input;  ///< of the rows of the output
   Engine engine = Engine::exact;

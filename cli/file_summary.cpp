@@ -6,7 +6,7 @@
 
 #include "cli/nearest_distances.h"
 #include "cli/plan_area.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/order/mix.h"
 
 namespace pointsweep {

@@ -9,11 +9,11 @@
 #include "cli/progress.h"
 #include "cli/quantities.h"
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
-#include "pointsweep/formats/writer.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/shapes/registry.h"
 #include "pointsweep/shapes/shape_reader.h"
 #include "pointsweep/threads.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 namespace {

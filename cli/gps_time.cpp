@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "pointsweep/formats/las_origin.h"
+
 namespace pointsweep {
 
 std::optional<GpsTimes> gps_times(const FileInfo& info, const FileSummary& summary) {

@@ -7,7 +7,7 @@
 
 #include "cli/commands.h"
 #include "cli/usage_errors.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

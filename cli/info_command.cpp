@@ -7,7 +7,7 @@
 #include "cli/file_summary.h"
 #include "cli/progress.h"
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

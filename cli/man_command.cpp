@@ -12,7 +12,7 @@
 #include "cli/declared_options.h"
 #include "cli/man_pages.h"
 #include "cli/usage_errors.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

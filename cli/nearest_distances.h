@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "pointsweep/geometry.h"
 #include "pointsweep/math/box.h"
-#include "pointsweep/math/vec3.h"
 
 namespace pointsweep {
 

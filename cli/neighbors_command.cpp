@@ -7,7 +7,7 @@
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
 #include "cli/stage_options.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/preview.h"
@@ -75,12 +75,12 @@ void neighbors(const NeighborsCommand& command) {
   neighborhood_of(command);  // wrong options are refused before files are opened
   if (!command.distances.empty()) require_npy(command.distances);
   if (command.common.dry_run) {
-    look_at_cloud(paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+    look_at_cloud(paths, command.common, [&](InputCloud& cloud, const EngineOptions& options) {
       fmt::print("{}", to_text(preview(cloud, chain_of(command, arrays_of(command), cloud.count()), options)));
     });
     return;
   }
-  run_over_cloud(paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+  run_over_cloud(paths, command.common, [&](InputCloud& cloud, const EngineOptions& options) {
     const Outputs outputs{.points = {}, .arrays = arrays_of(command), .writer = {}};
     return run(cloud, chain_of(command, outputs.arrays, cloud.count()), outputs, options);
   });

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep normals|curvature|splats|fair IN... OUT`: the pipelines of the paper (its Section 4.3) by one word each.
+#include <fmt/core.h>
+
 #include <memory>
 #include <string>
 
 #include "cli/commands.h"
 #include "cli/pipeline_run.h"
 #include "cli/stage_options.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

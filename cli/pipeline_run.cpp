@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "cli/stage_options.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/preview.h"
 
@@ -66,14 +66,14 @@ void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
   orient_normals(stages, command.orientation);
   build_chain(stages, Facts{});  // wrong names and options are refused before files are opened
   if (command.common.dry_run) {
-    look_at_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+    look_at_cloud(command.paths, command.common, [&](InputCloud& cloud, const EngineOptions& options) {
       const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
       require_a_mover(chain, command.common);
       fmt::print("{}", to_text(preview(cloud, chain, options, command.paths.output())));
     });
     return;
   }
-  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+  run_over_cloud(command.paths, command.common, [&](InputCloud& cloud, const EngineOptions& options) {
     const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
     require_a_mover(chain, command.common);
     return run(cloud, chain, {.points = command.paths.output(), .arrays = {}, .writer = {}}, options);

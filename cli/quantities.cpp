@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/geometry.h"
 
 namespace pointsweep {
 

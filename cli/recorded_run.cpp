@@ -3,9 +3,9 @@
 
 #include <system_error>
 
-#include "pointsweep/error.h"
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 namespace {

@@ -9,7 +9,7 @@
 #include "cli/commands.h"
 #include "cli/progress.h"
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/crs_unit.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/output_file.h"
@@ -69,7 +69,7 @@ void render_picture(RenderCommand& command) {
   options.angles = parse_view(command.view);
   options.up = parse_up(command.up);
   OutputFile file(output, command.common.force);
-  Cloud cloud(command.paths.inputs(), {.ignore_crs = command.common.ignore_crs});
+  InputCloud cloud(command.paths.inputs(), {.ignore_crs = command.common.ignore_crs});
   if (const auto& crs = cloud.readers().front()->info().crs) options.length_unit = length_unit_of(*crs);
   ProgressDisplay display(command.common);
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {

@@ -17,12 +17,12 @@ struct SortCommand {
 void sort_points(const SortCommand& command) {
   const std::vector<std::string>& keep = command.common.keep;
   if (command.common.dry_run) {
-    look_at_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+    look_at_cloud(command.paths, command.common, [&](InputCloud& cloud, const EngineOptions& options) {
       fmt::print("{}", to_text(preview_sort(cloud, command.paths.output(), options, keep)));
     });
     return;
   }
-  run_over_cloud(command.paths, command.common, [&](Cloud& cloud, const RunOptions& options) {
+  run_over_cloud(command.paths, command.common, [&](InputCloud& cloud, const EngineOptions& options) {
     return sort(cloud, command.paths.output(), options, keep);
   });
 }

@@ -13,7 +13,7 @@
 #include "cli/recorded_run.h"
 #include "cli/stage_options.h"
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/build_chain.h"
@@ -93,7 +93,7 @@ VerifyCommand completed(VerifyCommand command) {
 }
 
 /// Leaves out the points that the run has left out.
-void drop_nonfinite(const VerifyCommand& command, Cloud& cloud) {
+void drop_nonfinite(const VerifyCommand& command, InputCloud& cloud) {
   const Outputs outputs{.points = command.paths.output(), .arrays = {}, .writer = {}};
   if (nonfinite_rule(outputs, command.common.nonfinite) != Nonfinite::drop) return;
   const NonfiniteRows dropped = cloud.drop_nonfinite();
@@ -142,7 +142,7 @@ void leave_out(const KeptFields& named, const std::string& prefix, const Schema&
 }
 
 /// Selects the rows that the first stages keep. Throws UsageError for a select behind other stages.
-void select_rows(const VerifyOptions& options, Cloud& cloud, const ChainGraph& graph) {
+void select_rows(const VerifyOptions& options, InputCloud& cloud, const ChainGraph& graph) {
   std::vector<std::shared_ptr<const Operator>> first;
   bool others = false;
   for (std::size_t n = 1; n < graph.nodes.size(); ++n) {
@@ -170,7 +170,7 @@ StageText knn_of(const VerifyCommand& command) {
 }
 
 /// An array of neighbours or of distances says itself how it was made, but for a radius.
-MadeBy made_by_neighbors(const VerifyCommand& command, const Cloud& cloud, const Reader& out) {
+MadeBy made_by_neighbors(const VerifyCommand& command, const InputCloud& cloud, const Reader& out) {
   const std::vector<Field>& columns = out.info().schema.fields;
   const bool distances = columns.front().type == Type::f64;
   Chain chain = build_chain({knn_of(command)}, Facts{.points = cloud.count()});
@@ -214,7 +214,7 @@ class MadeAttributes {
   const std::set<std::string>& changed_;
 };
 
-MadeBy made_by_pipeline(const VerifyCommand& command, const VerifyOptions& options, Cloud& cloud, Reader& out,
+MadeBy made_by_pipeline(const VerifyCommand& command, const VerifyOptions& options, InputCloud& cloud, Reader& out,
                         const std::set<std::string>& changed = {}) {
   const MadeAttributes attributes(cloud.schema(), out.info().schema, changed);
   const std::string likely = attributes.likely_pipeline();
@@ -269,7 +269,7 @@ std::set<std::string> changed_attributes(const Arrivals& arrivals) {
   return names;
 }
 
-Verdict checked(const VerifyCommand& command, Cloud& cloud, ProgressDisplay& display) {
+Verdict checked(const VerifyCommand& command, InputCloud& cloud, ProgressDisplay& display) {
   const std::filesystem::path& path = command.paths.output();
   const VerifyOptions options = check_options(command, display);
   if (is_array_name(path)) {
@@ -287,7 +287,7 @@ Verdict checked(const VerifyCommand& command, Cloud& cloud, ProgressDisplay& dis
 
 void run_check(const VerifyCommand& given) {
   const VerifyCommand command = completed(given);
-  Cloud cloud(command.paths.inputs(), {.ignore_crs = command.common.ignore_crs});
+  InputCloud cloud(command.paths.inputs(), {.ignore_crs = command.common.ignore_crs});
   drop_nonfinite(command, cloud);
   ProgressDisplay display(command.common);
   const Verdict verdict = checked(command, cloud, display);

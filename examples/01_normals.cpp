@@ -3,21 +3,19 @@
 //
 //   01_normals scan.ply out.ply
 #include <cstdio>
-#include <memory>
 
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pointsweep.h"
 
 int main(int argc, char** argv) try {
   if (argc != 3) return std::fprintf(stderr, "usage: %s IN OUT\n", argv[0]), 2;
   using namespace pointsweep;
 
   Cloud cloud({argv[1]});
-  const Chain chain{.neighborhood = {.k = 8}, .stages = {std::make_shared<Normals>()}};
+  const Chain chain{.neighborhood = {.k = 8}, .stages = {operators::normals()}};
   RunOptions options;
-  options.memory_bytes = 256 << 20;
+  options.resources.memory_bytes = 256 << 20;
   options.overwrite = true;
-  const Statistics statistics = run(cloud, chain, {.points = argv[2], .arrays = {}, .writer = {}}, options);
+  const Statistics statistics = run(cloud, chain, {.points = argv[2]}, options);
 
   std::printf("%llu points, %llu certified exact, at most %llu of them in memory at once\n",
               static_cast<unsigned long long>(statistics.points), static_cast<unsigned long long>(statistics.certified),

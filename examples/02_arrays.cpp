@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Lesson 2: the same on arrays in memory, without files. Checks itself on a sphere, whose normals everybody knows.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "pointsweep/formats/arrays.h"
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pointsweep.h"
 
 int main() try {
   using namespace pointsweep;
@@ -20,15 +19,13 @@ int main() try {
     for (const double c : {r * std::cos(turn), r * std::sin(turn), z}) xyz.push_back(static_cast<float>(c));
   }
 
-  std::vector<std::unique_ptr<Reader>> readers;
-  readers.push_back(std::make_unique<ArrayReader>(std::span<const float>(xyz)));
-  Cloud cloud(std::move(readers));
+  Cloud cloud(std::make_unique<ArrayReader>(std::span<const float>(xyz)));
   std::vector<float> normals(3 * n);
   Outputs outputs;
   outputs.writer = [&](const OutputPlan& plan) {
     return std::make_unique<ArrayWriter<float>>(plan, std::vector<std::string>{"nx", "ny", "nz"}, std::span(normals));
   };
-  const Chain chain{.neighborhood = {.k = 12}, .stages = {std::make_shared<Normals>()}};
+  const Chain chain{.neighborhood = {.k = 12}, .stages = {operators::normals()}};
   run(cloud, chain, outputs);
 
   double worst = 1;

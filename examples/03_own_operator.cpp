@@ -4,12 +4,12 @@
 // "roughness".
 //
 //   03_own_operator scan.ply out.ply
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pointsweep.h"
 
 using namespace pointsweep;
 
@@ -20,7 +20,6 @@ class Roughness final : public Operator {
   // What it looks at and what it makes. The engine derives from this how long points are buffered before it.
   Contract contract() const override {
     return {.reads = {normal_attribute()},
-            .reads_neighbors = {},
             .makes = {scalar("roughness", Type::f32, "length", "distance to the plane of the neighbours")}};
   }
 
@@ -45,10 +44,10 @@ class Roughness final : public Operator {
 int main(int argc, char** argv) try {
   if (argc != 3) return std::fprintf(stderr, "usage: %s IN OUT\n", argv[0]), 2;
   Cloud cloud({argv[1]});
-  const Chain chain{.neighborhood = {.k = 16}, .stages = {std::make_shared<Normals>(), std::make_shared<Roughness>()}};
+  const Chain chain{.neighborhood = {.k = 16}, .stages = {operators::normals(), std::make_shared<Roughness>()}};
   RunOptions options;
   options.overwrite = true;
-  const Statistics statistics = run(cloud, chain, {.points = argv[2], .arrays = {}, .writer = {}}, options);
+  const Statistics statistics = run(cloud, chain, {.points = argv[2]}, options);
   for (const auto& [name, seconds] : statistics.operator_seconds) std::printf("%-10s %.3f s\n", name.c_str(), seconds);
   return 0;
 } catch (const std::exception& error) {

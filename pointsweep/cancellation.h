@@ -2,22 +2,9 @@
 /// Cancellation: how a signal handler or another thread asks work of the library to end early.
 #pragma once
 
-#include <atomic>
-
 #include "pointsweep/error.h"
 
 namespace pointsweep {
-
-/// A request to stop that is made once and stays. Lock-free: a signal handler may call cancel().
-class CancellationToken {
- public:
-  void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
-  bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
-
- private:
-  std::atomic<bool> cancelled_ = false;
-  static_assert(std::atomic<bool>::is_always_lock_free);
-};
 
 /// While it lives, the work that this thread does, and the work that this thread gives to others through threads.h,
 /// stops when `token` asks for it. An inner scope replaces an outer one; a null token changes nothing.

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/operator.h"
-#include "pointsweep/points/neighborhood_rule.h"
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/operator.h"
 #include "pointsweep/points/schema.h"
 #include "reference/stream_point.h"
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "pointsweep/points/degenerate_points.h"
+
 namespace pointsweep::reference {
 namespace {
 
@@ -97,9 +99,10 @@ void OperatorCall::apply_gathered(std::span<StreamPoint* const> points) {
   const std::vector<std::uint16_t> own = numbers(stage_.reads.size()), near = numbers(stage_.reads_neighbors.size());
   const Neighborhoods in({own_.x.data(), own_.y.data(), own_.z.data(), own_.row.data(), reads.data()}, points.size(),
                          slots_.data(), begin_.data(), refs_.data(), own, near, -1, stage_.moved);
-  Columns out(makes, points.size());
+  DegeneratePoints degenerate;
+  Columns out(makes, points.size(), degenerate);
   stage_.op->apply(in, out);
-  out.degenerate().for_each([&](std::size_t i) { degenerate_.add(own_.row[i]); });
+  degenerate.for_each([&](std::size_t i) { degenerate_.add(own_.row[i]); });
   for (std::size_t m = 0; m < made.size(); ++m) {
     const std::size_t bytes = stage_.makes[m].bytes;
     for (std::size_t i = 0; i < points.size(); ++i)

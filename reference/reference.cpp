@@ -7,7 +7,7 @@
 #include <deque>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "reference/audit.h"
 #include "reference/nearest_operator.h"
 #include "reference/pre_post_buffer.h"

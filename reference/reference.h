@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/operators/operator.h"
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/operator.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/points/degenerate_rows.h"
-#include "pointsweep/points/neighborhood_rule.h"
 #include "reference/nearest_set.h"
 
 namespace pointsweep::reference {

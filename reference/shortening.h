@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/points/neighborhood_rule.h"
+#include "pointsweep/neighborhood.h"
 #include "reference/fields.h"
 
 namespace pointsweep::reference {

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/formats/write_behind.h"
-#include "pointsweep/formats/writer.h"
 #include "pointsweep/threads.h"
+#include "pointsweep/writer.h"
 
 namespace {
 
@@ -22,7 +22,7 @@ constexpr std::size_t kBlock = std::size_t{4} << 20;
 /// One thread reads, one writes.
 void copy_points(const std::string& in, const std::string& out) {
   using namespace pointsweep;
-  Cloud cloud({in});
+  InputCloud cloud({in});
   WriteBehind files;
   files.add(create_writer(
       {.path = out, .schema = cloud.schema(), .count = cloud.count(), .extras = cloud.extras(), .overwrite = true}));

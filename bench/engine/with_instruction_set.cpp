@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "pointsweep/operators/normals.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/engine_run.h"
 
 namespace {
 
@@ -38,10 +38,10 @@ bool take(const std::string& name) {
 
 void normals(const char* in, const char* out, std::size_t k, unsigned threads) {
   using namespace pointsweep;
-  Cloud cloud({in});
+  InputCloud cloud({in});
   const Chain chain{.neighborhood = {.k = k}, .stages = {std::make_shared<Normals>()}};
-  RunOptions options;
-  options.threads = threads;
+  EngineOptions options;
+  options.resources.threads = threads;
   options.overwrite = true;
   run(cloud, chain, {.points = out, .arrays = {}, .writer = {}}, options);
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pointsweep/operators/normals.h"
+#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 namespace {
@@ -65,7 +66,8 @@ void normals_of_a_sheet(benchmark::State& state) {
   std::byte* made[] = {reinterpret_cast<std::byte*>(column.data())};
   for (auto _ : state)
     for (std::size_t cell = 0; cell < sheet.cells.size(); ++cell) {
-      Columns out(made, kCell);
+      DegeneratePoints degenerate;
+      Columns out(made, kCell, degenerate);
       normals.apply(
           {sheet.cells[cell], kCell, sheet.cells.data(), sheet.begins[cell].data(), sheet.refs[cell].data(), {}, {}},
           out);

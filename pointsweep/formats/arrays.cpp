@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/arrays.h"
-
 #include <algorithm>
 #include <cstring>
 #include <type_traits>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/reader.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/crs.h"
 
 namespace pointsweep {
 namespace {

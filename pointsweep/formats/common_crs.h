@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

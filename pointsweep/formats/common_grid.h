@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "pointsweep/formats/las_scale.h"
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 

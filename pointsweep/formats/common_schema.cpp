@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "pointsweep/formats/common_grid.h"
 #include "pointsweep/formats/missing_fields.h"
-#include "pointsweep/formats/reader.h"
 #include "pointsweep/formats/value_range.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 
@@ -29,7 +29,8 @@ struct CommonSchema {
   std::vector<std::string> warnings;
 };
 
-/// As class Cloud documents it. Names that mean the same (`nx`, `NormalX`) are one field, under the first one's name.
+/// As class InputCloud documents it. Names that mean the same (`nx`, `NormalX`) are one field, under the first one's
+/// name.
 CommonSchema common_schema(const std::vector<std::unique_ptr<Reader>>& readers);
 
 }  // namespace pointsweep

@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/reader.h"
 #include "pointsweep/math/box.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "pointsweep/formats/files/input_file.h"
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 

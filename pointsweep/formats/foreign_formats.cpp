@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/foreign_formats.h"
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/extension.h"
 
 namespace pointsweep {

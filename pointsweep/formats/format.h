@@ -13,12 +13,12 @@
 #include <string>
 #include <string_view>
 
-#include "pointsweep/formats/reader.h"
-#include "pointsweep/formats/writer.h"
+#include "pointsweep/reader.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 
-class Cloud;
+class InputCloud;
 
 struct Format {
   enum class Content : std::uint8_t {
@@ -60,7 +60,7 @@ struct Format {
   bool (*needs_bounds)(const Schema& schema) = nullptr;
   /// What OutputPlan::values must say of a cloud, which may be read for it once; null: nothing. `progress` gets the
   /// number of points read; it may throw.
-  KnownValues (*values)(Cloud& cloud, const std::function<void(std::uint64_t rows)>& progress) = nullptr;
+  KnownValues (*values)(InputCloud& cloud, const std::function<void(std::uint64_t rows)>& progress) = nullptr;
 
   /// Whether this build reads and writes it as far as open and create say.
   bool is_built_in() const { return has_codec == nullptr || has_codec(); }

@@ -10,8 +10,8 @@ namespace pointsweep {
 
 struct KnownValues {
   std::vector<ValueRange> ranges;  ///< one for each field of the cloud
-  /// Real coordinates are stored at the scale of the inputs (Cloud::las()): every one of them lies on that grid, or all
-  /// inputs are LAS and are rounded to the finest scale among them.
+  /// Real coordinates are stored at the scale of the inputs (InputCloud::las()): every one of them lies on that grid,
+  /// or all inputs are LAS and are rounded to the finest scale among them.
   bool keeps_grid = false;
   bool rounds = false;  ///< the latter
 };

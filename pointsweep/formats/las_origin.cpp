@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 namespace {

@@ -2,8 +2,8 @@
 /// How finely LAS, which stores coordinates as 32-bit integers, can hold real ones.
 #pragma once
 
+#include "pointsweep/geometry.h"
 #include "pointsweep/math/box.h"
-#include "pointsweep/math/vec3.h"
 
 namespace pointsweep {
 

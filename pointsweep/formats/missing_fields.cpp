@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/missing_fields.h"
 
+#include "pointsweep/formats/las_origin.h"
+
 namespace pointsweep {
 namespace {
 

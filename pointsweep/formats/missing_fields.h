@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/formats/reader.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 

@@ -13,7 +13,8 @@ constexpr std::uint64_t kPieceRows = 16384;
 
 }  // namespace
 
-std::vector<ParallelRows::Piece> ParallelRows::pieces_of(const Cloud& cloud, std::uint64_t row, std::uint64_t end) {
+std::vector<ParallelRows::Piece> ParallelRows::pieces_of(const InputCloud& cloud, std::uint64_t row,
+                                                         std::uint64_t end) {
   std::vector<Piece> pieces;
   while (row < end) {
     std::uint64_t chunk_end = cloud.chunk_end(row);
@@ -25,7 +26,7 @@ std::vector<ParallelRows::Piece> ParallelRows::pieces_of(const Cloud& cloud, std
   return pieces;
 }
 
-std::size_t ParallelRows::read(Cloud& cloud, std::uint64_t row, std::span<std::byte> records) {
+std::size_t ParallelRows::read(InputCloud& cloud, std::uint64_t row, std::span<std::byte> records) {
   if (decoders_.empty()) {
     decoders_.resize(thread_count());
     for (auto& decoder : decoders_) decoder = cloud.decoder();

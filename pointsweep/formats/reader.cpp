@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 
 #include <cassert>
 

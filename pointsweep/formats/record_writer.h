@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "pointsweep/formats/files/output_file.h"
-#include "pointsweep/formats/writer.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/e57/e57_format.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/input_file.h"

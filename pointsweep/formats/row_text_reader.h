@@ -10,7 +10,7 @@
 
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/row_lines.h"
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 

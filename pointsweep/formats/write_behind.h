@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "pointsweep/formats/writer.h"
 #include "pointsweep/threads.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/writer.h"
+#include "pointsweep/writer.h"
 
 #include <stdexcept>
 

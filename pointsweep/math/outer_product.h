@@ -2,8 +2,8 @@
 /// Covariances: symmetric matrices summed from vectors.
 #pragma once
 
+#include "pointsweep/geometry.h"
 #include "pointsweep/math/symmetric3.h"
-#include "pointsweep/math/vec3.h"
 
 namespace pointsweep {
 

@@ -16,8 +16,8 @@
 #include <array>
 #include <cmath>
 
+#include "pointsweep/geometry.h"
 #include "pointsweep/math/power_of_two.h"
-#include "pointsweep/math/vec3.h"
 
 namespace pointsweep {
 

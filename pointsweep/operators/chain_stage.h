@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// An entry of a chain: an operator, or an instruction about neighbourhoods or order.
+/// What an entry of a chain says of itself, be it an operator or an instruction.
 #pragma once
 
-#include <memory>
 #include <string>
-#include <utility>
 #include <variant>
-#include <vector>
 
-#include "pointsweep/operators/operator.h"
-#include "pointsweep/operators/update_operators.h"
+#include "pointsweep/chain.h"
+#include "pointsweep/points/neighborhood_options.h"
 
 namespace pointsweep {
-
-using ChainStage = std::variant<std::shared_ptr<const Operator>, Reneighbor, Resort>;
 
 /// Null for Reneighbor and Resort.
 inline const Operator* operator_of(const ChainStage& stage) {
@@ -37,7 +32,7 @@ inline std::string name_of(const ChainStage& stage) {
 inline Options options_of(const ChainStage& stage) {
   if (const Operator* op = operator_of(stage)) return op->declared_options();
   const auto* next = std::get_if<Reneighbor>(&stage);
-  return next != nullptr && next->neighborhood ? next->neighborhood->options() : Options();
+  return next != nullptr && next->neighborhood ? options_of(*next->neighborhood) : Options();
 }
 
 }  // namespace pointsweep

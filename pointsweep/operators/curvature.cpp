@@ -8,6 +8,7 @@
 #include "pointsweep/operators/curvature_kernel.h"
 #include "pointsweep/operators/declaration.h"
 #include "pointsweep/operators/tangent_plane.h"
+#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 Attribute k1_attribute() { return scalar("k1", Type::f32, "1/length", "larger principal curvature, without sign"); }

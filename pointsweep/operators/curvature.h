@@ -4,9 +4,11 @@
 
 #include <string>
 
-#include "pointsweep/operators/operator.h"
+#include "pointsweep/operator.h"
 
 namespace pointsweep {
+
+struct OperatorDeclaration;
 
 /// From the covariance of the normals,
 ///   C_i = 1/|N_i| Σ_j n_j n_j^T θ(|p_j - p_i|),  θ as in Equation 1.

@@ -6,7 +6,8 @@
 #include <cstddef>
 #include <span>
 
-#include "pointsweep/points/neighborhoods.h"
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 

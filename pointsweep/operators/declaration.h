@@ -14,10 +14,10 @@
 #include <variant>
 #include <vector>
 
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/operator.h"
 #include "pointsweep/operators/chain_stage.h"
-#include "pointsweep/operators/operator.h"
-#include "pointsweep/points/option_value.h"
+#include "pointsweep/option.h"
 
 namespace pointsweep {
 

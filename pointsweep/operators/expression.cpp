@@ -5,7 +5,7 @@
 #include <charconv>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/operators/expression_node.h"
 
 namespace pointsweep {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/math/batch.h"
 #include "pointsweep/operators/declaration.h"
 #include "pointsweep/operators/input_diagonal.h"

@@ -9,19 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/operators/operator.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
 
 namespace pointsweep {
 
-/// Standard deviations of the two Gaussians, f(r) = exp(-r² / 2 f²), in length units of the cloud.
-///
-/// The paper sets "the variance" of both to 0.5 % of the diagonal of the bounding box (Section 7.3). A variance is a
-/// squared length, so this is read as the standard deviation. Pipelines give both in % of the diagonal (FairInPercent).
-struct FairOptions {
-  double f = 0;  ///< of |p_j - p_i|: how far smoothing reaches; > 0
-  double g =
-      0;  ///< of |Π_j(p_i) - p_i|: how far a point may be off a neighbour's tangent plane and still follow it; > 0
-};
+struct OperatorDeclaration;
 
 /// p_i' = 1/w_i Σ_j Π_j(p_i) a_j f(|p_j - p_i|) g(|Π_j(p_i) - p_i|),  j over N_i and i itself, w_i the sum of the
 /// weights.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/reduction.h"
+#include "pointsweep/operator.h"
 
 namespace pointsweep {
 

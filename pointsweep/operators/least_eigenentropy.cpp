@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/math/batch.h"
 #include "pointsweep/math/natural_logarithm.h"
 #include "pointsweep/math/outer_product.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/points/neighborhood_rule.h"
+#include "pointsweep/neighborhood.h"
 
 namespace pointsweep {
 

@@ -5,16 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/points/neighborhood_rule.h"
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/operators.h"
 
 namespace pointsweep {
-
-/// Names of attributes (scalars of any type, taken as double); empty: no such limit.
-struct AttributeLimits {
-  std::string k = {};  ///< the point keeps as many neighbours as the whole part of the value says
-  std::string radius =
-      {};  ///< the point keeps the neighbours within the value, inclusive, in length units of the cloud
-};
 
 /// Keeps the neighbours that both limits allow. A value that is NaN or negative, and a k below 1, allow none: the point
 /// has no neighbours, which operators count as degenerate. A value above what the search was asked for allows all that

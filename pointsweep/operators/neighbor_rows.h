@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <string>
 
-#include "pointsweep/operators/operator.h"
+#include "pointsweep/operator.h"
 
 namespace pointsweep {
+
+struct OperatorDeclaration;
 
 /// Makes "neighbors", N×k u32 (u64 from 2^32 - 1 rows on): the input rows of the neighbours, nearest first; and, if
 /// asked, "distances", N×k f64 beside it. Where there are fewer than k, the rest is the largest value of the type, and

@@ -18,7 +18,7 @@
 #include <cstddef>
 
 #include "pointsweep/math/eigen3_lanes-inl.h"
-#include "pointsweep/points/neighborhoods.h"
+#include "pointsweep/neighborhood.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {

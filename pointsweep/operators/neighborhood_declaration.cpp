@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/neighborhood_declaration.h"
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/operators/least_eigenentropy.h"
 #include "pointsweep/operators/limits_from_attributes.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/neighborhood.h"
 #include "pointsweep/operators/declaration.h"
-#include "pointsweep/points/neighborhood.h"
 
 namespace pointsweep {
 

@@ -4,9 +4,11 @@
 
 #include <string>
 
-#include "pointsweep/operators/operator.h"
+#include "pointsweep/operator.h"
 
 namespace pointsweep {
+
+struct OperatorDeclaration;
 
 /// Makes "neighbor_count", N u32: |N_i|, the point itself not counted; and "neighbor_radius", N f64: the distance to
 /// the farthest neighbour, in length units, at the positions the stage sees; 0 where there is none, NaN where one has

@@ -6,9 +6,10 @@
 #include <memory>
 #include <span>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/operators/declaration.h"
 #include "pointsweep/operators/normals_kernel.h"
+#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 namespace {

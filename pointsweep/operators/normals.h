@@ -4,24 +4,12 @@
 
 #include <string>
 
-#include "pointsweep/math/vec3.h"
-#include "pointsweep/operators/operator.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
 
 namespace pointsweep {
 
-/// Which of its two directions a normal takes. Whatever leaves the choice open (a dot product of 0) falls back to
-/// `none`.
-enum class Orient {
-  none,       ///< the component of largest magnitude is positive, the first of equal ones
-  up,         ///< nz >= 0
-  viewpoint,  ///< towards NormalsOptions::viewpoint
-  input,      ///< agrees with the normal the file has
-};
-
-struct NormalsOptions {
-  Orient orient = Orient::none;
-  Vec3 viewpoint;  ///< in the coordinates of the cloud; only for Orient::viewpoint
-};
+struct OperatorDeclaration;
 
 /// n_i = eigenvector of the smallest eigenvalue of
 ///   M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)^T θ(|p_j - p_i|),  θ(r) = exp(-r²/2σ²),  σ² = π max_j |p_j - p_i|² /

@@ -7,7 +7,7 @@
 #include <limits>
 #include <span>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/math/exact_sum.h"
 #include "pointsweep/operators/declaration.h"
 

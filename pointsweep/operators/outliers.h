@@ -9,9 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/operator.h"
+#include "pointsweep/operator.h"
 
 namespace pointsweep {
+
+struct OperatorDeclaration;
 
 OperatorDeclaration sor_declaration();
 

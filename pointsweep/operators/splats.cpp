@@ -7,6 +7,7 @@
 #include "pointsweep/operators/declaration.h"
 #include "pointsweep/operators/splats_kernel.h"
 #include "pointsweep/operators/tangent_plane.h"
+#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 namespace {

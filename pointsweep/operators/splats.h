@@ -4,19 +4,12 @@
 
 #include <string>
 
-#include "pointsweep/operators/operator.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
 
 namespace pointsweep {
 
-/// What turns and flattens the ellipse.
-enum class SplatAxes {
-  positions,  ///< M_i of Equation 1: long where the neighbours are spread
-  curvature,  ///< C_i of Equation 2, by way of k1, k2 and k1_direction: long along ridges and valleys
-};
-
-struct SplatsOptions {
-  SplatAxes axes = SplatAxes::positions;
-};
+struct OperatorDeclaration;
 
 /// The ellipse around p_i in the tangent plane of n_i.
 ///   positions: major axis = eigenvector of the largest eigenvalue of M_i, brought into the plane as

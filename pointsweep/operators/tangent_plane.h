@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/geometry.h"
 
 namespace pointsweep {
 

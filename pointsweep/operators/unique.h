@@ -4,9 +4,11 @@
 
 #include <string>
 
-#include "pointsweep/operators/operator.h"
+#include "pointsweep/operator.h"
 
 namespace pointsweep {
+
+struct OperatorDeclaration;
 
 OperatorDeclaration unique_declaration();
 

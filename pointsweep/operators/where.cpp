@@ -6,7 +6,7 @@
 #include <cstring>
 #include <optional>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/operators/declaration.h"
 #include "pointsweep/points/with_type.h"
 

@@ -8,10 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/operator.h"
 #include "pointsweep/operators/expression.h"
-#include "pointsweep/operators/operator.h"
 
 namespace pointsweep {
+
+struct OperatorDeclaration;
 
 OperatorDeclaration where_declaration();
 

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 

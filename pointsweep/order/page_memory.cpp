@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/order/fixed_copy.h"
 #include "pointsweep/order/page_memory.h"
 #include "pointsweep/order/slab_store.h"

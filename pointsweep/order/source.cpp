@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/order/source.h"
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 

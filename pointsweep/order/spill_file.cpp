@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/leftovers.h"
 #include "pointsweep/order/temp_folder.h"
 

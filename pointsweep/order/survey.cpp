@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/order/mix.h"
 
 namespace pointsweep {

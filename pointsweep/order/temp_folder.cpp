@@ -17,7 +17,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/order/mix.h"
 
 namespace pointsweep {

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/order/fixed_copy.h"
 
 namespace pointsweep {

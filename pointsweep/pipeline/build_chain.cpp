@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/build_chain.h"
 
-#include "pointsweep/error.h"
+#include "pointsweep/chain.h"
+#include "pointsweep/cloud.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/pipeline/option_text.h"
+#include "pointsweep/pipeline/parse.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
 
 namespace pointsweep {
@@ -14,6 +18,13 @@ std::vector<Attribute> made_by(const Chain& chain) {
   return made;
 }
 
+/// The stage of a pipeline that a name and options stand for.
+StageText stage_text(const std::string& name, const Options& options) {
+  StageText stage{name, {}, name};
+  for (const Option& option : options) stage.options.push_back({option.name, text_of_value(option.value), name});
+  return stage;
+}
+
 }  // namespace
 
 Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
@@ -21,27 +32,41 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
   for (const StageText& stage : stages)
     if (stage.name != knn.name) find_operator(stage);  // an unknown one is worse than a wrong option
   Chain chain;
-  for (std::size_t i = 0; i < stages.size(); ++i) {
-    const StageText& stage = stages[i];
-    if (stage.name != knn.name) {
-      const OperatorDeclaration& declaration = find_operator(stage);
-      chain.stages.push_back(make_stage(declaration, read_options(declaration.options, stage), facts));
-      for (const Attribute& a : contract_of(chain.stages.back()).makes) facts.made.insert(a.name);
-    } else if (i == 0) {
-      chain.neighborhood = make_neighborhood(read_options(knn.options, stage));
-    } else {
-      fail_usage("{}: knn comes once and first; for other neighbourhoods from here on write {}.", stage.place,
-                 to_text(std::vector<StageText>{{"reneighbor", stage.options, ""}}));
-    }
-  }
+  const bool has_knn = !stages.empty() && stages.front().name == knn.name;
+  if (has_knn) chain.neighborhood = make_neighborhood(read_options(knn.options, stages.front()));
+  append_to(chain, {stages.begin() + (has_knn ? 1 : 0), stages.end()}, std::move(facts));
   return chain;
 }
 
-Chain build_chain(const std::vector<StageText>& stages, const Cloud& cloud, const std::vector<std::string>& keep,
+void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts) {
+  for (const Attribute& a : made_by(chain)) facts.made.insert(a.name);
+  for (const StageText& stage : stages) {
+    if (stage.name == neighborhood_declaration().name)
+      fail_usage("{}: knn comes once and first; for other neighbourhoods from here on write {}.", stage.place,
+                 to_text(std::vector<StageText>{{"reneighbor", stage.options, ""}}));
+    const OperatorDeclaration& declaration = find_operator(stage);
+    chain.stages.push_back(make_stage(declaration, read_options(declaration.options, stage), facts));
+    for (const Attribute& a : contract_of(chain.stages.back()).makes) facts.made.insert(a.name);
+  }
+}
+
+Chain build_chain(const std::vector<StageText>& stages, const InputCloud& cloud, const std::vector<std::string>& keep,
                   const std::string& prefix) {
   Chain chain = build_chain(stages, Facts{.points = cloud.count()});
   chain.keep = without_prefix(keep, prefix, made_by(chain));
   return chain;
+}
+
+Chain parse_chain(std::string_view pipeline, const Cloud& cloud) {
+  return build_chain(parse_pipeline(pipeline), Facts{.points = cloud.count()});
+}
+
+void append_stages(Chain& chain, std::string_view pipeline, const Cloud& cloud) {
+  append_to(chain, parse_pipeline(pipeline), Facts{.points = cloud.count()});
+}
+
+void append_stage(Chain& chain, const std::string& name, const Options& options, const Cloud& cloud) {
+  append_to(chain, {stage_text(name, options)}, Facts{.points = cloud.count()});
 }
 
 }  // namespace pointsweep

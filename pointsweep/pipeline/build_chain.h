@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/cloud.h"
-#include "pointsweep/pipeline/plan/chain.h"
+#include "pointsweep/chain.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/pipeline/registry.h"
 
 namespace pointsweep {
@@ -15,9 +15,12 @@ namespace pointsweep {
 /// stage. Without knn, the 8 nearest are the neighbours.
 Chain build_chain(const std::vector<StageText>& stages, Facts facts);
 
-/// The same for a cloud, against whose attributes plan_chain() then checks it. `keep` may name what is made with the
-/// `prefix` that it has in the output, or without.
-Chain build_chain(const std::vector<StageText>& stages, const Cloud& cloud, const std::vector<std::string>& keep = {},
-                  const std::string& prefix = "");
+/// Appends stages without knn to a chain; `facts` is about its cloud.
+void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts);
+
+/// The same as the first for a cloud, against whose attributes plan_chain() then checks it. `keep` may name what is
+/// made with the `prefix` that it has in the output, or without.
+Chain build_chain(const std::vector<StageText>& stages, const InputCloud& cloud,
+                  const std::vector<std::string>& keep = {}, const std::string& prefix = "");
 
 }  // namespace pointsweep

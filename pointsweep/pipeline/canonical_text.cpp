@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pointsweep/pipeline/registry.h"
+#include "pointsweep/points/neighborhood_options.h"
 
 namespace pointsweep {
 namespace {
@@ -44,7 +45,7 @@ std::string canonical_text(const ChainStage& stage, Presets presets) {
 
 std::string canonical_text(const Neighborhood& neighborhood, Presets presets) {
   std::string text =
-      stage_text(neighborhood_declaration().name, neighborhood.options(), neighborhood_options(), presets);
+      stage_text(neighborhood_declaration().name, options_of(neighborhood), neighborhood_options(), presets);
   if (neighborhood.rule && neighborhood.rule->options().empty()) text += " " + neighborhood.rule->meaning();
   return text;
 }

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/neighborhood.h"
 #include "pointsweep/operators/chain_stage.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/points/neighborhood.h"
 
 namespace pointsweep {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/pipeline/run_identity.h"
 
 namespace pointsweep {
@@ -23,7 +23,7 @@ std::vector<std::byte> packed(T& value) {
 
 }  // namespace
 
-Checkpoints::Checkpoints(const RunOptions& options, const std::string& identity)
+Checkpoints::Checkpoints(const EngineOptions& options, const std::string& identity)
     : folder_(options.resume_folder), least_interval_(options.checkpoint_seconds), interval_(least_interval_) {
   found_ = !folder_.saved().empty();
   if (found_) last_ = Checkpoint::unpacked(folder_.saved());

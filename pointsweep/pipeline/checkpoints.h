@@ -10,8 +10,8 @@
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/pipeline/checkpoint.h"
+#include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/pass_values.h"
-#include "pointsweep/pipeline/pipeline.h"
 #include "pointsweep/pipeline/resume_folder.h"
 #include "pointsweep/sweep/sweep_progress.h"
 
@@ -20,7 +20,7 @@ namespace pointsweep {
 class Checkpoints {
  public:
   /// Throws Error if the folder cannot be used or holds another run.
-  Checkpoints(const RunOptions& options, const std::string& identity);
+  Checkpoints(const EngineOptions& options, const std::string& identity);
 
   /// What is done already: to begin with, what an earlier process has left.
   const Checkpoint& last() const { return last_; }

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/threads.h"
 
@@ -97,8 +97,9 @@ class DecodedReader final : public Reader {
 };
 
 /// So many that they take at most half of the memory budget.
-unsigned threads_for(const FileInfo& info, const RunOptions& options) {
-  const std::uint64_t budget = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
+unsigned threads_for(const FileInfo& info, const EngineOptions& options) {
+  const std::uint64_t budget =
+      options.resources.memory_bytes != 0 ? options.resources.memory_bytes : default_memory_budget();
   const std::uint64_t most =
       budget / 2 / (info.decoder_bytes + std::max<std::uint64_t>(kBatchBytes, info.schema.stride));
   return static_cast<unsigned>(std::clamp<std::uint64_t>(most, 1, thread_count()));
@@ -108,7 +109,7 @@ std::uint64_t decoded_bytes(const FileInfo& info) { return info.decode_once ? in
 
 }  // namespace
 
-DecodedInput::DecodedInput(Cloud& cloud, const RunOptions& options,
+DecodedInput::DecodedInput(InputCloud& cloud, const EngineOptions& options,
                            const std::function<SpillPlace(std::size_t input)>& place)
     : cloud_(cloud), bytes_(decoded_input_bytes(cloud)) {
   std::uint64_t before = 0;  // rows of the inputs in front
@@ -116,7 +117,7 @@ DecodedInput::DecodedInput(Cloud& cloud, const RunOptions& options,
     for (std::size_t i = 0; i < cloud.readers().size(); ++i) {
       Reader& encoded = *cloud.readers()[i];
       const auto progress = [&](std::uint64_t rows) {
-        if (options.progress) options.progress({"decoding", before + rows, cloud.count(), 0});
+        if (options.observer != nullptr) options.observer->on_progress({"decoding", before + rows, cloud.count(), 0});
       };
       if (decoded_bytes(encoded.info()) != 0) {
         auto decoded =
@@ -139,7 +140,7 @@ void DecodedInput::put_back() {
   originals_.clear();
 }
 
-std::uint64_t decoded_input_bytes(const Cloud& cloud) {
+std::uint64_t decoded_input_bytes(const InputCloud& cloud) {
   std::uint64_t bytes = 0;
   for (const auto& reader : cloud.readers()) bytes += decoded_bytes(reader->info());
   return bytes;

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/order/spill_file.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/engine_run.h"
 
 namespace pointsweep {
 
@@ -23,7 +23,8 @@ class DecodedInput {
  public:
   /// `place` says where the temporary file of an input goes. Throws Error where an input cannot be decoded or the place
   /// has no space. Reports the phase "decoding".
-  DecodedInput(Cloud& cloud, const RunOptions& options, const std::function<SpillPlace(std::size_t input)>& place);
+  DecodedInput(InputCloud& cloud, const EngineOptions& options,
+               const std::function<SpillPlace(std::size_t input)>& place);
   ~DecodedInput();
   DecodedInput(const DecodedInput&) = delete;
   DecodedInput& operator=(const DecodedInput&) = delete;
@@ -34,13 +35,13 @@ class DecodedInput {
  private:
   void put_back();
 
-  Cloud& cloud_;
+  InputCloud& cloud_;
   std::vector<std::pair<std::size_t, std::unique_ptr<Reader>>> originals_;  ///< by number of the input
   std::uint64_t bytes_ = 0;
 };
 
 /// What the temporary files of a run over `cloud` will take.
-std::uint64_t decoded_input_bytes(const Cloud& cloud);
+std::uint64_t decoded_input_bytes(const InputCloud& cloud);
 /// A line of a dry run that says so; empty for 0 bytes.
 std::string decoded_input_text(std::uint64_t bytes);
 

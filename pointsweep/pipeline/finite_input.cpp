@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/finite_input.h"
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
 
 namespace pointsweep {
@@ -30,13 +30,13 @@ Nonfinite nonfinite_rule(const Outputs& outputs, Nonfinite asked) {
   return holds_nonfinite(outputs) ? Nonfinite::keep : Nonfinite::drop;
 }
 
-FiniteInput::FiniteInput(Cloud& cloud, const Outputs& outputs, const RunOptions& options) : cloud_(cloud) {
+FiniteInput::FiniteInput(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options) : cloud_(cloud) {
   const Nonfinite rule = nonfinite_rule(outputs, options.nonfinite);
   if (rule == Nonfinite::keep && holds_nonfinite(outputs)) return;
   const std::uint64_t points = cloud.count();
   try {
     dropped_ = cloud.drop_nonfinite([&](std::uint64_t rows) {
-      if (options.progress) options.progress({"checking", rows, points, 0});
+      if (options.observer != nullptr) options.observer->on_progress({"checking", rows, points, 0});
     });
     if (dropped_.count == 0) return;
     require_allowed(dropped_, outputs, rule);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// What a run does with points whose coordinates are NaN or infinite: RunOptions::nonfinite.
+/// What a run does with points whose coordinates are NaN or infinite: EngineOptions::nonfinite.
 #pragma once
 
-#include "pointsweep/formats/cloud.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/pipeline/engine_run.h"
 
 namespace pointsweep {
 
@@ -16,7 +16,7 @@ class FiniteInput {
  public:
   /// Throws Error naming the first row where nonfinite points are refused, where the output cannot hold them although
   /// they are to be kept, and where no other points are left.
-  FiniteInput(Cloud& cloud, const Outputs& outputs, const RunOptions& options);
+  FiniteInput(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options);
   ~FiniteInput();
   FiniteInput(const FiniteInput&) = delete;
   FiniteInput& operator=(const FiniteInput&) = delete;
@@ -27,7 +27,7 @@ class FiniteInput {
   std::string warning() const;
 
  private:
-  Cloud& cloud_;
+  InputCloud& cloud_;
   NonfiniteRows dropped_;
 };
 

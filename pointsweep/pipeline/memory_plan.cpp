@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/sweep/window_cell.h"
 
 namespace pointsweep {

@@ -7,8 +7,8 @@
 #include <functional>
 #include <vector>
 
+#include "pointsweep/attribute.h"
 #include "pointsweep/order/stream.h"
-#include "pointsweep/points/attribute.h"
 
 namespace pointsweep {
 

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/points/nearest_names.h"
 
 namespace pointsweep {

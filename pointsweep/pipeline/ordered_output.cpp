@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/slab_order.h"
 #include "pointsweep/prefetch.h"
@@ -50,7 +50,7 @@ void write_in_order(const Stream& stream, std::size_t bytes,
   for_each_nonfinite(stream, [&](std::uint64_t, const std::byte* record, std::uint64_t) { write({record, bytes}); });
 }
 
-Reordering::Reordering(Cloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions)
+Reordering::Reordering(InputCloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions)
     : cloud_(cloud),
       rows_(rows),
       layout_(layout),

@@ -22,7 +22,7 @@ void write_in_order(const Stream& stream, std::size_t bytes,
 /// place, the one carried last in `rows` if `by_moved_positions`, otherwise the input's.
 class Reordering {
  public:
-  Reordering(Cloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions);
+  Reordering(InputCloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions);
   /// Positions alone, for the survey.
   PointSource positions();
   /// Whole records.
@@ -32,7 +32,7 @@ class Reordering {
   void read_inputs(std::uint64_t row, std::size_t n);
   void put_positions(std::size_t n, std::size_t stride, std::byte* to);
 
-  Cloud& cloud_;
+  InputCloud& cloud_;
   const RowFile& rows_;
   const OutputLayout& layout_;
   bool by_moved_positions_;

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "pointsweep/attribute.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
-#include "pointsweep/points/attribute.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {

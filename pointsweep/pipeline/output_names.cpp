@@ -5,7 +5,7 @@
 #include <optional>
 #include <set>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/parse.h"

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/attribute.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
-#include "pointsweep/points/attribute.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 
-/// How the names are chosen: RunOptions::prefix and RunOptions::replace.
+/// How the names are chosen: EngineOptions::prefix and EngineOptions::replace.
 struct NamingRules {
   std::string prefix;
   std::vector<std::string> replace;

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/registry.h"
 
@@ -27,7 +27,7 @@ std::shared_ptr<const KnownValues> of_kept_fields(std::shared_ptr<const KnownVal
 }  // namespace
 
 std::optional<Type> type_of_moved_positions(const Schema& input, const std::filesystem::path& output,
-                                            const RunOptions& options) {
+                                            const EngineOptions& options) {
   const auto x = input.find("x");
   const bool on_grid = x && !input.fields[*x].is_plain();
   const Format* const format = format_of_output(output);
@@ -35,8 +35,8 @@ std::optional<Type> type_of_moved_positions(const Schema& input, const std::file
   return keeps_grid ? std::nullopt : std::optional(options.moved_positions);
 }
 
-OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept,
-                     const Outputs& outputs, const RunOptions& options, std::optional<Box> bounds,
+OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept,
+                     const Outputs& outputs, const EngineOptions& options, std::optional<Box> bounds,
                      std::vector<std::string> provenance, std::shared_ptr<const KnownValues> values)
     : layout_(cloud.schema(), made, kept, type_of_moved_positions(cloud.schema(), outputs.points, options)),
       input_stride_(cloud.schema().stride) {
@@ -76,7 +76,7 @@ OutputSet::OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, con
 
 std::size_t OutputSet::chunk_rows() const { return std::max<std::size_t>(1, kChunkBytes / layout_.schema().stride); }
 
-void OutputSet::write_results(Cloud& cloud, std::uint64_t first_row, std::span<const std::byte> results) {
+void OutputSet::write_results(InputCloud& cloud, std::uint64_t first_row, std::span<const std::byte> results) {
   const std::size_t rows = result_bytes_ == 0 ? 0 : results.size() / result_bytes_;
   const std::size_t chunk = chunk_rows();
   for (std::size_t done = 0; done < rows; done += chunk) {
@@ -138,7 +138,7 @@ std::vector<std::string> OutputSet::warnings() const {
   return all;
 }
 
-void OutputSet::finish(const Cloud& cloud) {
+void OutputSet::finish(const InputCloud& cloud) {
   cloud.require_unchanged();
   if (filled_ != 0) write_filled();
   // No file gets its name while another may still fail for want of space.

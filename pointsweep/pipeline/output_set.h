@@ -9,8 +9,8 @@
 
 #include "pointsweep/formats/parallel_rows.h"
 #include "pointsweep/formats/write_behind.h"
+#include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output_layout.h"
-#include "pointsweep/pipeline/pipeline.h"
 
 namespace pointsweep {
 
@@ -18,21 +18,21 @@ class OutputSet {
  public:
   /// Refuses before any work: unknown formats, existing files, missing folders, names of attributes no operator makes.
   /// `made` and `kept` under the names they have in outputs (output_names.h); `provenance` as in OutputPlan.
-  OutputSet(const Cloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept, const Outputs& outputs,
-            const RunOptions& options, std::optional<Box> bounds, std::vector<std::string> provenance = {},
+  OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept, const Outputs& outputs,
+            const EngineOptions& options, std::optional<Box> bounds, std::vector<std::string> provenance = {},
             std::shared_ptr<const KnownValues> values = nullptr);
 
   const OutputLayout& layout() const { return layout_; }
   /// What the formats of the files cannot hold, one sentence each.
   std::vector<std::string> warnings() const;
   /// The next rows in input order: reads the same rows of the cloud and puts the results to them.
-  void write_results(Cloud& cloud, std::uint64_t first_row, std::span<const std::byte> results);
+  void write_results(InputCloud& cloud, std::uint64_t first_row, std::span<const std::byte> results);
   /// The next whole records of layout().
   void write_records(std::span<const std::byte> records);
   /// The next records of the input, of which layout() says what is kept; nothing is made.
   void write_inputs(std::span<const std::byte> records);
   /// Gives the files their names, unless the inputs have changed meanwhile.
-  void finish(const Cloud& cloud);
+  void finish(const InputCloud& cloud);
   std::uint64_t bytes_written() const;
 
  private:

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <set>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/pipeline/parse.h"
 
 namespace pointsweep {

@@ -4,17 +4,19 @@
 #include <algorithm>
 #include <cstring>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {
 
 /// The rows of the cloud before any select.
-std::uint64_t all_rows(const Cloud& cloud) { return cloud.selection() ? cloud.selection()->rows() : cloud.count(); }
+std::uint64_t all_rows(const InputCloud& cloud) {
+  return cloud.selection() ? cloud.selection()->rows() : cloud.count();
+}
 
 }  // namespace
 
-PassUpdate::PassUpdate(const PlannedPass& pass, Cloud& cloud, std::size_t carried_bytes, const SpillPlace& rows,
+PassUpdate::PassUpdate(const PlannedPass& pass, InputCloud& cloud, std::size_t carried_bytes, const SpillPlace& rows,
                        const SpillPlace& mask)
     : cloud_(cloud),
       carried_bytes_(carried_bytes),

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/pipeline/pass_values.h"
 #include "pointsweep/pipeline/row_mask.h"
 #include "pointsweep/pipeline/updated_cloud.h"
@@ -18,7 +18,7 @@ namespace pointsweep {
 class PassUpdate {
  public:
   /// `carried_bytes`: of a record of pass.carried.
-  PassUpdate(const PlannedPass& pass, Cloud& cloud, std::size_t carried_bytes, const SpillPlace& rows,
+  PassUpdate(const PlannedPass& pass, InputCloud& cloud, std::size_t carried_bytes, const SpillPlace& rows,
              const SpillPlace& mask);
 
   /// The next rows. Returns the bytes read of the cloud.
@@ -31,7 +31,7 @@ class PassUpdate {
   std::size_t leave_out(const UpdatedRows& rows);
   static void compact(std::vector<std::byte>& records, std::size_t bytes, const std::vector<bool>& kept);
 
-  Cloud& cloud_;
+  InputCloud& cloud_;
   std::size_t carried_bytes_, made_bytes_, selection_at_ = 0;  ///< offset of the decision in a made record
   std::unique_ptr<RowFile> rows_;
   std::optional<RowMask> mask_;

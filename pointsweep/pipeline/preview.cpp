@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/decoded_input.h"
@@ -122,11 +122,12 @@ std::string memory_text(const Preview& p) {
 
 }  // namespace
 
-Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options, const std::filesystem::path& output) {
+Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& options,
+                const std::filesystem::path& output) {
   if (options.engine == Engine::reference)
     fail_usage(
         "The reference has no plan to show: it reads point by point; leave out --dry-run or --engine reference.");
-  if (!options.temp_folder.empty()) require_temp_parent(options.temp_folder);
+  if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
   Preview out;
   out.planned = plan_chain(chain, cloud.schema(), options.order == Order::sweep);
   const std::string name = cloud.readers().empty() ? "The input" : cloud.readers().front()->info().path.string();
@@ -134,7 +135,7 @@ Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options, con
       name_outputs(cloud.schema(), name, out.planned.made, out.planned.kept, output, {options.prefix, options.replace});
   out.points = cloud.count();
   out.decoded_bytes = decoded_input_bytes(cloud);
-  out.budget = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
+  out.budget = options.resources.memory_bytes != 0 ? options.resources.memory_bytes : default_memory_budget();
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
   const OutputLayout layout(cloud.schema(), out.names.made, out.names.kept,
@@ -142,6 +143,11 @@ Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options, con
   out.memory = plan_run_memory(out.budget, out.planned, out.points, survey(source, options.axis, false), options,
                                layout.schema().stride, codec_bytes(cloud, output, layout.schema().stride, options));
   return out;
+}
+
+std::string plan_text(Cloud& cloud, const Chain& chain, const std::filesystem::path& output,
+                      const RunOptions& options) {
+  return to_text(preview(cloud.inputs(), chain, EngineOptions(options), output));
 }
 
 std::string to_text(const Preview& p) {

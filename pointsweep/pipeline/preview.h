@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <string>
 
+#include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output_names.h"
-#include "pointsweep/pipeline/pipeline.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/run_memory.h"
 
@@ -24,7 +24,7 @@ struct Preview {
 
 /// Looks at a sample of the cloud and writes nothing. Throws what run() would throw before the work.
 /// `output`: the file to write, as far as its format decides names and how large a record is; it need not exist.
-Preview preview(Cloud& cloud, const Chain& chain, const RunOptions& options = {},
+Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& options = {},
                 const std::filesystem::path& output = {});
 
 /// Pass by pass the stages with their steps and buffers, the columns, what is carried on and the slabs; then the

@@ -16,8 +16,8 @@ std::string sorted_list(std::vector<std::string> names) {
   return fmt::format("{}", fmt::join(names, ","));
 }
 
-ProvenanceRecord record_of(const Cloud& cloud, const std::vector<std::string>& stages,
-                           const std::vector<std::string>& keep, const RunOptions& options, int axis,
+ProvenanceRecord record_of(const InputCloud& cloud, const std::vector<std::string>& stages,
+                           const std::vector<std::string>& keep, const EngineOptions& options, int axis,
                            bool drops_nonfinite) {
   ProvenanceRecord record{.version = POINTSWEEP_VERSION, .stages = stages, .settings = {}, .inputs = {}};
   const auto set = [&](const char* name, const std::string& value) {
@@ -44,8 +44,8 @@ ProvenanceRecord record_of(const Cloud& cloud, const std::vector<std::string>& s
 
 }  // namespace
 
-std::vector<std::string> provenance_of(const Cloud& cloud, const std::vector<std::string>& stages,
-                                       const std::vector<std::string>& keep, const RunOptions& options, int axis,
+std::vector<std::string> provenance_of(const InputCloud& cloud, const std::vector<std::string>& stages,
+                                       const std::vector<std::string>& keep, const EngineOptions& options, int axis,
                                        bool drops_nonfinite) {
   std::vector<std::string> lines;
   for (const auto& reader : cloud.readers()) add_provenance(lines, reader->info().provenance);

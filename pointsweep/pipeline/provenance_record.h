@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/cloud.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/pipeline/engine_run.h"
 
 namespace pointsweep {
 
-/// All that an output of this run is to say: the records of the inputs, and with RunOptions::provenance that of the
+/// All that an output of this run is to say: the records of the inputs, and with EngineOptions::provenance that of the
 /// run. It holds what determines the result and nothing else. `stages`: canonical_stages() with presets left out, or
 /// {"sort"}; `keep`: Chain::keep if it leaves anything out; `axis`: of the sweep.
-std::vector<std::string> provenance_of(const Cloud& cloud, const std::vector<std::string>& stages,
-                                       const std::vector<std::string>& keep, const RunOptions& options, int axis,
+std::vector<std::string> provenance_of(const InputCloud& cloud, const std::vector<std::string>& stages,
+                                       const std::vector<std::string>& keep, const EngineOptions& options, int axis,
                                        bool drops_nonfinite);
 
 }  // namespace pointsweep

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "reference/reference.h"
 
 namespace pointsweep {
@@ -53,7 +53,7 @@ reference::Task task_of(const PlannedPass& pass) {
 
 }  // namespace
 
-void require_reference_can(const RunOptions& options) {
+void require_reference_can(const EngineOptions& options) {
   if (!options.half_way_states.empty())
     fail_usage("Half-way states are those of the exact engine's cells: leave them out, or --engine reference.");
 }

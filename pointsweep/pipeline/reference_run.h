@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "pointsweep/order/row_store.h"
+#include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output_layout.h"
-#include "pointsweep/pipeline/pipeline.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/sweep/sweep.h"
@@ -15,7 +15,7 @@
 namespace pointsweep {
 
 /// Throws UsageError for a request that the paper's algorithm has no answer to.
-void require_reference_can(const RunOptions& options);
+void require_reference_can(const EngineOptions& options);
 
 struct ReferenceRun {
   const Stream& stream;  ///< in canonical order

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/neighborhood_size.h"

@@ -15,7 +15,7 @@
 #include <system_error>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/files/input_file.h"
 
 namespace pointsweep {

@@ -5,7 +5,7 @@
 
 #include <sstream>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/pipeline/canonical_text.h"
 
 namespace pointsweep {
@@ -18,7 +18,7 @@ std::string whole_path(const std::filesystem::path& path) {
   return path.empty() ? "" : std::filesystem::absolute(path).lexically_normal().string();
 }
 
-std::string inputs_text(const Cloud& cloud) {
+std::string inputs_text(const InputCloud& cloud) {
   std::string text;
   for (std::size_t i = 0; i < cloud.readers().size(); ++i) {
     const FileInfo& info = cloud.readers()[i]->info();
@@ -57,7 +57,8 @@ std::string pass_text(const PlannedPass& pass) {
 
 }  // namespace
 
-std::string run_identity(const Cloud& cloud, const ChainPlan& plan, const Outputs& outputs, const RunOptions& options) {
+std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
+                         const EngineOptions& options) {
   std::string text = fmt::format("version {}, checkpoints {}\n", POINTSWEEP_VERSION, kCheckpointFormat);
   text += inputs_text(cloud) + outputs_text(outputs);
   text += fmt::format("order {}, axis {}, cells of {} points\n", options.order == Order::sweep ? "sweep" : "input",

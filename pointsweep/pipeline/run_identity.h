@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
@@ -12,7 +12,8 @@ namespace pointsweep {
 /// A line for each thing: the build, inputs (with size and time), outputs, order, axis, the pipeline with every option
 /// of every stage, passes. Threads and memory are not among them. Throws Error where an input is not a file, because
 /// changes of it would not be noticed.
-std::string run_identity(const Cloud& cloud, const ChainPlan& plan, const Outputs& outputs, const RunOptions& options);
+std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
+                         const EngineOptions& options);
 
 /// Throws Error naming the first line in which the run whose checkpoint is in `folder` was another.
 void require_same_run(const std::string& checkpoint, const std::string& now, const std::filesystem::path& folder);

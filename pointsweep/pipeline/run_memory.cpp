@@ -15,12 +15,12 @@ constexpr std::uint64_t kMovedPositionBytes = 3 * sizeof(double);
 
 bool in_memory(const MemoryPlan& plan) { return !plan.spill_stream && !plan.spill_results; }
 
-unsigned threads_of(const RunOptions& options) {
-  return options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+unsigned threads_of(const EngineOptions& options) {
+  return options.resources.threads != 0 ? options.resources.threads : std::max(1u, std::thread::hardware_concurrency());
 }
 
 MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std::uint64_t points, const Survey& survey,
-                    const RunOptions& options, std::uint64_t codec_bytes) {
+                    const EngineOptions& options, std::uint64_t codec_bytes) {
   const std::uint64_t row_bytes = points >> 32 ? 8 : 4;
   return {
       .points = points,
@@ -44,7 +44,8 @@ Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& sur
   return {estimate.neighbors, neighbor_seconds(plan, all) / demand.threads};
 }
 
-MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand, const RunOptions& options) {
+MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand,
+                const EngineOptions& options) {
   MemoryPlan memory = try_plan_memory(budget, sweep, demand);
   if (options.spill || !options.resume_folder.empty()) {
     memory.spill_stream = memory.spill_results = true;
@@ -80,7 +81,7 @@ bool RunMemory::spills() const {
 }
 
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
-                          const RunOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes) {
+                          const EngineOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes) {
   RunMemory memory;
   for (const PlannedPass& pass : planned.passes) {
     if (pass.kind == PassKind::rows) {
@@ -115,12 +116,12 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
 }
 
 MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
-                                const Survey& survey, const RunOptions& options, std::uint64_t codec_bytes) {
+                                const Survey& survey, const EngineOptions& options, std::uint64_t codec_bytes) {
   return plan(budget, unswept(0), demand(record_bytes, 0, points, survey, options, codec_bytes), options);
 }
 
-std::uint64_t codec_bytes(const Cloud& cloud, const std::filesystem::path& output, std::uint64_t record_bytes,
-                          const RunOptions& options) {
+std::uint64_t codec_bytes(const InputCloud& cloud, const std::filesystem::path& output, std::uint64_t record_bytes,
+                          const EngineOptions& options) {
   const unsigned threads = threads_of(options);
   std::uint64_t decoders = 0;  // a thread reads one input at a time
   for (const auto& reader : cloud.readers())
@@ -131,7 +132,7 @@ std::uint64_t codec_bytes(const Cloud& cloud, const std::filesystem::path& outpu
   return decoders + (encodes ? format->encoder_bytes(record_bytes, threads) : 0);
 }
 
-bool leaves_in_order(const ChainPlan& planned, const RunOptions& options) {
+bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options) {
   return options.order == Order::sweep && !planned.reorders;
 }
 

@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <vector>
 
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/order/survey.h"
+#include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/memory_plan.h"
-#include "pointsweep/pipeline/pipeline.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
@@ -36,17 +36,17 @@ struct RunMemory {
 /// serves all sweeps: where points move is not known yet. `output_bytes`: of an output record; `codec_bytes`:
 /// codec_bytes().
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
-                          const RunOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes = 0);
+                          const EngineOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes = 0);
 
 /// For whole records of `record_bytes` that are only put in order. Does not throw: see MemoryPlan::needed_bytes.
 MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
-                                const Survey& survey, const RunOptions& options, std::uint64_t codec_bytes = 0);
+                                const Survey& survey, const EngineOptions& options, std::uint64_t codec_bytes = 0);
 
 /// What decoding the inputs and encoding records of `record_bytes` to an output of this name takes.
-std::uint64_t codec_bytes(const Cloud& cloud, const std::filesystem::path& output, std::uint64_t record_bytes,
-                          const RunOptions& options);
+std::uint64_t codec_bytes(const InputCloud& cloud, const std::filesystem::path& output, std::uint64_t record_bytes,
+                          const EngineOptions& options);
 
 /// The order of the only sweep is the one that the output is to have: its records travel along.
-bool leaves_in_order(const ChainPlan& planned, const RunOptions& options);
+bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options);
 
 }  // namespace pointsweep

@@ -13,9 +13,9 @@
 
 namespace pointsweep {
 
-SortPreview preview_sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options,
+SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options,
                          const std::vector<std::string>& keep) {
-  if (!options.temp_folder.empty()) require_temp_parent(options.temp_folder);
+  if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
   const KeptFields kept = keep.empty() ? KeptFields() : kept_fields(keep, {}, cloud.schema());
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
@@ -23,7 +23,7 @@ SortPreview preview_sort(Cloud& cloud, const std::filesystem::path& output, cons
   SortPreview out;
   out.points = cloud.count();
   out.decoded_bytes = decoded_input_bytes(cloud);
-  out.budget = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
+  out.budget = options.resources.memory_bytes != 0 ? options.resources.memory_bytes : default_memory_budget();
   out.axis = seen.axis;
   out.record_bytes = cloud.schema().stride;
   out.output_bytes = OutputLayout(cloud.schema(), {}, kept).schema().stride;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/memory_plan.h"
-#include "pointsweep/pipeline/pipeline.h"
 
 namespace pointsweep {
 
@@ -21,7 +21,7 @@ struct SortPreview {
 };
 
 /// Looks at a sample of the cloud and writes nothing. Throws what sort() to `output` would throw before the work.
-SortPreview preview_sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options,
+SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options,
                          const std::vector<std::string>& keep = {});
 
 /// Several lines: points, order, slabs, records, memory.

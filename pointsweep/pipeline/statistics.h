@@ -1,85 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// What a run did, for people, programs and plots.
+/// How statistics grow, and what they say of the machine.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
-#include <utility>
-#include <vector>
+
+#include "pointsweep/statistics.h"
 
 namespace pointsweep {
 
 struct SweepPlan;
 struct SweepStatistics;
 
-/// How many neighbourhoods of the paper's own algorithm are exact, each point counted once in each sweep.
-struct ReferenceCounts {
-  std::uint64_t complete = 0;    ///< exact
-  std::uint64_t incomplete = 0;  ///< different from the exact ones, since a point had left the search too early
-  double write_seconds = 0;      ///< in its write operator
-  double audit_seconds = 0;      ///< finding these counts; not a part of the algorithm
-};
-
-/// Distances from `from` on below `to`, in the length unit of the cloud: of how many points the nearest neighbour is so
-/// far away, of how many the farthest of the neighbourhood.
-struct DistanceBin {
-  double from, to;
-  std::uint64_t nearest, farthest;
-};
-
-/// Results of a stage that got the documented value because the data define none: no normal where all neighbours lie on
-/// a line, for example (docs/attributes.md).
-struct DegenerateResults {
-  std::string stage;  ///< name of the operator
-  std::uint64_t count = 0;
-  std::vector<std::uint64_t> rows;  ///< of the input, ascending, at most the first 1,000; from 0
-  bool operator==(const DegenerateResults&) const = default;
-};
-
-/// Of a run of several sweeps, sums over them unless it is said otherwise. Of a run that was resumed, counts of points
-/// are those of the whole; times, bytes, series and distances those of the last process alone.
-struct Statistics {
-  std::uint64_t points = 0;          ///< of the input, without those dropped
-  std::uint64_t points_written = 0;  ///< those of them that no select has left out
-  std::uint64_t sweeps = 0;          ///< passes that find neighbourhoods
-  std::uint64_t k = 0;               ///< of the first sweep; 0: no limit
-  std::uint64_t certified = 0;   ///< points whose neighbourhoods are proven exact in every sweep: all finite ones that
-                                 ///< are left in the last
-  std::uint64_t recalled = 0;    ///< neighbourhoods proven by reading a part of the stream again
-  std::uint64_t degenerate = 0;  ///< results that got the documented value, of all stages
-  std::uint64_t nonfinite = 0;   ///< points whose coordinates are NaN or infinite, in the input or when a sweep begins
-  std::uint64_t dropped = 0;     ///< of the nonfinite ones, those that are left out; `points` does not count them
-  std::vector<std::uint64_t> nonfinite_rows;          ///< of the input, ascending, at most the first 1,000; from 0
-  std::vector<DegenerateResults> degenerate_results;  ///< of every stage of the chain, in its order
-  double total_seconds = 0;                           ///< wall
-  double order_seconds = 0;                           ///< wall: survey and distribution
-  double recall_seconds = 0;                          ///< wall: after each sweep, for what it could not finish
-  double read_seconds = 0;                            ///< loading and cutting slabs, summed over threads
-  double search_seconds = 0;                          ///< summed over threads
-  double write_seconds = 0;  ///< wall: bringing the results into the output, or to the next sweep
-  std::vector<std::pair<std::string, double>> operator_seconds;  ///< summed over threads
-  std::uint64_t bytes_read = 0, bytes_spilled = 0, bytes_written = 0;
-  std::uint64_t peak_rss_bytes = 0, memory_budget_bytes = 0;
-  std::uint64_t peak_points = 0;  ///< in the window, the most of all sweeps
-  double mean_points = 0;
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read (on from sweep to sweep), points active
-  /// By operator, or by step of the engine: points read, points in its buffer.
-  std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
-  double lifespan_mean_seconds = 0, lifespan_max_seconds = 0;
-  std::optional<ReferenceCounts> reference;  ///< of a run by the paper's algorithm
-  /// Of the first sweep, eight bins for each octave; if RunOptions asked for them.
-  std::vector<DistanceBin> neighbor_distances;
-  unsigned threads = 1;
-  std::string machine;
-  std::vector<std::string> warnings;
-};
-
 /// Adds a sweep that is over to those before it.
 void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep);
-
-/// One JSON object; the series thinned to at most 1,000 rows.
-std::string to_json(const Statistics& statistics);
 
 /// "Intel(R) Xeon(R) Processor, 2 cores"
 std::string machine_description();

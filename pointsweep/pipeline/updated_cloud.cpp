@@ -77,7 +77,7 @@ void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdat
   });
 }
 
-PointSource updated_source(Cloud& cloud, const RowFile& carried, const PlannedPass& sweep,
+PointSource updated_source(InputCloud& cloud, const RowFile& carried, const PlannedPass& sweep,
                            std::function<void(std::uint64_t bytes)> note_read) {
   const std::size_t stride = sweep.input.stride, own = cloud.schema().stride, rest = stride - own;
   const bool with_input = looks_at_input(sweep, cloud.schema().stride);

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/order/row_file.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/source.h"
@@ -55,7 +55,7 @@ void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdat
 
 /// The cloud as a pass sees it. What is borrowed must outlive the source. The input itself is read only where the
 /// pass needs something of it; `note_read` is told its bytes.
-PointSource updated_source(Cloud& cloud, const RowFile& carried, const PlannedPass& sweep,
+PointSource updated_source(InputCloud& cloud, const RowFile& carried, const PlannedPass& sweep,
                            std::function<void(std::uint64_t bytes)> note_read);
 
 }  // namespace pointsweep

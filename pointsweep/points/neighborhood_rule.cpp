@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/points/neighborhood_rule.h"
+#include "pointsweep/neighborhood.h"
 
 namespace pointsweep {
 

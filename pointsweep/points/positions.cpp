@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/points/with_type.h"
 

@@ -20,7 +20,7 @@ std::uint64_t sampled_row(std::uint64_t i, std::uint64_t stretches, std::uint64_
 
 }  // namespace
 
-void for_each_block(Cloud& cloud, const std::function<void(const PointBlock&)>& visit) {
+void for_each_block(InputCloud& cloud, const std::function<void(const PointBlock&)>& visit) {
   const std::size_t stride = cloud.schema().stride;
   const PositionFields fields = position_fields(cloud.schema(), "the input");
   std::vector<std::byte> records(kBlock * stride);
@@ -34,7 +34,8 @@ void for_each_block(Cloud& cloud, const std::function<void(const PointBlock&)>& 
   }
 }
 
-CloudSample sample_cloud(Cloud& cloud, PointColor& color, const std::function<void(std::uint64_t rows)>& progress) {
+CloudSample sample_cloud(InputCloud& cloud, PointColor& color,
+                         const std::function<void(std::uint64_t rows)>& progress) {
   CloudSample sample;
   const std::uint64_t stretches = std::min(kSample, cloud.count());
   std::uint64_t next = 0;  // stretch whose row is taken next

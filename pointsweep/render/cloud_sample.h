@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/render/point_color.h"
 
 namespace pointsweep {
@@ -25,7 +25,7 @@ struct PointBlock {
 };
 
 /// Reads the cloud once from its first to its last row.
-void for_each_block(Cloud& cloud, const std::function<void(const PointBlock&)>& visit);
+void for_each_block(InputCloud& cloud, const std::function<void(const PointBlock&)>& visit);
 
 struct CloudSample {
   Box bounds;                   ///< of the finite points
@@ -35,6 +35,6 @@ struct CloudSample {
 };
 
 /// Also shows every record to `color`.
-CloudSample sample_cloud(Cloud& cloud, PointColor& color, const std::function<void(std::uint64_t rows)>& progress);
+CloudSample sample_cloud(InputCloud& cloud, PointColor& color, const std::function<void(std::uint64_t rows)>& progress);
 
 }  // namespace pointsweep

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 

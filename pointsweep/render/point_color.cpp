@@ -7,7 +7,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/render/class_colors.h"
 #include "pointsweep/render/color_map.h"
 

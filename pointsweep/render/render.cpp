@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/las_classes.h"
 #include "pointsweep/render/attribute_unit.h"
 #include "pointsweep/render/class_colors.h"
@@ -61,11 +61,11 @@ unsigned fineness_of(const RenderOptions& options) {
   return pixels <= (1u << 22) ? 3 : pixels <= (1u << 24) ? 2 : 1;
 }
 
-bool have_z_up(const Cloud& cloud) {
+bool have_z_up(const InputCloud& cloud) {
   return std::ranges::all_of(cloud.readers(), [](const auto& reader) { return reader->info().z_is_up; });
 }
 
-View view_of(const RenderOptions& options, const Cloud& cloud, const std::vector<Vec3>& sample) {
+View view_of(const RenderOptions& options, const InputCloud& cloud, const std::vector<Vec3>& sample) {
   const Up up = options.up ? *options.up : have_z_up(cloud) ? Up{} : find_up(sample);
   return {options.angles ? *options.angles : is_flat(sample, up) ? kTop : kThreeQuarter, up};
 }
@@ -106,7 +106,7 @@ class Light {
 
 }  // namespace
 
-Rendering render(Cloud& cloud, const RenderOptions& options) {
+Rendering render(InputCloud& cloud, const RenderOptions& options) {
   check(options);
   const auto report = [&](const char* phase, std::uint64_t rows) {
     if (options.progress) options.progress(phase, rows, cloud.count());

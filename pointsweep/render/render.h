@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/render/canvas.h"
 #include "pointsweep/render/view.h"
 
@@ -40,6 +40,6 @@ struct Rendering {
 /// of points, range of colours), then to be drawn. Memory: the picture (11 to 75 bytes for each pixel), 4 MB and 65,536
 /// records. The same file gives the same bytes. Without normals, light comes from differences of depth alone. Throws
 /// Error for a cloud without finite points, UsageError for options out of range.
-Rendering render(Cloud& cloud, const RenderOptions& options);
+Rendering render(InputCloud& cloud, const RenderOptions& options);
 
 }  // namespace pointsweep

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/geometry.h"
 #include "pointsweep/render/view.h"
 
 namespace pointsweep {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
+#include "pointsweep/geometry.h"
 #include "pointsweep/math/box.h"
-#include "pointsweep/math/vec3.h"
 
 namespace pointsweep {
 

@@ -7,9 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "pointsweep/math/vec3.h"
-#include "pointsweep/points/neighborhood.h"
-#include "pointsweep/points/neighborhoods.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/neighborhood.h"
 
 namespace pointsweep {
 

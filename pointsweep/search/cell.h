@@ -11,7 +11,7 @@
 #include <span>
 
 #include "pointsweep/math/box.h"
-#include "pointsweep/points/neighborhoods.h"
+#include "pointsweep/neighborhood.h"
 
 namespace pointsweep {
 

@@ -229,7 +229,7 @@ class CellSearch {
   /// is not even certain who belongs, because the first one out or the radius is too close, the point is settled in
   /// double.
   void settle(const Group<K>& group, std::uint32_t first, std::uint32_t queries) {
-    const Vec nobody = hn::Set(d_, kEmptyKey), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
+    const Vec empty = hn::Set(d_, kEmptyKey), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
     const Vec surely_within = hn::Set(d_, limited_ ? radius2_ * (1 - 1e-6f) : kEmptyKey);
     Vec set_unsure = hn::Zero(d_);
@@ -239,9 +239,9 @@ class CellSearch {
       hn::Store(key, d_, keys_[i]);
       if (i == K) break;
       const Vec next = group.selection.list[i + 1];
-      const auto real = hn::Lt(key, nobody);
+      const auto real = hn::Lt(key, empty);
       const auto near = hn::Le(hn::Sub(next, key), hn::MulAdd(next, relative, absolute));
-      const auto close = hn::And(hn::Lt(next, nobody), near);
+      const auto close = hn::And(hn::Lt(next, empty), near);
       if (i + 1 == K) {
         set_unsure = hn::IfThenElse(close, one, set_unsure);
       } else {

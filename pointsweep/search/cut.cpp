@@ -5,7 +5,7 @@
 #include <array>
 #include <cassert>
 
-#include "pointsweep/points/neighborhoods.h"
+#include "pointsweep/neighborhood.h"
 #include "pointsweep/search/cell.h"
 #include "pointsweep/search/leaf_cut.h"
 

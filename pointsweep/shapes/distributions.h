@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "pointsweep/geometry.h"
 #include "pointsweep/math/natural_logarithm.h"
-#include "pointsweep/math/vec3.h"
 #include "pointsweep/shapes/rng.h"
 
 namespace pointsweep {

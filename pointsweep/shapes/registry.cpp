@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 

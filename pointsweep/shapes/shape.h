@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "pointsweep/geometry.h"
 #include "pointsweep/math/box.h"
-#include "pointsweep/math/vec3.h"
 #include "pointsweep/shapes/rng.h"
 
 namespace pointsweep {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/shapes/distributions.h"
 #include "pointsweep/threads.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 #include "pointsweep/shapes/shape.h"
 
 namespace pointsweep {

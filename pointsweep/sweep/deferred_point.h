@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/geometry.h"
 
 namespace pointsweep {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/operator.h"
+#include "pointsweep/operator.h"
 #include "pointsweep/search/best_list.h"
 
 namespace pointsweep {

@@ -39,9 +39,9 @@ void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, Stage
     }
     const Neighborhoods in(batch.own, batch.size, batch.slots, batch.begin, batch.refs, stage.reads,
                            stage.reads_neighbors, stage.position);
-    Columns out(made, batch.size, std::move(unwanted));
+    tally.marked[s] = {};
+    Columns out(made, batch.size, tally.marked[s], std::move(unwanted));
     stage.op->apply(in, out);
-    tally.marked[s] = std::move(out.degenerate());
     tally.seconds[s] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 }

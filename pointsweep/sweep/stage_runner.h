@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/points/degenerate_rows.h"
 #include "pointsweep/sweep/distance_histogram.h"
 #include "pointsweep/sweep/plan.h"

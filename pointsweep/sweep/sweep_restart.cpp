@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/sweep/expected_reach.h"
 
 namespace pointsweep {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/geometry.h"
 
 namespace pointsweep {
 

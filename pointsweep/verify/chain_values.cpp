@@ -6,7 +6,8 @@
 #include <numeric>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 namespace {
@@ -202,7 +203,8 @@ void ChainValues::apply(const Stage& stage, const Surroundings& around, ColumnBy
     const Neighborhoods in(slots[s], size, slots.data(), begin.data(),
                            around.neighbors.data() + around.list_begin[first], stage.reads, stage.reads_neighbors,
                            stage.position);
-    Columns out(made, size);
+    DegeneratePoints degenerate;
+    Columns out(made, size, degenerate);
     stage.op->apply(in, out);
   }
 }

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/operator.h"
-#include "pointsweep/points/neighborhood_rule.h"
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/operator.h"
 #include "pointsweep/verify/row_source.h"
 #include "pointsweep/verify/stage_formula.h"
 #include "pointsweep/verify/surroundings.h"

@@ -6,12 +6,12 @@
 #include <string>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {
 
-std::vector<double> value_in(Cloud& cloud, const Reduction& reduction) {
+std::vector<double> value_in(InputCloud& cloud, const Reduction& reduction) {
   constexpr std::uint64_t kRows = 8192;
   const Schema& schema = cloud.schema();
   std::vector<Field> fields;
@@ -36,7 +36,7 @@ std::vector<double> value_in(Cloud& cloud, const Reduction& reduction) {
 }  // namespace
 
 std::vector<std::shared_ptr<const Operator>> with_input_values(std::vector<std::shared_ptr<const Operator>> operators,
-                                                               Cloud& cloud) {
+                                                               InputCloud& cloud) {
   std::map<std::string, std::vector<double>> known;
   for (auto& op : operators) {
     const Contract contract = op->contract();

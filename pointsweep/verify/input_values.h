@@ -5,14 +5,14 @@
 #include <memory>
 #include <vector>
 
-#include "pointsweep/formats/cloud.h"
-#include "pointsweep/operators/operator.h"
+#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/operator.h"
 
 namespace pointsweep {
 
 /// Gives operators that need values of the input (Reduction::of_input) these values. Reads the cloud once for each
 /// value; returns all other operators unchanged.
 std::vector<std::shared_ptr<const Operator>> with_input_values(std::vector<std::shared_ptr<const Operator>> operators,
-                                                               Cloud& cloud);
+                                                               InputCloud& cloud);
 
 }  // namespace pointsweep

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 namespace {
@@ -29,7 +30,7 @@ std::uint64_t turn_of(Vec3 p, std::uint64_t turns) {
   return hash % turns;
 }
 
-Mask firsts_of_equal(Cloud& cloud, std::uint64_t memory_bytes, const PhaseProgress& progress) {
+Mask firsts_of_equal(InputCloud& cloud, std::uint64_t memory_bytes, const PhaseProgress& progress) {
   Mask kept(cloud.count(), true);
   const std::uint64_t turns = 1 + cloud.count() * 2 * sizeof(PlacedRow) / std::max<std::uint64_t>(memory_bytes, 1);
   for (std::uint64_t turn = 0; turn < turns; ++turn) {
@@ -53,7 +54,7 @@ void put_value(const Field& field, const std::byte* record, Type type, std::byte
 }
 
 /// Asks the operator about one row at a time.
-Mask by_condition(Cloud& cloud, const Operator& op, const PhaseProgress& progress) {
+Mask by_condition(InputCloud& cloud, const Operator& op, const PhaseProgress& progress) {
   const Contract contract = op.contract();
   const PositionFields position = position_fields(cloud.schema(), "the input");
   std::vector<std::uint16_t> reads;
@@ -80,7 +81,8 @@ Mask by_condition(Cloud& cloud, const Operator& op, const PhaseProgress& progres
       const std::uint32_t no_list[2] = {0, 0};
       std::byte decision{0};
       std::byte* const made[] = {&decision};
-      Columns out(made, 1);
+      DegeneratePoints degenerate;
+      Columns out(made, 1, degenerate);
       op.apply({{&x, &y, &z, &row, columns.data()}, 1, nullptr, no_list, nullptr, reads, {}}, out);
       kept.push_back(decision != std::byte{0});
     }
@@ -90,7 +92,7 @@ Mask by_condition(Cloud& cloud, const Operator& op, const PhaseProgress& progres
 }
 
 /// As a selection of all rows of the cloud, of which `cloud` may have selected some already.
-RowSelection selection_of(const Cloud& cloud, const Mask& kept) {
+RowSelection selection_of(const InputCloud& cloud, const Mask& kept) {
   const RowSelection* before = cloud.selection();
   const std::uint64_t rows = before == nullptr ? cloud.count() : before->rows();
   auto all = std::make_shared<Mask>(rows);
@@ -106,7 +108,7 @@ RowSelection selection_of(const Cloud& cloud, const Mask& kept) {
 
 }  // namespace
 
-std::size_t select_kept_rows(Cloud& cloud, const std::vector<std::shared_ptr<const Operator>>& operators,
+std::size_t select_kept_rows(InputCloud& cloud, const std::vector<std::shared_ptr<const Operator>>& operators,
                              std::uint64_t memory_bytes, const PhaseProgress& progress) {
   std::size_t done = 0;
   for (; done < operators.size(); ++done) {

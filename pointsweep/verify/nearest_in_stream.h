@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/geometry.h"
 #include "pointsweep/verify/ball_index.h"
 
 namespace pointsweep {

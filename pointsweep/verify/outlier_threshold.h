@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 #include "pointsweep/verify/row_source.h"
 #include "pointsweep/verify/stage_formula.h"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/verify/row_source.h"
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 
-RowSource::RowSource(Cloud& cloud)
+RowSource::RowSource(InputCloud& cloud)
     : schema_(&cloud.schema()),
       count_(cloud.count()),
       name_(cloud.readers().front()->info().path.string()),

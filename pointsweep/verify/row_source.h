@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/cloud.h"
-#include "pointsweep/formats/reader.h"
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 
@@ -22,7 +22,7 @@ using PhaseProgress = std::function<void(const char* phase, std::uint64_t done, 
 class RowSource {
  public:
   /// Borrow what they are made of.
-  explicit RowSource(Cloud& cloud);
+  explicit RowSource(InputCloud& cloud);
   explicit RowSource(Reader& reader);
 
   const Schema& schema() const { return *schema_; }

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/operators/operator.h"
-#include "pointsweep/points/neighborhood_rule.h"
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/operator.h"
 #include "pointsweep/verify/formulas/estimate.h"
 #include "pointsweep/verify/formulas/neighborhood_rules.h"
 

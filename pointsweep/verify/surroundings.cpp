@@ -6,7 +6,7 @@
 #include <tuple>
 #include <unordered_map>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/geometry.h"
 #include "pointsweep/verify/nearest_in_stream.h"
 #include "pointsweep/verify/row_source.h"
 

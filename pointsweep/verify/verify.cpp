@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/verify/chain_values.h"
 #include "pointsweep/verify/input_values.h"
@@ -49,7 +49,7 @@ std::vector<std::uint64_t> rows_to_check(std::uint64_t count, const VerifyOption
 
 class Verification {
  public:
-  Verification(Cloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options)
+  Verification(InputCloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options)
       : in_(in),
         out_(out),
         made_by_(made_by),
@@ -292,7 +292,7 @@ class Verification {
 
 }  // namespace
 
-Verdict verify(Cloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options) {
+Verdict verify(InputCloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options) {
   MadeBy known = made_by;
   known.operators = with_input_values(std::move(known.operators), in);
   return Verification(in, out, is_array, known, options).run();

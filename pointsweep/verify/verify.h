@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/operator.h"
-#include "pointsweep/points/neighborhood_rule.h"
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/operator.h"
 #include "pointsweep/verify/row_source.h"
 #include "pointsweep/verify/stage_formula.h"
 #include "pointsweep/verify/surroundings.h"
@@ -55,6 +55,6 @@ struct MadeBy {
 /// curvature 2, fairing with splats again 3), and once for an order of the sweep. A point of the stream is held against
 /// those chosen points only whose neighbours can be that far away, as a first look at a 65,536th of the cloud or
 /// at most 65,536 points says; that bound is proven, not guessed. About 0.3 µs per point and pass.
-Verdict verify(Cloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options = {});
+Verdict verify(InputCloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options = {});
 
 }  // namespace pointsweep

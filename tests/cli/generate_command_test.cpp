@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 #include "pointsweep/shapes/registry.h"
 #include "pointsweep/shapes/shape_reader.h"
 #include "tests/cli/tool.h"

@@ -3,7 +3,7 @@
 #include <sstream>
 #include <vector>
 
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 #include "tests/cli/tool.h"
 
 namespace pointsweep {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pointsweep/operators/normals.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/engine_run.h"
 #include "tests/cli/tool.h"
 
 namespace pointsweep {
@@ -190,7 +190,7 @@ class Height final : public Operator {
 };
 
 TEST_F(Provenance, OfARunOfTheLibraryIsThatOfTheTool) {
-  Cloud cloud({folder_ / "in.ply"});
+  InputCloud cloud({folder_ / "in.ply"});
   const Chain normals{{.k = 12}, {std::make_shared<Normals>(NormalsOptions{Orient::viewpoint, {0, 0, 1.7}})}};
   run(cloud, normals, {.points = folder_ / "library.ply", .arrays = {}, .writer = {}});
   EXPECT_EQ(made("normals in.ply tool.ply -k 12 --orient viewpoint --viewpoint 0,0,1.7", "tool.ply"),
@@ -198,7 +198,7 @@ TEST_F(Provenance, OfARunOfTheLibraryIsThatOfTheTool) {
 }
 
 TEST_F(Provenance, NamesOperatorsOfTheUserWithTheirOptions) {
-  Cloud cloud({folder_ / "in.ply"});
+  InputCloud cloud({folder_ / "in.ply"});
   const Chain chain{{.k = 9}, {std::make_shared<Normals>(), std::make_shared<Height>()}};
   run(cloud, chain, {.points = folder_ / "out.ply", .arrays = {}, .writer = {}});
   EXPECT_THAT(said("out.ply"), ElementsAre("0.1.0", "stage knn(k=9)", "stage normals", "stage height(above=0.25)",

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/arrays.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "pointsweep/error.h"
+#include "pointsweep/reader.h"
+#include "pointsweep/writer.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 

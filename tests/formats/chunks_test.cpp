@@ -7,10 +7,10 @@
 #include <cstring>
 #include <thread>
 
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/formats/parallel_rows.h"
-#include "pointsweep/formats/reader.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/reader.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 
@@ -126,7 +126,7 @@ TEST(Chunks, OfSeveralInputsAreDecodedInParallelAsInTurn) {
   for (const auto& first : paths)
     for (const auto& second : paths) {
       SCOPED_TRACE(fmt::format("{} {}", first.filename().string(), second.filename().string()));
-      Cloud cloud({first, second});
+      InputCloud cloud({first, second});
       const std::size_t stride = cloud.schema().stride;
       const std::vector<std::byte> expected = all_records(cloud, cloud.schema(), cloud.count(), 5000);
       ParallelRows rows;
@@ -141,7 +141,7 @@ TEST(Chunks, OfSeveralInputsAreDecodedInParallelAsInTurn) {
 
 TEST(Chunks, ACloudOfSelectedRowsIsReadInTurn) {
   const TemporaryFolder folder;
-  Cloud cloud({files(folder).front()});
+  InputCloud cloud({files(folder).front()});
   EXPECT_NE(cloud.decoder(), nullptr);
   cloud.select(RowSelection(kRows, [](std::uint64_t block, std::span<std::byte> bits) {
     std::ranges::fill(bits, std::byte{});

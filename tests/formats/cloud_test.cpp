@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/cloud.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +7,7 @@
 #include <thread>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 
@@ -63,20 +62,20 @@ Schema grid(double scale, std::array<double, 3> bias) {
 }
 
 template <class... Readers>
-Cloud cloud_of(Readers... readers) {
+InputCloud cloud_of(Readers... readers) {
   std::vector<std::unique_ptr<Reader>> list;
   (list.push_back(std::make_unique<MemoryReader>(std::move(readers))), ...);
-  return Cloud(std::move(list));
+  return InputCloud(std::move(list));
 }
 
-std::vector<double> values_of(Cloud& cloud, const std::string& name) {
+std::vector<double> values_of(InputCloud& cloud, const std::string& name) {
   return values_of(cloud, cloud.schema(), cloud.count(), name);
 }
 
-TEST(Cloud, RowsRunThroughTheInputsInOrder) {
+TEST(InputCloud, RowsRunThroughTheInputsInOrder) {
   const Schema schema = schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}});
-  Cloud cloud = cloud_of(MemoryReader(schema, {{1, 0, 0}, {2, 0, 0}}), MemoryReader(schema, {}),
-                         MemoryReader(schema, {{3, 0, 0}}), MemoryReader(schema, {}));
+  InputCloud cloud = cloud_of(MemoryReader(schema, {{1, 0, 0}, {2, 0, 0}}), MemoryReader(schema, {}),
+                              MemoryReader(schema, {{3, 0, 0}}), MemoryReader(schema, {}));
   EXPECT_EQ(cloud.count(), 3u);
   EXPECT_EQ(cloud.bytes(), 3u);
   EXPECT_EQ(cloud.schema(), schema);
@@ -87,10 +86,10 @@ TEST(Cloud, RowsRunThroughTheInputsInOrder) {
   EXPECT_EQ(cloud.read(3, records), 0u);
 }
 
-TEST(Cloud, NoInputIsAUsageError) { EXPECT_THROW(Cloud(std::vector<std::filesystem::path>{}), UsageError); }
+TEST(InputCloud, NoInputIsAUsageError) { EXPECT_THROW(InputCloud(std::vector<std::filesystem::path>{}), UsageError); }
 
-TEST(Cloud, UnitesFieldsByMeaningAndFillsWithZeros) {
-  Cloud cloud = cloud_of(
+TEST(InputCloud, UnitesFieldsByMeaningAndFillsWithZeros) {
+  InputCloud cloud = cloud_of(
       MemoryReader(schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}, {"nx", Type::f32}}),
                    {{1, 2, 3, 4}}),
       MemoryReader(
@@ -105,7 +104,7 @@ TEST(Cloud, UnitesFieldsByMeaningAndFillsWithZeros) {
   EXPECT_THAT(values_of(cloud, "id"), ElementsAre(0, 7));
 }
 
-TEST(Cloud, SaysWhichInputLacksWhatAnotherHas) {
+TEST(InputCloud, SaysWhichInputLacksWhatAnotherHas) {
   const Schema plain = schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}});
   Schema more = plain, other = plain;
   more.append("nx", Type::f32);
@@ -115,7 +114,7 @@ TEST(Cloud, SaysWhichInputLacksWhatAnotherHas) {
     std::vector<std::unique_ptr<Reader>> readers;
     for (Schema& schema : schemas)
       readers.push_back(std::make_unique<MemoryReader>(std::move(schema), std::vector<std::vector<double>>{}));
-    return Cloud(std::move(readers)).warnings();
+    return InputCloud(std::move(readers)).warnings();
   };
   EXPECT_TRUE(warnings_of({plain, plain}).empty());
   EXPECT_THAT(warnings_of({more, plain}),
@@ -125,9 +124,9 @@ TEST(Cloud, SaysWhichInputLacksWhatAnotherHas) {
   EXPECT_EQ(warnings_of({more, plain, plain, plain, plain, plain, plain, plain}).size(), 6u);
 }
 
-TEST(Cloud, CoordinatesOfDifferentTypesBecomeDouble) {
+TEST(InputCloud, CoordinatesOfDifferentTypesBecomeDouble) {
   const std::vector<std::pair<std::string, Type>> xy{{"x", Type::f32}, {"y", Type::f32}};
-  Cloud cloud =
+  InputCloud cloud =
       cloud_of(MemoryReader(schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}}), {{1, 2, 0.1}}),
                MemoryReader(schema_of({{"x", Type::f64}, {"y", Type::i32}, {"z", Type::u8}}), {{0.1, 1 << 30, 9}}));
   EXPECT_EQ(cloud.schema().fields[0].type, Type::f64);
@@ -138,7 +137,7 @@ TEST(Cloud, CoordinatesOfDifferentTypesBecomeDouble) {
   EXPECT_THAT(values_of(cloud, "z"), ElementsAre(0.1f, 9));
 }
 
-TEST(Cloud, IntegersOfDifferentTypesBecomeTheSmallestThatHoldsBoth) {
+TEST(InputCloud, IntegersOfDifferentTypesBecomeTheSmallestThatHoldsBoth) {
   const auto united = [](Type a, Type b) {
     const auto schema = [](Type type) {
       return schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}, {"i", type}});
@@ -153,10 +152,10 @@ TEST(Cloud, IntegersOfDifferentTypesBecomeTheSmallestThatHoldsBoth) {
   EXPECT_EQ(united(Type::i64, Type::u64), Type::f64);
 }
 
-TEST(Cloud, IntegerGridsWithOffsetsOfWholeStepsStayIntegers) {
+TEST(InputCloud, IntegerGridsWithOffsetsOfWholeStepsStayIntegers) {
   const Schema first = grid(0.01, {500000, 0, 0}), second = grid(0.01, {501000.5, 0, 100});
-  Cloud cloud = cloud_of(MemoryReader(first, {{500000.25, 1, 2, 3}}, Box{{500000, 0, 0}, {500001, 1, 2}}),
-                         MemoryReader(second, {{501000.75, -4, 99, 5}}, Box{{501000, -4, 99}, {501001, 0, 100}}));
+  InputCloud cloud = cloud_of(MemoryReader(first, {{500000.25, 1, 2, 3}}, Box{{500000, 0, 0}, {500001, 1, 2}}),
+                              MemoryReader(second, {{501000.75, -4, 99, 5}}, Box{{501000, -4, 99}, {501001, 0, 100}}));
   EXPECT_EQ(cloud.schema(), first);
   EXPECT_THAT(values_of(cloud, "x"), ElementsAre(500000.25, 501000.75));
   EXPECT_THAT(values_of(cloud, "y"), ElementsAre(1, -4));
@@ -164,18 +163,18 @@ TEST(Cloud, IntegerGridsWithOffsetsOfWholeStepsStayIntegers) {
   EXPECT_THAT(values_of(cloud, "intensity"), ElementsAre(3, 5));
 }
 
-TEST(Cloud, IntegerGridsOfOtherLayoutAreShiftedAndConverted) {
+TEST(InputCloud, IntegerGridsOfOtherLayoutAreShiftedAndConverted) {
   const Schema first = grid(0.01, {0, 0, 0});
   Schema second = grid(0.01, {10, 0, 0});
   second.append("extra", Type::u8);
-  Cloud cloud = cloud_of(MemoryReader(first, {{1, 1, 1, 1}}, Box{{1, 1, 1}, {1, 1, 1}}),
-                         MemoryReader(second, {{2, 2, 2, 2, 9}}, Box{{2, 2, 2}, {2, 2, 2}}));
+  InputCloud cloud = cloud_of(MemoryReader(first, {{1, 1, 1, 1}}, Box{{1, 1, 1}, {1, 1, 1}}),
+                              MemoryReader(second, {{2, 2, 2, 2, 9}}, Box{{2, 2, 2}, {2, 2, 2}}));
   EXPECT_EQ(cloud.schema().fields[0].type, Type::i32);
   EXPECT_THAT(values_of(cloud, "x"), ElementsAre(1, 2));
   EXPECT_THAT(values_of(cloud, "extra"), ElementsAre(0, 9));
 }
 
-TEST(Cloud, IntegerGridsThatDoNotAgreeBecomeDouble) {
+TEST(InputCloud, IntegerGridsThatDoNotAgreeBecomeDouble) {
   const Box box{{0, 0, 0}, {1, 1, 1}};
   const Schema first = grid(0.01, {0, 0, 0});
   const auto type_with = [&](double scale, double bias, Box bounds) {
@@ -192,47 +191,47 @@ TEST(Cloud, IntegerGridsThatDoNotAgreeBecomeDouble) {
   EXPECT_EQ(type_with(0.01, 9e7, Box{{9e7, 0, 0}, {9e7, 1, 1}}), Type::f64);
 }
 
-TEST(Cloud, BoundsThatLieDoNotWrapCoordinatesAround) {
+TEST(InputCloud, BoundsThatLieDoNotWrapCoordinatesAround) {
   const Box box{{0, 0, 0}, {1, 1, 1}};
-  Cloud cloud = cloud_of(MemoryReader(grid(0.01, {0, 0, 0}), {}, box),
-                         MemoryReader(grid(0.01, {1000, 0, 0}), {{21475500, 0, 0, 0}}, box));
+  InputCloud cloud = cloud_of(MemoryReader(grid(0.01, {0, 0, 0}), {}, box),
+                              MemoryReader(grid(0.01, {1000, 0, 0}), {{21475500, 0, 0, 0}}, box));
   EXPECT_THAT(sentence_of<Error>([&] { values_of(cloud, "x"); }), HasSubstr("far outside the bounds in its header"));
 }
 
-TEST(Cloud, BitFieldsOfDifferentLayoutsGetAWordOfTheirOwn) {
+TEST(InputCloud, BitFieldsOfDifferentLayoutsGetAWordOfTheirOwn) {
   Schema first = schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}, {"return_number", Type::u8}});
   Schema second = first;
   first.fields[3].bit_width = 3;
   second.fields[3].bit_width = 4;
   second.fields[3].bit_shift = 4;
-  Cloud cloud = cloud_of(MemoryReader(first, {{0, 0, 0, 7}}), MemoryReader(second, {{0, 0, 0, 13}}));
+  InputCloud cloud = cloud_of(MemoryReader(first, {{0, 0, 0, 7}}), MemoryReader(second, {{0, 0, 0, 13}}));
   EXPECT_TRUE(cloud.schema().fields[3].is_plain());
   EXPECT_THAT(values_of(cloud, "return_number"), ElementsAre(7, 13));
 }
 
-TEST(Cloud, ReadsFilesOfDifferentFormatsAsOne) {
+TEST(InputCloud, ReadsFilesOfDifferentFormatsAsOne) {
   const TemporaryFolder folder;
   folder.write("a.ply",
                "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
                "property uchar red\nend_header\n1 2 3 4\n");
   folder.write("b.csv", "x,y,z,r\n5,6,7,8\n9,10,11,12\n");
-  Cloud cloud(std::vector{folder / "a.ply", folder / "b.csv"});
+  InputCloud cloud(std::vector{folder / "a.ply", folder / "b.csv"});
   EXPECT_THAT(values_of(cloud, "x"), ElementsAre(1, 5, 9));
   EXPECT_THAT(values_of(cloud, "red"), ElementsAre(4, 8, 12));
   EXPECT_EQ(cloud.bytes(), std::filesystem::file_size(folder / "a.ply") + std::filesystem::file_size(folder / "b.csv"));
   EXPECT_NE(cloud.extras(), nullptr);
 }
 
-TEST(Cloud, NoticesAnInputThatIsWrittenToButNotOneThatIsReplaced) {
+TEST(InputCloud, NoticesAnInputThatIsWrittenToButNotOneThatIsReplaced) {
   const TemporaryFolder folder;
   const auto path = folder.write("a.xyz", "1 2 3\n4 5 6\n");
   const auto wait_for_the_clock_of_the_disk = [] { std::this_thread::sleep_for(std::chrono::milliseconds(20)); };
   wait_for_the_clock_of_the_disk();
-  const Cloud cloud({path});
+  const InputCloud cloud({path});
   EXPECT_NO_THROW(cloud.require_unchanged());
   std::filesystem::rename(folder.write("b.xyz", "7 8 9\n"), path);
   EXPECT_NO_THROW(cloud.require_unchanged());
-  const Cloud other({path});
+  const InputCloud other({path});
   wait_for_the_clock_of_the_disk();
   folder.write("a.xyz", "7 8 0\n");
   EXPECT_THAT(sentence_of<Error>([&] { other.require_unchanged(); }), HasSubstr("was written to while it was read"));

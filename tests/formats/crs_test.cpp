@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/formats/wkt.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/engine_run.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/temporary_folder.h"
 
@@ -154,8 +154,8 @@ std::string wkt_vlr(const std::string& wkt) { return vlr("LASF_Projection", 2112
 
 void run_copy(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& out,
               std::vector<std::string>* warnings = nullptr, CloudOptions options = {}) {
-  Cloud cloud(inputs, options);
-  RunOptions plain;
+  InputCloud cloud(inputs, options);
+  EngineOptions plain;
   plain.provenance = false;
   const Statistics statistics = sort(cloud, out, plain);
   if (warnings != nullptr) *warnings = statistics.warnings;
@@ -190,7 +190,7 @@ TEST(CrsOfSeveralInputs, ThatDiffersIsRefusedInOneSentence) {
   const TemporaryFolder folder;
   const auto utm = las_with(folder, "utm.las", {geotiff_vlr(projected(26910))});
   const auto degrees = las_with(folder, "degrees.las", {wkt_vlr(kWgs84)}, 6);
-  const std::string error = sentence_of<UsageError>([&] { Cloud cloud({utm, degrees}); });
+  const std::string error = sentence_of<UsageError>([&] { InputCloud cloud({utm, degrees}); });
   for (const char* part : {"utm.las is in EPSG:26910", "degrees.las in EPSG:4326 (WGS 84)", "--ignore-crs"})
     EXPECT_NE(error.find(part), std::string::npos) << error;
 }
@@ -207,7 +207,7 @@ TEST(CrsOfSeveralInputs, ThatDiffersIsMergedWithAWarningWhereAsked) {
 
 TEST(CrsOfSeveralInputs, ThatIsTheSameInTwoEncodingsIsAccepted) {
   const TemporaryFolder folder;
-  const Cloud cloud(
+  const InputCloud cloud(
       {las_with(folder, "a.las", {geotiff_vlr(projected(26910))}), las_with(folder, "b.las", {wkt_vlr(kUtm10)}, 6)});
   EXPECT_TRUE(cloud.warnings().empty());
   EXPECT_EQ(cloud.crs()->epsg, 26910);
@@ -229,7 +229,7 @@ TEST(CrsOfSeveralInputs, ThatCannotBeComparedIsOneWarning) {
   const auto a = las_with(folder, "a.las", {wkt_vlr("PROJCS[\"mine\"]")}, 6);
   const auto b = las_with(folder, "b.las", {wkt_vlr("PROJCS[\"yours\"]")}, 6);
   const auto c = las_with(folder, "c.las", {wkt_vlr("PROJCS[\"theirs\"]")}, 6);
-  const Cloud cloud({a, b, c});
+  const InputCloud cloud({a, b, c});
   ASSERT_EQ(cloud.warnings().size(), 1u);
   EXPECT_NE(cloud.warnings()[0].find("b.las and 1 other input ('yours') could not be compared"), std::string::npos)
       << cloud.warnings()[0];

@@ -7,8 +7,9 @@
 #include <limits>
 #include <random>
 
-#include "pointsweep/formats/arrays.h"
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/reader.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 namespace {
@@ -38,7 +39,7 @@ std::unique_ptr<Reader> reader_of(const Rows& rows) {
   return std::make_unique<ArrayReader>(std::span(rows.empty() ? nullptr : rows.front().data(), 3 * rows.size()));
 }
 
-Rows read(Cloud& cloud, std::uint64_t first, std::size_t n) {
+Rows read(InputCloud& cloud, std::uint64_t first, std::size_t n) {
   Rows rows(n);
   rows.resize(cloud.read(first, std::as_writable_bytes(std::span(rows))));
   return rows;
@@ -51,7 +52,7 @@ TEST(FiniteRows, AreThoseOfAllInputsInAnyPieceAndNothingElse) {
                c = rows_with_gaps(17, share, random);
     std::vector<std::unique_ptr<Reader>> readers;
     for (const Rows* rows : {&a, &b, &c}) readers.push_back(reader_of(*rows));
-    Cloud cloud(std::move(readers));
+    InputCloud cloud(std::move(readers));
     Rows expected;
     for (const Rows* rows : {&a, &b, &c})
       for (const auto& row : finite_ones(*rows)) expected.push_back(row);
@@ -75,7 +76,7 @@ TEST(FiniteRows, TheOthersAreCountedWithTheBoundsOfTheRest) {
   const Rows rows = {{nan, 9, 9}, {1, 2, 3}, {4, nan, 0}, {-1, 5, 2}};
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(reader_of(rows));
-  Cloud cloud(std::move(readers));
+  InputCloud cloud(std::move(readers));
   const NonfiniteRows found = cloud.drop_nonfinite();
   EXPECT_EQ(found.rows, (std::vector<std::uint64_t>{0, 2}));
   EXPECT_EQ(found.bounds, (Box{{-1, 2, 2}, {1, 5, 3}}));

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/formats/las/las_values.h"
 #include "pointsweep/pipeline/output_set.h"
 #include "tests/formats/las_decode.h"
@@ -81,13 +81,13 @@ std::string las_bytes(const Kind& kind, unsigned seed) {
 
 /// Copies the inputs in their order, with the outputs that a run makes, and returns the warnings.
 std::vector<std::string> copy_points(const std::vector<fs::path>& inputs, const fs::path& out) {
-  Cloud cloud(inputs, {.ignore_crs = true});
+  InputCloud cloud(inputs, {.ignore_crs = true});
   const std::vector<std::byte> records = all_records(cloud, cloud.schema(), cloud.count());
   const PositionFields p = position_fields(cloud.schema(), "the inputs");
   Box bounds;
   for (const std::byte* at = records.data(); at != records.data() + records.size(); at += cloud.schema().stride)
     bounds.include(Vec3{value_of(p.x, at), value_of(p.y, at), value_of(p.z, at)});
-  RunOptions options;
+  EngineOptions options;
   options.overwrite = true;
   OutputSet files(cloud, {}, {}, {.points = out, .arrays = {}, .writer = {}}, options, bounds, {},
                   std::make_shared<KnownValues>(las_values(cloud, {})));
@@ -397,7 +397,7 @@ TEST(LasThroughPly, CommentsThatMakeNoSenseStayComments) {
     const auto in = folder.write("in.ply", std::string("ply\nformat ascii 1.0\n") + line +
                                                "\nelement vertex 1\nproperty float x\nproperty float y\n"
                                                "property float z\nend_header\n1 2 3\n");
-    EXPECT_FALSE(open_reader(in)->info().las.has_value()) << line;
+    EXPECT_FALSE(open_reader(in)->info().las != nullptr) << line;
     copy_points({in}, folder / "out.ply");
     EXPECT_NE(content_of(folder / "out.ply").find(line), std::string::npos);
   }

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/reader.h"
-#include "pointsweep/formats/writer.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/reader.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 

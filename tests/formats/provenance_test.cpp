@@ -6,7 +6,7 @@
 
 #include <cstring>
 
-#include "pointsweep/formats/writer.h"
+#include "pointsweep/writer.h"
 #include "tests/formats/temporary_folder.h"
 
 namespace pointsweep {

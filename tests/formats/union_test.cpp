@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/formats/registry.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
@@ -49,7 +49,7 @@ TEST(Union, HasTheAttributesOfAllInputsAndZeroWhereOneLacksThem) {
       const auto a = file_with(folder / ("a" + first), {"only_a", "shared"}, 10);
       const auto b = file_with(folder / ("b" + second), {"shared", "only_b"}, 20);
       for (const bool turned : {false, true}) {
-        Cloud cloud(turned ? std::vector{b, a} : std::vector{a, b});
+        InputCloud cloud(turned ? std::vector{b, a} : std::vector{a, b});
         const auto values = [&](const std::string& name) {
           return values_of(cloud, cloud.schema(), cloud.count(), name);
         };

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 

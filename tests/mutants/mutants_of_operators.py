@@ -67,7 +67,7 @@ MUTANTS = [
            ("operators:LimitsFromAttributes*", "pipeline")),
     Mutant("splats in a scale off by two", "formulas", OPS + "splats_kernel.cpp", "hn::Mul(fitted, power)",
            "hn::Mul(fitted, hn::Add(power, power))", ("operators:Splats*",)),
-    Mutant("behind a mover the last neighbour counts as the farthest", "movers", "pointsweep/points/neighborhoods.h",
+    Mutant("behind a mover the last neighbour counts as the farthest", "movers", "include/pointsweep/neighborhood.h",
            "sorted_by_distance_(position_column < 0 && !moved) {}", "sorted_by_distance_(position_column < 1000 || moved) {}",
            ("operators:MovedPoints*", "oracles")),
     Mutant("coincident neighbours weigh as the nearest one in Equation 2", "formulas",

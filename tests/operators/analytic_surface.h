@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/geometry.h"
 
 namespace pointsweep {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/points/neighborhood_rule.h"
+#include "pointsweep/neighborhood.h"
 #include "tests/support/in_core.h"
 
 namespace pointsweep {

@@ -12,10 +12,10 @@
 #include <span>
 #include <vector>
 
+#include "pointsweep/geometry.h"
 #include "pointsweep/math/exp.h"
 #include "pointsweep/math/power_of_two.h"
 #include "pointsweep/math/symmetric3.h"
-#include "pointsweep/math/vec3.h"
 
 namespace pointsweep {
 

@@ -6,7 +6,8 @@
 #include <array>
 #include <limits>
 
-#include "pointsweep/points/neighborhoods.h"
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 namespace {
@@ -20,7 +21,8 @@ std::vector<Row> neighbors_of_two(const NeighborRows& op, std::array<std::uint64
   const NeighborRef refs[] = {make_ref(0, 1), make_ref(0, 0)};
   std::vector<Row> made(4);
   std::vector<std::byte*> columns = {reinterpret_cast<std::byte*>(made.data())};
-  Columns out(columns, 2);
+  DegeneratePoints degenerate;
+  Columns out(columns, 2, degenerate);
   op.apply(Neighborhoods(points, 2, &points, begin, refs, {}, {}), out);
   return made;
 }

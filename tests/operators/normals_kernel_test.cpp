@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/operator.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/points/degenerate_points.h"
 #include "tests/operators/equation1.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/in_core.h"

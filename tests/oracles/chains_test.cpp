@@ -72,7 +72,7 @@ TEST(Oracles, ASpilledRunIsItsFormula) {
 TEST(Oracles, RealCloudsAreTheirFormulas) {
   if (real_clouds().empty()) GTEST_SKIP() << "no real clouds: set POINTSWEEP_DATA to the folder that holds them";
   for (const RealCloud& real : real_clouds()) {
-    Cloud cloud({real.file});
+    InputCloud cloud({real.file});
     expect_formulas(cloud, "knn(k=12) | normals | curvature | splats", real.name, 0.02);
   }
 }
@@ -122,7 +122,7 @@ TEST(Oracles, NeighborhoodsOfTheirOwnSizeAreWhatTheRulesSayAlsoPieceByPiece) {
         parse_pipeline("knn(" + neighborhood + ") | neighborhood_size | normals | curvature"), points.cloud());
     const Oracle oracle(points.cloud(), chain);
     for (const std::uint64_t lists : {1, 2000}) {
-      RunOptions options = streamed(surface.size());
+      EngineOptions options = streamed(surface.size());
       options.lists_bytes = lists;
       options.search_again = true;
       expect_right(oracle.compare(run_in_memory(points.cloud(), chain, options)), neighborhood, 0.001);
@@ -137,7 +137,7 @@ TEST(Oracles, TheReferenceEngineMakesWhatTheFormulasSayWithinARadius) {
                            "knn(radius=0.1) | normals | splats | fair",
                            "knn(radius=0.12) | normals | splats | fair(f=3, g=3) | normals | splats"}) {
     const Chain chain = build_chain(parse_pipeline(text), points.cloud());
-    RunOptions options = streamed(points.cloud().count());
+    EngineOptions options = streamed(points.cloud().count());
     options.engine = Engine::reference;
     const RunResult result = run_in_memory(points.cloud(), chain, options);
     EXPECT_EQ(result.statistics.reference->incomplete, 0u);

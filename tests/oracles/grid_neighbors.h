@@ -13,8 +13,8 @@
 #include <tuple>
 #include <vector>
 
+#include "pointsweep/geometry.h"
 #include "pointsweep/math/box.h"
-#include "pointsweep/math/vec3.h"
 
 namespace pointsweep {
 

@@ -24,7 +24,7 @@ TEST(OraclesOfMovedPoints, FairedPointsGetTheNormalsOfWhereTheyAre) {
 TEST(OraclesOfMovedPoints, RealModelsAreFaired) {
   if (real_clouds().empty()) GTEST_SKIP() << "no real clouds: set POINTSWEEP_DATA to the folder that holds them";
   for (const RealCloud& real : real_clouds()) {
-    Cloud cloud({real.file});
+    InputCloud cloud({real.file});
     expect_formulas(cloud, "knn(k=10) | normals | splats | fair | normals | splats", real.name, 0.02);
   }
 }

@@ -64,7 +64,7 @@ inline Surroundings surroundings_of_all(const std::vector<Vec3>& points, const N
 /// A whole output and the formulas' values of the same chain.
 class Oracle {
  public:
-  Oracle(Cloud& cloud, const Chain& chain)
+  Oracle(InputCloud& cloud, const Chain& chain)
       : source_(cloud),
         values_(with_input_values(operators_of(chain.stages), cloud), chain.keep, cloud.schema(),
                 chain.neighborhood.rule) {
@@ -129,12 +129,12 @@ class Oracle {
 };
 
 /// Several slabs, small cells, two threads.
-inline RunOptions streamed(std::uint64_t points, bool spill = false) {
-  RunOptions options;
+inline EngineOptions streamed(std::uint64_t points, bool spill = false) {
+  EngineOptions options;
   options.slab_points = std::max<std::uint64_t>(64, points / 7);
   options.cell_points = points < 5000 ? 64 : 512;
-  options.threads = 2;
-  options.memory_bytes = std::uint64_t{1} << 30;
+  options.resources.threads = 2;
+  options.resources.memory_bytes = std::uint64_t{1} << 30;
   options.spill = spill;
   return options;
 }
@@ -148,7 +148,7 @@ inline void expect_right(const OracleReport& report, const std::string& name, do
 
 /// Runs `chain` streamed and expects every value to be what the formulas say; at most the share `open` of them may be
 /// left undetermined by the data.
-inline OracleReport expect_formulas(Cloud& cloud, const Chain& chain, const std::string& name, double open = 0.001,
+inline OracleReport expect_formulas(InputCloud& cloud, const Chain& chain, const std::string& name, double open = 0.001,
                                     bool spill = false) {
   const RunResult result = run_in_memory(cloud, chain, streamed(cloud.count(), spill));
   const OracleReport report = Oracle(cloud, chain).compare(result);
@@ -156,7 +156,7 @@ inline OracleReport expect_formulas(Cloud& cloud, const Chain& chain, const std:
   return report;
 }
 
-inline OracleReport expect_formulas(Cloud& cloud, const std::string& pipeline, const std::string& name,
+inline OracleReport expect_formulas(InputCloud& cloud, const std::string& pipeline, const std::string& name,
                                     double open = 0.001, bool spill = false) {
   return expect_formulas(cloud, build_chain(parse_pipeline(pipeline), cloud), name + ", " + pipeline, open, spill);
 }
@@ -178,11 +178,11 @@ class PointCloud {
     reader_->add(names, std::span<const double>(*doubles_.back()));
     return *this;
   }
-  Cloud& cloud() {
+  InputCloud& cloud() {
     if (!cloud_) {
       std::vector<std::unique_ptr<Reader>> readers;
       readers.push_back(std::move(reader_));
-      cloud_ = std::make_unique<Cloud>(std::move(readers));
+      cloud_ = std::make_unique<InputCloud>(std::move(readers));
     }
     return *cloud_;
   }
@@ -192,7 +192,7 @@ class PointCloud {
   std::vector<std::unique_ptr<std::vector<float>>> singles_;
   std::vector<std::unique_ptr<std::vector<double>>> doubles_;
   std::unique_ptr<ArrayReader> reader_;
-  std::unique_ptr<Cloud> cloud_;
+  std::unique_ptr<InputCloud> cloud_;
 };
 
 }  // namespace pointsweep

@@ -75,7 +75,7 @@ TEST(Outliers, OfHostileCloudsAreThoseOfThePlainFormula) {
          {std::pair(std::size_t{6}, kFar), {std::size_t{12}, 0.05}, {Neighborhood::kUnlimited, 0.1}}) {
       const PlainOutliers plain(points, brute_force_neighbors(points, k, radius), 1.5L);
       RunResult first;
-      for (const RunOptions& options : {tiny(60, false, 1), tiny(200, true, 3), tiny(50'000, false, 2)}) {
+      for (const EngineOptions& options : {tiny(60, false, 1), tiny(200, true, 3), tiny(50'000, false, 2)}) {
         RunResult got = run_in_memory(points, sor_chain({.k = k, .radius = radius}, 1.5), options);
         expect_plain(got, plain);
         if (first.records.empty()) first = got;
@@ -129,7 +129,7 @@ TEST(Outliers, TheDeviationOfCloseValuesFarFromZeroIsExact) {
 TEST(Outliers, OfRealCloudsAreThoseOfThePlainFormula) {
   for (const RealCloud& real : real_clouds()) {
     SCOPED_TRACE(real.name);
-    Cloud cloud({real.file});
+    InputCloud cloud({real.file});
     RowSource source(cloud);
     const std::vector<Vec3> points = positions_of(source);
     const GridNeighbors grid(points);

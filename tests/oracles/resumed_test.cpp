@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/oracles/clouds.h"
 #include "tests/oracles/oracle.h"
+#include "tests/support/watching.h"
 
 namespace pointsweep {
 namespace {
@@ -29,19 +30,20 @@ TEST(OraclesOfResumedRuns, WhatWasStoppedSeveralTimesIsWhatTheFormulasSay) {
   for (const char* pipeline :
        {"knn(k=10) | normals | curvature | splats", "knn(radius=0.1) | normals | neighborhood_size",
         "knn(k=12) | normals | splats | fair(f=3, g=3) | normals"}) {
-    Cloud cloud({folder / "in.xyz"});
+    InputCloud cloud({folder / "in.xyz"});
     const Chain chain = build_chain(parse_pipeline(pipeline), cloud);
     const Outputs outputs{.points = folder / "out.ply", .arrays = {}, .writer = {}};
-    RunOptions options = streamed(cloud.count());
+    EngineOptions options = streamed(cloud.count());
     options.overwrite = true;
     options.resume_folder = folder / "done";
     options.checkpoint_seconds = 0;
     int stops = 0;
     for (bool done = false; !done;) {
       int reports = 0;
-      options.progress = [&](const Progress&) {
+      Watching watching([&](const Progress&) {
         if (++reports == 4 + stops) throw Cancelled();
-      };
+      });
+      options.observer = &watching;
       try {
         run(cloud, chain, outputs, options);
         done = true;

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/geometry.h"
 #include "pointsweep/order/source.h"
 
 namespace pointsweep {

@@ -13,7 +13,7 @@
 #include <random>
 #include <tuple>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/threads.h"
 #include "tests/order/cloud_source.h"

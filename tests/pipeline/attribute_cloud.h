@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "tests/pipeline/in_memory.h"
 
 namespace pointsweep {
@@ -59,10 +59,10 @@ struct Records {
       if (keep(i)) out.bytes.insert(out.bytes.end(), at(i), at(i) + schema.stride);
     return out;
   }
-  Cloud cloud() const {
+  InputCloud cloud() const {
     std::vector<std::unique_ptr<Reader>> readers;
     readers.push_back(std::make_unique<RecordReader>(schema, bytes));
-    return Cloud(std::move(readers));
+    return InputCloud(std::move(readers));
   }
 };
 

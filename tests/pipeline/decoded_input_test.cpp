@@ -8,12 +8,13 @@
 #include <memory>
 #include <random>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/preview.h"
 #include "tests/formats/temporary_folder.h"
+#include "tests/support/watching.h"
 
 namespace pointsweep {
 namespace {
@@ -77,17 +78,18 @@ class SlowReader final : public Reader {
 
 using Decoding = SlowReader::Decoding;
 
-Cloud cloud_of(SlowReader::Counts& counts, Decoding decoding, bool side_by_side, double nan_at = -1) {
+InputCloud cloud_of(SlowReader::Counts& counts, Decoding decoding, bool side_by_side, double nan_at = -1) {
   std::vector<std::unique_ptr<Reader>> readers;
   for (int i = 0; i < 2; ++i)
     readers.push_back(std::make_unique<SlowReader>(counts, decoding, side_by_side, i == 0 ? nan_at : -1));
-  return Cloud(std::move(readers));
+  return InputCloud(std::move(readers));
 }
 
 class DecodedInput : public testing::Test {
  protected:
-  std::string bytes_of(Cloud& cloud, const std::string& pipeline, const RunOptions& options, const char* format) {
-    RunOptions overwriting = options;
+  std::string bytes_of(InputCloud& cloud, const std::string& pipeline, const EngineOptions& options,
+                       const char* format) {
+    EngineOptions overwriting = options;
     overwriting.overwrite = true;
     Outputs outputs;
     outputs.points = folder_ / (std::string("out") + format);
@@ -106,9 +108,9 @@ TEST_F(DecodedInput, EachRowIsDecodedOnceAndResultsAreTheSame) {
         for (const char* format : {".ply", ".las"}) {
           SCOPED_TRACE(testing::Message() << pipeline << format << static_cast<int>(order) << side_by_side);
           SlowReader::Counts once, often;
-          Cloud slow = cloud_of(once, Decoding::once, side_by_side);
-          Cloud plain = cloud_of(often, Decoding::each_time, side_by_side);
-          RunOptions options;
+          InputCloud slow = cloud_of(once, Decoding::once, side_by_side);
+          InputCloud plain = cloud_of(often, Decoding::each_time, side_by_side);
+          EngineOptions options;
           options.order = order;
           EXPECT_EQ(bytes_of(slow, pipeline, options, format), bytes_of(plain, pipeline, options, format));
           // What is written as LAS is looked through for points that are not finite, before anything else.
@@ -119,10 +121,10 @@ TEST_F(DecodedInput, EachRowIsDecodedOnceAndResultsAreTheSame) {
 
 TEST_F(DecodedInput, PointsThatAreDroppedKeepTheirNumbers) {
   SlowReader::Counts once, often;
-  Cloud slow = cloud_of(once, Decoding::once, true, 17);
-  Cloud plain = cloud_of(often, Decoding::each_time, true, 17);
+  InputCloud slow = cloud_of(once, Decoding::once, true, 17);
+  InputCloud plain = cloud_of(often, Decoding::each_time, true, 17);
   const Chain chain = build_chain(parse_pipeline("knn(k=20, radius=0.025) | normals"), Facts{});
-  RunOptions options;
+  EngineOptions options;
   options.nonfinite = Nonfinite::drop;
   options.overwrite = true;
   Outputs outputs;
@@ -137,7 +139,7 @@ TEST_F(DecodedInput, PointsThatAreDroppedKeepTheirNumbers) {
 
 TEST_F(DecodedInput, IsRefusedBeforeItIsDecoded) {
   SlowReader::Counts counts;
-  Cloud slow = cloud_of(counts, Decoding::once, true);
+  InputCloud slow = cloud_of(counts, Decoding::once, true);
   Outputs outputs;
   outputs.points = folder_.write("out.ply", "precious");
   EXPECT_THROW(run(slow, build_chain(parse_pipeline("normals"), Facts{}), outputs, {}), Error);
@@ -149,7 +151,7 @@ TEST_F(DecodedInput, ThatIsDamagedEndsTheRunAndLeavesTheCloudAsItWas) {
   for (const bool side_by_side : {false, true}) {
     SlowReader::Counts counts;
     counts.fail_at = 4321;
-    Cloud slow = cloud_of(counts, Decoding::once, side_by_side);
+    InputCloud slow = cloud_of(counts, Decoding::once, side_by_side);
     try {
       bytes_of(slow, "normals", {}, ".ply");
       ADD_FAILURE() << "the damage was not noticed";
@@ -168,21 +170,22 @@ TEST_F(DecodedInput, LeavesNothingInTheFolderOfARunThatIsResumed) {
   const std::filesystem::path laz = folder_ / "in.laz", las = folder_ / "in.las";
   if (!format_of_output(laz)->is_built_in()) GTEST_SKIP() << "built without LAZ";
   SlowReader::Counts counts;
-  Cloud generated = cloud_of(counts, Decoding::each_time, true);
+  InputCloud generated = cloud_of(counts, Decoding::each_time, true);
   sort(generated, laz), sort(generated, las);
-  Cloud slow({laz}), plain({las});
-  RunOptions resuming;
+  InputCloud slow({laz}), plain({las});
+  EngineOptions resuming;
   resuming.resume_folder = folder_ / "work";
   resuming.checkpoint_seconds = 0;
   resuming.provenance = false;
-  resuming.progress = [](const Progress& progress) {
+  Watching watching([](const Progress& progress) {
     if (progress.phase == std::string("sweeping") && progress.done > kRows) fail("interrupted");
-  };
+  });
+  resuming.observer = &watching;
   resuming.slab_points = 500;
   EXPECT_THROW(bytes_of(slow, "normals", resuming, ".ply"), Error);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "work"));
-  resuming.progress = {};
-  RunOptions plainly;
+  resuming.observer = nullptr;
+  EngineOptions plainly;
   plainly.provenance = false;
   EXPECT_EQ(bytes_of(slow, "normals", resuming, ".ply"), bytes_of(plain, "normals", plainly, ".ply"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "work"));
@@ -190,7 +193,7 @@ TEST_F(DecodedInput, LeavesNothingInTheFolderOfARunThatIsResumed) {
 
 TEST_F(DecodedInput, IsNamedInADryRun) {
   SlowReader::Counts counts;
-  Cloud slow = cloud_of(counts, Decoding::once, true);
+  InputCloud slow = cloud_of(counts, Decoding::once, true);
   const std::string text = to_text(preview(slow, build_chain(parse_pipeline("normals"), Facts{})));
   EXPECT_NE(text.find("decoding      once, into a temporary file of 0.3 MB\n"), std::string::npos) << text;
 }

@@ -44,23 +44,23 @@ struct HandMade {
   }
 };
 
-RunResult run_text(const std::vector<Vec3>& points, const std::string& text, const RunOptions& options) {
+RunResult run_text(const std::vector<Vec3>& points, const std::string& text, const EngineOptions& options) {
   std::vector<double> xyz;
   for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
-  Cloud cloud(std::move(readers));
+  InputCloud cloud(std::move(readers));
   return run_in_memory(cloud, build_chain(parse_pipeline(text), cloud), options);
 }
 
 /// Threads, memory, slabs, cells and orders, each with the reference engine too.
-std::vector<RunOptions> many_options() {
-  std::vector<RunOptions> all;
+std::vector<EngineOptions> many_options() {
+  std::vector<EngineOptions> all;
   for (const std::uint64_t slab : {30, 1'000'000}) {
     for (const unsigned threads : {1u, 3u}) {
       for (const bool again : {false, true}) {
-        RunOptions options;
-        options.slab_points = slab, options.cell_points = slab == 30 ? 16 : 1024, options.threads = threads;
+        EngineOptions options;
+        options.slab_points = slab, options.cell_points = slab == 30 ? 16 : 1024, options.resources.threads = threads;
         options.spill = options.search_again = again;
         options.lists_bytes = again ? 1 : 0;
         options.order = threads == 1 ? Order::input : Order::sweep;
@@ -68,7 +68,7 @@ std::vector<RunOptions> many_options() {
       }
     }
     for (const Order order : {Order::input, Order::sweep}) {
-      RunOptions options;
+      EngineOptions options;
       options.engine = Engine::reference, options.order = order, options.slab_points = slab;
       all.push_back(options);
     }
@@ -90,7 +90,7 @@ void expect_rows(const Statistics& got, const std::vector<std::pair<std::string,
 
 TEST(DegenerateResults, AreListedByStageAndRowHoweverTheRunIsDone) {
   const HandMade made;
-  for (const RunOptions& options : many_options()) {
+  for (const EngineOptions& options : many_options()) {
     expect_rows(
         run_text(made.points, "knn(k=8, radius=2) | normals | curvature | splats | fair(f=1, g=1)", options).statistics,
         {{"normals", made.without_plane},
@@ -103,7 +103,7 @@ TEST(DegenerateResults, AreListedByStageAndRowHoweverTheRunIsDone) {
 /// Nothing leaves its plane, so the same points lack results behind fairing, with old and with new neighbourhoods.
 TEST(DegenerateResults, AreListedForEachStageOfALongChainWithMovers) {
   const HandMade made;
-  for (const RunOptions& options : many_options()) {
+  for (const EngineOptions& options : many_options()) {
     expect_rows(run_text(made.points,
                          "knn(k=8, radius=2) | normals | splats | fair(f=1, g=1) | normals | reneighbor | normals | "
                          "curvature | splats",
@@ -138,16 +138,16 @@ TEST(DegenerateResults, OfRecalledPointsAreCountedOnce) {
     const std::vector<Vec3> points = make_cloud(shape, 900, 17);
     for (const unsigned threads : {1u, 3u}) {
       SCOPED_TRACE(name);
-      RunOptions options;
-      options.slab_points = 60, options.cell_points = 16, options.threads = threads;
+      EngineOptions options;
+      options.slab_points = 60, options.cell_points = 16, options.resources.threads = threads;
       const RunResult result = run_text(points, "knn(k=9) | normals | curvature | splats", options);
       const auto& stages = result.statistics.degenerate_results;
       ASSERT_EQ(stages.size(), 3u);
       EXPECT_EQ(stages[0].rows, rows_of_zeros(result, points, {"nx", "ny", "nz"}));
       EXPECT_EQ(stages[2].rows, rows_of_zeros(result, points, {"splat_length"}));
       for (const DegenerateResults& stage : stages) EXPECT_EQ(stage.count, stage.rows.size());
-      RunOptions at_once;
-      at_once.slab_points = 1'000'000, at_once.threads = 1;
+      EngineOptions at_once;
+      at_once.slab_points = 1'000'000, at_once.resources.threads = 1;
       const RunResult whole = run_text(points, "knn(k=9) | normals | curvature | splats", at_once);
       EXPECT_EQ(whole.statistics.recalled, 0u);
       EXPECT_EQ(stages, whole.statistics.degenerate_results);
@@ -168,8 +168,8 @@ TEST(DegenerateResults, OfPointsOnALineAreEachCountedOnceAlsoWhereTheyAreRecalle
       if (is_finite(p)) points.push_back({p.x, 0, 0});
     Rows lowest(1000);
     std::iota(lowest.begin(), lowest.end(), std::uint64_t{0});
-    RunOptions options;
-    options.slab_points = 60, options.cell_points = 16, options.threads = 2;
+    EngineOptions options;
+    options.slab_points = 60, options.cell_points = 16, options.resources.threads = 2;
     const Statistics s = run_text(points, "knn(k=5) | normals | curvature | splats", options).statistics;
     recalled += s.recalled;
     for (const DegenerateResults& stage : s.degenerate_results)

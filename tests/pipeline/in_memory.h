@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/arrays.h"
-#include "pointsweep/math/vec3.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/reader.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 
@@ -40,7 +41,7 @@ class RecordKeeper final : public Writer {
   std::vector<std::byte>& out_;
 };
 
-inline RunResult run_in_memory(Cloud& cloud, const Chain& chain, const RunOptions& options) {
+inline RunResult run_in_memory(InputCloud& cloud, const Chain& chain, const EngineOptions& options) {
   RunResult result;
   Outputs outputs;
   outputs.writer = [&](const OutputPlan& plan) {
@@ -51,12 +52,12 @@ inline RunResult run_in_memory(Cloud& cloud, const Chain& chain, const RunOption
   return result;
 }
 
-inline RunResult run_in_memory(const std::vector<Vec3>& points, const Chain& chain, const RunOptions& options) {
+inline RunResult run_in_memory(const std::vector<Vec3>& points, const Chain& chain, const EngineOptions& options) {
   std::vector<double> xyz;
   for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
-  Cloud cloud(std::move(readers));
+  InputCloud cloud(std::move(readers));
   return run_in_memory(cloud, chain, options);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/operators/chain_stage.h"
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/operators/splats.h"
@@ -41,8 +42,8 @@ TEST(KeptColumns, ChangesNoValueOfWhatIsKept) {
     const RunResult whole = run_in_memory(points, ridges({}), {});
     for (const auto& keep : keeps) {
       SCOPED_TRACE(name + ", only " + keep.front());
-      RunOptions options;
-      options.slab_points = 100, options.cell_points = 32, options.threads = 2;
+      EngineOptions options;
+      options.slab_points = 100, options.cell_points = 32, options.resources.threads = 2;
       const RunResult some = run_in_memory(points, ridges(keep), options);
       EXPECT_EQ(some.statistics.degenerate_results, whole.statistics.degenerate_results);
       for (const Field& field : some.schema.fields) {
@@ -117,8 +118,8 @@ class EveryThird final : public Operator {
 
 TEST(KeptColumns, AreZeroWhereAnOperatorSaysNothing) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes().front().second, 500, 3);
-  RunOptions options;
-  options.slab_points = 100, options.cell_points = 32, options.threads = 1;
+  EngineOptions options;
+  options.slab_points = 100, options.cell_points = 32, options.resources.threads = 1;
   const Chain chain{.neighborhood = {.k = 1}, .stages = {std::make_shared<EveryThird>()}};
   const std::vector<double> third = run_in_memory(points, chain, options).field("third");
   for (std::size_t row = 0; row < third.size(); ++row) EXPECT_EQ(third[row], row % 3 == 0 ? 5 : 0) << row;

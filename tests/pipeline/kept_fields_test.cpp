@@ -49,10 +49,10 @@ class OddReader final : public Reader {
   std::vector<std::byte> bytes_;
 };
 
-RunResult run_of(const std::string& pipeline, const std::vector<std::string>& keep, const RunOptions& options) {
+RunResult run_of(const std::string& pipeline, const std::vector<std::string>& keep, const EngineOptions& options) {
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::make_unique<OddReader>(700));
-  Cloud cloud(std::move(readers));
+  InputCloud cloud(std::move(readers));
   return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud, keep), options);
 }
 
@@ -79,7 +79,7 @@ TEST(KeptFields, AreTheSameValuesInEveryOrderSweepAndEngine) {
   for (const std::string pipeline : {"normals", "normals | splats | fair(f=3, g=3) | reneighbor | normals | resort"}) {
     for (const Order order : {Order::input, Order::sweep}) {
       for (const int way : {0, 1, 2}) {
-        RunOptions options;
+        EngineOptions options;
         options.order = order, options.spill = way == 1, options.slab_points = 120, options.cell_points = 32;
         if (way == 2) options.engine = Engine::reference;
         const auto all = table(run_of(pipeline, {}, options));

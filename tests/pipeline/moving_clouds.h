@@ -61,12 +61,12 @@ inline std::shared_ptr<const Operator> graph(std::size_t k, std::size_t n) {
 }
 
 /// Slabs and cells so small that every boundary case happens, in memory or spilled.
-inline RunOptions tiny(std::uint64_t slab_points, bool spill = false, unsigned threads = 2) {
-  RunOptions options;
+inline EngineOptions tiny(std::uint64_t slab_points, bool spill = false, unsigned threads = 2) {
+  EngineOptions options;
   options.slab_points = slab_points;
   options.cell_points = slab_points < 200 ? 16 : slab_points < 1000 ? 64 : 1024;
-  options.threads = threads;
-  options.memory_bytes = 1ull << 30;
+  options.resources.threads = threads;
+  options.resources.memory_bytes = 1ull << 30;
   options.spill = spill;
   return options;
 }
@@ -89,10 +89,10 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
-inline std::unique_ptr<Cloud> cloud_of(std::unique_ptr<Reader> reader) {
+inline std::unique_ptr<InputCloud> cloud_of(std::unique_ptr<Reader> reader) {
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::move(reader));
-  return std::make_unique<Cloud>(std::move(readers));
+  return std::make_unique<InputCloud>(std::move(readers));
 }
 
 inline Chain chain_of(const std::string& text) { return build_chain(parse_pipeline(text), Facts{.points = 1000}); }

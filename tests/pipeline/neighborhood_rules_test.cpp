@@ -39,13 +39,13 @@ struct Attributed {
       range.push_back(u > 0.98 ? -1 : most_range * uniform(random));
     }
   }
-  Cloud cloud() const {
+  InputCloud cloud() const {
     auto reader = std::make_unique<ArrayReader>(std::span<const double>(xyz));
     reader->add({"scale"}, std::span<const double>(scale));
     reader->add({"range"}, std::span<const double>(range));
     std::vector<std::unique_ptr<Reader>> readers;
     readers.push_back(std::move(reader));
-    return Cloud(std::move(readers));
+    return InputCloud(std::move(readers));
   }
   /// The k nearest within `radius`, less what a point's own limits leave out.
   Lists lists(std::size_t k, double radius, bool by_scale, bool by_range) const {
@@ -77,10 +77,10 @@ class LargestCount final : public Operator {
   }
 };
 
-RunOptions tiny(std::uint64_t slab_points, std::uint32_t cell_points, unsigned threads) {
-  RunOptions options;
-  options.slab_points = slab_points, options.cell_points = cell_points, options.threads = threads;
-  options.memory_bytes = 1ull << 30;
+EngineOptions tiny(std::uint64_t slab_points, std::uint32_t cell_points, unsigned threads) {
+  EngineOptions options;
+  options.slab_points = slab_points, options.cell_points = cell_points, options.resources.threads = threads;
+  options.resources.memory_bytes = 1ull << 30;
   options.spill = threads == 2;
   return options;
 }
@@ -114,7 +114,7 @@ void expect_everywhere(const Attributed& input, const Neighborhood& what, const 
   for (const auto& [slab, cell, threads] :
        {std::tuple<std::uint64_t, std::uint32_t, unsigned>{60, 16, 1}, {250, 64, 2}, {100000, 1024, 4}}) {
     SCOPED_TRACE("slabs of " + std::to_string(slab));
-    Cloud cloud = input.cloud();
+    InputCloud cloud = input.cloud();
     const RunResult result = run_in_memory(cloud, chain, tiny(slab, cell, threads));
     expect_lists(result, input.points, expected);
     if (testing::Test::HasFatalFailure()) return;
@@ -177,7 +177,7 @@ TEST(NeighborhoodRules, ThatKeepAllGiveTheBytesOfNoRule) {
     reader->add({"all"}, std::span<const double>(all));
     std::vector<std::unique_ptr<Reader>> readers;
     readers.push_back(std::move(reader));
-    Cloud cloud(std::move(readers));
+    InputCloud cloud(std::move(readers));
     Chain chain = build_chain(parse_pipeline("normals | curvature | splats"), Facts{});
     chain.neighborhood = what;
     return run_in_memory(cloud, chain, tiny(250, 64, 2)).records;
@@ -196,9 +196,9 @@ TEST(NeighborhoodRules, ReadAttributesOfAnyTypeEvenCoordinates) {
   reader->add({"few"}, std::span<const float>(few));
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::move(reader));
-  Cloud cloud(std::move(readers));
+  InputCloud cloud(std::move(readers));
   for (const Order order : {Order::input, Order::sweep}) {
-    RunOptions options = tiny(100, 32, 2);
+    EngineOptions options = tiny(100, 32, 2);
     options.order = order;
     const auto stages = parse_pipeline("knn(k=8, k_from=few, radius_from=z) | neighborhood_size");
     const RunResult result = run_in_memory(cloud, build_chain(stages, cloud), options);
@@ -217,7 +217,7 @@ TEST(NeighborhoodRules, ReadAttributesOfAnyTypeEvenCoordinates) {
 TEST(NeighborhoodRules, OfALaterSweepReadWhatAnEarlierOneMade) {
   const Attributed input(hostile_shapes()[0].second, 1500, 1, 1, 27);
   const auto normals_of = [&](const std::string& pipeline) {
-    Cloud cloud = input.cloud();
+    InputCloud cloud = input.cloud();
     Chain chain = build_chain(parse_pipeline(pipeline), cloud);
     chain.keep = {"normal"};
     return run_in_memory(cloud, chain, tiny(250, 64, 2)).records;
@@ -233,7 +233,7 @@ TEST(NeighborhoodRules, OfALaterSweepReadWhatAnEarlierOneMade) {
 
 TEST(NeighborhoodRules, AnAttributeThatTheInputLacksIsRefusedWithWhatItHas) {
   const Attributed input(hostile_shapes()[0].second, 10, 1, 1, 25);
-  Cloud cloud = input.cloud();
+  InputCloud cloud = input.cloud();
   const std::string sentence = refusal(
       [&] { plan_chain(build_chain(parse_pipeline("knn(k=8, k_from=scales) | normals"), cloud), cloud.schema()); });
   EXPECT_EQ(sentence,
@@ -243,7 +243,7 @@ TEST(NeighborhoodRules, AnAttributeThatTheInputLacksIsRefusedWithWhatItHas) {
 
 TEST(NeighborhoodRules, ThePreviewSaysWhatIsKeptAndWhatItReads) {
   const Attributed input(hostile_shapes()[0].second, 1000, 1, 1, 26);
-  Cloud cloud = input.cloud();
+  InputCloud cloud = input.cloud();
   const auto text_of = [&](const char* pipeline) {
     return to_text(preview(cloud, build_chain(parse_pipeline(pipeline), cloud)));
   };

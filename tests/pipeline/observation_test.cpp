@@ -23,12 +23,12 @@ Chain curvatures() {
           {std::make_shared<Normals>(), std::make_shared<Curvature>()}};
 }
 
-RunOptions observed(std::uint64_t slab_points, unsigned threads) {
-  RunOptions options;
+EngineOptions observed(std::uint64_t slab_points, unsigned threads) {
+  EngineOptions options;
   options.slab_points = slab_points;
   options.cell_points = 64;
-  options.threads = threads;
-  options.memory_bytes = 1ull << 30;
+  options.resources.threads = threads;
+  options.resources.memory_bytes = 1ull << 30;
   options.count_distances = true;
   return options;
 }
@@ -66,7 +66,7 @@ TEST(Observation, DistancesAreThoseOfBruteForceForAnySlabsAndThreads) {
 
 TEST(Observation, NothingIsCountedUnlessAskedFor) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes().front().second, 500, 5);
-  RunOptions options = observed(100, 1);
+  EngineOptions options = observed(100, 1);
   options.count_distances = false;
   EXPECT_TRUE(run_in_memory(points, curvatures(), options).statistics.neighbor_distances.empty());
 }
@@ -75,7 +75,7 @@ TEST(Observation, HalfWayHalfOfThePointsHaveBeenReadAndResultsAreTheSame) {
   const TemporaryFolder folder;
   std::vector<Vec3> points;
   for (int i = 0; i < 20000; ++i) points.push_back({i * 1e-3, (i * 7919 % 1009) * 1e-4, (i * 104729 % 1013) * 1e-4});
-  RunOptions options = observed(500, 2);
+  EngineOptions options = observed(500, 2);
   options.axis = 0;
   const RunResult plain = run_in_memory(points, curvatures(), options);
   options.half_way_states = folder / "states.npy";

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// RunOptions that say under which names and with which points outputs are written, and what they say of the run.
+/// EngineOptions that say under which names and with which points outputs are written, and what they say of the run.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "pointsweep/error.h"
-#include "pointsweep/formats/arrays.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/canonical_text.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/reader.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 namespace {
@@ -29,12 +30,12 @@ struct Sheet {
       column.push_back(5);
     }
   }
-  Cloud cloud(const char* name) const {
+  InputCloud cloud(const char* name) const {
     auto reader = std::make_unique<ArrayReader>(std::span<const float>(xyz));
     reader->add({name}, std::span<const float>(column));
     std::vector<std::unique_ptr<Reader>> readers;
     readers.push_back(std::move(reader));
-    return Cloud(std::move(readers));
+    return InputCloud(std::move(readers));
   }
   std::size_t size() const { return column.size(); }
   std::vector<float> xyz, column;
@@ -44,7 +45,7 @@ const Chain kCurvature{.neighborhood = {.k = 8},
                        .stages = {std::make_shared<Normals>(), std::make_shared<Curvature>()}};
 
 /// What a run writes under a name, or of the column.
-std::vector<float> written(Cloud& cloud, const RunOptions& options, const std::string& name, std::size_t rows) {
+std::vector<float> written(InputCloud& cloud, const EngineOptions& options, const std::string& name, std::size_t rows) {
   std::vector<float> values(rows);
   const auto writer = [&](const OutputPlan& plan) -> std::unique_ptr<Writer> {
     return std::make_unique<ArrayWriter<float>>(plan, std::vector<std::string>{name}, std::span(values));
@@ -55,15 +56,15 @@ std::vector<float> written(Cloud& cloud, const RunOptions& options, const std::s
 
 TEST(OutputRules, DropGivesThroughTheLibraryWhatARunOverTheOtherPointsGives) {
   const Sheet dirty(true), clean(false);
-  Cloud with = dirty.cloud("column"), without = clean.cloud("column");
+  InputCloud with = dirty.cloud("column"), without = clean.cloud("column");
   for (const Order order : {Order::input, Order::sweep}) {
-    RunOptions options;
+    EngineOptions options;
     options.order = order;
     options.nonfinite = Nonfinite::drop;
     EXPECT_EQ(written(with, options, "k1", clean.size()), written(without, options, "k1", clean.size()));
     EXPECT_EQ(with.count(), dirty.size()) << "the cloud has all its rows again";
   }
-  RunOptions refuse;
+  EngineOptions refuse;
   refuse.nonfinite = Nonfinite::refuse;
   EXPECT_THROW(written(with, refuse, "k1", dirty.size()), Error);
   EXPECT_EQ(with.count(), dirty.size());
@@ -72,17 +73,17 @@ TEST(OutputRules, DropGivesThroughTheLibraryWhatARunOverTheOtherPointsGives) {
 
 TEST(OutputRules, AnAttributeOfTheInputIsOverwrittenOnlyByItsOwnNameOrOnRequest) {
   const Sheet sheet(false);
-  Cloud cloud = sheet.cloud("curvature");
+  InputCloud cloud = sheet.cloud("curvature");
   EXPECT_THROW(written(cloud, {}, "curvature", sheet.size()), UsageError);
-  RunOptions prefix;
+  EngineOptions prefix;
   prefix.prefix = "made_";
   EXPECT_EQ(written(cloud, prefix, "curvature", sheet.size()), sheet.column);
   EXPECT_NE(written(cloud, prefix, "made_surface_variation", sheet.size()), sheet.column);
-  RunOptions replace;
+  EngineOptions replace;
   replace.replace = {"curvature"};
   EXPECT_EQ(written(cloud, replace, "curvature", sheet.size()),
             written(cloud, prefix, "made_surface_variation", sheet.size()));
-  Cloud same = sheet.cloud("K1");
+  InputCloud same = sheet.cloud("K1");
   EXPECT_NE(written(same, {}, "k1", sheet.size()), sheet.column);
   EXPECT_THROW(written(same, replace, "k1", sheet.size()), UsageError) << "there is no curvature to replace";
 }
@@ -97,14 +98,14 @@ class Intensities final : public Operator {
 
 TEST(OutputRules, APrefixThatMakesANameOfTheInputIsRefused) {
   const Sheet sheet(false);
-  Cloud cloud = sheet.cloud("scalar_intensity");
+  InputCloud cloud = sheet.cloud("scalar_intensity");
   const Chain chain{.neighborhood = {.k = 8}, .stages = {std::make_shared<Intensities>()}};
   std::vector<float> values(sheet.size());
   const Outputs outputs{.points = {}, .arrays = {}, .writer = [&](const OutputPlan& plan) -> std::unique_ptr<Writer> {
                           return std::make_unique<ArrayWriter<float>>(
                               plan, std::vector<std::string>{"scalar_intensity"}, std::span(values));
                         }};
-  RunOptions prefix;
+  EngineOptions prefix;
   prefix.prefix = "scalar_";
   EXPECT_THROW(run(cloud, chain, outputs, prefix), UsageError);
   prefix.replace = {"scalar_intensity"};

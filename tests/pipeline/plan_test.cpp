@@ -130,7 +130,7 @@ class CountsBindings final : public Operator {
 
 TEST(ChainPlan, IsMadeOnceForARunHoweverManyPassesItHas) {
   int count = 0;
-  RunOptions options;
+  EngineOptions options;
   options.order = Order::sweep;
   const Chain chain{{.k = 3},
                     {std::make_shared<CountsBindings>(count), std::make_shared<StatisticalOutliers>(), Reneighbor(),
@@ -173,8 +173,8 @@ constexpr std::uint64_t kMega = 1 << 20;
 TEST(RunMemory, CountsRowsAndMasksBetweenPassesOnce) {
   constexpr std::uint64_t kPoints = 10'000'000;
   const auto memory = [&](const std::string& text, std::uint64_t budget, bool ordered = false) {
-    RunOptions options;
-    options.threads = 2;
+    EngineOptions options;
+    options.resources.threads = 2;
     options.order = ordered ? Order::sweep : Order::input;
     return plan_run_memory(budget, plan_of(text, ordered), kPoints, survey_of(), options, 40);
   };
@@ -198,8 +198,8 @@ TEST(RunMemory, CountsRowsAndMasksBetweenPassesOnce) {
 }
 
 TEST(RunMemory, CountsWhatDecodingAndEncodingTakeInEveryPass) {
-  RunOptions options;
-  options.threads = 2;
+  EngineOptions options;
+  options.resources.threads = 2;
   constexpr std::uint64_t kPoints = 1'000'000, kCodecs = 10 * kMega;
   for (const char* chain : {"normals", "sor | where(outlier == 0) | normals", "where(z > 0)"}) {
     const auto expected = [&](std::uint64_t codecs) {
@@ -217,8 +217,8 @@ TEST(RunMemory, WithRowsBetweenPassesNeverExpectsMoreThanTheBudget) {
                             "unique | normals | where(nz > 0)", "normals | splats | fair | reneighbor | normals"}) {
     for (std::uint64_t mega = 32; mega < 4096; mega += mega / 3) {
       try {
-        RunOptions options;
-        options.threads = 2;
+        EngineOptions options;
+        options.resources.threads = 2;
         const RunMemory memory = plan_run_memory(mega * kMega, plan_of(chain), 20'000'000, survey_of(), options, 40);
         EXPECT_LE(memory.expected_bytes, mega * kMega) << chain;
         for (const MemoryPlan& pass : memory.passes) EXPECT_LE(pass.expected_bytes, mega * kMega) << chain;

@@ -19,6 +19,7 @@
 #include "tests/pipeline/in_memory.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/sized.h"
+#include "tests/support/watching.h"
 
 namespace pointsweep {
 namespace {
@@ -30,17 +31,17 @@ Chain chain_of(const std::vector<Vec3>& points, const std::string& text) {
   for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
-  Cloud cloud(std::move(readers));
+  InputCloud cloud(std::move(readers));
   return build_chain(parse_pipeline(text), cloud, {});
 }
 
-RunOptions options_of(std::uint64_t slab_points, std::uint32_t cell_points, std::uint64_t lists_bytes) {
-  RunOptions options;
+EngineOptions options_of(std::uint64_t slab_points, std::uint32_t cell_points, std::uint64_t lists_bytes) {
+  EngineOptions options;
   options.slab_points = slab_points;
   options.cell_points = cell_points;
   options.lists_bytes = lists_bytes;
-  options.threads = 2;
-  options.memory_bytes = 1ull << 30;
+  options.resources.threads = 2;
+  options.resources.memory_bytes = 1ull << 30;
   return options;
 }
 
@@ -59,7 +60,7 @@ TEST(Radius, BytesAreTheSameHoweverFewListsAThreadHasInHand) {
       const RunResult expected = run_in_memory(points, chain, options_of(1'000'000, 1024, 1u << 30));
       for (const std::uint64_t lists : {1, 4000}) {
         for (const bool again : {false, true}) {
-          RunOptions options = options_of(300, 64, lists);
+          EngineOptions options = options_of(300, 64, lists);
           options.search_again = again;
           options.spill = again;
           const RunResult result = run_in_memory(points, chain, options);
@@ -82,13 +83,13 @@ struct Sized {
       reach.push_back(i % 19 == 0 ? -1 : 0.01 * static_cast<double>(i % 30));
     }
   }
-  Cloud cloud() const {
+  InputCloud cloud() const {
     auto reader = std::make_unique<ArrayReader>(std::span<const double>(xyz));
     reader->add({"count"}, std::span<const double>(count));
     reader->add({"reach"}, std::span<const double>(reach));
     std::vector<std::unique_ptr<Reader>> readers;
     readers.push_back(std::move(reader));
-    return Cloud(std::move(readers));
+    return InputCloud(std::move(readers));
   }
 };
 
@@ -103,14 +104,14 @@ TEST(Radius, RulesShortenTheSameListsHoweverFewOfThemAThreadHasInHand) {
         const std::string chain_text =
             "knn(" + limit + ", " + rule + ") | neighborhood_size | normals | splats | curvature | fair(f=0.1, g=0.1)";
         SCOPED_TRACE(name + ": " + chain_text);
-        const auto run = [&](const RunOptions& options) {
-          Cloud cloud = points.cloud();
+        const auto run = [&](const EngineOptions& options) {
+          InputCloud cloud = points.cloud();
           return run_in_memory(cloud, build_chain(parse_pipeline(chain_text), cloud), options);
         };
         const RunResult expected = run(options_of(1'000'000, 1024, 1u << 30));
         for (const std::uint64_t lists : {1, 3000}) {
           for (const bool again : {false, true}) {
-            RunOptions options = options_of(150, 64, lists);
+            EngineOptions options = options_of(150, 64, lists);
             options.search_again = options.spill = again;
             const RunResult result = run(options);
             ASSERT_EQ(result.records, expected.records) << lists << " bytes of lists, searched again: " << again;
@@ -179,9 +180,9 @@ TEST(Radius, EffortIsSaidInRoundNumbers) {
 
 TEST(Radius, ARunThatCannotFitIsRefusedBeforeTheWork) {
   const std::vector<Vec3> points = surface(200'000);
-  RunOptions options;
-  options.memory_bytes = 30u << 20;
-  options.threads = 1;
+  EngineOptions options;
+  options.resources.memory_bytes = 30u << 20;
+  options.resources.threads = 1;
   try {
     run_in_memory(points, chain_of(points, "knn(radius=100) | normals"), options);
     ADD_FAILURE() << "200,000 points, each the neighbour of all, in 30 MB";
@@ -198,9 +199,9 @@ TEST(Radius, ABudgetCountsThePointsThatTheRadiusKeeps) {
   std::vector<Vec3> points;
   for (std::size_t i = 0; i < 400'000; ++i) points.push_back({0.1 * u(rng), 10 * u(rng), 10 * u(rng)});
   const auto least_megabytes = [&](const std::string& radius) {
-    RunOptions options;
-    options.memory_bytes = 1u << 20;
-    options.threads = 1;
+    EngineOptions options;
+    options.resources.memory_bytes = 1u << 20;
+    options.resources.threads = 1;
     options.axis = 0;
     try {
       run_in_memory(points, chain_of(points, "knn(radius=" + radius + ") | normals"), options);
@@ -216,16 +217,15 @@ TEST(Radius, ABudgetCountsThePointsThatTheRadiusKeeps) {
 
 TEST(Radius, TheUserIsToldOfALongRunBeforeIt) {
   const std::vector<Vec3> points = surface(300'000);
-  CancellationToken token;
-  RunOptions options;
-  options.memory_bytes = 1ull << 30;
-  options.threads = 1;
-  options.cancellation = &token;
+  EngineOptions options;
+  options.resources.memory_bytes = 1ull << 30;
+  options.resources.threads = 1;
   std::string told;
-  options.notice = [&](const std::string& sentence) {
+  Watching watching({}, [&](const std::string& sentence) {
     told = sentence;
-    token.cancel();
-  };
+    watching.cancel();
+  });
+  options.observer = &watching;
   EXPECT_THROW(run_in_memory(points, chain_of(points, "knn(radius=100) | normals"), options), Cancelled);
   EXPECT_NE(told.find("about 300,000 neighbours per point, about "), std::string::npos) << told;
 }
@@ -235,13 +235,13 @@ TEST(Radius, ACancelledRunEndsWithinASecond) {
   const std::vector<Vec3> points = surface(300'000);
   const Chain chain = chain_of(points, "knn(radius=0.5) | normals | curvature");
   for (const int milliseconds : {50, 500, 1500}) {
-    CancellationToken token;
-    RunOptions options = options_of(0, 1024, 0);
-    options.cancellation = &token;
+    Observer observer;
+    EngineOptions options = options_of(0, 1024, 0);
+    options.observer = &observer;
     auto run = std::async(std::launch::async, [&] { run_in_memory(points, chain, options); });
     std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
     const auto start = Clock::now();
-    token.cancel();
+    observer.cancel();
     EXPECT_THROW(run.get(), Cancelled) << "a run of minutes";
     EXPECT_LT(std::chrono::duration<double>(Clock::now() - start).count(), 1.0) << "after " << milliseconds << " ms";
   }

@@ -211,7 +211,7 @@ TEST(Registry, WidthsOfFairFollowTheDiagonal) {
     for (const Vec3& p : surface()) xyz.insert(xyz.end(), {scale * p.x, scale * p.y, scale * p.z});
     std::vector<std::unique_ptr<Reader>> readers;
     readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
-    Cloud cloud(std::move(readers));
+    InputCloud cloud(std::move(readers));
     return run_in_memory(cloud, build_chain(stages, cloud), {}).field("z");
   };
   const auto z = scaled(1), large = scaled(1024);
@@ -313,7 +313,7 @@ class Pair final : public Operator {
 TEST(Keep, TheOthersAreMadeForLaterStagesAndThenDropped) {
   Chain chain{{}, {std::make_shared<Normals>(), std::make_shared<Pair>()}};
   for (const Order order : {Order::input, Order::sweep}) {
-    RunOptions options;
+    EngineOptions options;
     options.order = order;
     chain.keep = {"right"};
     const RunResult right = run_in_memory(surface(), chain, options);
@@ -355,7 +355,7 @@ class PreviewOfAChain : public testing::Test {
     cloud_.emplace(std::move(readers));
   }
   std::vector<double> xyz_;
-  std::optional<Cloud> cloud_;
+  std::optional<InputCloud> cloud_;
   Chain chain_{
       {},
       {std::make_shared<Pair>(), std::make_shared<Normals>(), std::make_shared<Across>(), std::make_shared<Normals>()}};
@@ -395,8 +395,8 @@ TEST_F(PreviewOfAChain, NamesTheBufferOfEveryStage) {
 }
 
 TEST_F(PreviewOfAChain, RefusesWhatARunWouldRefuse) {
-  RunOptions options;
-  options.memory_bytes = 1 << 20;
+  EngineOptions options;
+  options.resources.memory_bytes = 1 << 20;
   EXPECT_THROW(preview(*cloud_, chain_, options), Error);
   chain_.stages.erase(chain_.stages.begin());
   EXPECT_THROW(preview(*cloud_, chain_), UsageError);

@@ -105,7 +105,7 @@ TEST(Reneighbor, MovedPositionsAreRoundedNeitherBetweenSweepsNorInTheOutput) {
   EXPECT_EQ(values_of<std::uint32_t>(result, names), whole.values<std::uint32_t>("neighbors"));
   EXPECT_EQ(result.schema.fields[*result.schema.find("x")].type, Type::f64);
   EXPECT_TRUE(same_bytes(values_of<double>(result, {"x", "y", "z"}), whole.values<double>("position")));
-  RunOptions narrow = tiny(100);
+  EngineOptions narrow = tiny(100);
   narrow.moved_positions = Type::f32;
   const RunResult rounded = run_in_memory(*cloud, chain, narrow);
   EXPECT_EQ(rounded.schema.fields[*rounded.schema.find("x")].type, Type::f32);
@@ -196,7 +196,7 @@ TEST(Reneighbor, TheOnlySweepLeftWritesItsResultsUnderTheirNames) {
   const Chain cut{{.k = 4}, {normals(), thrown(1), reneighbor(), normals()}, {"normal"}};
   const Chain left_out{{.k = 4}, {normals(), reneighbor(5), graph(3, 300), normals()}};
   for (const Order order : {Order::input, Order::sweep}) {
-    RunOptions options = tiny(100);
+    EngineOptions options = tiny(100);
     options.order = order;
     const RunResult result = run_in_memory(points, left_out, options);
     EXPECT_EQ(result.statistics.sweeps, 1u);
@@ -244,7 +244,7 @@ TEST(Reneighbor, ArraysHoldTheKeptAttributesByInputRow) {
   for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
   const auto cloud = cloud_of(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
   const auto path = std::filesystem::temp_directory_path() / fmt::format("updated-{}.npy", ::getpid());
-  RunOptions options = tiny(100, true);
+  EngineOptions options = tiny(100, true);
   options.overwrite = true;
   run(*cloud, chain, {.points = {}, .arrays = {{"normal", path}}, .writer = {}}, options);
   std::ifstream file(path, std::ios::binary);

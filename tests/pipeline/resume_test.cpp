@@ -8,13 +8,15 @@
 #include <optional>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/arrays.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/reader.h"
+#include "pointsweep/writer.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/hostile_clouds.h"
+#include "tests/support/watching.h"
 
 namespace pointsweep {
 namespace {
@@ -51,29 +53,29 @@ class Resume : public testing::Test {
     folder_.write(name, text);
   }
 
-  RunOptions options(const Work& work) const {
-    RunOptions options;
+  EngineOptions options(const Work& work) const {
+    EngineOptions options;
     options.slab_points = 90;
     options.cell_points = 32;
-    options.threads = 2;
-    options.memory_bytes = 256 << 20;
+    options.resources.threads = 2;
+    options.resources.memory_bytes = 256 << 20;
     options.order = work.order;
     options.nonfinite = work.nonfinite;
     options.overwrite = true;
-    options.temp_folder = folder_.path();
+    options.resources.temp_folder = folder_.path();
     return options;
   }
-  RunOptions resuming(const Work& work) const {
-    RunOptions resuming = options(work);
+  EngineOptions resuming(const Work& work) const {
+    EngineOptions resuming = options(work);
     resuming.resume_folder = folder_ / "done";
     resuming.checkpoint_seconds = 0;
     return resuming;
   }
 
-  Statistics run_all(const Work& work, const RunOptions& options) const {
+  Statistics run_all(const Work& work, const EngineOptions& options) const {
     std::vector<std::filesystem::path> inputs;
     for (const std::string& name : work.inputs) inputs.push_back(folder_ / name);
-    Cloud cloud(inputs);
+    InputCloud cloud(inputs);
     if (work.pipeline.empty()) return sort(cloud, folder_ / work.output, options, work.keep);
     if (work.pipeline != "neighbors")
       return run(cloud, build_chain(parse_pipeline(work.pipeline), cloud, work.keep), {folder_ / work.output, {}, {}},
@@ -84,11 +86,12 @@ class Resume : public testing::Test {
   }
 
   /// Stopped at the `stop`-th report of progress, if it is not complete before. Counts the reports in `reports`.
-  std::optional<Statistics> run_until(std::uint64_t stop, const Work& work, RunOptions options) {
+  std::optional<Statistics> run_until(std::uint64_t stop, const Work& work, EngineOptions options) {
     reports_ = 0;
-    options.progress = [&](const Progress&) {
+    Watching watching([&](const Progress&) {
       if (++reports_ == stop) throw Cancelled();
-    };
+    });
+    options.observer = &watching;
     try {
       return run_all(work, options);
     } catch (const Cancelled&) {
@@ -169,9 +172,9 @@ TEST_F(Resume, StoppedAnywhereARunGoesOnToTheSameBytes) {
     for (std::uint64_t stop = 2; stop <= all; stop += 1 + all / 5) {
       SCOPED_TRACE(fmt::format("{}, stopped at report {} of {}", work.name, stop, all));
       EXPECT_FALSE(run_until(stop, work, resuming(work)));
-      RunOptions other = resuming(work);
-      other.threads = 3;
-      other.memory_bytes = 200 << 20;
+      EngineOptions other = resuming(work);
+      other.resources.threads = 3;
+      other.resources.memory_bytes = 200 << 20;
       other.checkpoint_seconds = 30;
       expect_as_uninterrupted(work, run_all(work, other));
       if (HasFailure()) return;
@@ -188,12 +191,13 @@ TEST_F(Resume, StoppedInAnyPhaseARunWithSelectsAndValuesGoesOn) {
     std::vector<std::uint64_t> stops;
     std::uint64_t reports = 0;
     std::string phase;
-    RunOptions counting = options(work);
-    counting.progress = [&](const Progress& progress) {
+    EngineOptions counting = options(work);
+    Watching watching([&](const Progress& progress) {
       ++reports;
       if (phase != progress.phase && reports > 1) stops.insert(stops.end(), {reports - 1, reports});
       phase = progress.phase;
-    };
+    });
+    counting.observer = &watching;
     counting.resume_folder = folder_ / "done";
     counting.checkpoint_seconds = 0;
     run_all(work, counting);
@@ -250,7 +254,7 @@ class Refused : public Resume {
  protected:
   Refused() { run_until(15, work_, resuming(work_)); }
   /// With which it is refused.
-  std::string sentence(const Work& work, const RunOptions& options) {
+  std::string sentence(const Work& work, const EngineOptions& options) {
     return sentence_of<Error>([&] { run_all(work, options); });
   }
   std::string sentence(const Work& work) { return sentence(work, resuming(work)); }
@@ -316,15 +320,16 @@ TEST_F(Resume, IsRefusedToChainsMadeByHandThatDifferInAnOption) {
       {{{.k = 8}, normals({Orient::viewpoint, {0, 0, 1}})}, {{.k = 8}, normals({Orient::viewpoint, {0, 0, 2}})}},
       {{{.k = 8}, op(std::make_shared<Counted>(1))}, {{.k = 8}, op(std::make_shared<Counted>(2))}},
   };
-  const RunOptions options = resuming(works().front());
+  const EngineOptions options = resuming(works().front());
   for (const auto& [first, second] : pairs) {
     const auto run_chain = [&](const Chain& chain, std::uint64_t stop) {
-      Cloud cloud({folder_ / "a.xyz", folder_ / "b.xyz"});
-      RunOptions stopping = options;
+      InputCloud cloud({folder_ / "a.xyz", folder_ / "b.xyz"});
+      EngineOptions stopping = options;
       std::uint64_t reports = 0;
-      stopping.progress = [&](const Progress&) {
+      Watching watching([&](const Progress&) {
         if (++reports == stop) throw Cancelled();
-      };
+      });
+      stopping.observer = &watching;
       run(cloud, chain, {folder_ / "out.ply", {}, {}}, stopping);
     };
     EXPECT_THROW(run_chain(first, 15), Cancelled);
@@ -344,17 +349,17 @@ TEST_F(Refused, IfOrderOrAxisAreOthers) {
   Work other = work_;
   other.order = Order::sweep;
   EXPECT_NE(sentence(other).find("order sweep"), std::string::npos) << sentence(other);
-  RunOptions options = resuming(work_);
+  EngineOptions options = resuming(work_);
   options.axis = 1;
   EXPECT_NE(sentence(work_, options).find("axis y"), std::string::npos) << sentence(work_, options);
 }
 
 TEST_F(Refused, IfNamesTypesOrPointsOfTheOutputAreOthers) {
-  RunOptions prefix = resuming(work_), positions = prefix, nonfinite = prefix;
+  EngineOptions prefix = resuming(work_), positions = prefix, nonfinite = prefix;
   prefix.prefix = "p_";
   positions.moved_positions = Type::f32;
   nonfinite.nonfinite = Nonfinite::keep;
-  for (const RunOptions& other : {prefix, positions, nonfinite})
+  for (const EngineOptions& other : {prefix, positions, nonfinite})
     EXPECT_NE(sentence(work_, other).find("holds another run"), std::string::npos) << sentence(work_, other);
 }
 
@@ -362,7 +367,7 @@ TEST_F(Resume, RefusesMovedPositionsOfAnotherType) {
   Work work = works().front();
   work.pipeline = "normals | splats | fair(f=9, g=9)";
   EXPECT_FALSE(run_until(15, work, resuming(work)));
-  RunOptions other = resuming(work);
+  EngineOptions other = resuming(work);
   other.moved_positions = Type::f32;
   const std::string sentence = sentence_of<Error>([&] { run_all(work, other); });
   EXPECT_NE(sentence.find("moved positions as float32"), std::string::npos) << sentence;
@@ -413,12 +418,13 @@ TEST_F(Resume, RefusesSpilledDataThatAreShorterThanTheCheckpointSays) {
 
 TEST_F(Resume, RefusesAFolderInWhichAnotherRunIsWorking) {
   const Work work = works().front();
-  RunOptions first = resuming(work);
+  EngineOptions first = resuming(work);
   std::string sentence;
-  first.progress = [&](const Progress& p) {
+  Watching watching([&](const Progress& p) {
     if (sentence.empty() && std::string(p.phase) == "sweeping")
       sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
-  };
+  });
+  first.observer = &watching;
   run_uninterrupted(work);
   expect_as_uninterrupted(work, run_all(work, first));
   EXPECT_NE(sentence.find("another run is working"), std::string::npos) << sentence;
@@ -426,16 +432,16 @@ TEST_F(Resume, RefusesAFolderInWhichAnotherRunIsWorking) {
 
 TEST_F(Resume, IsRefusedWhereARunCannotBeResumed) {
   const Work work = works().front();
-  RunOptions by_reference = resuming(work);
+  EngineOptions by_reference = resuming(work);
   by_reference.engine = Engine::reference;
   EXPECT_THROW(run_all(work, by_reference), UsageError);
-  RunOptions half_way = resuming(work);
+  EngineOptions half_way = resuming(work);
   half_way.half_way_states = folder_ / "states.npy";
   EXPECT_THROW(run_all(work, half_way), UsageError);
   const std::vector<double> xyz(300);
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::make_unique<ArrayReader>(std::span(xyz)));
-  Cloud in_memory(std::move(readers));
+  InputCloud in_memory(std::move(readers));
   const Chain chain = build_chain(parse_pipeline("normals"), in_memory);
   EXPECT_THROW(run(in_memory, chain, {folder_ / "out.ply", {}, {}}, resuming(work)), Error);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "done"));

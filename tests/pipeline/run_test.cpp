@@ -22,12 +22,12 @@ Chain graph(std::size_t k, std::size_t n, double radius = std::numeric_limits<do
 }
 
 /// Slabs and cells so small that every boundary case happens.
-RunOptions tiny(std::uint64_t slab_points, std::uint32_t cell_points, unsigned threads = 2) {
-  RunOptions options;
+EngineOptions tiny(std::uint64_t slab_points, std::uint32_t cell_points, unsigned threads = 2) {
+  EngineOptions options;
   options.slab_points = slab_points;
   options.cell_points = cell_points;
-  options.threads = threads;
-  options.memory_bytes = 1ull << 30;
+  options.resources.threads = threads;
+  options.resources.memory_bytes = 1ull << 30;
   options.spill = slab_points == 300;
   return options;
 }
@@ -35,7 +35,7 @@ RunOptions tiny(std::uint64_t slab_points, std::uint32_t cell_points, unsigned t
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
 void expect_lists(const std::vector<Vec3>& points, const Lists& expected, std::size_t k, double radius,
-                  const RunOptions& options) {
+                  const EngineOptions& options) {
   const RunResult result = run_in_memory(points, graph(k, points.size(), radius), options);
   ASSERT_EQ(result.records.size(), points.size() * result.schema.stride);
   const std::size_t offset = result.schema.fields[*result.schema.find("neighbor_0")].offset;
@@ -97,7 +97,7 @@ TEST(Run, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
       for (const unsigned threads : {1u, 2u, 4u}) {
         for (const std::uint64_t slab : {100, 700, 50000}) {
           for (const bool spill : {false, true}) {
-            RunOptions options = tiny(slab, slab < 500 ? 32 : 512, threads);
+            EngineOptions options = tiny(slab, slab < 500 ? 32 : 512, threads);
             options.order = order;
             options.spill = spill;
             const RunResult result = run_in_memory(points, chain, options);
@@ -224,7 +224,7 @@ TEST(Run, NeighborhoodsFoundAgainAreThoseKept) {
       const Chain chain{
           neighborhoods[n],
           {std::make_shared<Normals>(), std::make_shared<MeanNormal>(), std::make_shared<LargestAgreement>()}};
-      RunOptions options = tiny(80, 16);
+      EngineOptions options = tiny(80, 16);
       const RunResult kept = run_in_memory(points, chain, options);
       options.search_again = true;
       ASSERT_EQ(run_in_memory(points, chain, options).records, kept.records);
@@ -258,7 +258,7 @@ TEST(Run, AttributesOfTheFileAreThereForNeighborsAsLongAsAnybodyLooks) {
     reader->add({"mark"}, std::span<const double>(marks));
     std::vector<std::unique_ptr<Reader>> readers;
     readers.push_back(std::move(reader));
-    Cloud cloud(std::move(readers));
+    InputCloud cloud(std::move(readers));
     const auto sum = run_in_memory(cloud, {{.k = 6}, {std::make_shared<SumOfMarks>()}}, tiny(80, 16)).field("sum");
     const auto neighbors = brute_force_neighbors(points, 6);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -328,7 +328,7 @@ TEST(Run, SeveralInputsAreOneCloudWithoutSeams) {
       tiles.push_back(
           std::make_unique<ArrayReader>(std::span<const double>(xyz).subspan(3 * first, 3 * (last - first))));
     }
-    Cloud cloud(std::move(tiles));
+    InputCloud cloud(std::move(tiles));
     const RunResult tiled = run_in_memory(cloud, chain, tiny(200, 64));
     ASSERT_EQ(tiled.records, merged.records);
   }
@@ -354,9 +354,9 @@ TEST(Sort, PutsEveryPointInCanonicalOrderAndThoseWithoutAPlaceLast) {
       reader->add({"row_of_input"}, std::span<const double>(row));
       std::vector<std::unique_ptr<Reader>> readers;
       readers.push_back(std::move(reader));
-      Cloud cloud(std::move(readers));
+      InputCloud cloud(std::move(readers));
       for (const bool spill : {false, true}) {
-        RunOptions options = tiny(170, 64);
+        EngineOptions options = tiny(170, 64);
         options.axis = axis, options.order = Order::sweep, options.spill = spill;
         const RunResult swept = run_in_memory(cloud, {{.k = 3}, {std::make_shared<Normals>()}}, options);
         const std::filesystem::path file =

@@ -22,9 +22,9 @@
 namespace pointsweep {
 namespace {
 
-RunResult run_text(const Records& input, const std::string& pipeline, const RunOptions& options,
+RunResult run_text(const Records& input, const std::string& pipeline, const EngineOptions& options,
                    const std::vector<std::string>& keep = {}) {
-  Cloud cloud = input.cloud();
+  InputCloud cloud = input.cloud();
   return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud, keep), options);
 }
 
@@ -52,19 +52,19 @@ const std::vector<std::pair<std::string, Keeps>>& conditions() {
 }
 
 /// Threads, slabs, spilling.
-std::vector<RunOptions> ways(Order order) {
-  std::vector<RunOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3)};
-  for (RunOptions& options : all) options.order = order;
+std::vector<EngineOptions> ways(Order order) {
+  std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3)};
+  for (EngineOptions& options : all) options.order = order;
   return all;
 }
 
 /// That the bytes of `pipeline` over `input` are those of `rest` over `kept`, in both orders and however it is done.
 void expect_as_over(const Records& input, const std::string& pipeline, const Records& kept, const std::string& rest) {
   for (const Order order : {Order::input, Order::sweep}) {
-    RunOptions plain = tiny(300);
+    EngineOptions plain = tiny(300);
     plain.order = order;
     const RunResult expected = run_text(kept, rest, plain);
-    for (const RunOptions& options : ways(order)) {
+    for (const EngineOptions& options : ways(order)) {
       SCOPED_TRACE(pipeline + (order == Order::input ? ", input order" : ", sweep order"));
       const RunResult got = run_text(input, pipeline, options);
       ASSERT_EQ(got.schema, expected.schema);
@@ -105,7 +105,7 @@ TEST(Where, SeesWhatEarlierStagesHaveMade) {
   const Records kept =
       made.those([&](std::size_t i) { return made.value(i, "nz") > 0.2 && made.value(i, "neighbor_count") == 7; });
   ASSERT_GT(kept.size(), 50u);
-  for (const RunOptions& options : ways(Order::input)) {
+  for (const EngineOptions& options : ways(Order::input)) {
     const RunResult got = run_text(
         input, "knn(k=7) | normals | neighborhood_size | where(nz > 0.2 && neighbor_count == 7) | curvature", options);
     const RunResult rest = run_text(kept, "knn(k=7) | curvature", tiny(100));
@@ -140,7 +140,7 @@ TEST(Where, OfNoRowWritesNone) {
   for (const Order order : {Order::input, Order::sweep}) {
     for (const char* pipeline :
          {"where(z > 1e9)", "where(z > 1e9) | normals", "normals | where(nz > 9) | normals | sor"}) {
-      RunOptions options = tiny(100, true);
+      EngineOptions options = tiny(100, true);
       options.order = order;
       const RunResult got = run_text(input, pipeline, options);
       EXPECT_TRUE(got.records.empty());
@@ -161,7 +161,7 @@ TEST(Where, SeesMovedPositionsAndEndsTheOldNeighborhoods) {
   for (const Vec3& p : moved)
     if (p.z > 0) kept.push_back(p);
   const RunResult expected = run_in_memory(kept, {{.k = 6}, {normals()}}, tiny(100));
-  for (const RunOptions& options : ways(Order::input)) {
+  for (const EngineOptions& options : ways(Order::input)) {
     const RunResult got = run_in_memory(points, chain, options);
     for (const char* field : {"nx", "ny", "nz"}) EXPECT_EQ(got.field(field), expected.field(field));
     EXPECT_EQ(got.field("x"), expected.field("x"));
@@ -170,7 +170,7 @@ TEST(Where, SeesMovedPositionsAndEndsTheOldNeighborhoods) {
 
 TEST(Where, ResortOrdersThoseThatAreLeft) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 400, 11);
-  RunOptions options = tiny(100);
+  EngineOptions options = tiny(100);
   options.order = Order::sweep;
   options.axis = 2;
   const Chain chain{{.k = 6}, {thrown(0.3), std::make_shared<Where>("x > 0.2"), reneighbor(4), normals(), resort()}};
@@ -187,8 +187,8 @@ TEST(Where, NumbersOfRowsCountThoseThatAreLeft) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[1].second, 500, 12));
   const Records kept = input.those([&](std::size_t i) { return input.value(i, "classification") < 3; });
   const auto lists = brute_force_neighbors(kept.positions(), 4);
-  for (const RunOptions& options : ways(Order::input)) {
-    Cloud cloud = input.cloud();
+  for (const EngineOptions& options : ways(Order::input)) {
+    InputCloud cloud = input.cloud();
     const Chain chain{{.k = 4}, {std::make_shared<Where>("classification < 3"), graph(4, 500)}};
     const RunResult got = run_in_memory(cloud, chain, options);
     for (std::size_t j = 0; j < 4; ++j) {
@@ -232,7 +232,7 @@ TEST(Unique, KeepsTheFirstRowOfEqualCoordinates) {
     const Records input = with_attributes(points);
     const std::vector<bool> keep = firsts(points);
     const Records kept = input.those([&](std::size_t i) { return keep[i]; });
-    for (const RunOptions& options : ways(Order::input)) {
+    for (const EngineOptions& options : ways(Order::input)) {
       const RunResult got = run_text(input, "unique", options);
       ASSERT_TRUE(got.records == kept.bytes);
       EXPECT_EQ(got.statistics.sweeps, 0u);
@@ -268,7 +268,7 @@ TEST(Unique, ComparesMovedPositions) {
     if (keep[i]) kept.push_back(snapped[i]);
   ASSERT_LT(kept.size(), points.size());
   const RunResult expected = run_in_memory(kept, {{.k = 5}, {normals()}}, tiny(100));
-  for (const RunOptions& options : ways(Order::input)) {
+  for (const EngineOptions& options : ways(Order::input)) {
     const Chain chain{{.k = 5}, {std::make_shared<Snap>(), std::make_shared<Unique>(), normals()}};
     const RunResult got = run_in_memory(points, chain, options);
     for (const char* field : {"x", "z", "nx", "nz"}) EXPECT_EQ(got.field(field), expected.field(field));
@@ -291,7 +291,7 @@ TEST(Select, TheReferenceEngineGetsTheSameRows) {
   const std::string text =
       "knn(k=300) | unique | where(classification < 8) | sor(multiplier=1) | where(outlier == 0) | normals";
   for (const Order order : {Order::input, Order::sweep}) {
-    RunOptions options = tiny(200);
+    EngineOptions options = tiny(200);
     options.engine = Engine::reference;
     options.order = order;
     const RunResult got = run_text(input, text, options);
@@ -314,15 +314,15 @@ TEST(Select, ArraysHoldTheRowsThatAreLeft) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 600, 21));
   const Records kept = input.those([&](std::size_t i) { return input.value(i, "classification") < 3; });
   const TemporaryFolder folder;
-  const auto arrays = [&](const Records& records, const std::string& pipeline, const RunOptions& options) {
-    Cloud cloud = records.cloud();
-    RunOptions over = options;
+  const auto arrays = [&](const Records& records, const std::string& pipeline, const EngineOptions& options) {
+    InputCloud cloud = records.cloud();
+    EngineOptions over = options;
     over.overwrite = true;
     run(cloud, build_chain(parse_pipeline(pipeline), cloud),
         {{}, {{"normal", folder / "n.npy"}, {"splat_length", folder / "l.npy"}}, {}}, over);
     return content_of(folder / "n.npy") + content_of(folder / "l.npy");
   };
-  for (const RunOptions& options : ways(Order::input)) {
+  for (const EngineOptions& options : ways(Order::input)) {
     const std::string got = arrays(input, "where(classification < 3) | normals | splats", options);
     EXPECT_TRUE(got == arrays(kept, "normals | splats", options));
     EXPECT_NE(got.find(fmt::format("({}, 3)", kept.size())), std::string::npos);
@@ -335,7 +335,7 @@ TEST(Select, ArraysHoldTheRowsThatAreLeft) {
 TEST(Select, PassesAreAsFewAsTheChainAllows) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 100, 15));
   const auto kinds = [&](const std::string& text) {
-    Cloud cloud = input.cloud();
+    InputCloud cloud = input.cloud();
     std::string letters;
     for (const PlannedPass& pass : plan_chain(build_chain(parse_pipeline(text), cloud), cloud.schema()).passes)
       letters += pass.kind == PassKind::sweep ? 's' : pass.kind == PassKind::rows ? 'r' : 'o';
@@ -358,7 +358,7 @@ TEST(Select, PassesAreAsFewAsTheChainAllows) {
 
 TEST(Select, TheDryRunNamesThePasses) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 100, 16));
-  Cloud cloud = input.cloud();
+  InputCloud cloud = input.cloud();
   const std::string text = to_text(
       preview(cloud, build_chain(parse_pipeline("unique | sor | where(outlier == 0) | normals"), cloud), tiny(100)));
   for (const char* words : {"pass 1 of 4", "pass 4 of 4", "mean and deviation of mean_distance", "are left out here"})

@@ -11,6 +11,7 @@
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/refusal.h"
 #include "tests/support/sized.h"
+#include "tests/support/watching.h"
 
 namespace pointsweep {
 namespace {
@@ -25,7 +26,7 @@ TEST(Updates, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
       for (const unsigned threads : {1u, 2u, 4u}) {
         for (const std::uint64_t slab : {100, 50'000}) {
           for (const bool spill : {false, true}) {
-            RunOptions options = tiny(slab, spill, threads);
+            EngineOptions options = tiny(slab, spill, threads);
             options.order = order;
             const RunResult result = run_in_memory(points, {{.k = 6}, stages}, options);
             ASSERT_EQ(result.statistics.bytes_spilled > 0, spill);
@@ -88,7 +89,7 @@ TEST(Resort, OrdersTheOutputByThePositionsAtItsPlaceAndChangesNoValue) {
       const RunResult by_row = run_in_memory(points, {{.k = 5}, stages}, tiny(150));
       for (const int axis : {-1, 1}) {
         SCOPED_TRACE(fmt::format("{}: {}, axis {}", name, what, axis));
-        RunOptions options = tiny(90, axis == 1);
+        EngineOptions options = tiny(90, axis == 1);
         options.order = Order::sweep;
         if (axis >= 0) options.axis = axis;
         const RunResult ordered = run_in_memory(points, {{.k = 5}, stages}, options);
@@ -110,7 +111,7 @@ TEST(Resort, ChangesNothingInTheOrderOfTheInput) {
 
 TEST(Resort, IsTheOrderThatSortGivesAFileOfTheMovedPositions) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 900, 34);
-  RunOptions options = tiny(100);
+  EngineOptions options = tiny(100);
   options.order = Order::sweep;
   const RunResult resorted = run_in_memory(points, {{.k = 5}, {thrown(3), resort()}}, options);
   std::vector<Vec3> moved;
@@ -148,8 +149,8 @@ TEST(Updates, ChainsThatDoNotFitAreRefusedBeforeAnyWork) {
 
 /// The budget that a refusal of a run in one megabyte names.
 std::uint64_t least_budget(const std::vector<Vec3>& points, const Chain& chain) {
-  RunOptions options;
-  options.memory_bytes = 1 << 20;
+  EngineOptions options;
+  options.resources.memory_bytes = 1 << 20;
   try {
     run_in_memory(points, chain, options);
   } catch (const Error& e) {
@@ -162,17 +163,19 @@ std::uint64_t least_budget(const std::vector<Vec3>& points, const Chain& chain) 
 TEST(Updates, ABudgetThatALaterSweepCannotKeepIsRefusedBeforeTheFirst) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 20'000, 2);
   const Chain chain{{.k = 4}, {thrown(1), reneighbor(19'000), graph(1, 20'000), thrown(1, 2)}};
-  RunOptions options;
-  options.memory_bytes = least_budget(points, {{.k = 4}, {thrown(1), graph(1, 20'000)}});  // enough for the first
+  EngineOptions options;
+  options.resources.memory_bytes =
+      least_budget(points, {{.k = 4}, {thrown(1), graph(1, 20'000)}});  // enough for the first
   std::string phases;
-  options.progress = [&](const Progress& p) { phases += p.phase; };
+  Watching watching([&](const Progress& p) { phases += p.phase; });
+  options.observer = &watching;
   try {
     run_in_memory(points, chain, options);
     FAIL() << "accepted";
   } catch (const Error& e) {
     const std::string text = e.what();
     ASSERT_NE(text.find("is too small"), std::string::npos) << text;
-    options.memory_bytes = std::stoull(text.substr(text.find("--memory ") + 9)) << 20;
+    options.resources.memory_bytes = std::stoull(text.substr(text.find("--memory ") + 9)) << 20;
   }
   EXPECT_EQ(phases, "");
   std::vector<double> xyz;
@@ -183,16 +186,17 @@ TEST(Updates, ABudgetThatALaterSweepCannotKeepIsRefusedBeforeTheFirst) {
 
 TEST(Updates, ReportEveryPhase) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 500, 3);
-  RunOptions options = tiny(100);
+  EngineOptions options = tiny(100);
   options.order = Order::sweep;
   std::string phases, last;
   std::uint64_t done = 0;
-  options.progress = [&](const Progress& p) {
+  Watching watching([&](const Progress& p) {
     if (p.phase != last) phases += std::string(phases.empty() ? "" : " ") + p.phase;
     EXPECT_TRUE(p.phase != last || p.done >= done) << p.phase;
     EXPECT_LE(p.done, p.total);
     last = p.phase, done = p.done;
-  };
+  });
+  options.observer = &watching;
   run_in_memory(points, {{.k = 5}, {thrown(1), reneighbor(), normals()}}, options);
   EXPECT_EQ(phases, "ordering sweeping updating ordering sweeping updating ordering writing");
 }
@@ -204,7 +208,7 @@ TEST(Updates, ThePreviewTellsTheSweepsApart) {
   Chain chain{{.k = 5},
               {normals(), thrown(1), resort(), reneighbor(9),
                std::make_shared<Normals>(NormalsOptions{.orient = Orient::input, .viewpoint = {}})}};
-  RunOptions options = tiny(100);
+  EngineOptions options = tiny(100);
   options.order = Order::sweep;
   const std::string text = to_text(preview(*cloud, chain, options));
   for (const char* words : {"pass 1 of 2\nneighbours    the 5 nearest", "pass 2 of 2\nneighbours    the 9 nearest",

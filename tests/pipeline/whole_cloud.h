@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/operators/update_operators.h"
-#include "pointsweep/pipeline/plan/chain.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/in_core.h"
 

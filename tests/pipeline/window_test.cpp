@@ -11,9 +11,10 @@ namespace {
 
 constexpr std::size_t kPoints = 100000;
 
-RunOptions small_slabs() {
-  RunOptions options;
-  options.slab_points = 3000, options.cell_points = 256, options.threads = 2, options.memory_bytes = 1ull << 30;
+EngineOptions small_slabs() {
+  EngineOptions options;
+  options.slab_points = 3000, options.cell_points = 256, options.resources.threads = 2,
+  options.resources.memory_bytes = 1ull << 30;
   return options;
 }
 

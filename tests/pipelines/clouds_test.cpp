@@ -17,7 +17,7 @@
 namespace pointsweep {
 namespace {
 
-std::vector<Vec3> positions_of(Cloud& cloud) {
+std::vector<Vec3> positions_of(InputCloud& cloud) {
   const PositionFields fields = position_fields(cloud.schema(), "the cloud");
   const std::size_t n = cloud.count(), stride = cloud.schema().stride;
   std::vector<std::byte> records(n * stride);
@@ -30,7 +30,7 @@ std::vector<Vec3> positions_of(Cloud& cloud) {
 }
 
 /// Checks `sample` rows (all, if there are fewer) of the k-nearest-neighbour graph.
-void expect_exact(Cloud& cloud, const Neighborhood& what, const RunOptions& options, std::size_t sample) {
+void expect_exact(InputCloud& cloud, const Neighborhood& what, const EngineOptions& options, std::size_t sample) {
   const std::vector<Vec3> points = positions_of(cloud);
   const RunResult result =
       run_in_memory(cloud, {what, {std::make_shared<NeighborRows>(what.k, points.size(), false)}}, options);
@@ -50,12 +50,12 @@ void expect_exact(Cloud& cloud, const Neighborhood& what, const RunOptions& opti
   }
 }
 
-Cloud generated(const std::string& shape, std::uint64_t count, const Sampling& sampling = {}) {
+InputCloud generated(const std::string& shape, std::uint64_t count, const Sampling& sampling = {}) {
   Sampling s = sampling;
   s.count = count;
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::make_unique<ShapeReader>(create_shape(shape), s));
-  return Cloud(std::move(readers));
+  return InputCloud(std::move(readers));
 }
 
 Sampling few_outliers() {
@@ -64,9 +64,10 @@ Sampling few_outliers() {
   return sampling;
 }
 
-RunOptions small(std::uint64_t slab, std::uint32_t cell, unsigned threads, std::uint64_t memory) {
-  RunOptions options;
-  options.slab_points = slab, options.cell_points = cell, options.threads = threads, options.memory_bytes = memory;
+EngineOptions small(std::uint64_t slab, std::uint32_t cell, unsigned threads, std::uint64_t memory) {
+  EngineOptions options;
+  options.slab_points = slab, options.cell_points = cell, options.resources.threads = threads,
+  options.resources.memory_bytes = memory;
   return options;
 }
 
@@ -75,7 +76,7 @@ TEST(GeneratedClouds, HaveExactNeighborsForEveryKRadiusSlabThreadAndBudget) {
     for (const std::size_t k : {1, 8, 64}) {
       for (const double radius : {std::numeric_limits<double>::infinity(), 0.05}) {
         SCOPED_TRACE(std::string(shape->name()) + ", k = " + std::to_string(k) + ", radius " + std::to_string(radius));
-        Cloud cloud = generated(std::string(shape->name()), 6000, few_outliers());
+        InputCloud cloud = generated(std::string(shape->name()), 6000, few_outliers());
         expect_exact(cloud, {.k = k, .radius = radius}, small(150, 32, 1, 1ull << 30), 300);
         expect_exact(cloud, {.k = k, .radius = radius}, small(500, 128, 2, 64ull << 20), 300);
         expect_exact(cloud, {.k = k, .radius = radius}, small(0, 1024, 4, 1ull << 30), 300);
@@ -88,7 +89,7 @@ TEST(GeneratedClouds, HaveExactNeighborsForEveryKRadiusSlabThreadAndBudget) {
 TEST(GeneratedClouds, OfLargerSizeAreExactInTheSmallestBudget) {
   for (const char* shape : {"statue", "terrain", "tls", "volume"}) {
     SCOPED_TRACE(shape);
-    Cloud cloud = generated(shape, 200'000, few_outliers());
+    InputCloud cloud = generated(shape, 200'000, few_outliers());
     std::uint64_t least = 0;
     for (std::uint64_t mb = 24; least == 0; ++mb) {
       try {
@@ -110,7 +111,7 @@ TEST(GeneratedClouds, HaveTheNormalsOfTheirSurface) {
   };
   for (const Case& c : {Case{"sphere", 0.01}, {"torus", 0.03}, {"cylinder", 0.015}, {"plane", 1e-6}}) {
     SCOPED_TRACE(c.shape);
-    Cloud cloud = generated(c.shape, 50'000);
+    InputCloud cloud = generated(c.shape, 50'000);
     std::vector<std::byte> input(cloud.count() * cloud.schema().stride);
     cloud.read(0, input);
     const RunResult result = run_in_memory(
@@ -134,7 +135,7 @@ TEST(GeneratedClouds, HaveTheNormalsOfTheirSurface) {
 TEST(GeneratedClouds, FillLittleOfTheWindowHoweverUnevenTheirDensity) {
   constexpr std::uint64_t kPoints = 1'000'000;
   const auto run_on = [](const char* shape, const Sampling& sampling) {
-    Cloud cloud = generated(shape, kPoints, sampling);
+    InputCloud cloud = generated(shape, kPoints, sampling);
     return run_in_memory(cloud, {{.k = 8}, {std::make_shared<Normals>()}}, small(0, 1024, 2, 1ull << 30)).statistics;
   };
   const Statistics clean = run_on("statue", {});
@@ -192,7 +193,7 @@ TEST(RealScans, HaveExactNeighbors) {
         "lidar/ky_lock4/ky_lock4_west.las"}) {
     SCOPED_TRACE(file);
     ASSERT_TRUE(std::filesystem::exists(data / file));
-    Cloud cloud({data / file});
+    InputCloud cloud({data / file});
     const std::size_t sample = cloud.count() > 500'000 ? 25 : 100;
     expect_exact(cloud, {.k = 8}, small(0, 1024, 2, 64ull << 20), sample);
     expect_exact(cloud, {.k = 64}, small(5000, 256, 2, 2ull << 30), sample);

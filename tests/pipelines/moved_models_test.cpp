@@ -117,8 +117,8 @@ TEST(MovedModels, NormalsAreThoseOfEquation1InEveryWayToRun) {
     const RunResult plain = run_in_memory(points, chain, {});
     expect_equation1(plain, lists);
     for (const std::uint64_t slab : {400u, 3000u}) {
-      RunOptions options;
-      options.slab_points = slab, options.cell_points = 256, options.spill = true, options.threads = 3;
+      EngineOptions options;
+      options.slab_points = slab, options.cell_points = 256, options.spill = true, options.resources.threads = 3;
       const RunResult recalled = run_in_memory(points, chain, options);
       EXPECT_EQ(recalled.records, plain.records) << slab;
     }

@@ -168,8 +168,8 @@ TEST(ReferenceRun, OfSeveralSweepsGivesTheSameRecordsAsTheEngine) {
 
 TEST(ReferenceRun, CannotBeResumed) {
   const std::vector<double> xyz = {0, 0, 0, 1, 0, 0};
-  Cloud cloud = cloud_of(xyz);
-  RunOptions options = by(Engine::reference);
+  InputCloud cloud = cloud_of(xyz);
+  EngineOptions options = by(Engine::reference);
   options.resume_folder = testing::TempDir() + "pointsweep-reference-resume";
   EXPECT_NE(refusal([&] {
               run_in_memory(cloud, {{.k = 1}, {kNormals}, {}}, options);
@@ -180,7 +180,7 @@ TEST(ReferenceRun, CannotBeResumed) {
 
 TEST(ReferenceRun, HasNoPreview) {
   const std::vector<double> xyz = {0, 0, 0, 1, 0, 0};
-  Cloud cloud = cloud_of(xyz);
+  InputCloud cloud = cloud_of(xyz);
   EXPECT_NE(refusal([&] {
               preview(cloud, {{.k = 1}, {kNormals}, {}}, by(Engine::reference));
             }).find("leave out --dry-run or --engine reference"),

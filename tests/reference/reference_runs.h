@@ -43,12 +43,12 @@ class Passing final : public Operator {
 };
 
 /// Slabs of 300 points, so that small clouds have many.
-inline RunOptions by(Engine engine, Order order = Order::input, std::uint64_t slab_points = 300) {
-  RunOptions options;
+inline EngineOptions by(Engine engine, Order order = Order::input, std::uint64_t slab_points = 300) {
+  EngineOptions options;
   options.engine = engine;
   options.order = order;
   options.slab_points = slab_points;
-  options.memory_bytes = 1u << 30;
+  options.resources.memory_bytes = 1u << 30;
   return options;
 }
 
@@ -100,8 +100,8 @@ struct NeighborRun {
 };
 
 /// The neighbours of all points of a cloud at `points`, up to `width` of each.
-inline NeighborRun neighbor_run(Cloud& cloud, const std::vector<Vec3>& points, const Neighborhood& neighborhood,
-                                std::size_t width, const RunOptions& options) {
+inline NeighborRun neighbor_run(InputCloud& cloud, const std::vector<Vec3>& points, const Neighborhood& neighborhood,
+                                std::size_t width, const EngineOptions& options) {
   NeighborRun run;
   Chain chain{neighborhood,
               {std::make_shared<NeighborhoodSize>(), std::make_shared<NeighborRows>(width, points.size(), false)},
@@ -130,10 +130,10 @@ inline std::uint64_t differing(const Lists& a, const Lists& b) {
   return count;
 }
 
-inline Cloud cloud_of(const std::vector<double>& xyz) {
+inline InputCloud cloud_of(const std::vector<double>& xyz) {
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
-  return Cloud(std::move(readers));
+  return InputCloud(std::move(readers));
 }
 
 inline std::vector<double> xyz_of(const std::vector<Vec3>& points) {
@@ -143,9 +143,9 @@ inline std::vector<double> xyz_of(const std::vector<Vec3>& points) {
 }
 
 inline NeighborRun neighbor_run(const std::vector<Vec3>& points, const Neighborhood& neighborhood, std::size_t width,
-                                const RunOptions& options) {
+                                const EngineOptions& options) {
   const std::vector<double> xyz = xyz_of(points);
-  Cloud cloud = cloud_of(xyz);
+  InputCloud cloud = cloud_of(xyz);
   return neighbor_run(cloud, points, neighborhood, width, options);
 }
 

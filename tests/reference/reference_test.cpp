@@ -12,6 +12,7 @@
 #include "tests/order/cloud_source.h"
 #include "tests/reference/reference_runs.h"
 #include "tests/support/brute_force.h"
+#include "tests/support/watching.h"
 
 namespace pointsweep {
 namespace {
@@ -131,9 +132,10 @@ TEST(Reference, RecordsAreTheSameInEitherOrderWithAnySlabsAndMemory) {
     const std::vector<Vec3> points = make_cloud(shape, 1200, 9);
     const NeighborRun expected = neighbor_run(points, {.k = 8}, 8, by(Engine::reference));
     for (const Order order : kOrders) {
-      RunOptions spilled = by(Engine::reference, order, 1000);
-      spilled.spill = true, spilled.threads = 3;
-      for (const RunOptions& options : {by(Engine::reference, order), by(Engine::reference, order, 100000), spilled}) {
+      EngineOptions spilled = by(Engine::reference, order, 1000);
+      spilled.spill = true, spilled.resources.threads = 3;
+      for (const EngineOptions& options :
+           {by(Engine::reference, order), by(Engine::reference, order, 100000), spilled}) {
         const NeighborRun run = neighbor_run(points, {.k = 8}, 8, options);
         EXPECT_EQ(run.records, expected.records);
         EXPECT_EQ(run.statistics.reference->incomplete, expected.statistics.reference->incomplete);
@@ -197,8 +199,8 @@ TEST(Reference, TheBuffersTogetherAreTheActiveSet) {
 TEST(Reference, RefusesToGrowBeyondItsMemory) {
   // No list of 1,500 is full before the end, so all points stay.
   const std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 5000, 1);
-  RunOptions options = by(Engine::reference);
-  options.memory_bytes = 64u << 20;
+  EngineOptions options = by(Engine::reference);
+  options.resources.memory_bytes = 64u << 20;
   try {
     neighbor_run(points, {.k = 1500}, 8, options);
     FAIL() << "nothing was thrown";
@@ -210,8 +212,8 @@ TEST(Reference, RefusesToGrowBeyondItsMemory) {
 
 TEST(Reference, ShortListsWithinARadiusFitIntoLittleMemory) {
   const std::vector<Vec3> points = make_cloud(generated("tls"), 40000, 1);
-  RunOptions options = by(Engine::reference, Order::input, 0);
-  options.memory_bytes = 100u << 20;
+  EngineOptions options = by(Engine::reference, Order::input, 0);
+  options.resources.memory_bytes = 100u << 20;
   const NeighborRun run = neighbor_run(points, {.k = Neighborhood::kUnlimited, .radius = 0.3}, 1, options);
   EXPECT_EQ(run.statistics.reference->complete, points.size());
 }
@@ -237,12 +239,13 @@ TEST(Reference, CanBeStoppedWhileAllPointsPassAnOperatorAtOnce) {
   std::vector<Vec3> points = {{0, 999, 0}};
   for (int i = 1; i <= 1000; ++i) points.push_back({double(i), 0, 0});
   std::size_t processed = 0;
-  RunOptions options = by(Engine::reference, Order::input, 0);
-  options.progress = [&](const Progress& progress) {
+  EngineOptions options = by(Engine::reference, Order::input, 0);
+  Watching watching([&](const Progress& progress) {
     if (std::string(progress.phase) == "sweeping" && progress.done == points.size()) throw Error("stopped");
-  };
+  });
+  options.observer = &watching;
   const std::vector<double> xyz = xyz_of(points);
-  Cloud cloud = cloud_of(xyz);
+  InputCloud cloud = cloud_of(xyz);
   EXPECT_THROW(run_in_memory(cloud, {{.k = 8}, {std::make_shared<Slow>(processed)}, {}}, options), Error);
   EXPECT_LT(processed, points.size());
 }

@@ -33,16 +33,16 @@ struct Attributed {
       range.push_back(u > 0.98 ? -1 : float(0.1 * extent * uniform(random)));
     }
   }
-  Cloud cloud() const {
+  InputCloud cloud() const {
     auto reader = std::make_unique<ArrayReader>(std::span<const double>(xyz));
     reader->add({"size"}, std::span<const double>(size));
     reader->add({"range"}, std::span<const float>(range));
     std::vector<std::unique_ptr<Reader>> readers;
     readers.push_back(std::move(reader));
-    return Cloud(std::move(readers));
+    return InputCloud(std::move(readers));
   }
-  NeighborRun run(const Neighborhood& neighborhood, const RunOptions& options) const {
-    Cloud input = cloud();
+  NeighborRun run(const Neighborhood& neighborhood, const EngineOptions& options) const {
+    InputCloud input = cloud();
     return neighbor_run(input, points, neighborhood, kMost, options);
   }
   /// The first kMost of the k nearest within `radius`, less what a point's own limits leave out.
@@ -120,7 +120,7 @@ TEST(ReferenceRules, ChainsGiveTheEnginesBytesWithinARadius) {
        {SharedRule(std::make_shared<LeastEigenentropy>(6)),
         SharedRule(std::make_shared<LimitsFromAttributes>(AttributeLimits{.k = "size", .radius = "range"}))}) {
     for (const Order order : kOrders) {
-      Cloud a = input.cloud(), b = input.cloud();
+      InputCloud a = input.cloud(), b = input.cloud();
       const RunResult exact = run_in_memory(a, chain(rule), by(Engine::exact, order));
       const RunResult reference = run_in_memory(b, chain(rule), by(Engine::reference, order));
       EXPECT_TRUE(exact.records == reference.records);

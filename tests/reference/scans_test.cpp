@@ -21,7 +21,7 @@ constexpr Scan kScans[] = {
     {"lidar/lasR/Megaplot.las", "airborne scan of a forest", 2},
 };
 
-std::vector<Vec3> positions(Cloud& cloud) {
+std::vector<Vec3> positions(InputCloud& cloud) {
   const Schema& schema = cloud.schema();
   const std::size_t n = cloud.count();
   std::vector<std::byte> records(n * schema.stride);
@@ -40,11 +40,11 @@ class ReferenceScans : public testing::TestWithParam<Scan> {
     cloud_.emplace(std::vector{data_folder() / GetParam().file});
     points_ = positions(*cloud_);
   }
-  NeighborRun run(const Neighborhood& neighborhood, const RunOptions& options) {
+  NeighborRun run(const Neighborhood& neighborhood, const EngineOptions& options) {
     return neighbor_run(*cloud_, points_, neighborhood, 16, options);
   }
 
-  std::optional<Cloud> cloud_;
+  std::optional<InputCloud> cloud_;
   std::vector<Vec3> points_;
 };
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/points/neighborhoods.h"
+#include "pointsweep/neighborhood.h"
 #include "pointsweep/search/cell.h"
 #include "pointsweep/search/leaf_cut.h"
 #include "tests/support/instruction_sets.h"

@@ -10,9 +10,10 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/math/vec3.h"
-#include "pointsweep/operators/operator.h"
-#include "pointsweep/points/neighborhoods.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 
@@ -80,10 +81,11 @@ class InCoreCloud {
       const std::span all(numbers);
       const Neighborhoods in(slots[c], size, slots.data(), begin.data(), refs.data(), all.first(reads.size()),
                              all.subspan(reads.size()), -1, moved_);
-      Columns out(made, size);
+      DegeneratePoints degenerate;
+      Columns out(made, size, degenerate);
       op.apply(in, out);
-      result.degenerate += out.degenerate().count();
-      out.degenerate().for_each([&](std::size_t i) { result.degenerate_rows.push_back(first + i); });
+      result.degenerate += degenerate.count();
+      degenerate.for_each([&](std::size_t i) { result.degenerate_rows.push_back(first + i); });
     }
     return result;
   }

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "pointsweep/formats/arrays.h"
+#include "pointsweep/reader.h"
+#include "pointsweep/writer.h"
 #include "tests/pipeline/hostile_clouds.h"
 
 namespace pointsweep {

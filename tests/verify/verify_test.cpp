@@ -5,11 +5,12 @@
 
 #include <cstring>
 
-#include "pointsweep/formats/arrays.h"
 #include "pointsweep/formats/npy/npy_reader.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/reader.h"
+#include "pointsweep/writer.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/hostile_clouds.h"
@@ -25,8 +26,8 @@ MadeBy made_by(const Chain& chain) {
           .keep = chain.keep};
 }
 
-RunOptions in_order(Order order) {
-  RunOptions options;
+EngineOptions in_order(Order order) {
+  EngineOptions options;
   options.order = order;
   return options;
 }
@@ -55,17 +56,17 @@ class Verify : public testing::Test {
   std::filesystem::path input() const { return folder_ / "in.ply"; }
 
   Chain chain(const std::string& pipeline) {
-    Cloud cloud({input()});
+    InputCloud cloud({input()});
     return build_chain(parse_pipeline(pipeline), cloud);
   }
-  std::filesystem::path made(const std::string& pipeline, const std::string& name, RunOptions options = {}) {
-    Cloud cloud({input()});
+  std::filesystem::path made(const std::string& pipeline, const std::string& name, EngineOptions options = {}) {
+    InputCloud cloud({input()});
     options.overwrite = true;
     run(cloud, chain(pipeline), {.points = folder_ / name, .arrays = {}, .writer = {}}, options);
     return folder_ / name;
   }
   Verdict check(const std::string& pipeline, const std::filesystem::path& output, VerifyOptions options = {}) {
-    Cloud cloud({input()});
+    InputCloud cloud({input()});
     const auto reader = open_reader(output);
     return verify(cloud, *reader, false, made_by(chain(pipeline)), options);
   }
@@ -316,7 +317,7 @@ class Steepness final : public Operator {
 TEST_F(Verify, OperatorsOfUsersAreAppliedAgainAndNamedAsNotIndependent) {
   Chain written = chain("knn(k=9) | normals");
   written.stages.push_back(std::make_shared<Steepness>());
-  Cloud cloud({input()});
+  InputCloud cloud({input()});
   run(cloud, written, {.points = folder_ / "out.ply", .arrays = {}, .writer = {}});
   const auto checked = [&] { return verify(cloud, *open_reader(folder_ / "out.ply"), false, made_by(written)); };
   EXPECT_TRUE(checked().same()) << to_text(checked());
@@ -329,7 +330,7 @@ TEST_F(Verify, OperatorsOfUsersAreAppliedAgainAndNamedAsNotIndependent) {
 }
 
 TEST_F(Verify, NeighborsAndDistancesAreCheckedToTheLastOne) {
-  Cloud cloud({input()});
+  InputCloud cloud({input()});
   const Chain graph{{.k = 6}, {std::make_shared<NeighborRows>(6, kPoints, true)}};
   run(cloud, graph,
       {.points = {}, .arrays = {{"neighbors", folder_ / "n.npy"}, {"distances", folder_ / "d.npy"}}, .writer = {}});

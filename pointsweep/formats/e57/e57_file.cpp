@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 #if POINTSWEEP_CODECS
 #include <pointsweep_codecs.h>

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/e57/e57_file.h"
 #include "pointsweep/points/with_type.h"

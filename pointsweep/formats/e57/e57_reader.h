@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 

@@ -14,7 +14,7 @@
 #include <string>
 #include <system_error>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

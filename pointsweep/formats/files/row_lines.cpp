@@ -3,7 +3,7 @@
 
 #include <cassert>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 

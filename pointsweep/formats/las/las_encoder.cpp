@@ -6,8 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/las/las_point_formats.h"
+#include "pointsweep/formats/las_scale.h"
 
 namespace pointsweep {
 namespace {

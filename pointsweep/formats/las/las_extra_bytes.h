@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/points/attribute.h"
+#include "pointsweep/attribute.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {

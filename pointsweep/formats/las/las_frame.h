@@ -12,7 +12,7 @@
 #include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/las/las_layout.h"
 #include "pointsweep/formats/las/las_statistics.h"
-#include "pointsweep/formats/writer.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 

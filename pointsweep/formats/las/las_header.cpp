@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 
 namespace pointsweep {

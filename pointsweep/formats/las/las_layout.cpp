@@ -9,12 +9,13 @@
 #include <string_view>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/las/las_crs.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_fields.h"
 #include "pointsweep/formats/las/las_point_formats.h"
+#include "pointsweep/formats/las_origin.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/provenance.h"
 
@@ -163,7 +164,7 @@ class Builder {
     LasHeader& header = layout_.header;
     const Schema& schema = plan_.schema;
     const std::vector<ValueRange> ranges = value_ranges();
-    const bool legacy = plan_.las.has_value() && plan_.values != nullptr;
+    const bool legacy = plan_.las != nullptr && plan_.values != nullptr;
     header.point_format = static_cast<std::uint8_t>(choose_las_point_format(schema, ranges, legacy));
     choose_version();
     choose_scale(position_fields(schema, plan_.path.string()));

@@ -13,8 +13,8 @@
 #include "pointsweep/formats/las/las_header.h"
 #include "pointsweep/formats/las/las_reader.h"
 #include "pointsweep/formats/las/laz_layout.h"
-#include "pointsweep/formats/writer.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/geometry.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {

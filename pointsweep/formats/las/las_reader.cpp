@@ -10,12 +10,13 @@
 #include <string>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/fixed_records.h"
 #include "pointsweep/formats/las/las_crs.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las/laz_points.h"
+#include "pointsweep/formats/las_origin.h"
 #include "pointsweep/formats/provenance.h"
 
 namespace pointsweep {
@@ -127,7 +128,7 @@ FileInfo info_of(const std::shared_ptr<const LasExtras>& extras, std::vector<std
   info.warnings = std::move(warnings);
   info.extras = extras;
   info.crs = extras->crs;
-  info.las = origin_of(header);
+  info.las = std::make_shared<const LasOrigin>(origin_of(header));
   info.provenance = extras->provenance;
   return info;
 }

@@ -13,7 +13,7 @@
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/las/las_header.h"
 #include "pointsweep/formats/las/las_vlrs.h"
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 

@@ -8,6 +8,7 @@
 
 #include "pointsweep/formats/las/las_fields.h"
 #include "pointsweep/formats/las/las_layout.h"
+#include "pointsweep/formats/las_origin.h"
 
 namespace pointsweep {
 namespace {
@@ -29,7 +30,7 @@ bool is_on_grid(double value, double scale, double offset) {
 /// Reads all points; what it looks for is given to the constructor.
 class Look {
  public:
-  Look(Cloud& cloud, KnownValues& values, std::vector<std::size_t> fields, bool grid)
+  Look(InputCloud& cloud, KnownValues& values, std::vector<std::size_t> fields, bool grid)
       : cloud_(cloud), values_(values), fields_(std::move(fields)), grid_(grid) {
     for (const std::size_t field : fields_) values_.ranges[field] = {};
   }
@@ -67,7 +68,7 @@ class Look {
     return true;
   }
 
-  Cloud& cloud_;
+  InputCloud& cloud_;
   KnownValues& values_;
   std::vector<std::size_t> fields_;
   bool grid_;
@@ -77,9 +78,9 @@ class Look {
 
 }  // namespace
 
-KnownValues las_values(Cloud& cloud, const std::function<void(std::uint64_t)>& progress) {
+KnownValues las_values(InputCloud& cloud, const std::function<void(std::uint64_t)>& progress) {
   KnownValues values{cloud.ranges()};
-  const bool from_las = cloud.las().has_value();
+  const bool from_las = cloud.las() != nullptr;
   const bool real = !las_keeps_scale(position_fields(cloud.schema(), "the input"));
   values.rounds = real && std::all_of(cloud.readers().begin(), cloud.readers().end(), is_las);
   const bool look_at_grid = real && from_las && !values.rounds;

@@ -5,13 +5,13 @@
 #include <cstdint>
 #include <functional>
 
-#include "pointsweep/formats/cloud.h"
+#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/formats/known_values.h"
 
 namespace pointsweep {
 
 /// Reads the cloud once if the types of its fields leave open which point format holds them, or if real coordinates may
 /// lie on the grid of the LAS file that they came from. `progress` gets the number of points read; it may throw.
-KnownValues las_values(Cloud& cloud, const std::function<void(std::uint64_t)>& progress);
+KnownValues las_values(InputCloud& cloud, const std::function<void(std::uint64_t)>& progress);
 
 }  // namespace pointsweep

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/las/las_encoder.h"
 #include "pointsweep/formats/las/las_frame.h"
 

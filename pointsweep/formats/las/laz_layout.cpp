@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 #if POINTSWEEP_CODECS
 #include <pointsweep_codecs.h>

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/threads.h"
 
 #if POINTSWEEP_CODECS

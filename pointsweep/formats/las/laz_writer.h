@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "pointsweep/formats/writer.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 

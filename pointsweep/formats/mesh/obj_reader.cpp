@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/mesh/vertex_lines.h"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string_view>
 
-#include "pointsweep/formats/reader.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/mesh/vertex_lines.h"
 
 namespace pointsweep {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
 
 namespace pointsweep {

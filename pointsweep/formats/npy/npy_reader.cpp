@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/fixed_records.h"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/formats/files/number_text.h"
 

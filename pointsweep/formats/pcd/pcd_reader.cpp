@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/fixed_records.h"

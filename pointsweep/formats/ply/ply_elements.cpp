@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

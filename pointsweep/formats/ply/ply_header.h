@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "pointsweep/formats/files/input_file.h"
-#include "pointsweep/formats/reader.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <bit>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/fixed_records.h"
+#include "pointsweep/formats/las_origin.h"
 #include "pointsweep/formats/ply/ply_comments.h"
 #include "pointsweep/formats/ply/ply_elements.h"
 #include "pointsweep/formats/ply/ply_header.h"
@@ -42,7 +43,7 @@ FileInfo info_of(const InputFile& file, const PlyHeader& header, const PlyElemen
   auto extras = std::make_shared<PlyExtras>();
   extras->lines = header.remarks;
   info.crs = take_crs_comments(extras->lines);
-  info.las = take_las_comment(extras->lines);
+  if (const auto origin = take_las_comment(extras->lines)) info.las = std::make_shared<const LasOrigin>(*origin);
   for (const std::string& line : extras->lines)
     if (line.starts_with("comment"))
       if (auto found = provenance_line(line.substr(7))) extras->provenance.push_back(std::move(*found));

@@ -4,8 +4,9 @@
 #include <cstring>
 #include <limits>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
+#include "pointsweep/formats/las_origin.h"
 #include "pointsweep/formats/ply/ply_comments.h"
 #include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"

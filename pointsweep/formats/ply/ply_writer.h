@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "pointsweep/formats/writer.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 

@@ -8,7 +8,7 @@
 #include <bit>
 #include <cstring>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

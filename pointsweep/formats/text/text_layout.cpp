@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/provenance.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/row_text_reader.h"
 #include "pointsweep/formats/text/text_layout.h"

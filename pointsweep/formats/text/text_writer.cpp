@@ -7,7 +7,7 @@
 #include <cstring>
 #include <iterator>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/files/output_file.h"

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {

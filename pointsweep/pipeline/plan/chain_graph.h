@@ -11,10 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/operators/operator.h"
-#include "pointsweep/operators/reduction.h"
-#include "pointsweep/pipeline/plan/chain.h"
-#include "pointsweep/points/neighborhood.h"
+#include "pointsweep/chain.h"
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/operator.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/pipeline/plan/pass_planner.h"
 
 namespace pointsweep {

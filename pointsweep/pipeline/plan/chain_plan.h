@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/reduction.h"
-#include "pointsweep/pipeline/plan/chain.h"
+#include "pointsweep/chain.h"
+#include "pointsweep/operator.h"
 #include "pointsweep/pipeline/plan/chain_graph.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
 #include "pointsweep/pipeline/plan/pass_schedule.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/points/nearest_names.h"
 

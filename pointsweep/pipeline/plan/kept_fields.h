@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/points/attribute.h"
+#include "pointsweep/attribute.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/error.h"
-#include "pointsweep/pipeline/pipeline.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/run/made_rows.h"
 #include "pointsweep/pipeline/run/phases.h"
@@ -105,9 +105,10 @@ Statistics run_phases(RunState& run) {
 }
 
 /// Runs on as many threads as asked for, however many the caller's arena has.
-Statistics run_plan(Cloud& cloud, const Outputs& outputs, const RunOptions& options, ChainPlan plan) {
-  const unsigned threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-  const CancellationScope scope(options.cancellation);
+Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options, ChainPlan plan) {
+  const unsigned threads =
+      options.resources.threads != 0 ? options.resources.threads : std::max(1u, std::thread::hardware_concurrency());
+  const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
   Statistics statistics;
   with_threads(threads, [&] {
     RunState state(cloud, outputs, options, std::move(plan));
@@ -127,14 +128,22 @@ ChainPlan plan_sort(const Schema& input, const std::vector<std::string>& keep) {
 
 }  // namespace
 
-Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs, const RunOptions& options) {
+Statistics run(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
   return run_plan(cloud, outputs, options, plan_chain(chain, cloud.schema(), options.order == Order::sweep));
+}
+
+Statistics sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options,
+                const std::vector<std::string>& keep) {
+  return run_plan(cloud, {.points = output}, options, plan_sort(cloud.schema(), keep));
+}
+
+Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs, const RunOptions& options) {
+  return run(cloud.inputs(), chain, outputs, EngineOptions(options));
 }
 
 Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options,
                 const std::vector<std::string>& keep) {
-  const Outputs outputs{.points = output, .arrays = {}, .writer = {}};
-  return run_plan(cloud, outputs, options, plan_sort(cloud.schema(), keep));
+  return sort(cloud.inputs(), output, EngineOptions(options), keep);
 }
 
 }  // namespace pointsweep

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/run/run_checkpoints.h"
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/pipeline/row_mask.h"
 #include "pointsweep/pipeline/run/made_rows.h"
 #include "pointsweep/pipeline/run_identity.h"

@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "pointsweep/error.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/files/same_file.h"
 #include "pointsweep/pipeline/statistics.h"
 
@@ -15,7 +15,7 @@ namespace pointsweep {
 namespace {
 
 /// Throws UsageError where an output is an input or another output.
-Cloud& with_own_files(Cloud& cloud, const Outputs& outputs, const RunOptions& options) {
+InputCloud& with_own_files(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options) {
   std::vector<std::filesystem::path> read, written = {outputs.points, options.half_way_states};
   for (std::size_t i = 0; i < cloud.readers().size(); ++i)
     if (cloud.states()[i].is_known()) read.push_back(cloud.readers()[i]->info().path);
@@ -25,11 +25,13 @@ Cloud& with_own_files(Cloud& cloud, const Outputs& outputs, const RunOptions& op
 }
 
 /// Of the input, before the first phase.
-Statistics first_counts(const Cloud& cloud, const FiniteInput& input, const RunOptions& options) {
+Statistics first_counts(const InputCloud& cloud, const FiniteInput& input, const EngineOptions& options) {
   Statistics counts;
   counts.points = counts.points_written = cloud.count();
-  counts.threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-  counts.memory_budget_bytes = options.memory_bytes != 0 ? options.memory_bytes : default_memory_budget();
+  counts.threads =
+      options.resources.threads != 0 ? options.resources.threads : std::max(1u, std::thread::hardware_concurrency());
+  counts.memory_budget_bytes =
+      options.resources.memory_bytes != 0 ? options.resources.memory_bytes : default_memory_budget();
   counts.machine = machine_description();
   for (const auto& reader : cloud.readers()) {
     const auto& warnings = reader->info().warnings;
@@ -43,15 +45,16 @@ Statistics first_counts(const Cloud& cloud, const FiniteInput& input, const RunO
 
 }  // namespace
 
-RunState::RunState(Cloud& read, const Outputs& written, const RunOptions& given, ChainPlan planned)
+RunState::RunState(InputCloud& read, const Outputs& written, const EngineOptions& given, ChainPlan planned)
     : cloud(with_own_files(read, written, given)),
       outputs(written),
       options(given),
       plan(std::move(planned)),
       input(read, written, given),
       statistics(first_counts(read, input, given)) {
-  if (!options.temp_folder.empty()) require_temp_parent(options.temp_folder);
+  if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
   if (cloud.count() == 0) fail("{}: has no points, so there is nothing to do.", name_of_cloud());
+  for (const std::string& sentence : statistics.warnings) tell(sentence);
   warn(input.warning());
 }
 
@@ -83,11 +86,17 @@ PointSource RunState::cloud_source() {
 }
 
 void RunState::warn(const std::string& sentence) {
-  if (!sentence.empty()) statistics.warnings.push_back(sentence);
+  if (sentence.empty()) return;
+  statistics.warnings.push_back(sentence);
+  tell(sentence);
+}
+
+void RunState::tell(const std::string& sentence) const {
+  if (options.observer != nullptr) options.observer->on_warning(sentence);
 }
 
 void RunState::report(const char* phase, std::uint64_t done, std::uint64_t active) const {
-  if (options.progress) options.progress({phase, done, cloud.count(), active});
+  if (options.observer != nullptr) options.observer->on_progress({phase, done, cloud.count(), active});
 }
 
 std::vector<std::uint64_t> RunState::rows_of_cloud(std::vector<std::uint64_t> of_rows) const {

@@ -16,13 +16,13 @@
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/checkpoints.h"
 #include "pointsweep/pipeline/decoded_input.h"
+#include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/finite_input.h"
 #include "pointsweep/pipeline/ordered_output.h"
 #include "pointsweep/pipeline/output_layout.h"
 #include "pointsweep/pipeline/output_names.h"
 #include "pointsweep/pipeline/output_set.h"
 #include "pointsweep/pipeline/pass_values.h"
-#include "pointsweep/pipeline/pipeline.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/run_memory.h"
 
@@ -30,11 +30,11 @@ namespace pointsweep {
 
 struct RunState {
   /// Throws UsageError where an output is an input or another output; Error for a cloud without points.
-  RunState(Cloud& cloud, const Outputs& outputs, const RunOptions& options, ChainPlan plan);
+  RunState(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options, ChainPlan plan);
 
-  Cloud& cloud;
+  InputCloud& cloud;
   const Outputs& outputs;
-  const RunOptions& options;
+  const EngineOptions& options;
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   ChainPlan plan;
   FiniteInput input;                    ///< made before the rows of the cloud are counted
@@ -66,8 +66,10 @@ struct RunState {
   /// What a stream, "results", "rows" or "mask" of a pass are spilled to.
   SpillPlace place(const char* kind, std::size_t p, bool spills) const;
   PointSource cloud_source();
-  /// Adds the sentence to the warnings, unless it is empty.
+  /// Adds the sentence to the warnings, unless it is empty, and tells the observer.
   void warn(const std::string& sentence);
+  /// Tells the observer alone.
+  void tell(const std::string& sentence) const;
   void report(const char* phase, std::uint64_t done, std::uint64_t active) const;
   /// Numbers of rows of the cloud before any select.
   std::vector<std::uint64_t> rows_of_cloud(std::vector<std::uint64_t> of_rows) const;

@@ -17,9 +17,9 @@ void give_notice(const RunState& run) {
     neighbors = std::max(neighbors, effort.neighbors_per_point);
   }
   constexpr double kWorthSaying = 60;
-  if (run.options.notice && seconds >= kWorthSaying)
-    run.options.notice(fmt::format("The radius means {}; a smaller one, or k beside it, takes less.",
-                                   effort_text(neighbors, seconds)));
+  if (seconds >= kWorthSaying)
+    run.tell(fmt::format("The radius means {}; a smaller one, or k beside it, takes less.",
+                         effort_text(neighbors, seconds)));
 }
 
 bool needs_exact_survey(const RunState& run) {
@@ -33,7 +33,7 @@ void decode_input(RunState& run) {
   if (decoded_input_bytes(run.cloud) == 0) return;
   if (!run.outputs.writer) require_writable(run);
   const auto start = std::chrono::steady_clock::now();
-  if (!run.checkpoints) run.folder.emplace(temp_parent(run.options.temp_folder));
+  if (!run.checkpoints) run.folder.emplace(temp_parent(run.options.resources.temp_folder));
   run.decoded.emplace(run.cloud, run.options, [&](std::size_t input) { return run.place("decoded", input, true); });
   run.statistics.bytes_spilled += run.decoded->bytes();
   run.statistics.order_seconds += seconds_since(start);
@@ -51,7 +51,7 @@ void plan_memory_of(RunState& run) {
 
 void make_folder(RunState& run) {
   if (!run.memory.spills() || run.checkpoints || run.folder) return;
-  run.folder.emplace(temp_parent(run.options.temp_folder));
+  run.folder.emplace(temp_parent(run.options.resources.temp_folder));
 }
 
 }  // namespace

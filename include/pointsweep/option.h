@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Typed values of options, without any text form (pipeline/option_text.h has that).
+/// Typed values of options, as operators and rules have them.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "pointsweep/math/vec3.h"
+#include "pointsweep/geometry.h"
 
 namespace pointsweep {
 
@@ -16,7 +16,7 @@ using OptionValue = std::variant<std::monostate, std::uint64_t, double, std::str
 
 inline bool has_value(const OptionValue& value) { return !std::holds_alternative<std::monostate>(value); }
 
-/// An option that has a value, e.g. {"k", 8}.
+/// An option that has a value, e.g. {"width", 0.5}.
 struct Option {
   std::string name;
   OptionValue value;

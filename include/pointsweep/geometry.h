@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// 3-vectors in double precision, evaluated with plain IEEE operations in a fixed order (x, y, z).
+/// Vectors and boxes in double precision, evaluated with plain IEEE operations in a fixed order (x, y, z).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pointsweep {
 
@@ -27,5 +29,31 @@ inline double distance2(Vec3 a, Vec3 b) {
   const double dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
   return (dx * dx + dy * dy) + dz * dz;
 }
+
+/// An axis-aligned box, closed; empty until it includes something.
+struct Box {
+  static constexpr double kInf = std::numeric_limits<double>::infinity();
+  Vec3 lo{kInf, kInf, kInf};
+  Vec3 hi{-kInf, -kInf, -kInf};
+
+  bool empty() const { return !(lo.x <= hi.x); }
+  Vec3 extent() const { return empty() ? Vec3{} : hi - lo; }
+  Vec3 center() const { return {0.5 * lo.x + 0.5 * hi.x, 0.5 * lo.y + 0.5 * hi.y, 0.5 * lo.z + 0.5 * hi.z}; }
+  double diagonal() const { return length(extent()); }
+  void include(Vec3 p) {
+    lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
+    hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
+  }
+  void include(const Box& b) {
+    lo = {std::min(lo.x, b.lo.x), std::min(lo.y, b.lo.y), std::min(lo.z, b.lo.z)};
+    hi = {std::max(hi.x, b.hi.x), std::max(hi.y, b.hi.y), std::max(hi.z, b.hi.z)};
+  }
+  /// 0, 1 or 2; the first of equal ones.
+  int longest_axis() const {
+    const Vec3 e = extent();
+    return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
+  }
+  friend bool operator==(const Box&, const Box&) = default;
+};
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Several readers as one cloud: rows run through the inputs in the order given.
+/// The inside of a Cloud: several readers as one, rows that are left out, decoders for several threads.
 #pragma once
 
 #include <cstddef>
@@ -12,29 +12,22 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/cloud.h"
 #include "pointsweep/formats/common_schema.h"
 #include "pointsweep/formats/files/file_state.h"
 #include "pointsweep/formats/finite_rows.h"
-#include "pointsweep/formats/reader.h"
 #include "pointsweep/formats/row_selection.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 
-struct CloudOptions {
-  /// Merge inputs of different coordinate reference systems without a transformation, with a warning. Otherwise they
-  /// are a UsageError.
-  bool ignore_crs = false;
-};
-
-/// One schema serves all inputs: the common one where all agree bit for bit; otherwise the union of their fields by
-/// name, coordinates without loss (float64 unless all are float32; LAS integers at the finest scale of all inputs where
-/// all lie on that grid, see common_grid.h), other fields in the smallest type that holds the values of all inputs, and
-/// a field that an input lacks is 0 there, but for returns and overlap flags (missing_fields.h).
-class Cloud {
+/// Class Cloud documents its schema. LAS integers stay where all lie on one grid (common_grid.h); what a field is in an
+/// input that lacks it is in missing_fields.h.
+class InputCloud {
  public:
-  explicit Cloud(const std::vector<std::filesystem::path>& paths, CloudOptions options = {});
-  explicit Cloud(std::vector<std::unique_ptr<Reader>> readers, CloudOptions options = {});
+  explicit InputCloud(const std::vector<std::filesystem::path>& paths, CloudOptions options = {});
+  explicit InputCloud(std::vector<std::unique_ptr<Reader>> readers, CloudOptions options = {});
 
   const Schema& schema() const { return schema_; }
   /// Of all inputs, or of the rows that are selected.
@@ -47,7 +40,7 @@ class Cloud {
   /// Coordinate reference system of the first input that states one.
   const std::optional<Crs>& crs() const { return crs_; }
   /// What inputs that are LAS, or were, mean by their coordinates and times; none if none was.
-  const std::optional<LasOrigin>& las() const { return las_; }
+  const std::shared_ptr<const LasOrigin>& las() const { return las_; }
   /// Which values each field can have, as far as the types of the inputs tell.
   const std::vector<ValueRange>& ranges() const { return ranges_; }
   /// What was wrong but harmless where inputs meet, one sentence each; what concerns one input is in its FileInfo.
@@ -110,7 +103,7 @@ class Cloud {
   std::size_t last_input_ = 0;  ///< that read() read
   Schema schema_;
   std::optional<Crs> crs_;
-  std::optional<LasOrigin> las_;
+  std::shared_ptr<const LasOrigin> las_;
   std::vector<ValueRange> ranges_;
   std::vector<std::string> warnings_;
   std::uint64_t count_ = 0;  ///< before the selection

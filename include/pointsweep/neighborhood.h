@@ -1,30 +1,68 @@
 // SPDX-License-Identifier: MIT
-/// What an operator sees: a batch of points with their neighbourhoods N_i, and the columns it fills.
+/// Which points are the neighbours of a point, and a batch of points with their neighbourhoods N_i as operators see it.
 #pragma once
 
 #include <array>
-#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "pointsweep/math/vec3.h"
-#include "pointsweep/points/degenerate_points.h"
+#include "pointsweep/attribute.h"
+#include "pointsweep/export.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/option.h"
 
 namespace pointsweep {
 
+class NeighborhoodRule;
+
+/// A rule that several neighbourhoods share, or none. A shared pointer would do, were its destructor not inlined: GCC
+/// 12 then warns wrongly, in code that writes a chain in braces, of the destruction of an uninitialized object.
+class POINTSWEEP_EXPORT SharedRule {
+ public:
+  SharedRule() = default;
+  template <class Rule>
+  SharedRule(std::shared_ptr<Rule> rule) : rule_(std::move(rule)) {}
+  SharedRule(const SharedRule&) = default;
+  SharedRule& operator=(const SharedRule&) = default;
+  ~SharedRule();
+
+  explicit operator bool() const { return rule_ != nullptr; }
+  const NeighborhoodRule* operator->() const { return rule_.get(); }
+  const NeighborhoodRule& operator*() const { return *rule_; }
+
+ private:
+  std::shared_ptr<const NeighborhoodRule> rule_;
+};
+
+/// What a neighbourhood is: the `k` nearest points, those within `radius` (inclusive), or the k nearest of these, the
+/// point itself excluded; where there is a rule, the first of these that it keeps. Exact: distances are evaluated in
+/// double at the positions of the search; equal ones go by x, y, z, then input row.
+struct Neighborhood {
+  static constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
+  std::size_t k = 8;                                        ///< 1 or more; kUnlimited: as many as the radius holds
+  double radius = std::numeric_limits<double>::infinity();  ///< > 0, in length units of the cloud
+  SharedRule rule = {};
+
+  double radius2() const { return radius * radius; }
+};
+
+/// How the engine lays out a batch in memory. Operators need none of this: Neighborhoods hides it.
 /// Most points a cell may hold; a neighbour is named by the slot of its cell and its index inside it.
 inline constexpr std::uint32_t kIndexBits = 11;
 inline constexpr std::uint32_t kCellCapacity = 1u << kIndexBits;
-using NeighborRef = std::uint32_t;  ///< slot << kIndexBits | index
+using NeighborRef = std::uint32_t;  ///< slot << kIndexBits | index; valid as long as the batch
 inline NeighborRef make_ref(std::uint32_t slot, std::uint32_t index) { return slot << kIndexBits | index; }
 inline std::uint32_t slot_of(NeighborRef ref) { return ref >> kIndexBits; }
 inline std::uint32_t index_of(NeighborRef ref) { return ref & (kCellCapacity - 1); }
 
-/// The points of one slot: structure of arrays, owned by the cell.
+/// The points of one slot: structure of arrays, owned by the engine.
 struct PointColumns {
   const double* x = nullptr;  ///< coordinates as in the input, length units of the file
   const double* y = nullptr;
@@ -44,8 +82,8 @@ struct PointColumns {
 /// a least or a greatest distance must look at all of N_i unless sorted_by_distance(), or call farthest_distance2().
 class Neighborhoods {
  public:
-  /// `position_column`: the column of moved positions to be seen instead of those of the search; negative: none.
-  /// `moved`: the positions in `own` and `slots` are themselves no longer those of the search.
+  /// The engine makes batches. `position_column`: the column of moved positions to be seen instead of those of the
+  /// search; negative: none. `moved`: the positions in `own` and `slots` are themselves no longer those of the search.
   Neighborhoods(const PointColumns& own, std::size_t size, const PointColumns* slots, const std::uint32_t* begin,
                 const NeighborRef* refs, std::span<const std::uint16_t> reads,
                 std::span<const std::uint16_t> reads_neighbors, int position_column = -1, bool moved = false)
@@ -150,34 +188,24 @@ class Neighborhoods {
   bool sorted_by_distance_;
 };
 
-/// The columns an operator fills for a batch, in the order of its contract().makes.
-class Columns {
+/// How large the neighbourhood of each point is, where points differ in that. The search finds the largest
+/// neighbourhood that any point may have, nearest first; the rule keeps the first m of each point, with m its choice.
+/// These are exact because the list is: the first m of the k nearest are the m nearest.
+///
+/// Like an operator, a rule is a pure function of a point, its attributes and its list. It runs once per point, before
+/// all stages. The cost of the search is that of the largest neighbourhood.
+class POINTSWEEP_EXPORT NeighborhoodRule {
  public:
-  /// `unwanted`: by number, the columns that are never read; may be shorter.
-  Columns(std::span<std::byte* const> made, std::size_t size, std::vector<bool> unwanted = {})
-      : made_(made), size_(size), unwanted_(std::move(unwanted)) {}
-  std::size_t size() const { return size_; }
-  /// Column `m` of contract().makes; T is the whole value, e.g. std::array<float, 3> or float.
-  template <class T>
-  std::span<T> column(std::size_t m) {
-    assert(m < made_.size());
-    return {reinterpret_cast<T*>(made_[m]), size_};
-  }
-  /// False if column `m` is never read. An operator may then skip computing it.
-  bool wanted(std::size_t m) const { return m >= unwanted_.size() || !unwanted_[m]; }
-  /// Point i gets the documented value in place of a result, because its data define none.
-  void mark_degenerate(std::size_t i) {
-    assert(i < size_);
-    degenerate_.mark(i);
-  }
-  /// The points so marked.
-  DegeneratePoints& degenerate() { return degenerate_; }
-
- private:
-  std::span<std::byte* const> made_;
-  std::size_t size_;
-  std::vector<bool> unwanted_;
-  DegeneratePoints degenerate_;
+  virtual ~NeighborhoodRule() = default;
+  /// What it keeps, to end the sentence "of these ...".
+  virtual std::string meaning() const = 0;
+  /// Attributes of the point itself that it looks at; the input has them.
+  virtual std::vector<Attribute> reads() const = 0;
+  /// The options that tell rules of one class apart, e.g. {{"k_from", "scale"}}: a run with other options is another
+  /// run.
+  virtual Options options() const { return {}; }
+  /// Sets counts[i] to how many neighbours point i keeps, at most in.count(i). Called from many threads at once.
+  virtual void choose(const Neighborhoods& in, std::span<std::uint32_t> counts) const = 0;
 };
 
 }  // namespace pointsweep

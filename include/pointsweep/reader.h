@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// Reading point files: one interface for all formats, which formats/registry.h tells apart by content.
+/// Reading points: one interface for all formats, for arrays in memory and for formats of your own.
+///
+/// A reader of your own fills info_ in its constructor (path, format, schema with x, y and z, count) and overrides
+/// read(), or has_decoders() and decoder() so that several threads can decode.
 #pragma once
 
 #include <algorithm>
@@ -12,25 +15,28 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/las_origin.h"
-#include "pointsweep/math/box.h"
-#include "pointsweep/points/schema.h"
+#include "pointsweep/attribute.h"
+#include "pointsweep/crs.h"
+#include "pointsweep/export.h"
+#include "pointsweep/geometry.h"
 
 namespace pointsweep {
 
+struct LasOrigin;
+
 /// What a format keeps of a file in addition to its points, for a writer of the same format (LAS: header, VLRs, EVLRs;
 /// PLY: comments and obj_info). A writer of another format ignores it.
-struct FormatExtras {
+struct POINTSWEEP_EXPORT FormatExtras {
   virtual ~FormatExtras() = default;
 };
 
+/// What is known of an input when it is open.
 struct FileInfo {
-  std::filesystem::path path;
-  std::string format;  ///< for people: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
+  std::filesystem::path path;  ///< for messages; of what is no file, any name
+  std::string format;          ///< for people: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
   Schema schema;
   std::uint64_t count = 0;            ///< points really in the file, never merely what a header claims
-  std::uint64_t left_out = 0;         ///< points of the file that `count` and read() leave out (FiniteRows)
+  std::uint64_t left_out = 0;         ///< points of the file that `count` and read() leave out
   std::uint64_t bytes = 0;            ///< size of the file
   bool decode_once = false;           ///< decoding costs much more than writing and reading its records
   std::uint64_t decoder_bytes = 0;    ///< what each thread takes that decodes it, in addition to the records
@@ -38,9 +44,9 @@ struct FileInfo {
   bool z_is_up = false;               ///< the format says that z is the height
   std::vector<std::string> warnings;  ///< what was wrong but harmless, one sentence each
   std::shared_ptr<const FormatExtras> extras;
-  std::optional<Crs> crs;               ///< the coordinate reference system, if the file states one
-  std::optional<LasOrigin> las;         ///< if the file is LAS, or its points once were
-  std::vector<std::string> provenance;  ///< lines that say how the file was made (formats/provenance.h); may be empty
+  std::optional<Crs> crs;                ///< the coordinate reference system, if the file states one
+  std::shared_ptr<const LasOrigin> las;  ///< if the file is LAS, or its points once were; for LAS writers
+  std::vector<std::string> provenance;   ///< lines that say how the file was made; may be empty
 };
 
 /// Rows of a file that can be decoded without the rows before them.
@@ -53,7 +59,7 @@ struct Chunk {
 };
 
 /// Decodes rows of one file for one thread. It must not outlive its reader.
-class RowDecoder {
+class POINTSWEEP_EXPORT RowDecoder {
  public:
   virtual ~RowDecoder() = default;
 
@@ -66,7 +72,8 @@ class RowDecoder {
 /// Fields of a schema by index. Empty: all of them.
 using WantedFields = std::vector<std::size_t>;
 
-class Reader {
+/// Gives the points of one input by rows, from row 0 on.
+class POINTSWEEP_EXPORT Reader {
  public:
   Reader() = default;
   /// Each has a decoder of its own for read().
@@ -107,7 +114,30 @@ class Reader {
   std::unique_ptr<RowDecoder> own_decoder_;  ///< of read(), between the first row and the last
 };
 
-/// Opens a point file of any known format. Throws Error in one sentence when it cannot.
-std::unique_ptr<Reader> open_reader(const std::filesystem::path& path);
+/// Opens a point file of any known format, told by its content. Throws Error in one sentence when it cannot.
+POINTSWEEP_EXPORT std::unique_ptr<Reader> open_reader(const std::filesystem::path& path);
+
+/// Points from arrays, which are borrowed and must outlive the reader.
+class POINTSWEEP_EXPORT ArrayReader final : public Reader {
+ public:
+  /// `xyz`: N×3, x y z of one point side by side. Throws UsageError if its size is no multiple of 3.
+  explicit ArrayReader(std::span<const float> xyz);
+  explicit ArrayReader(std::span<const double> xyz);
+
+  /// One more attribute: N×names.size() values, those of one point side by side, e.g. {"nx", "ny", "nz"}.
+  void add(const std::vector<std::string>& names, std::span<const float> values);
+  void add(const std::vector<std::string>& names, std::span<const double> values);
+
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
+
+ private:
+  struct Column {
+    const std::byte* values;
+    std::size_t bytes;  ///< of one point
+  };
+  void add_column(const std::vector<std::string>& names, Type type, std::span<const std::byte> values);
+
+  std::vector<Column> columns_;
+};
 
 }  // namespace pointsweep

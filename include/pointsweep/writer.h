@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Writing point files, complete or not at all.
+/// Writing points: files, complete or not at all, arrays in memory, and formats of your own.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,11 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/formats/reader.h"
-#include "pointsweep/math/box.h"
-#include "pointsweep/points/attribute.h"
-#include "pointsweep/points/schema.h"
+#include "pointsweep/attribute.h"
+#include "pointsweep/crs.h"
+#include "pointsweep/export.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 
@@ -35,22 +36,22 @@ struct OutputPlan {
   /// Coordinate reference system of the points. Not needed where `extras` have it for a writer of the same format.
   std::optional<Crs> crs = std::nullopt;
   /// What an input that is LAS, or was, means by its coordinates and times.
-  std::optional<LasOrigin> las = std::nullopt;
-  /// What is known of the values of the input's fields, which are the first of `schema` (Format::values); null: their
-  /// types.
+  std::shared_ptr<const LasOrigin> las = nullptr;
+  /// What is known of the values of the input's fields, which are the first of `schema`; null: their types.
   std::shared_ptr<const KnownValues> values = nullptr;
   /// Of the inputs behind the first.
   std::vector<std::shared_ptr<const FormatExtras>> other_extras = {};
   /// The attributes in `schema` that operators made: formats that describe attributes take the meaning from here.
   std::vector<Attribute> made = {};
-  /// All that the file is to say of how it was made, that of `extras` first (formats/provenance.h). Formats without
-  /// Format::holds_provenance ignore it.
+  /// Lines that the file is to hold about how it was made, those of `extras` first. Formats without a place for them
+  /// ignore them.
   std::vector<std::string> provenance = {};
 };
 
-/// The file grows under a hidden name beside its destination and is renamed by finish(); destruction without
-/// finish() removes it, so that no half-written output is ever visible.
-class Writer {
+/// Takes the records of an output. The writers of files let the file grow under a hidden name beside its destination,
+/// and finish() renames it; destruction without finish() removes it, so that no half-written output is ever visible. A
+/// writer of your own should do likewise.
+class POINTSWEEP_EXPORT Writer {
  public:
   virtual ~Writer() = default;
 
@@ -76,11 +77,37 @@ class Writer {
   std::vector<std::string> warnings_;
 };
 
-/// Chooses the format by the extension of the path (formats/registry.h). Throws Error before anything is written:
-/// unknown extension, output exists, folder missing or read-only.
-std::unique_ptr<Writer> create_writer(const OutputPlan& plan);
+/// Chooses the format by the extension of the path. Throws Error before anything is written: unknown extension, output
+/// exists, folder missing or read-only.
+POINTSWEEP_EXPORT std::unique_ptr<Writer> create_writer(const OutputPlan& plan);
 
 /// The extensions that create_writer() knows, e.g. ".ply".
-std::vector<std::string_view> writable_extensions();
+POINTSWEEP_EXPORT std::vector<std::string_view> writable_extensions();
+
+/// Collects the fields `names` of the plan into `values`, N×names.size(), those of one point side by side.
+/// T is float, double, std::uint32_t or std::uint64_t. The path of the plan is not used.
+template <class T>
+class POINTSWEEP_EXPORT ArrayWriter final : public Writer {
+ public:
+  /// Throws UsageError if a field is missing or `values` has another size; both are borrowed until finish().
+  ArrayWriter(const OutputPlan& plan, const std::vector<std::string>& names, std::span<T> values);
+
+  void write(std::span<const std::byte> records) override;
+  bool can_write_at() const override { return true; }
+  void write_at(std::uint64_t row, std::span<const std::byte> records) override;
+  void finish() override;
+
+ private:
+  std::vector<Field> fields_;  ///< one for each column of values, of one component each
+  std::size_t stride_;
+  std::span<T> values_;
+  std::uint64_t count_;
+  std::uint64_t rows_written_ = 0;
+};
+
+extern template class ArrayWriter<float>;
+extern template class ArrayWriter<double>;
+extern template class ArrayWriter<std::uint32_t>;
+extern template class ArrayWriter<std::uint64_t>;
 
 }  // namespace pointsweep

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+/// Attributes of points: what operators read and make, and how a record in memory holds them (paper Section 5.1).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/export.h"
+
+namespace pointsweep {
+
+/// Signed and unsigned integers and IEEE floating-point numbers, with their bits.
+enum class Type : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
+
+/// Bytes of one value.
+POINTSWEEP_EXPORT std::size_t size_of(Type type);
+/// "int8", "uint8", ... "float64".
+POINTSWEEP_EXPORT std::string_view name_of(Type type);
+
+/// What a rotation, translation or scaling of the cloud does to a value.
+enum class Kind : std::uint8_t { position, vector, normal, scalar, index, color };
+
+/// One attribute of a point, e.g. {"normal", f32, kind normal, fields {"nx","ny","nz"}, unit "1", "unit surface normal
+/// ..."}. A column of it holds `fields.size()` values of `type` for each point, interleaved.
+struct Attribute {
+  std::string name;
+  Type type = Type::f32;
+  Kind kind = Kind::scalar;
+  std::vector<std::string> fields;  ///< the library's name of each component in files
+  std::string unit;                 ///< "1", "length", "1/length", ...
+  std::string meaning;              ///< one phrase for people
+  std::byte fill{0};  ///< every byte of the value of a point that has none (its coordinates are not finite)
+
+  std::size_t bytes() const { return size_of(type) * fields.size(); }
+  /// A list of m values, stored as N×m even where m is 1; otherwise a scalar.
+  bool is_list() const { return fields.size() != 1 || fields.front() != name; }
+};
+
+/// A scalar attribute whose only field bears its own name.
+inline Attribute scalar(std::string name, Type type, std::string unit, std::string meaning) {
+  return {name, type, Kind::scalar, {name}, std::move(unit), std::move(meaning)};
+}
+
+/// The unit surface normal, N×3 f32; (0, 0, 0) where none can be computed.
+inline Attribute normal_attribute() {
+  return {"normal", Type::f32, Kind::normal, {"nx", "ny", "nz"}, "1", "unit surface normal; 0 where undefined"};
+}
+
+/// The position, N×3 f64. An operator that makes it moves the points: stages after it see the new positions of a point
+/// and of its neighbours, while neighbourhoods and order stay those of the input until they are made again.
+inline Attribute position_attribute() {
+  return {"position", Type::f64, Kind::position, {"x", "y", "z"}, "length", "moved position"};
+}
+
+/// One named value, or `count` equal ones side by side, inside a record.
+/// value = bits(raw) * scale + bias, where bits() takes `bit_width` bits from `bit_shift` on, or all if `bit_width` is
+/// 0.
+struct Field {
+  std::string name;  ///< as the file calls it
+  Type type = Type::f32;
+  std::uint32_t offset = 0;  ///< bytes from the start of the record
+  std::uint32_t count = 1;
+  std::uint8_t bit_shift = 0;
+  std::uint8_t bit_width = 0;
+  double scale = 1;
+  double bias = 0;
+
+  bool is_plain() const { return bit_width == 0 && scale == 1 && bias == 0; }
+  friend bool operator==(const Field&, const Field&) = default;
+};
+
+/// How the points of a file lie in memory: one record of `stride` bytes for each point, in the byte order of the
+/// machine. Bytes that no field names are kept too, so that attributes that no stage reads pass through unchanged.
+struct POINTSWEEP_EXPORT Schema {
+  std::vector<Field> fields;
+  std::uint32_t stride = 0;  ///< bytes of a record; may exceed the sum of the fields
+
+  /// Index of the field that holds `name`, one of the library's own names ("x", "nx", "intensity", ...), in any
+  /// spelling that files use ("normal_x", "NormalX"), upper and lower case alike.
+  std::optional<std::size_t> find(std::string_view name) const;
+  /// Appends a field behind the present record and returns its index.
+  std::size_t append(std::string name, Type type, std::uint32_t count = 1);
+  friend bool operator==(const Schema&, const Schema&) = default;
+};
+
+/// Value of element `component` of `field` in the record at `record`, as a double; 64-bit integers may round.
+POINTSWEEP_EXPORT double value_of(const Field& field, const std::byte* record, std::uint32_t component = 0);
+/// Stores `value` there: divides out scale and bias, rounds to nearest for integers and saturates at the type's ends.
+POINTSWEEP_EXPORT void set_value(const Field& field, std::byte* record, double value, std::uint32_t component = 0);
+
+}  // namespace pointsweep

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+/// The input of a run: one or several files, or points from readers of your own, as one cloud.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/attribute.h"
+#include "pointsweep/crs.h"
+#include "pointsweep/export.h"
+#include "pointsweep/reader.h"
+
+namespace pointsweep {
+
+class InputCloud;
+
+struct CloudOptions {
+  /// Merge inputs of different coordinate reference systems without a transformation, with a warning. Otherwise they
+  /// are a UsageError.
+  bool ignore_crs = false;
+};
+
+/// Rows run through the inputs in the order given. Opening reads headers; points are read by run().
+///
+/// One schema serves all inputs: the common one where all agree bit for bit; otherwise the union of their fields by
+/// name, coordinates without loss (float64 unless all are float32; LAS integers at the finest scale of all inputs where
+/// all lie on that grid), other fields in the smallest type that holds the values of all inputs. A field that an input
+/// lacks is 0 there (docs/formats.md has the exceptions) and a warning names both.
+///
+/// Not thread-safe: one thread uses a cloud at a time.
+class POINTSWEEP_EXPORT Cloud {
+ public:
+  /// Opens files, whose formats are told by their content. Throws Error, with the file, for one that cannot be read,
+  /// and UsageError for coordinate reference systems that differ.
+  explicit Cloud(const std::vector<std::filesystem::path>& files, CloudOptions options = {});
+  explicit Cloud(std::initializer_list<std::filesystem::path> files, CloudOptions options = {});
+  /// Takes points from elsewhere: ArrayReader, or a reader of your own.
+  explicit Cloud(std::unique_ptr<Reader> reader, CloudOptions options = {});
+  explicit Cloud(std::vector<std::unique_ptr<Reader>> readers, CloudOptions options = {});
+  Cloud(Cloud&&) noexcept;
+  Cloud& operator=(Cloud&&) noexcept;
+  ~Cloud();
+
+  /// Points of all inputs.
+  std::uint64_t count() const;
+  /// The attributes of a point, by the names of the inputs, and how a record holds them.
+  const Schema& schema() const;
+  std::size_t input_count() const;
+  /// What is known of input `i` < input_count().
+  const FileInfo& input(std::size_t i) const;
+  /// Coordinate reference system of the first input that states one.
+  const std::optional<Crs>& crs() const;
+  /// What was wrong but harmless where inputs meet, one sentence each; what concerns one input is in its FileInfo.
+  const std::vector<std::string>& warnings() const;
+
+  /// Reads the records `row`, `row+1`, ... into `records`: as many whole records of schema().stride bytes as fit, fewer
+  /// only at the end of the cloud. Returns how many. In order it costs what reading the files costs.
+  std::size_t read(std::uint64_t row, std::span<std::byte> records);
+
+  /// For the engine.
+  InputCloud& inputs() { return *inputs_; }
+  const InputCloud& inputs() const { return *inputs_; }
+
+ private:
+  std::unique_ptr<InputCloud> inputs_;
+};
+
+}  // namespace pointsweep

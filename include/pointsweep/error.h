@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+/// What the library throws, and the request to stop.
+#pragma once
+
+#include <atomic>
+#include <stdexcept>
+
+#include "pointsweep/export.h"
+
+namespace pointsweep {
+
+/// The user, a file or the machine is at fault. `what()` is one sentence for the user: file, place (`line 7`, `byte
+/// 312`, `stage 'normals'`) and remedy. Thrown at set-up and by input and output; no output is left half-written.
+/// Degenerate data never throw: they get a documented value, and Statistics counts them.
+class POINTSWEEP_EXPORT Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The request itself makes no sense: an option out of range, a chain that does not fit the cloud.
+class POINTSWEEP_EXPORT UsageError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// The caller asked to stop. Outputs and temporary files are removed, as after any error.
+class POINTSWEEP_EXPORT Cancelled : public Error {
+ public:
+  Cancelled() : Error("cancelled") {}
+};
+
+/// A request to stop that is made once and stays. Lock-free: any thread and a signal handler may call cancel().
+class POINTSWEEP_EXPORT CancellationToken {
+ public:
+  void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
+  bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<bool> cancelled_ = false;
+  static_assert(std::atomic<bool>::is_always_lock_free);
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+/// The built-in operators and rules of neighbourhoods as typed functions. docs/operators.md has their formulas, sources
+/// and costs, docs/attributes.md what they make.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "pointsweep/export.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/operator.h"
+
+namespace pointsweep {
+
+/// Which of its two directions a normal takes. Whatever leaves the choice open (a dot product of 0) falls back to
+/// `none`.
+enum class Orient {
+  none,       ///< the component of largest magnitude is positive, the first of equal ones
+  up,         ///< nz >= 0
+  viewpoint,  ///< towards NormalsOptions::viewpoint
+  input,      ///< agrees with the normal the file has
+};
+
+struct NormalsOptions {
+  Orient orient = Orient::none;
+  Vec3 viewpoint = {};  ///< in the coordinates of the cloud; only for Orient::viewpoint
+};
+
+/// What turns and flattens the ellipse of a splat.
+enum class SplatAxes {
+  positions,  ///< M_i of Equation 1: long where the neighbours are spread
+  curvature,  ///< C_i of Equation 2, by way of k1, k2 and k1_direction: long along ridges and valleys
+};
+
+struct SplatsOptions {
+  SplatAxes axes = SplatAxes::positions;
+};
+
+/// Standard deviations of the two Gaussians of Equation 3, f(r) = exp(-r² / 2 f²). The paper sets "the variance" of
+/// both to 0.5 % of the diagonal of the bounding box (Section 7.3). A variance is a squared length, so this is read as
+/// the standard deviation.
+struct FairOptions {
+  double f = 0;  ///< of |p_j - p_i|: how far smoothing reaches; > 0
+  /// Of |Π_j(p_i) - p_i|: how far a point may be off a neighbour's tangent plane and still follow it; > 0.
+  double g = 0;
+};
+
+/// Names of attributes (scalars of any type, taken as double); empty: no such limit.
+struct AttributeLimits {
+  std::string k = {};       ///< the point keeps as many neighbours as the whole part of the value says
+  std::string radius = {};  ///< the point keeps the neighbours within the value, inclusive, in length units
+};
+
+namespace operators {
+
+/// Makes "normal": the unit normal of the surface the points were taken from (paper Section 3.2, Equation 1).
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> normals(const NormalsOptions& options = {});
+/// Makes "k1", "k2", "k1_direction" and what follows from them (paper Section 4.3.2, Equation 2). Needs "normal".
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> curvature();
+/// Makes "splat_axis", "splat_length" and "splat_ratio", ellipses that cover the surface together (paper Section
+/// 4.3.3). Needs "normal"; with SplatAxes::curvature also curvature().
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> splats(const SplatsOptions& options = {});
+/// Moves the points: feature-preserving smoothing in one pass (paper Section 4.3.4, Equation 3). Needs "normal" and
+/// splats(). Widths are in length units. Throws UsageError unless both are positive.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> fair(const FairOptions& options);
+/// The same with both widths in % of the diagonal of the box around the finite points of the input.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> fair_in_percent(const FairOptions& percent = {0.5, 0.5});
+/// Makes "mean_distance" and "outlier": whether the mean distance to the neighbours exceeds its mean over the cloud by
+/// more than `multiplier` standard deviations. Throws UsageError unless multiplier is a number of at least 0.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> sor(double multiplier = 2);
+/// Keeps the rows for which a condition on attributes holds, e.g. "classification == 2 && z < 100"
+/// (docs/pipelines.md). Throws UsageError for a text that is no condition.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> where(std::string_view condition);
+/// Keeps, of all points with equal coordinates, the one of the first row.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> unique();
+/// Makes "neighbor_count", |N_i|, and "neighbor_radius", the distance to the farthest neighbour.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> neighborhood_size();
+/// Makes "neighbors", N×k: the rows of the k nearest neighbours among `points` points (Cloud::count()), as u32, or u64
+/// from 2^32 - 1 points on; and, if asked, "distances", N×k f64. For neighbourhoods of `k`.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> neighbors(std::size_t k, std::uint64_t points,
+                                                            bool distances = false);
+
+/// For Neighborhood::rule: each point keeps the k, from `least` to Neighborhood::k, at which its neighbours look most
+/// like a line, a plane or a volume: least eigenentropy (Weinmann et al. 2014). Throws UsageError if `least` < 3.
+POINTSWEEP_EXPORT SharedRule least_eigenentropy(std::size_t least = 10);
+/// For Neighborhood::rule: each point keeps the neighbours that attributes of its own allow, up to the k and radius of
+/// the Neighborhood. Throws UsageError where neither attribute is named.
+POINTSWEEP_EXPORT SharedRule limits_from_attributes(const AttributeLimits& limits);
+
+}  // namespace operators
+}  // namespace pointsweep

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+/// All of the library's public interface. In reading order:
+///   attribute.h     what points carry, and how a record holds it
+///   reader.h        inputs: files, arrays, readers of your own
+///   cloud.h         several inputs as one cloud
+///   neighborhood.h  which points are neighbours, and a batch of points as operators see it
+///   operator.h      operators of your own
+///   operators.h     the built-in operators
+///   chain.h         operators in order, from C++, text or JSON
+///   writer.h        outputs: files, arrays, writers of your own
+///   run.h           running a chain: outputs, options, resources, observation
+///   statistics.h    what a run did
+///   error.h         what is thrown
+/// crs.h, geometry.h, option.h and export.h hold what these share.
+#pragma once
+
+#include "pointsweep/attribute.h"
+#include "pointsweep/chain.h"
+#include "pointsweep/cloud.h"
+#include "pointsweep/crs.h"
+#include "pointsweep/error.h"
+#include "pointsweep/export.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/option.h"
+#include "pointsweep/reader.h"
+#include "pointsweep/run.h"
+#include "pointsweep/statistics.h"
+#include "pointsweep/writer.h"

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+/// Running a chain of operators over a cloud of any size: the library's front door.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/attribute.h"
+#include "pointsweep/chain.h"
+#include "pointsweep/cloud.h"
+#include "pointsweep/error.h"
+#include "pointsweep/export.h"
+#include "pointsweep/statistics.h"
+#include "pointsweep/writer.h"
+
+namespace pointsweep {
+
+/// The order of the output's rows. It never changes a value.
+enum class Order : std::uint8_t {
+  input,  ///< row i of the output is row i of the input
+  sweep,  ///< canonical order along the sweep axis: coordinate on it, ties by x, y, z, row; not finite ones last, by
+          ///< row. Of the input's positions, or of those at the last Resort of the chain
+};
+
+/// What finds the neighbourhoods and moves the points through the operators.
+enum class Engine : std::uint8_t {
+  exact,      ///< the engine of this library: exact, in parallel, within the memory budget
+  reference,  ///< the paper's own algorithm, point by point, on one thread: neighbourhoods may lack a point, and counts
+              ///< of these are in Statistics::reference. Error if its active set outgrows the budget on the way.
+};
+
+/// What happens to points whose coordinates are NaN or infinite. They are neighbours of no other point in any case.
+enum class Nonfinite : std::uint8_t {
+  by_format,  ///< `drop` for LAS, which cannot hold them, `keep` for all other formats
+  keep,       ///< they are written with all their attributes, and what is made has the value of points that have none
+  drop,       ///< their rows are left out of all outputs; numbers of rows (Order::input, neighbours) count the others
+  refuse,     ///< the first one ends the run
+};
+
+struct Progress {
+  const char* phase;   ///< "checking" (for nonfinite points), "decoding", "ordering", "sweeping", "updating" (from one
+                       ///< sweep to the next) or "writing"
+  std::uint64_t done;  ///< points
+  std::uint64_t total;
+  std::uint64_t active;  ///< points in the window, while sweeping
+};
+
+/// Watches a run, and stops it. An exception that an override throws ends the run, which leaves nothing behind.
+///
+/// cancel(), from any thread or from a signal handler, ends the run with Cancelled within a fraction of a second. An
+/// operator is not interrupted between two batches of at most 262,144 neighbours or one point. An observer that has
+/// been cancelled stays so.
+class POINTSWEEP_EXPORT Observer {
+ public:
+  virtual ~Observer();
+  /// Called from one thread at a time, a few times a second at most on average.
+  virtual void on_progress(const Progress& progress);
+  /// Called with each sentence about the input, the request or the output as soon as it is known, and with estimates of
+  /// long runs while there is time to stop. Statistics::warnings has all but the estimates.
+  virtual void on_warning(const std::string& sentence);
+
+  void cancel() noexcept { own_.cancel(); }
+  /// What the run asks whether to stop: a token of the observer's own, or one that several share. It must outlive the
+  /// run.
+  virtual const CancellationToken& token() const noexcept;
+
+ private:
+  CancellationToken own_;
+};
+
+/// What a run may take of the machine. No result depends on it.
+struct Resources {
+  std::uint64_t memory_bytes = 0;  ///< budget of the whole process; 0: half of what is available
+  unsigned threads = 0;            ///< 0: one for each core
+  /// For what does not fit the budget. Must exist and be writable, even if nothing is spilled; empty: the system's.
+  std::filesystem::path temp_folder = {};
+};
+
+/// What a run means, then what it may take, then who watches it.
+struct RunOptions {
+  Order order = Order::input;
+  std::optional<int> axis = {};  ///< of the sweep: 0, 1, 2; absent: the longest
+  Engine engine = Engine::exact;
+  Nonfinite nonfinite = Nonfinite::by_format;
+  bool overwrite = false;  ///< outputs may replace existing files
+  /// Type that x, y and z of the output get if the chain moves points, whatever they are in the input: Type::f64, or
+  /// Type::f32, to which moved positions are then rounded while normals and all else describe the unrounded ones.
+  /// A LAS file keeps the integer grid of a LAS input.
+  Type moved_positions = Type::f64;
+  /// Attributes of the input that made ones may overwrite, although they are not the same: `curvature`, above all,
+  /// which programs disagree about. What bears the very name of a made one (nx, ny, nz) is overwritten in any case.
+  std::vector<std::string> replace = {};
+  std::string prefix = {};  ///< before the names of made attributes in outputs, except positions
+  /// Outputs hold a record of this run: its operators with their options, and the inputs. The records of the inputs
+  /// stay in any case.
+  bool provenance = true;
+  bool input_paths = false;  ///< that record holds the absolute paths of the inputs instead of their file names
+
+  Resources resources = {};
+  /// A folder for checkpoints, in the place of the temporary folder: if this process ends before the run is complete,
+  /// the same run, given the same folder, goes on from the last checkpoint. Refused if another run is in it, removed
+  /// when the run is complete. Everything is spilled. Needs inputs that are files, and Engine::exact. Empty: none.
+  std::filesystem::path resume_folder = {};
+  Observer* observer = nullptr;  ///< borrowed; null: none
+};
+
+/// Where results go: any of the three, e.g. {.points = "out.ply"}.
+struct Outputs {
+  /// Point file with the attributes of the input and the made ones; the extension says the format.
+  std::filesystem::path points = {};
+  /// Made attribute -> .npy file; needs Order::input.
+  std::vector<std::pair<std::string, std::filesystem::path>> arrays = {};
+  /// Makes a writer for the same records as `points` would get: an ArrayWriter, or one of your own.
+  std::function<std::unique_ptr<Writer>(const OutputPlan&)> writer = {};
+};
+
+/// Runs `chain` over `cloud`: complete outputs, or none and an exception. The bytes of the outputs depend on the
+/// points, the chain and the options above `resources` alone. Throws UsageError for a chain that does not fit and for
+/// an output that is an input or another output, by whatever path; Error for files, memory and disk, and for a budget
+/// that is too small, before the work starts; Cancelled.
+POINTSWEEP_EXPORT Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs,
+                                 const RunOptions& options = {});
+
+/// Writes the cloud in canonical order along the axis: the attributes that `keep` names (as Chain::keep), unchanged, or
+/// all of them if it is empty. Throws as run() does.
+POINTSWEEP_EXPORT Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options = {},
+                                  const std::vector<std::string>& keep = {});
+
+/// What run() would do, in lines for people: passes, stages with their buffers, columns, slabs and memory. Looks at a
+/// sample of the cloud and writes nothing. Throws what run() would throw before the work. `output`: the point file to
+/// write, which need not exist.
+POINTSWEEP_EXPORT std::string plan_text(Cloud& cloud, const Chain& chain, const std::filesystem::path& output = {},
+                                        const RunOptions& options = {});
+
+}  // namespace pointsweep

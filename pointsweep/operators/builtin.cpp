@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+/// The typed functions of operators.h.
+#include "pointsweep/operators/curvature.h"
+#include "pointsweep/operators/fair.h"
+#include "pointsweep/operators/least_eigenentropy.h"
+#include "pointsweep/operators/limits_from_attributes.h"
+#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/neighborhood_size.h"
+#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/outliers.h"
+#include "pointsweep/operators/splats.h"
+#include "pointsweep/operators/unique.h"
+#include "pointsweep/operators/where.h"
+
+namespace pointsweep::operators {
+
+std::shared_ptr<const Operator> normals(const NormalsOptions& options) { return std::make_shared<Normals>(options); }
+std::shared_ptr<const Operator> curvature() { return std::make_shared<Curvature>(); }
+std::shared_ptr<const Operator> splats(const SplatsOptions& options) { return std::make_shared<Splats>(options); }
+std::shared_ptr<const Operator> fair(const FairOptions& options) { return std::make_shared<Fair>(options); }
+std::shared_ptr<const Operator> fair_in_percent(const FairOptions& percent) {
+  return std::make_shared<FairInPercent>(percent);
+}
+std::shared_ptr<const Operator> sor(double multiplier) { return std::make_shared<StatisticalOutliers>(multiplier); }
+std::shared_ptr<const Operator> where(std::string_view condition) { return std::make_shared<Where>(condition); }
+std::shared_ptr<const Operator> unique() { return std::make_shared<Unique>(); }
+std::shared_ptr<const Operator> neighborhood_size() { return std::make_shared<NeighborhoodSize>(); }
+std::shared_ptr<const Operator> neighbors(std::size_t k, std::uint64_t points, bool distances) {
+  return std::make_shared<NeighborRows>(k, points, distances);
+}
+
+SharedRule least_eigenentropy(std::size_t least) { return std::make_shared<LeastEigenentropy>(least); }
+SharedRule limits_from_attributes(const AttributeLimits& limits) {
+  return std::make_shared<LimitsFromAttributes>(limits);
+}
+
+}  // namespace pointsweep::operators

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// A run as the library's own code starts it: over an InputCloud, with settings that tests, scripts and reports need
+/// and users do not.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/run.h"
+
+namespace pointsweep {
+
+/// No result depends on any of these.
+struct EngineOptions : RunOptions {
+  EngineOptions() = default;
+  EngineOptions(const RunOptions& options) : RunOptions(options) {}
+
+  std::uint64_t slab_points = 0;     ///< aim; 0: chosen from the cloud
+  std::uint32_t cell_points = 1024;  ///< a multiple of 16 up to 2,048
+  bool spill = false;                ///< use the temporary folder even where memory would do
+  /// Find neighbourhoods again for every step even where there is memory to keep them.
+  bool search_again = false;
+  /// For the lists of neighbours that a thread has in hand, at least those of one point; 0: chosen from the budget.
+  std::uint64_t lists_bytes = 0;
+  bool count_distances = false;  ///< fill Statistics::neighbor_distances; about 5 ns a point
+  /// A .npy file of one uint8 for each input row: its PointState (sweep/sweep.h) when half of the points have been
+  /// read. Takes a byte of memory for each point in addition to the budget; not with resume_folder. Empty: none.
+  std::filesystem::path half_way_states;
+  /// Between two checkpoints, not counting those at the end of a phase; more where a checkpoint takes longer than a
+  /// hundredth of it. 0: after every slab.
+  double checkpoint_seconds = 30;
+};
+
+/// As the functions of the same names in run.h.
+Statistics run(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options = {});
+Statistics sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options = {},
+                const std::vector<std::string>& keep = {});
+
+/// The type of x, y and z in `output` of a chain that moves points; absent: that of the input.
+std::optional<Type> type_of_moved_positions(const Schema& input, const std::filesystem::path& output,
+                                            const EngineOptions& options);
+
+}  // namespace pointsweep

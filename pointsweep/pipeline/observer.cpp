@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/run.h"
+
+namespace pointsweep {
+
+Observer::~Observer() = default;
+void Observer::on_progress(const Progress&) {}
+void Observer::on_warning(const std::string&) {}
+const CancellationToken& Observer::token() const noexcept { return own_; }
+
+}  // namespace pointsweep
