@@ -14,6 +14,8 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kMega = 1u << 20;
+/// One byte in so many of the memory for cells is lost between allocations that come and go.
+constexpr std::uint64_t kLostBetweenAllocations = 8;
 constexpr std::uint64_t kLeastSlabPoints = 4096;
 
 // What grows slowly with the cloud, in bytes. Sizes are those of the structures named on 64-bit machines; vectors that
@@ -179,8 +181,7 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
     out = Division(budget, plan, demand, lists).find();
   }
   const std::uint64_t others = out.expected_bytes - cells_bytes(plan, out.slab_points, demand, lists);
-  // An eighth is lost between allocations.
-  out.cells_bytes = (budget - std::min(budget, others)) / 8 * 7;
+  out.cells_bytes = (budget - std::min(budget, others)) / kLostBetweenAllocations * (kLostBetweenAllocations - 1);
   out.recall_bytes = std::max(kMega, out.cells_bytes);  // the window is empty by then
   return out;
 }

@@ -19,10 +19,6 @@ double reach_of_most(const std::vector<double>& reach2, double share) {
   return std::sqrt(*at);
 }
 
-/// Up to one point in eight of a cell is deferred; of more the cell waits. A deferred point costs several times what
-/// one costs that is searched twice.
-constexpr std::size_t kStragglers = 8;
-
 /// The share of the points of a cell whose reach counts as that of the cell: it decides how long the cell is kept.
 constexpr double kCountedShare = 0.9;
 

@@ -12,7 +12,8 @@ namespace pointsweep {
 
 namespace {
 
-constexpr double kMuchDenser = 4;                              ///< times shorter reach
+/// Times shorter reach, which on a surface is 16 times as many points.
+constexpr double kMuchDenser = 4;
 constexpr std::uint32_t kMostSlots = 1u << (32 - kIndexBits);  ///< that a NeighborRef can name
 
 Box leaf_box(const Cell& cell, std::uint32_t leaf) {
@@ -24,9 +25,9 @@ Box leaf_box(const Cell& cell, std::uint32_t leaf) {
   return b;
 }
 
-/// Of seven leaves in eight.
+/// Of all leaves but one in kStragglers, whose points may be deferred.
 double reach_of_most(std::vector<double> reach) {
-  const auto most = reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * 7 / 8);
+  const auto most = reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * (kStragglers - 1) / kStragglers);
   std::nth_element(reach.begin(), most, reach.end());
   return *most;
 }

@@ -50,6 +50,10 @@ struct WindowCell {
   }
 };
 
+/// Up to one point in so many of a cell is deferred; of more the cell waits. A deferred point costs several times what
+/// one costs that is searched twice.
+inline constexpr std::size_t kStragglers = 8;
+
 /// Of a point, without columns and lists: coordinates, row and place in the slab.
 inline constexpr std::uint64_t kOwnPointBytes =
     3 * sizeof(double) + sizeof(std::uint64_t) + sizeof(decltype(WindowCell::index_in_slab)::value_type);
