@@ -50,7 +50,7 @@ EngineOptions run_options(const CommonOptions& options) {
 InputCloud open_inputs(InputsAndOutput paths, const CommonOptions& options) {
   for (const auto& path : {options.stats, options.report, options.half_way}) paths.other_outputs.push_back(path);
   require_named_files(paths);
-  return InputCloud(paths.inputs(), {.ignore_crs = options.ignore_crs});
+  return InputCloud(paths.inputs(), cloud_options(options));
 }
 
 /// The name of the report, refused if it is not that of a page.
@@ -168,6 +168,7 @@ void add_run_options(CLI::App& verb, CommonOptions& options) {
   add_nonfinite_option(verb, options);
   add_thread_option(verb, options);
   add_crs_option(verb, options);
+  add_format_option(verb, options.format);
   add_force_option(verb, options);
   add_progress_options(verb, options);
 }

@@ -8,6 +8,7 @@
 
 #include "cli/quantities.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/registry.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -59,6 +60,10 @@ Order parse_order(std::string_view name) {
   return name == "sweep" ? Order::sweep : Order::input;
 }
 
+CloudOptions cloud_options(const CommonOptions& options) {
+  return {.ignore_crs = options.ignore_crs, .format = options.format};
+}
+
 void add_progress_options(CLI::App& verb, CommonOptions& options) {
   verb.add_flag("-q,--quiet", options.quiet, "Print errors only");
   verb.add_option_function<int>(
@@ -85,6 +90,12 @@ void add_force_option(CLI::App& verb, CommonOptions& options) {
 void add_crs_option(CLI::App& verb, CommonOptions& options) {
   verb.add_flag("--ignore-crs", options.ignore_crs,
                 "Merge inputs of different coordinate systems without a transformation");
+}
+
+void add_format_option(CLI::App& verb, std::string& format) {
+  verb.add_option("--format", format,
+                  "Format of inputs that have no signature; all others are recognised by their content")
+      ->type_name(formats_asked_for());
 }
 
 void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meaning) {

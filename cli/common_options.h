@@ -30,6 +30,7 @@ struct CommonOptions {
   std::vector<std::string> keep;        ///< names of attributes to write; empty: all
   bool dry_run = false;                 ///< print the plan and write nothing
   bool quiet = false;
+  std::string format;            ///< of inputs without a signature; empty: there are none
   bool ignore_crs = false;       ///< inputs may have different coordinate reference systems
   bool force = false;            ///< an existing output may be replaced
   int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
@@ -40,12 +41,17 @@ struct CommonOptions {
   bool provenance_paths = false;     ///< with the absolute paths of the inputs
 };
 
+/// How the inputs become one cloud.
+CloudOptions cloud_options(const CommonOptions& options);
+
 /// --quiet, --progress-fd N
 void add_progress_options(CLI::App& verb, CommonOptions& options);
 /// --threads N
 void add_thread_option(CLI::App& verb, CommonOptions& options);
 /// --ignore-crs
 void add_crs_option(CLI::App& verb, CommonOptions& options);
+/// --format
+void add_format_option(CLI::App& verb, std::string& format);
 /// --force
 void add_force_option(CLI::App& verb, CommonOptions& options);
 /// --memory SIZE, --temp-dir DIR, --resume DIR, --axis, --stats FILE, --report FILE and, hidden, --half-way-states FILE

@@ -60,13 +60,13 @@ class InfoReport {
 
 void look_at_file(const std::filesystem::path& file, const InfoOptions& options, InfoReport& report,
                   ProgressDisplay& progress) {
-  const std::unique_ptr<Reader> reader = open_reader(file);
+  const std::unique_ptr<Reader> reader = open_reader(file, options.common.format);
   const FileSummary summary = summarize(*reader, options.spacing, [&](std::uint64_t done, std::uint64_t total) {
     stop_if_cancelled();
     progress.report("info", done, total);
   });
   for (const std::string& warning : reader->info().warnings)
-    progress.say(fmt::format("{}: {}", file.string(), warning));
+    progress.say(warning.starts_with(file.string()) ? warning : fmt::format("{}: {}", file.string(), warning));
   report.add(reader->info(), summary);
 }
 
@@ -105,6 +105,7 @@ void add_info_command(CLI::App& app) {
   verb.add_flag_callback(
       "--no-spacing", [options] { options->spacing = Spacing::skip; },
       "Read files once instead of twice, without the distances between points");
+  add_format_option(verb, options->common.format);
   add_progress_options(verb, options->common);
   verb.footer(
       "The files are read to their end, so that bounds, counts and ranges are those of the points, not of a header.\n"

@@ -69,7 +69,7 @@ void render_picture(RenderCommand& command) {
   options.angles = parse_view(command.view);
   options.up = parse_up(command.up);
   OutputFile file(output, command.common.force);
-  InputCloud cloud(command.paths.inputs(), {.ignore_crs = command.common.ignore_crs});
+  InputCloud cloud(command.paths.inputs(), cloud_options(command.common));
   if (const auto& crs = cloud.readers().front()->info().crs) options.length_unit = length_unit_of(*crs);
   ProgressDisplay display(command.common);
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
@@ -113,6 +113,7 @@ void add_render_command(CLI::App& app) {
   verb.add_flag_callback(
       "--no-legend", [command] { command->options.legend = false; }, "Leave out what the colours mean");
   add_crs_option(verb, command->common);
+  add_format_option(verb, command->common.format);
   add_force_option(verb, command->common);
   add_progress_options(verb, command->common);
   verb.footer(

@@ -66,6 +66,7 @@ void take_recorded_pipeline(VerifyCommand& command, const ProvenanceRecord& reco
 void take_record(VerifyCommand& command, const ProvenanceRecord& record) {
   const auto setting = [&](const char* name) { return record.setting(name).value_or(""); };
   if (command.common.prefix.empty()) command.common.prefix = setting("prefix");
+  if (command.common.format.empty()) command.common.format = setting("format");
   if (command.common.nonfinite == Nonfinite::by_format && setting("nonfinite") == "drop")
     command.common.nonfinite = Nonfinite::drop;
   if (command.says_how()) return;
@@ -287,7 +288,7 @@ Verdict checked(const VerifyCommand& command, InputCloud& cloud, ProgressDisplay
 
 void run_check(const VerifyCommand& given) {
   const VerifyCommand command = completed(given);
-  InputCloud cloud(command.paths.inputs(), {.ignore_crs = command.common.ignore_crs});
+  InputCloud cloud(command.paths.inputs(), cloud_options(command.common));
   drop_nonfinite(command, cloud);
   ProgressDisplay display(command.common);
   const Verdict verdict = checked(command, cloud, display);
@@ -338,6 +339,7 @@ void add_verify_command(CLI::App& app) {
       verb, command->common,
       "Memory for the neighbours of the sample; a larger sample is checked in several passes (default: 1G)");
   add_crs_option(verb, command->common);
+  add_format_option(verb, command->common.format);
   add_progress_options(verb, command->common);
   verb.footer(
       "Compares every point and attribute of the input with the output. For a sample of points, finds the neighbours "

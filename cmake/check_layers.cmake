@@ -26,7 +26,7 @@ set(may_include_operators points math)
 # What is common to formats stands between files/, which knows no points, and the formats, which do not know each other.
 set(may_include_formats/files "")
 set(may_include_formats points math formats/files)
-foreach(format e57 las mesh npy pcd ply qsplat text)
+foreach(format e57 kitti las mesh npy pcd ply ptx qsplat text vtk)
   set(may_include_formats/${format} points math formats formats/files)
 endforeach()
 set(may_include_shapes points math formats)
@@ -43,7 +43,8 @@ set(may_include_verify/formulas nothing_at_all)
 list(APPEND may_include_verify verify/formulas)
 set(may_include_cli points math order operators formats formats/files shapes render verify pipeline pipeline/plan report)
 # The one file that knows all formats.
-set(pointsweep/formats/registry.cpp_may_include formats/e57 formats/las formats/mesh formats/npy formats/pcd formats/ply formats/qsplat formats/text)
+set(pointsweep/formats/registry.cpp_may_include formats/e57 formats/kitti formats/las formats/mesh formats/npy
+  formats/pcd formats/ply formats/ptx formats/qsplat formats/text formats/vtk)
 
 if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)

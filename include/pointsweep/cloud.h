@@ -25,6 +25,8 @@ struct CloudOptions {
   /// Merge inputs of different coordinate reference systems without a transformation, with a warning. Otherwise they
   /// are a UsageError.
   bool ignore_crs = false;
+  /// Format of the files that have no signature: "kitti" or "float32-xyz" (open_reader).
+  std::string format = "";
 };
 
 /// Rows run through the inputs in the order given. Opening reads headers; points are read by run().

@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pointsweep/attribute.h"
@@ -47,6 +48,7 @@ struct FileInfo {
   std::optional<Crs> crs;                ///< the coordinate reference system, if the file states one
   std::shared_ptr<const LasOrigin> las;  ///< if the file is LAS, or its points once were; for LAS writers
   std::vector<std::string> provenance;   ///< lines that say how the file was made; may be empty
+  std::string asked_for_as;  ///< the `format` of open_reader() that the file has; empty if it has a signature
 };
 
 /// Rows of a file that can be decoded without the rows before them.
@@ -114,8 +116,10 @@ class POINTSWEEP_EXPORT Reader {
   std::unique_ptr<RowDecoder> own_decoder_;  ///< of read(), between the first row and the last
 };
 
-/// Opens a point file of any known format, told by its content. Throws Error in one sentence when it cannot.
-POINTSWEEP_EXPORT std::unique_ptr<Reader> open_reader(const std::filesystem::path& path);
+/// Opens a point file of any known format, told by its content. `format` names one that has no signature ("kitti",
+/// "float32-xyz"); it is that of the file unless the name of the file ends as those of another format. Throws Error in
+/// one sentence when it cannot, UsageError for an unknown `format`.
+POINTSWEEP_EXPORT std::unique_ptr<Reader> open_reader(const std::filesystem::path& path, std::string_view format = "");
 
 /// Points from arrays, which are borrowed and must outlive the reader.
 class POINTSWEEP_EXPORT ArrayReader final : public Reader {

@@ -4,22 +4,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "pointsweep/formats/byte_order.h"
+
 namespace pointsweep {
 namespace {
 
 /// Any number would do; so many are read in some milliseconds.
 constexpr std::uint64_t kFixedChunkRows = 65536;
-
-/// Turns the bytes of every value of big-endian records round.
-void swap_bytes(const Schema& schema, std::span<std::byte> records) {
-  for (std::byte *record = records.data(), *end = record + records.size(); record != end; record += schema.stride) {
-    for (const Field& field : schema.fields) {
-      const std::size_t size = size_of(field.type);
-      std::byte* const value = record + field.offset;
-      if (size > 1) std::reverse(value, value + size);
-    }
-  }
-}
 
 }  // namespace
 
@@ -32,10 +23,11 @@ class FixedRecordReader::Decoder final : public RowDecoder {
   const FixedRecordReader& reader_;
 };
 
-void FixedRecordReader::has_records(std::shared_ptr<const InputFile> file, std::uint64_t first, bool big_endian) {
+void FixedRecordReader::has_records(std::shared_ptr<const InputFile> file, std::uint64_t first,
+                                    std::vector<Field> big_endian) {
   file_ = std::move(file);
   first_ = first;
-  big_endian_ = big_endian;
+  big_endian_ = std::move(big_endian);
 }
 
 Chunk FixedRecordReader::chunk_of(std::uint64_t row) const {
@@ -53,7 +45,7 @@ std::size_t FixedRecordReader::decode(std::uint64_t row, std::span<std::byte> re
   if (rows == 0) return 0;
   const auto bytes = records.first(rows * stride);
   file_->read_at(first_ + row * stride, bytes);
-  if (big_endian_) swap_bytes(info_.schema, bytes);
+  reverse_values(big_endian_, stride, bytes);
   return rows;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/reader.h"
@@ -21,8 +22,8 @@ class FixedRecordReader : public Reader {
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const override;
 
  protected:
-  /// Row 0 begins at byte `first`, once info_.schema is known.
-  void has_records(std::shared_ptr<const InputFile> file, std::uint64_t first, bool big_endian = false);
+  /// Row 0 begins at byte `first`, once info_.schema is known. `big_endian`: the fields whose values are.
+  void has_records(std::shared_ptr<const InputFile> file, std::uint64_t first, std::vector<Field> big_endian = {});
 
  private:
   class Decoder;
@@ -31,7 +32,7 @@ class FixedRecordReader : public Reader {
 
   std::shared_ptr<const InputFile> file_;
   std::uint64_t first_ = 0;  ///< byte
-  bool big_endian_ = false;
+  std::vector<Field> big_endian_;
 };
 
 }  // namespace pointsweep

@@ -9,7 +9,6 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr std::string_view kWithPdal = "convert it to LAS, e.g. with 'pdal translate IN OUT.las'";
 constexpr std::string_view kWithMeshTool = "export its points as PLY, e.g. with MeshLab or CloudCompare";
 constexpr std::string_view kUnpack = "unpack it first";
 
@@ -24,10 +23,9 @@ constexpr Magic kMagics[] = {
     {"BZh"sv, "a bzip2 archive", kUnpack},
     {"\xfd\x37zXZ\0"sv, "an xz archive", kUnpack},
     {"\x28\xb5\x2f\xfd"sv, "a zstd archive", kUnpack},
-    {"\x93NUMPY"sv, "a NumPy array", "write it as text (numpy.savetxt) or PLY first"},
     {"\x89HDF"sv, "an HDF5 file", "export its points as PLY or LAS"},
     {"glTF"sv, "a glTF file", kWithMeshTool},
-    {"# vtk DataFile"sv, "a VTK file", kWithMeshTool},
+    {"<VTKFile"sv, "a VTK XML file", "save it as legacy VTK or PLY"},
     {"solid "sv, "an STL file", kWithMeshTool},
     {"<?xml"sv, "an XML file", "give the file that holds the points"},
     {"{"sv, "a JSON file", "give the file that holds the points"},
@@ -37,7 +35,7 @@ constexpr Magic kMagics[] = {
 
 /// Text formats without a magic number go by their extension.
 constexpr Magic kExtensions[] = {
-    {".ptx"sv, "a PTX file", kWithPdal},
+    {".ptx"sv, "a PTX file that does not begin with the ten lines of its header", "export it again"},
     {".stl"sv, "an STL file", kWithMeshTool},
 };
 
@@ -47,7 +45,8 @@ constexpr Magic kExtensions[] = {
 
 }  // namespace
 
-void refuse_foreign_format(const std::filesystem::path& path, std::string_view head, std::string_view known) {
+void refuse_foreign_format(const std::filesystem::path& path, std::string_view head, std::string_view known,
+                           std::string_view asked_for) {
   for (const Magic& magic : kMagics) {
     if (head.starts_with(magic.bytes)) refuse(path, magic);
   }
@@ -56,8 +55,10 @@ void refuse_foreign_format(const std::filesystem::path& path, std::string_view h
   }
   const std::size_t zero = head.find('\0');
   if (zero != head.npos) {
-    fail("{}: is binary (byte {} is 0) but neither {}, the binary formats that are read; convert it to one.",
-         path.string(), zero, known);
+    fail(
+        "{}: is binary (byte {} is 0) but neither {}; convert it to one of these, or, if it is nothing but float32 "
+        "records, name their format with --format {}.",
+        path.string(), zero, known, asked_for);
   }
 }
 

@@ -38,6 +38,10 @@ struct Format {
   std::string_view codec = "";
   bool (*has_codec)() = nullptr;  ///< whether this build has it; null without a codec
 
+  /// What --format takes for it (CloudOptions::format). A format with such a name has no signature, and its files are
+  /// only read where it is asked for. "" for all others.
+  std::string_view asked_for_as = "";
+
   /// Whether a file that begins with `head` (at most 4,096 bytes) is of this format; null for a format without
   /// signature, which is tried when all others and the foreign formats have been.
   bool (*is)(std::string_view head) = nullptr;

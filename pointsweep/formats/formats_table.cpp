@@ -12,7 +12,8 @@ std::string row_of(const Format& format) {
     extensions += fmt::format("{}{}", extensions.empty() ? "" : " ", extension);
   const bool points = format.content == Format::Content::points;
   const auto answer = [&](bool yes) { return points ? (yes ? "yes" : "no") : ""; };
-  return fmt::format("| {}{} | {} | {} | `{}` | {} | {} | {} |\n", format.title,
+  if (!extensions.empty()) extensions = fmt::format("`{}`", extensions);
+  return fmt::format("| {}{} | {} | {} | {} | {} | {} | {} |\n", format.title,
                      format.details.empty() ? "" : fmt::format(" ([details]({}))", format.details), format.reads,
                      format.writes, extensions, answer(format.holds_crs), answer(format.holds_provenance),
                      points ? (format.real_coordinates ? "float64, NaN" : "integers on a grid") : "");

@@ -21,9 +21,10 @@ bool decodes_side_by_side(const std::unique_ptr<Reader>& reader) {
   return reader->info().count == 0 || reader->decodes_any_range() || reader->chunk_of(0).rows <= kLongestChunk;
 }
 
-std::vector<std::unique_ptr<Reader>> open_all(const std::vector<std::filesystem::path>& paths) {
+std::vector<std::unique_ptr<Reader>> open_all(const std::vector<std::filesystem::path>& paths,
+                                              std::string_view format) {
   std::vector<std::unique_ptr<Reader>> readers;
-  for (const auto& path : paths) readers.push_back(open_reader(path));
+  for (const auto& path : paths) readers.push_back(open_reader(path, format));
   return readers;
 }
 
@@ -40,7 +41,7 @@ std::vector<FileState> states_of(const std::vector<std::unique_ptr<Reader>>& rea
 }  // namespace
 
 InputCloud::InputCloud(const std::vector<std::filesystem::path>& paths, CloudOptions options)
-    : states_(states_of(paths)), readers_(open_all(paths)) {
+    : states_(states_of(paths)), readers_(open_all(paths, options.format)) {
   begin(options);
 }
 

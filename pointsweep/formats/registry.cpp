@@ -9,19 +9,23 @@
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/foreign_formats.h"
+#include "pointsweep/formats/kitti/kitti_format.h"
 #include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/mesh/mesh_formats.h"
 #include "pointsweep/formats/npy/npy_format.h"
 #include "pointsweep/formats/pcd/pcd_format.h"
 #include "pointsweep/formats/ply/ply_format.h"
+#include "pointsweep/formats/ptx/ptx_format.h"
 #include "pointsweep/formats/qsplat/qsplat_format.h"
 #include "pointsweep/formats/text/text_format.h"
+#include "pointsweep/formats/vtk/vtk_format.h"
 
 namespace pointsweep {
 namespace {
 
-constexpr std::array kFormats{&kPlyFormat, &kLasFormat,    &kLazFormat,  &kPcdFormat, &kE57Format, &kOffFormat,
-                              &kObjFormat, &kQsplatFormat, &kTextFormat, &kCsvFormat, &kNpyFormat};
+constexpr std::array kFormats{&kPlyFormat, &kLasFormat,       &kLazFormat, &kPcdFormat,    &kE57Format,     &kPtxFormat,
+                              &kVtkFormat, &kOffFormat,       &kObjFormat, &kQsplatFormat, &kTextFormat,    &kPtsFormat,
+                              &kCsvFormat, &kNpyPointsFormat, &kNpyFormat, &kKittiFormat,  &kFloatXyzFormat};
 
 bool is_written_as_points(const Format& format) {
   return format.content == Format::Content::points && format.create != nullptr;
@@ -31,6 +35,21 @@ bool is_read_as_points(const Format& format) {
 }
 bool has_extension(const Format& format, std::string_view extension) {
   return std::ranges::find(format.extensions, extension) != format.extensions.end();
+}
+
+/// Null for "".
+const Format* format_asked_for(std::string_view name) {
+  for (const Format* format : kFormats)
+    if (!name.empty() && format->asked_for_as == name) return format;
+  return nullptr;
+}
+
+/// Whether the name of a file ends as those of a format other than `asked`, which has no signature, do.
+bool names_another(const std::filesystem::path& path, const Format& asked) {
+  const std::string extension = extension_of(path);
+  return std::ranges::any_of(kFormats, [&](const Format* format) {
+    return format != &asked && format->asked_for_as.empty() && has_extension(*format, extension);
+  });
 }
 
 /// The first bytes of a file, enough to tell what it is.
@@ -54,6 +73,14 @@ std::string names_of(Chosen chosen, std::string_view last) {
     text += names[i];
   }
   return text;
+}
+
+std::string names_asked_for(std::string_view separator) {
+  std::string names;
+  for (const Format* format : kFormats)
+    if (!format->asked_for_as.empty())
+      names += fmt::format("{}{}", names.empty() ? "" : separator, format->asked_for_as);
+  return names;
 }
 
 void warn_of_lost_crs(const Format& format, const OutputPlan& plan, Writer& writer) {
@@ -98,13 +125,25 @@ std::string codecs() {
   return fmt::format("{} (no {})", there.empty() ? "none" : there, missing);
 }
 
-std::unique_ptr<Reader> open_reader(const std::filesystem::path& path) {
+std::string formats_asked_for() { return names_asked_for("|"); }
+
+void require_format_asked_for(std::string_view name) {
+  if (!name.empty() && format_asked_for(name) == nullptr)
+    fail_usage("--format: '{}' is not one of {}; other formats are recognised by the content of a file.", name,
+               formats_asked_for());
+}
+
+std::unique_ptr<Reader> open_reader(const std::filesystem::path& path, std::string_view format_name) {
+  require_format_asked_for(format_name);
   const std::string head = head_of(path);
+  if (const Format* const asked = format_asked_for(format_name); asked != nullptr && !names_another(path, *asked))
+    return asked->open(path);
   for (const Format* format : kFormats)
     if (is_read_as_points(*format) && format->is != nullptr && format->is(head)) return format->open(path);
-  refuse_foreign_format(path, head, names_of([](const Format& f) { return is_read_as_points(f) && f.is; }, " nor "));
+  refuse_foreign_format(path, head, names_of([](const Format& f) { return is_read_as_points(f) && f.is; }, " nor "),
+                        names_asked_for(" or "));
   for (const Format* format : kFormats)
-    if (is_read_as_points(*format) && format->is == nullptr) return format->open(path);
+    if (is_read_as_points(*format) && format->is == nullptr && format->asked_for_as.empty()) return format->open(path);
   fail("{}: is of no format that pointsweep reads.", path.string());
 }
 

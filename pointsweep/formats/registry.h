@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "pointsweep/formats/format.h"
 
@@ -24,6 +25,11 @@ const Format& array_format();
 
 /// "PLY, LAS, PCD, QSplat, text": the names of the formats whose files are read as points.
 std::string readable_formats();
+
+/// "kitti|float32-xyz": the formats that have to be asked for (Format::asked_for_as).
+std::string formats_asked_for();
+/// Throws UsageError where `name` is neither empty nor one of them.
+void require_format_asked_for(std::string_view name);
 
 /// "LASzip", or "none (no LAZ)": the codecs of this build, and the formats that it cannot read or write without one.
 std::string codecs();

@@ -32,6 +32,9 @@ ProvenanceRecord record_of(const InputCloud& cloud, const std::vector<std::strin
   set("prefix", options.prefix);
   set("positions", options.moved_positions == Type::f64 ? "" : std::string(name_of(options.moved_positions)));
   set("nonfinite", drops_nonfinite ? "drop" : "");
+  const auto asked_for =
+      std::ranges::find_if(cloud.readers(), [](const auto& r) { return !r->info().asked_for_as.empty(); });
+  if (asked_for != cloud.readers().end()) set("format", (*asked_for)->info().asked_for_as);
   for (std::size_t i = 0; i < cloud.readers().size(); ++i) {
     if (!cloud.states()[i].is_known()) continue;
     const FileInfo& info = cloud.readers()[i]->info();

@@ -38,6 +38,31 @@ OutputPlan plan_of_rows(const std::filesystem::path& path, std::uint64_t count) 
   return plan;
 }
 
+/// PTX with empty cells, VTK in text and binary, an array in Fortran order.
+void add_files_of_other_programs(const TemporaryFolder& folder, const std::string& lines,
+                                 std::vector<std::filesystem::path>& paths) {
+  const std::string ptx = "1\n70002\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  paths.push_back(folder.write("a.ptx", ptx + "0 0 0 0.5\n" + lines + "0 0 0 0.5\n"));
+  std::string points, quality, array;
+  std::vector<float> columns[3];
+  for (std::uint64_t row = 0; row < kRows; ++row) {
+    points += fmt::format("{0} {0}.25 {0}.5\n", row);
+    quality += fmt::format("{}.75 ", row);
+    for (std::size_t axis = 0; axis < 3; ++axis) columns[axis].push_back(static_cast<float>(row + axis));
+  }
+  paths.push_back(
+      folder.write("text.vtk", "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 70000 double\n" + points +
+                                   "POINT_DATA 70000\nSCALARS quality float\nLOOKUP_TABLE default\n" + quality));
+  for (const auto& column : columns)
+    array.append(reinterpret_cast<const char*>(column.data()), column.size() * sizeof(float));
+  paths.push_back(folder.write(
+      "binary.vtk", "# vtk DataFile Version 3.0\n\nBINARY\nDATASET POLYDATA\nPOINTS 70000 float\n" + array +
+                        "\nPOINT_DATA 70000\nSCALARS id int\nLOOKUP_TABLE default\n" + array.substr(0, 4 * kRows)));
+  const std::string dictionary = "{'descr': '<f4', 'fortran_order': True, 'shape': (70000, 3)}";
+  const std::string npy = std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(dictionary.size()) + '\0';
+  paths.push_back(folder.write("fortran.npy", npy + dictionary + array));
+}
+
 /// One file of each way to hold rows.
 std::vector<std::filesystem::path> files(const TemporaryFolder& folder) {
   std::vector<std::filesystem::path> paths;
@@ -54,6 +79,7 @@ std::vector<std::filesystem::path> files(const TemporaryFolder& folder) {
   for (std::uint64_t row = 0; row < kRows; ++row) lines += fmt::format("{0} {0}.25 {0}.5 {0}.75\n", row);
   paths.push_back(folder.write("ascii.ply", ply + "end_header\n" + lines));
   paths.push_back(folder.write("ascii.pcd", pcd + lines));
+  add_files_of_other_programs(folder, lines, paths);
   return paths;
 }
 

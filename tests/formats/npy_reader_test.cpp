@@ -45,7 +45,7 @@ TEST(NpyReader, RefusesInASentence) {
   folder.write("good.npy", array_of(good, 24));
   EXPECT_EQ(open_npy(folder / "good.npy")->info().count, 2u);
   refuses(array_of(good, 23), "but 23 bytes follow");
-  refuses(array_of("{'descr': '<u4', 'fortran_order': False, 'shape': (99999999999, 3), }", 24), "99999999999 rows");
+  refuses(array_of("{'descr': '<u4', 'fortran_order': False, 'shape': (99999999999, 3), }", 24), "(99999999999, 3)");
   refuses(array_of("{'descr': '<f2', 'fortran_order': False, 'shape': (2, 3), }", 12), "<f2");
   refuses(array_of("{'descr': '<u4', 'fortran_order': True, 'shape': (2, 3), }", 24), "Fortran");
   refuses(array_of("{'descr': '<u4', 'fortran_order': False, 'shape': (2, 3, 4), }", 96), "shape");

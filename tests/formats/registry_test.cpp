@@ -34,7 +34,8 @@ TEST(Registry, SaysWhatAFileIsThatItDoesNotRead) {
   EXPECT_THAT(sentence_for("a", "glTF\2\0"s), HasSubstr("a: is a glTF file, which pointsweep does not read"));
   EXPECT_THAT(sentence_for("a", "\x1f\x8b\x08\0"s), HasSubstr("is a gzip archive"));
   EXPECT_THAT(sentence_for("a", "solid s\nfacet\n"), HasSubstr("is an STL file"));
-  EXPECT_THAT(sentence_for("a.PTX", "15\n1\n"), HasSubstr("is a PTX file"));
+  EXPECT_THAT(sentence_for("a.PTX", "15\n1\n"), HasSubstr("is a PTX file that does not begin"));
+  EXPECT_THAT(sentence_for("a", "<VTKFile type=\"PolyData\">\n"), HasSubstr("is a VTK XML file"));
   EXPECT_THAT(sentence_for("a", "\xff\xfex\0"s), HasSubstr("UTF-16"));
   EXPECT_THAT(sentence_for("a", "12 34\0"s), HasSubstr("is binary (byte 5 is 0)"));
   EXPECT_THAT(sentence_for("a", ""), HasSubstr("is empty"));
@@ -112,12 +113,17 @@ constexpr Outcome kOutcomes[] = {
     {"models/stanford_dragon_stand/dragonStandRight_0.ply", 41841},
     {"scans/3dtk/scan000.3d", 81360},
     {"scans/libpointmatcher/car_cloud400.csv", 24989},
-    {"scans/libpointmatcher/cloud.00000.vtk", 0, "is a VTK file"},
+    {"scans/libpointmatcher/cloud.00000.vtk", 24989},
+    {"scans/libpointmatcher/cloud.00001.vtk", 25193},
+    {"scans/libpointmatcher/cloud.00002.vtk", 24154},
     {"scans/pdal/pts/autzen.pts", 10},
     {"scans/pdal/pts/bunny_8.pts", 9},
     {"scans/pdal/pts/site_56_8.pts", 8},
     {"scans/pdal/pts/test.pts", 19},
-    {"scans/pdal/ptx/no-color.ptx", 0, "is a PTX file"},
+    {"scans/pdal/ptx/1.2-with-color.ptx", 1065},
+    {"scans/pdal/ptx/complex-transform.ptx", 4},
+    {"scans/pdal/ptx/multiple-and-transform.ptx", 8},
+    {"scans/pdal/ptx/no-color.ptx", 15},
 };
 
 TEST(RealFiles, OpenOrAreRefusedAsTheTableSays) {

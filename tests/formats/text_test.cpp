@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/default_columns.h"
 #include "pointsweep/formats/text/text_layout.h"
 #include "pointsweep/formats/text/text_reader.h"
 #include "tests/formats/point_files.h"
@@ -212,6 +213,38 @@ TEST(TextWriter, RefusesMoreOrFewerPointsThanAnnounced) {
   EXPECT_THAT(sentence_of<Error>([&] { create_writer(plan)->finish(); }), HasSubstr("only 0 of the 2 points"));
   EXPECT_FALSE(create_writer(plan)->can_write_at());
   EXPECT_FALSE(std::filesystem::exists(plan.path));
+}
+
+/// Several scans one behind the other, each with its number of points.
+TEST(Text, PtsOfSeveralScansIsOneCloud) {
+  const TemporaryFolder folder;
+  const auto reader =
+      open_text(folder.write("a.pts", "2\n1 2 3 -2048 255 0 1\n4 5 6 2047 0 0 0\n\n0\r\n 1 \r\n7 8 9 -7 1 2 3\r\n"));
+  EXPECT_EQ(values_of(*reader, "x"), (std::vector<double>{1, 4, 7}));
+  EXPECT_EQ(values_of(*reader, "intensity"), (std::vector<double>{-2048, 2047, -7}));
+  EXPECT_EQ(values_of(*reader, "blue"), (std::vector<double>{1, 0, 3}));
+  EXPECT_TRUE(reader->info().warnings.empty());
+  const auto first_empty = open_text(folder.write("b.pts", "0\n1\n7 8 9\n"));
+  EXPECT_EQ(values_of(*first_empty, "z"), std::vector<double>{9});
+  const auto sentence_for = [&](const std::string& text) {
+    const auto path = folder.write("c.pts", text);
+    return sentence_of<Error>([&] { open_text(path); });
+  };
+  EXPECT_NE(sentence_for("2\n1 2 3\n5\n7 8 9\n").find("line 3 has 1 value"), std::string::npos);
+  EXPECT_NE(sentence_for("2\n1 2 3\n5\n7 8 9\n").find("there are 1 of 2"), std::string::npos);
+  EXPECT_NE(sentence_for("1\n1 2 3\nend\n").find("line 3 has 1 value"), std::string::npos);
+  const auto short_scan = open_text(folder.write("d.pts", "1\n1 2 3\n5\n7 8 9\n"));
+  EXPECT_EQ(short_scan->info().count, 2u);
+  ASSERT_EQ(short_scan->info().warnings.size(), 1u);
+  EXPECT_NE(short_scan->info().warnings[0].find("announces 6 points but holds 2"), std::string::npos);
+}
+
+TEST(Text, BarsSeparateAndPercentSignsBeginComments) {
+  const TemporaryFolder folder;
+  const auto reader = open_text(folder.write("a.asc", "% Matlab\nX|Y|Z|class\n1|2|3|\n4 | 5 | 6 | 7\n"));
+  EXPECT_EQ(reader->info().format, "text, bar separated, with header");
+  EXPECT_EQ(values_of(*reader, "Y"), (std::vector<double>{2, 5}));
+  EXPECT_EQ(values_of(*reader, "class")[1], 7);
 }
 
 }  // namespace

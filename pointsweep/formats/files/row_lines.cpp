@@ -7,12 +7,16 @@
 
 namespace pointsweep {
 
-RowLines::RowLines(LineReader lines, IsRow is_a_row, std::uint64_t most) : file_(&lines.file()), is_row_(is_a_row) {
+RowLines::RowLines(LineReader lines, IsRow is_a_row, std::uint64_t most, const UseOther& use_other)
+    : file_(&lines.file()), is_row_(is_a_row) {
   while (count_ < most) {
     const Place place{lines.offset(), lines.next_line()};
     const auto line = lines.next();
     if (!line) break;
-    if (!is_row_(*line)) continue;
+    if (!is_row_(*line)) {
+      if (use_other) use_other(*line, place.line, count_);
+      continue;
+    }
     if (count_ % kRowsPerPlace == 0) places_.push_back(place);
     ++count_;
   }

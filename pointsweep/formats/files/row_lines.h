@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -21,8 +22,11 @@ class RowLines {
   };
   static constexpr std::uint64_t kRowsPerPlace = 16384;
 
+  /// What is done once with a line that is no row: its number, and the rows before it.
+  using UseOther = std::function<void(std::string_view line, std::uint64_t number, std::uint64_t rows)>;
+
   /// Counts the rows among the lines from where `lines` stands, and stops after `most` of them.
-  RowLines(LineReader lines, IsRow is_a_row, std::uint64_t most);
+  RowLines(LineReader lines, IsRow is_a_row, std::uint64_t most, const UseOther& use_other = {});
 
   std::uint64_t count() const { return count_; }
   const InputFile& file() const { return *file_; }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/npy/npy_format.h"
 
+#include "pointsweep/formats/npy/npy_points.h"
 #include "pointsweep/formats/npy/npy_reader.h"
 #include "pointsweep/formats/npy/npy_writer.h"
 
 namespace pointsweep {
 namespace {
 
-constexpr std::string_view kNpyExtensions[] = {".npy"};
+constexpr std::string_view kNpyExtensions[] = {".npy"}, kNpzExtensions[] = {".npz"};
 
 std::unique_ptr<Writer> create_npy_writer(const OutputPlan& plan) { return std::make_unique<NpyWriter>(plan); }
 
@@ -15,12 +16,22 @@ std::unique_ptr<Writer> create_npy_writer(const OutputPlan& plan) { return std::
 
 const Format kNpyFormat = {.name = "NumPy array",
                            .title = "NumPy array",
-                           .details = "",
+                           .details = "#numpy",
                            .reads = "by `verify`: neighbours, distances",
                            .writes = "one attribute: neighbours, distances",
                            .extensions = kNpyExtensions,
                            .open = open_npy,
                            .create = create_npy_writer,
                            .content = Format::Content::array};
+
+const Format kNpyPointsFormat = {
+    .name = "NumPy array",
+    .title = "NumPy points",
+    .details = "#numpy",
+    .reads = "`.npy` of three columns or more, or of a structured type; `.npz` that is stored",
+    .writes = "no",
+    .extensions = kNpzExtensions,
+    .is = starts_as_npy_points,
+    .open = open_npy_points};
 
 }  // namespace pointsweep

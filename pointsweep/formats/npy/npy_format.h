@@ -6,6 +6,7 @@
 
 namespace pointsweep {
 
-extern const Format kNpyFormat;
+extern const Format kNpyFormat;        ///< neighbours and distances
+extern const Format kNpyPointsFormat;  ///< points, as input only
 
 }  // namespace pointsweep

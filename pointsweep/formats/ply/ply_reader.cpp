@@ -64,7 +64,8 @@ class BinaryPlyReader final : public FixedRecordReader {
     const std::uint64_t found = (file->size() - offset) / info_.schema.stride;
     if (vertex.count > found) fail_truncated(*file, vertex.count, found);
     info_.count = vertex.count;
-    has_records(std::move(file), offset, header.encoding == PlyEncoding::big_endian);
+    const bool big_endian = header.encoding == PlyEncoding::big_endian;
+    has_records(std::move(file), offset, big_endian ? info_.schema.fields : std::vector<Field>{});
   }
 };
 

@@ -51,7 +51,9 @@ Separator separator_of(std::string_view line) {
   const auto has = [&](char wanted) {
     return find_unquoted(line, 0, [=](char c) { return c == wanted; }) != line.size();
   };
-  return has(';') ? Separator::semicolon : has(',') ? Separator::comma : Separator::space;
+  for (const Separator separator : {Separator::semicolon, Separator::bar, Separator::comma})
+    if (has(static_cast<char>(separator))) return separator;
+  return Separator::space;
 }
 
 void split_cells(std::string_view line, Separator separator, std::vector<std::string_view>& cells) {
@@ -77,14 +79,18 @@ void split_cells(std::string_view line, Separator separator, std::vector<std::st
 bool is_text_row(std::string_view line) {
   std::size_t at = 0;
   while (at < line.size() && is_space(line[at])) ++at;
-  if (at == line.size() || line[at] == '#') return false;
+  if (at == line.size() || line[at] == '#' || line[at] == '%') return false;
   return !line.substr(at).starts_with("//");
+}
+
+bool is_pts_row(std::string_view line) {
+  return is_text_row(line) && trimmed(line).find_first_of(" \t,;|") != line.npos;
 }
 
 std::string_view comment_of(std::string_view line) {
   line = trimmed(line);
-  if (!line.starts_with('#') && !line.starts_with("//")) return {};
-  return trimmed(line.substr(std::min(line.find_first_not_of("#/"), line.size())));
+  if (!line.starts_with('#') && !line.starts_with('%') && !line.starts_with("//")) return {};
+  return trimmed(line.substr(std::min(line.find_first_not_of("#/%"), line.size())));
 }
 
 bool parse_cell(std::string_view cell, double& value) {

@@ -7,7 +7,8 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::string_view kTextExtensions[] = {".xyz", ".txt", ".asc", ".pts"};
+constexpr std::string_view kTextExtensions[] = {".xyz", ".txt", ".asc"};
+constexpr std::string_view kPtsExtensions[] = {".pts"};
 constexpr std::string_view kCsvExtensions[] = {".csv"};
 
 }  // namespace
@@ -15,12 +16,21 @@ constexpr std::string_view kCsvExtensions[] = {".csv"};
 const Format kTextFormat = {.name = "text",
                             .title = "text",
                             .details = "",
-                            .reads = "columns separated by spaces, tabs, commas or semicolons",
+                            .reads = "columns separated by spaces, tabs, commas, semicolons or bars",
                             .writes = "columns separated by spaces",
                             .extensions = kTextExtensions,
                             .open = open_text,
                             .create = create_text_writer,
                             .holds_provenance = true};
+
+const Format kPtsFormat = {.name = "text",
+                           .title = "PTS",
+                           .details = "#ptx-and-pts",
+                           .reads = "as text, with the number of points in front, also of several scans",
+                           .writes = "the number of points, then columns separated by spaces",
+                           .extensions = kPtsExtensions,
+                           .create = create_text_writer,
+                           .holds_provenance = true};
 
 const Format kCsvFormat = {.name = "text",
                            .title = "CSV",

@@ -8,6 +8,7 @@ namespace pointsweep {
 
 extern const Format kTextFormat;
 /// Text with commas and a line of names, which most programs read only if it has no comments.
+extern const Format kPtsFormat;
 extern const Format kCsvFormat;
 
 }  // namespace pointsweep

@@ -2,9 +2,9 @@
 #include "pointsweep/formats/text/text_layout.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/default_columns.h"
 #include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/provenance.h"
@@ -30,23 +30,6 @@ bool names_a_point(const Cells& cells) {
 }
 
 std::vector<std::string> copies_of(const Cells& cells) { return {cells.begin(), cells.end()}; }
-
-bool is_color(const std::vector<double>& row, std::size_t first) {
-  return std::all_of(row.begin() + static_cast<std::ptrdiff_t>(first),
-                     row.begin() + static_cast<std::ptrdiff_t>(first + 3),
-                     [](double v) { return v >= 0 && v <= 255 && v == std::floor(v); });
-}
-
-bool is_normal(const std::vector<double>& row, std::size_t first) {
-  const double x = row[first], y = row[first + 1], z = row[first + 2];
-  const double length = std::sqrt((x * x + y * y) + z * z);
-  return length == 0 || std::abs(length - 1) < 0.01;
-}
-
-template <class Predicate>
-bool in_all(const std::vector<std::vector<double>>& rows, std::size_t first, Predicate holds) {
-  return std::all_of(rows.begin(), rows.end(), [&](const auto& row) { return holds(row, first); });
-}
 
 /// Reads the first lines of a file.
 class LayoutFinder {
@@ -119,6 +102,7 @@ class LayoutFinder {
         if (rows.empty()) look_at_comment(*line);
         continue;
       }
+      if (layout_.announced && !is_pts_row(*line)) continue;
       if (rows.empty()) layout_.separator = separator_of(*line);
       split_cells(*line, layout_.separator, cells_);
       if (rows.empty() && cells_.size() < 3) {
@@ -154,25 +138,6 @@ class LayoutFinder {
 };
 
 }  // namespace
-
-std::vector<std::string> default_column_names(const std::vector<std::vector<double>>& rows) {
-  const std::size_t columns = rows.empty() ? 3 : rows[0].size();
-  std::vector<std::string> names{"x", "y", "z"};
-  const auto add = [&](std::initializer_list<std::string> more) { names.insert(names.end(), more); };
-  if (columns == 4) {
-    add({"intensity"});
-  } else if (columns == 6 && in_all(rows, 3, is_normal)) {
-    add({"nx", "ny", "nz"});
-  } else if (columns == 6 && in_all(rows, 3, is_color)) {
-    add({"red", "green", "blue"});
-  } else if (columns == 7 && in_all(rows, 4, is_color)) {
-    add({"intensity", "red", "green", "blue"});
-  } else if (columns == 9 && in_all(rows, 3, is_color) && in_all(rows, 6, is_normal)) {
-    add({"red", "green", "blue", "nx", "ny", "nz"});
-  }
-  while (names.size() < columns) names.push_back(fmt::format("column_{}", names.size() + 1));
-  return names;
-}
 
 TextLayout find_text_layout(const InputFile& file) { return LayoutFinder(file).run(); }
 

@@ -17,19 +17,14 @@ struct TextLayout {
   Separator separator = Separator::space;  ///< of the rows; that of the header may differ
   bool has_header = false;
   std::vector<std::string> provenance;     ///< comments before the rows that say how the file was made
-  std::optional<std::uint64_t> announced;  ///< rows, as a first line that is nothing but an integer says (.pts)
+  std::optional<std::uint64_t> announced;  ///< rows, as a first line that is nothing but an integer says (PTS)
   std::uint64_t body_offset = 0;           ///< where the rows start
   std::uint64_t body_line = 1;
 };
 
 /// Names come from a header: a first line that is not all numbers, or a comment before the rows that names x, y and z
-/// and fits their number. Otherwise from the number of columns and what the first rows hold:
-/// 3: x y z;  4: x y z intensity;  6: x y z and a normal or colour;  7: x y z intensity and a colour;
-/// 9: x y z, a colour and a normal;  else x y z column_4 column_5 ...
-/// A normal has length 1 or 0, a colour integers in 0..255. Throws Error when there are no x, y and z.
+/// and fits their number. Otherwise from the number of columns and what the first rows hold (default_column_names).
+/// Throws Error when there are no x, y and z.
 TextLayout find_text_layout(const InputFile& file);
-
-/// The names of that table for columns without a header whose first rows are `rows`.
-std::vector<std::string> default_column_names(const std::vector<std::vector<double>>& rows);
 
 }  // namespace pointsweep

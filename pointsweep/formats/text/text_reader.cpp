@@ -6,6 +6,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/row_text_reader.h"
 #include "pointsweep/formats/text/text_layout.h"
 
@@ -18,6 +19,8 @@ std::string_view word_for(Separator separator) {
       return "comma";
     case Separator::semicolon:
       return "semicolon";
+    case Separator::bar:
+      return "bar";
     case Separator::space:
       break;
   }
@@ -60,7 +63,7 @@ class TextReader final : public RowTextReader {
     layout_ = find_text_layout(*file_);
     LineReader lines(*file_);
     lines.jump(layout_.body_offset, layout_.body_line);
-    rows_.emplace(lines, is_text_row, std::numeric_limits<std::uint64_t>::max());
+    find_rows(lines);
     info_.path = path;
     info_.format = fmt::format("text, {} separated, {}", word_for(layout_.separator),
                                layout_.has_header ? "with header" : "without header");
@@ -75,6 +78,24 @@ class TextReader final : public RowTextReader {
   }
 
  private:
+  /// Where the file states how many rows follow, it may do so again before those of another scan.
+  void find_rows(const LineReader& lines) {
+    constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
+    if (!layout_.announced) return void(rows_.emplace(lines, is_text_row, kAll));
+    rows_.emplace(lines, is_pts_row, kAll, [&](std::string_view line, std::uint64_t number, std::uint64_t rows) {
+      if (!is_text_row(line)) return;
+      std::uint64_t count = 0;
+      std::vector<std::string_view> cells;
+      split_cells(line, Separator::space, cells);
+      if (rows < *layout_.announced || !parse_number(cells[0], count))
+        fail(
+            "{}: line {} has 1 value; a point needs x, y and z, and the number of points of another scan stands behind "
+            "the points before it, of which there are {} of {}.",
+            file_->path().string(), number, rows, *layout_.announced);
+      *layout_.announced += count;
+    });
+  }
+
   std::unique_ptr<LineParser> parser() const override { return std::make_unique<TextLineParser>(info_.path, layout_); }
 
   TextLayout layout_;

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+/// Files whose attributes are arrays, one behind another.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/reader.h"
+
+namespace pointsweep {
+
+/// The values of one attribute for all rows, or those of several that stand side by side.
+struct FileColumn {
+  std::uint64_t begin = 0;   ///< byte of row 0 in the file
+  std::uint32_t bytes = 0;   ///< of one row
+  std::uint32_t offset = 0;  ///< of these bytes in a record
+};
+
+/// Any range of rows is a chunk. A decoder reads the columns of the wanted fields only.
+class ColumnsReader : public Reader {
+ public:
+  Chunk chunk_of(std::uint64_t row) const override;
+  bool decodes_any_range() const override { return true; }
+  bool has_decoders() const override { return true; }
+  std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const override;
+
+ protected:
+  /// Once info_.schema and info_.count are known. The caller has checked that the file has the bytes of all rows.
+  /// `big_endian`: the fields whose values are.
+  void has_columns(std::shared_ptr<const InputFile> file, std::vector<FileColumn> columns,
+                   std::vector<Field> big_endian = {});
+
+ private:
+  class Decoder;
+
+  std::shared_ptr<const InputFile> file_;
+  std::vector<FileColumn> columns_;
+  std::vector<Field> big_endian_;
+};
+
+}  // namespace pointsweep

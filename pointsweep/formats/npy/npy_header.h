@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+/// The header of a NumPy array (format versions 1 to 3).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+struct NpyHeader {
+  Schema item;  ///< of one element: one field without a name, or those of a structured type
+  bool is_structured = false;
+  std::vector<Field> big_endian;  ///< fields of `item` whose values are
+  std::string description;        ///< of the type, as the file has it: "<f4"; "a structured type"
+  bool fortran_order = false;
+  std::vector<std::uint64_t> shape;
+  std::uint64_t data = 0;  ///< byte of the first element
+
+  /// The product of the sizes of all axes but the last `without`.
+  std::uint64_t elements(std::size_t without = 0) const;
+};
+
+/// Of the array that begins at byte `begin` of a file and ends before `end`; `what` names it in errors. Throws Error
+/// for a damaged header, for a type that no attribute can have, and where the array has more or fewer bytes than its
+/// header says.
+NpyHeader read_npy_header(const InputFile& file, std::uint64_t begin, std::uint64_t end, const std::string& what);
+
+}  // namespace pointsweep

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/npy/npy_points.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/array_fields.h"
+#include "pointsweep/formats/columns_reader.h"
+#include "pointsweep/formats/default_columns.h"
+#include "pointsweep/formats/npy/npy_header.h"
+#include "pointsweep/formats/npy/npz_archive.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::uint64_t kMostColumns = 65536;
+constexpr std::uint64_t kRowsLookedAt = 100;
+
+struct NpyArray {
+  std::string name;  ///< in an archive; empty in a file of its own
+  NpyHeader header;
+
+  /// Axes of an array whose elements are numbers: rows, then values of a row.
+  std::uint64_t columns() const { return is_table() ? header.shape.back() : 1; }
+  std::uint64_t rows() const { return header.elements(is_table() ? 1 : 0); }
+  bool is_table() const { return !header.is_structured && header.shape.size() >= 2; }
+  bool can_be_positions() const { return header.is_structured || (is_table() && columns() >= 3); }
+};
+
+class NpyPointsReader final : public ColumnsReader {
+ public:
+  explicit NpyPointsReader(const std::filesystem::path& path) : file_(std::make_shared<const InputFile>(path)) {
+    info_.path = path;
+    info_.bytes = file_->size();
+    read_arrays();
+    const std::vector<const NpyArray*> positions = find_positions();
+    info_.count = positions.front()->rows();
+    for (const NpyArray* array : positions) add(*array);
+    for (const NpyArray& array : arrays_)
+      if (std::ranges::find(positions, &array) == positions.end()) add_attribute(array);
+    position_fields(info_.schema, name());
+    warn(*positions.front());
+    has_columns(file_, std::move(columns_), std::move(big_endian_));
+    if (has_default_names_) name_columns();
+  }
+
+ private:
+  std::string name() const { return info_.path.string(); }
+
+  void read_arrays() {
+    std::string head(4, '\0');
+    head.resize(file_->read_some(0, std::as_writable_bytes(std::span(head))));
+    if (!head.starts_with("PK")) {
+      arrays_.push_back({"", read_npy_header(*file_, 0, file_->size(), name())});
+      info_.format = fmt::format("NumPy array of {}", arrays_[0].header.description);
+      return;
+    }
+    for (NpzMember& member : npz_members(*file_)) {
+      const std::string what = fmt::format("{}: {}.npy", name(), member.name);
+      arrays_.push_back({std::move(member.name), read_npy_header(*file_, member.begin, member.end, what)});
+    }
+    info_.format = fmt::format("NPZ archive of {} NumPy array{}", arrays_.size(), arrays_.size() == 1 ? "" : "s");
+  }
+
+  /// One array that holds x, y and z, or three that hold one each.
+  std::vector<const NpyArray*> find_positions() const {
+    std::vector<const NpyArray*> axes, possible;
+    for (const char* axis : {"x", "y", "z"})
+      for (const NpyArray& array : arrays_)
+        if (array.name == axis && array.columns() == 1 && !array.header.is_structured) axes.push_back(&array);
+    if (axes.size() == 3 && axes[0]->rows() == axes[1]->rows() && axes[0]->rows() == axes[2]->rows()) return axes;
+    for (const NpyArray& array : arrays_) {
+      if (!array.can_be_positions()) continue;
+      for (const char* known : {"xyz", "points", "position", "positions", "vertices", "coordinates"})
+        if (array.name == known) return {&array};
+      possible.push_back(&array);
+    }
+    if (possible.size() == 1) return possible;
+    if (arrays_.size() == 1 && !arrays_[0].header.is_structured)
+      fail("{}: its shape ({}) is not that of points, which have three columns or more.", name(),
+           fmt::join(arrays_[0].header.shape, ", "));
+    fail("{}: {} of its {} arrays could hold the points; call the one that does 'xyz' or 'points'.", name(),
+         possible.empty() ? "none" : "several", arrays_.size());
+  }
+
+  void add(const NpyArray& array) {
+    const std::size_t first = info_.schema.fields.size();
+    const std::uint32_t begin = info_.schema.stride;
+    if (array.columns() > kMostColumns) fail("{}: has more than {} columns.", name(), kMostColumns);
+    if (array.header.is_structured)
+      add_structured(array);
+    else if (array.can_be_positions() && first == 0)
+      add_table(array);
+    else
+      append_array(info_.schema, array.name, array.header.item.fields[0].type,
+                   static_cast<std::uint32_t>(array.columns()));
+    const std::vector<Field>& fields = info_.schema.fields;
+    add_columns(array, begin);
+    if (!array.header.is_structured && !array.header.big_endian.empty())
+      big_endian_.insert(big_endian_.end(), fields.begin() + static_cast<std::ptrdiff_t>(first), fields.end());
+  }
+
+  /// x, y, z and more in the columns of one array.
+  void add_table(const NpyArray& array) {
+    has_default_names_ = true;
+    std::vector<std::string> names{"x", "y", "z"};
+    while (names.size() < array.columns()) names.push_back(fmt::format("column_{}", names.size() + 1));
+    for (std::string& column : names) info_.schema.append(std::move(column), array.header.item.fields[0].type);
+  }
+
+  void add_structured(const NpyArray& array) {
+    Schema& schema = info_.schema;
+    const std::uint32_t begin = schema.stride;
+    for (const Field& field : array.header.item.fields) {
+      schema.stride = begin + field.offset;
+      const std::size_t first = append_array(schema, field.name, field.type, field.count);
+      if (std::ranges::find(array.header.big_endian, field.offset, &Field::offset) != array.header.big_endian.end())
+        big_endian_.insert(big_endian_.end(), schema.fields.begin() + static_cast<std::ptrdiff_t>(first),
+                           schema.fields.end());
+    }
+    schema.stride = begin + array.header.item.stride;
+  }
+
+  void add_columns(const NpyArray& array, std::uint32_t offset) {
+    const NpyHeader& header = array.header;
+    const std::uint32_t item = header.item.stride, columns = static_cast<std::uint32_t>(array.columns());
+    if (!header.fortran_order || header.shape.size() < 2 || columns == 1) {
+      columns_.push_back({header.data, item * columns, offset});
+      return;
+    }
+    if (header.shape.size() > 2)
+      fail("{}: is in Fortran order and has {} axes; save it in C order.", name(), header.shape.size());
+    for (std::uint32_t c = 0; c < columns; ++c)
+      columns_.push_back({header.data + c * array.rows() * item, item, offset + c * item});
+  }
+
+  void add_attribute(const NpyArray& array) {
+    if (array.rows() == info_.count && array.columns() > 0)
+      add(array);
+    else
+      left_out_.push_back(array.name);
+  }
+
+  void warn(const NpyArray& positions) {
+    const std::vector<std::uint64_t>& shape = positions.header.shape;
+    if (shape.size() > (positions.is_table() ? 2 : 1))
+      info_.warnings.push_back(
+          fmt::format("{}: that its points are an array of {} axes is not kept in an output.", name(), shape.size()));
+    if (!left_out_.empty())
+      info_.warnings.push_back(
+          fmt::format("{}: the array{} {} left out, since the points have another number of rows.", name(),
+                      left_out_.size() == 1 ? "" : "s",
+                      fmt::format("{} {}", fmt::join(left_out_, ", "), left_out_.size() == 1 ? "is" : "are")));
+  }
+
+  /// As of text without a header.
+  void name_columns() {
+    std::vector<Field>& fields = info_.schema.fields;
+    const std::size_t columns = columns_of_table();
+    const std::size_t stride = info_.schema.stride;
+    std::vector<std::byte> records(std::min(kRowsLookedAt, info_.count) * stride);
+    read(0, records);
+    std::vector<std::vector<double>> rows;
+    for (std::size_t at = 0; at < records.size(); at += stride) {
+      rows.emplace_back();
+      for (std::size_t c = 0; c < columns; ++c) rows.back().push_back(value_of(fields[c], records.data() + at));
+    }
+    if (rows.empty()) rows.emplace_back(columns, 0.5);
+    const std::vector<std::string> names = default_column_names(rows);
+    for (std::size_t c = 0; c < columns; ++c) fields[c].name = names[c];
+    rest();
+  }
+  std::size_t columns_of_table() const { return static_cast<std::size_t>(find_positions().front()->columns()); }
+
+  std::shared_ptr<const InputFile> file_;
+  std::vector<NpyArray> arrays_;
+  std::vector<FileColumn> columns_;
+  std::vector<Field> big_endian_;
+  std::vector<std::string> left_out_;
+  bool has_default_names_ = false;  ///< those of the first fields
+};
+
+}  // namespace
+
+bool starts_as_npy_points(std::string_view head) { return head.starts_with("\x93NUMPY") || starts_as_npz(head); }
+
+std::unique_ptr<Reader> open_npy_points(const std::filesystem::path& path) {
+  return std::make_unique<NpyPointsReader>(path);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+/// The scans of a PTX file (Leica Geosystems) and where their points are.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/files/line_reader.h"
+
+namespace pointsweep {
+
+/// A grid of cells, column by column. A cell is a line `x y z [intensity [red green blue]]`, 0 0 0 where the scanner
+/// saw nothing.
+struct PtxScan {
+  std::uint64_t columns = 0, rows = 0;
+  std::array<double, 16>
+      matrix{};           ///< row by row, for row vectors: (x y z 1) * matrix is the point in the file's system
+  std::size_t width = 0;  ///< numbers in the line of a cell: 3, 4 or 7
+
+  std::uint64_t cells() const { return columns * rows; }
+};
+
+/// Where the cursor stands before a point.
+struct PtxPlace {
+  std::uint64_t offset = 0, line = 1;  ///< of the next line
+  std::uint64_t scan = 0, cell = 0;    ///< that the next line holds; the cell behind the last: a header is next
+};
+
+/// All scans, found by reading the file once. Keeps the place of each 16,384th point.
+struct PtxLayout {
+  static constexpr std::uint64_t kPointsPerPlace = 16384;
+
+  std::vector<PtxScan> scans;
+  std::vector<PtxPlace> places;  ///< of points 0, kPointsPerPlace, ...
+  std::uint64_t points = 0;      ///< cells that are not empty
+  std::uint64_t empty = 0;       ///< cells that are
+  std::uint64_t end = 0;         ///< byte behind the last point
+};
+
+/// Throws Error with the line that is wrong, and where the file ends before the last cell.
+PtxLayout find_ptx_layout(const InputFile& file);
+
+/// Whether a file that begins so is a PTX file: the ten lines of the header of its first scan.
+bool starts_as_ptx(std::string_view head);
+
+/// Walks over the points.
+class PtxCursor {
+ public:
+  /// Both must outlive it.
+  PtxCursor(const InputFile& file, const PtxLayout& layout);
+
+  /// The line of point `point` < layout.points, valid until the next call; quick for the point behind the last.
+  std::string_view at(std::uint64_t point);
+  /// Of the point that at() gave last: the number of its line, its scan, its cell in the scan.
+  std::uint64_t line() const { return lines_.line(); }
+  std::uint64_t scan() const { return scan_; }
+  std::uint64_t cell() const { return cell_ - 1; }
+
+ private:
+  std::string_view advance();
+  std::string_view next_line();
+
+  const PtxLayout* layout_;
+  LineReader lines_;
+  std::uint64_t next_;  ///< point that advance() gives; layout_->points: none yet
+  std::uint64_t scan_ = 0, cell_ = 0;
+};
+
+}  // namespace pointsweep
