@@ -66,7 +66,7 @@ void add_files_of_other_programs(const TemporaryFolder& folder, const std::strin
 /// One file of each way to hold rows.
 std::vector<std::filesystem::path> files(const TemporaryFolder& folder) {
   std::vector<std::filesystem::path> paths;
-  for (const char* name : {"a.ply", "a.las", "a.laz", "a.xyz", "a.csv"}) {
+  for (const char* name : {"a.ply", "a.las", "a.laz", "a.pcd", "a.xyz", "a.csv"}) {
     if (!format_of_output(name)->is_built_in()) continue;
     const OutputPlan plan = plan_of_rows(folder / name, kRows);
     write_all(plan, rows_of_values(plan.schema, kRows));

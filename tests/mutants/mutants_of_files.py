@@ -13,6 +13,8 @@ MUTANTS = [
            "reverse_values(reader_.big_endian_, stride, records.first(rows * stride));", "", ("formats",)),
     Mutant("PTX points are not moved to their scanner's place", "formats", FORMATS + "ptx/ptx_reader.cpp",
            "+ z * m[8 + axis]) + m[12 + axis];", "+ z * m[8 + axis]);", ("formats",)),
+    Mutant("red and blue of a PCD output are swapped", "formats", FORMATS + "pcd/pcd_writer.cpp",
+           "kShifts{16, 8, 0, 24};", "kShifts{0, 8, 16, 24};", ("formats", "cli")),
     Mutant("integers are cut off instead of rounded", "formats", "pointsweep/points/schema.cpp",
            "const double rounded = std::nearbyint(value);", "const double rounded = std::trunc(value);",
            ("points", "formats")),

@@ -2,6 +2,7 @@
 #include "pointsweep/formats/pcd/pcd_format.h"
 
 #include "pointsweep/formats/pcd/pcd_reader.h"
+#include "pointsweep/formats/pcd/pcd_writer.h"
 
 namespace pointsweep {
 namespace {
@@ -14,9 +15,12 @@ const Format kPcdFormat = {.name = "PCD",
                            .title = "PCD",
                            .details = "#pcd",
                            .reads = "ascii, binary, binary_compressed; versions .5 to 0.7",
-                           .writes = "no",
+                           .writes = "binary, version 0.7",
                            .extensions = kPcdExtensions,
                            .is = starts_as_pcd,
-                           .open = open_pcd};
+                           .open = open_pcd,
+                           .create = create_pcd_writer,
+                           .holds_provenance = true,
+                           .stored_name = pcd_field_name};
 
 }  // namespace pointsweep

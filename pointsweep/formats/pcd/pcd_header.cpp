@@ -3,16 +3,18 @@
 
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/formats/files/number_text.h"
+#include "pointsweep/formats/provenance.h"
 
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kMostHeaderLines = 1000;
-constexpr std::uint32_t kMostBytes = 1u << 20;  ///< of a record
+constexpr std::uint64_t kMostHeaderLines = 32768;  ///< more than all lines of provenance
+constexpr std::uint32_t kMostBytes = 1u << 20;     ///< of a record
 
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> words;
@@ -65,7 +67,12 @@ class HeaderParser {
   }
 
   void take(const std::vector<std::string_view>& words, std::string_view line) {
-    if (words.empty() || words[0].starts_with('#')) return;
+    if (words.empty()) return;
+    if (words[0].starts_with('#')) {
+      if (auto found = provenance_line(line.substr(line.find('#') + 1)))
+        header_.provenance.push_back(std::move(*found));
+      return;
+    }
     const std::string_view key = words[0];
     const std::vector<std::string_view> values(words.begin() + 1, words.end());
     if (key == "FIELDS" || key == "COLUMNS") names_.assign(values.begin(), values.end());

@@ -8,6 +8,7 @@
 
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
 
@@ -26,13 +27,19 @@ struct PcdHeader {
   std::vector<PcdField> fields;  ///< padding, which is called `_`, included
   std::uint32_t stride = 0;      ///< bytes of a record
   std::uint64_t width = 0, height = 1, points = 0;
-  std::string viewpoint;  ///< the line as it is, "" if there is none
+  std::string viewpoint;                ///< the line as it is, "" if there is none
+  std::vector<std::string> provenance;  ///< comments that say how the file was made
   PcdData data = PcdData::ascii;
   std::uint64_t body_offset = 0;
   std::uint64_t body_line = 1;
 
   /// Fields as operators see them: without padding, and with the bytes of a packed colour as red, green and blue.
   Schema schema() const;
+};
+
+/// What a PCD file keeps for a PCD output.
+struct PcdExtras final : FormatExtras {
+  std::string viewpoint;  ///< PcdHeader::viewpoint if it is whole
 };
 
 /// Throws Error with the line of the header that is wrong.

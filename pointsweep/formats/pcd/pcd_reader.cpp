@@ -8,6 +8,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/number_text.h"
+#include "pointsweep/formats/files/words.h"
 #include "pointsweep/formats/fixed_records.h"
 #include "pointsweep/formats/pcd/lzf_stream.h"
 #include "pointsweep/formats/pcd/pcd_header.h"
@@ -36,6 +37,15 @@ bool is_identity(std::string_view viewpoint) {
   return true;
 }
 
+/// Whether it is whole, so that an output can have it.
+bool is_whole(std::string_view viewpoint) {
+  take_word(viewpoint);
+  double value = 0;
+  for (int i = 0; i < 7; ++i)
+    if (!parse_number(take_word(viewpoint), value)) return false;
+  return is_blank(viewpoint);
+}
+
 [[noreturn]] void fail_truncated(const InputFile& file, const PcdHeader& header, std::uint64_t found) {
   fail("{}: the header says {} points, but the file ends after {}; get the whole file or correct the line POINTS.",
        file.path().string(), header.points, found);
@@ -50,6 +60,10 @@ FileInfo info_of(const InputFile& file, const PcdHeader& header) {
   info.bytes = file.size();
   info.schema = header.schema();
   info.count = header.points;
+  info.provenance = header.provenance;
+  auto extras = std::make_shared<PcdExtras>();
+  if (is_whole(header.viewpoint)) extras->viewpoint = header.viewpoint;
+  info.extras = std::move(extras);
   position_fields(info.schema, name);
   if (!is_identity(header.viewpoint))
     info.warnings.push_back(fmt::format("{}: its line '{}' is not applied to the points.", name, header.viewpoint));
