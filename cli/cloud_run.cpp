@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -18,6 +19,7 @@
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/files/same_file.h"
+#include "pointsweep/formats/files/standard_streams.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/report/pictured_attribute.h"
 #include "pointsweep/report/run_report.h"
@@ -50,6 +52,7 @@ EngineOptions run_options(const CommonOptions& options) {
 InputCloud open_inputs(InputsAndOutput paths, const CommonOptions& options) {
   for (const auto& path : {options.stats, options.report, options.half_way}) paths.other_outputs.push_back(path);
   require_named_files(paths);
+  take_standard_input(paths.inputs(), options);
   return InputCloud(paths.inputs(), cloud_options(options));
 }
 
@@ -69,7 +72,7 @@ void complete(OutputFile& file, const std::string& text) {
 /// point to show.
 std::optional<Rendering> picture_of(const std::filesystem::path& output, const Schema& input,
                                     const Statistics& statistics, ProgressDisplay& display) {
-  if (is_array_name(output) || statistics.points_written == 0 ||
+  if (is_array_name(output) || is_standard_stream(output) || statistics.points_written == 0 ||
       statistics.nonfinite - statistics.dropped == statistics.points)
     return std::nullopt;
   InputCloud cloud({output});
@@ -111,7 +114,8 @@ std::string about_degenerate(const Statistics& s, const std::filesystem::path& s
 
 /// "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory"
 std::string conclusion(const std::filesystem::path& output, const Statistics& s, const std::filesystem::path& stats) {
-  std::string text = fmt::format("wrote {}: {} points", output.string(), s.points_written);
+  std::string text = fmt::format("wrote {}: {} points",
+                                 is_standard_stream(output) ? "standard output" : output.string(), s.points_written);
   if (s.points_written < s.points) text += fmt::format(" of {}", s.points);
   text += fmt::format(" in {:.1f} s", s.total_seconds);
   if (s.total_seconds > 0) text += fmt::format(", {}/s", count_text(static_cast<double>(s.points) / s.total_seconds));
@@ -137,7 +141,9 @@ class RunDisplay final : public Observer {
 }  // namespace
 
 void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning) {
-  verb.add_option(kInputsAndOutput, paths.files, fmt::format("Input files (merged), then output {}", output_meaning))
+  verb.add_option(
+          kInputsAndOutput, paths.files,
+          fmt::format("Input files (merged), then output {}; - is standard input or output (PLY)", output_meaning))
       ->type_name("");
 }
 
@@ -146,11 +152,21 @@ void add_output_option(CLI::App& verb, std::filesystem::path& output) {
       ->type_name("FILE");
 }
 
+void take_standard_input(const std::vector<std::filesystem::path>& inputs, const CommonOptions& options) {
+  const auto count = std::ranges::count_if(inputs, is_standard_stream);
+  if (count > 1) fail_usage("-: standard input can be one of the inputs only once.");
+  if (count == 0) return;
+  if (!options.resume.empty())
+    fail_usage("--resume: standard input cannot be read again by another process; save it to a file first.");
+  take_standard_input(options.temp_dir);
+}
+
 void require_named_files(const InputsAndOutput& paths) {
   if (paths.inputs_named() == 0)
     fail_usage("IN... OUT: name at least one input file, then the output file (or name it with -o FILE).");
   std::error_code error;
-  const bool last_exists = std::filesystem::exists(std::filesystem::symlink_status(paths.output(), error));
+  const bool last_exists = !is_standard_stream(paths.output()) &&
+                           std::filesystem::exists(std::filesystem::symlink_status(paths.output(), error));
   if (paths.named_output.empty() && paths.inputs_named() > 1 && last_exists)
     fail_usage(
         "{}: exists, and as the last of {} files it may be an input; name the output with -o FILE, before or after the "

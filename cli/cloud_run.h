@@ -30,6 +30,9 @@ void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* o
 /// -o, --output
 void add_output_option(CLI::App& verb, std::filesystem::path& output);
 
+/// Makes standard input readable if it is one of the inputs ("-"); a pipe is copied to the temporary folder.
+void take_standard_input(const std::vector<std::filesystem::path>& inputs, const CommonOptions& options);
+
 /// Throws UsageError where no input or no output is named, where a list of several inputs ends with a file that exists
 /// (a pattern such as *.las with OUT forgotten), and where an output is an input or another output.
 void require_named_files(const InputsAndOutput& paths);

@@ -2,6 +2,7 @@
 /// `pointsweep info FILE...`: what is in a point file, found by reading all of it.
 #include <nlohmann/json.hpp>
 
+#include "cli/cloud_run.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/file_summary.h"
@@ -81,6 +82,7 @@ void complain(const std::string& sentence, const CommonOptions& options, Progres
 void info(const InfoOptions& options) {
   InfoReport report(options.json);
   ProgressDisplay progress(options.common);
+  take_standard_input(options.files, options.common);
   for (const auto& file : options.files) {
     try {
       look_at_file(file, options, report, progress);

@@ -38,9 +38,10 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const UsageError& error) {
     return complain(2, error.what());
   } catch (const Cancelled&) {
-    return complain(128 + interrupting_signal(), OutputFile::any_is_complete()
-                                                     ? "stopped; outputs that were complete by then stay"
-                                                     : "stopped; no output was written");
+    const char* const outputs = OutputFile::any_is_complete()   ? "outputs that were complete by then stay"
+                                : OutputFile::any_is_streamed() ? "what standard output has got is incomplete"
+                                                                : "no output was written";
+    return complain(128 + interrupting_signal(), fmt::format("stopped; {}", outputs));
   } catch (const std::bad_alloc&) {
     return complain(1, "the machine has no memory left for this; lower --memory or close other programs");
   } catch (const std::exception& error) {

@@ -69,6 +69,7 @@ void render_picture(RenderCommand& command) {
   options.angles = parse_view(command.view);
   options.up = parse_up(command.up);
   OutputFile file(output, command.common.force);
+  take_standard_input(command.paths.inputs(), command.common);
   InputCloud cloud(command.paths.inputs(), cloud_options(command.common));
   if (const auto& crs = cloud.readers().front()->info().crs) options.length_unit = length_unit_of(*crs);
   ProgressDisplay display(command.common);

@@ -287,6 +287,7 @@ Verdict checked(const VerifyCommand& command, InputCloud& cloud, ProgressDisplay
 }
 
 void run_check(const VerifyCommand& given) {
+  take_standard_input(given.paths.files, given.common);
   const VerifyCommand command = completed(given);
   InputCloud cloud(command.paths.inputs(), cloud_options(command.common));
   drop_nonfinite(command, cloud);

@@ -16,11 +16,17 @@ constexpr std::size_t kConvertedBytes = 1 << 20;
 RecordWriter::RecordWriter(const OutputPlan& plan, std::string_view header, const Schema& stored)
     : plan_(plan),
       file_(plan.path, plan.overwrite),
+      header_(header),
       header_bytes_(header.size()),
       stored_stride_(stored.stride),
       conversion_(plan.schema, stored) {
-  file_.append(std::as_bytes(std::span(header)));
   bytes_written_ = header_bytes_;
+}
+
+void RecordWriter::write_header() {
+  if (header_.empty()) return;
+  file_.append(std::as_bytes(std::span(header_)));
+  header_.clear();
 }
 
 void RecordWriter::write(std::span<const std::byte> records) { write_at(rows_written_, records); }
@@ -33,6 +39,8 @@ void RecordWriter::write_at(std::uint64_t row, std::span<const std::byte> record
     fail("{}: more points came than the {} that were announced.", plan_.path.string(), plan_.count);
   }
   check(records);
+  write_header();
+
   const std::uint64_t offset = header_bytes_ + row * stored_stride_;
   if (conversion_.is_identity()) {
     file_.write_at(offset, records);
@@ -53,6 +61,8 @@ void RecordWriter::finish() {
   if (rows_written_ < plan_.count) {
     fail("{}: only {} of the {} points that were announced came.", plan_.path.string(), rows_written_, plan_.count);
   }
+
+  write_header();
   file_.commit();
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -19,7 +20,7 @@ namespace pointsweep {
 class RecordWriter : public Writer {
  public:
   void write(std::span<const std::byte> records) override;
-  bool can_write_at() const override { return true; }
+  bool can_write_at() const override { return file_.is_seekable(); }
   void write_at(std::uint64_t row, std::span<const std::byte> records) override;
   void finish() override;
 
@@ -31,8 +32,11 @@ class RecordWriter : public Writer {
   const OutputPlan& plan() const { return plan_; }
 
  private:
+  void write_header();  ///< once, so that an error before the first record leaves standard output empty
+
   OutputPlan plan_;
   OutputFile file_;
+  std::string header_;  ///< until it is written
   std::uint64_t header_bytes_;
   std::uint32_t stored_stride_;
   RecordConversion conversion_;

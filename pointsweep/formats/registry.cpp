@@ -8,6 +8,7 @@
 #include "pointsweep/formats/e57/e57_format.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/files/standard_streams.h"
 #include "pointsweep/formats/foreign_formats.h"
 #include "pointsweep/formats/kitti/kitti_format.h"
 #include "pointsweep/formats/las/las_format.h"
@@ -97,6 +98,7 @@ void warn_of_lost_crs(const Format& format, const OutputPlan& plan, Writer& writ
 std::span<const Format* const> formats() { return kFormats; }
 
 const Format* format_of_output(const std::filesystem::path& path) {
+  if (is_standard_stream(path)) return &kPlyFormat;
   const std::string extension = extension_of(path);
   for (const Format* format : kFormats)
     if (format->create != nullptr && has_extension(*format, extension)) return format;

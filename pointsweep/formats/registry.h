@@ -15,7 +15,8 @@ namespace pointsweep {
 /// All formats. A file is of the first whose signature it has.
 std::span<const Format* const> formats();
 
-/// The format of an output of this name; null if its extension is that of none that is written.
+/// The format of an output of this name; null if its extension is that of none that is written. Standard output, "-",
+/// is PLY.
 const Format* format_of_output(const std::filesystem::path& path);
 
 /// Whether a file of this name holds an array, not points.

@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include "pointsweep/formats/files/standard_streams.h"
+
 namespace pointsweep {
 
 FileState::FileState(const std::filesystem::path& path) : path_(path) {
+  if (is_standard_stream(path)) return;
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return;
   known_ = true;

@@ -12,7 +12,7 @@ namespace pointsweep {
 /// opened the old one still reads that.
 class FileState {
  public:
-  /// Of what is no file (an array in memory), nothing is known and nothing ever changes.
+  /// Of what is no file (an array in memory, standard input), nothing is known and nothing ever changes.
   explicit FileState(const std::filesystem::path& path);
   /// As the clock of the file system tells: writes within its tick (some milliseconds) of the first look may be missed.
   bool has_changed() const;

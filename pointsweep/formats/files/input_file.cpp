@@ -10,6 +10,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/files/standard_streams.h"
 
 namespace pointsweep {
 namespace {
@@ -29,7 +30,9 @@ namespace {
 
 InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   // O_NONBLOCK: opening a pipe would wait for a writer; it has no effect on regular files.
-  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  const bool is_stream = is_standard_stream(path) && standard_input_descriptor() >= 0;
+  descriptor_ = is_stream ? ::fcntl(standard_input_descriptor(), F_DUPFD_CLOEXEC, 0)
+                          : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor_ < 0) fail_to_open(path, errno);
   struct stat status {};
   const bool known = ::fstat(descriptor_, &status) == 0;

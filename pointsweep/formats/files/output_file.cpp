@@ -9,19 +9,21 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cassert>
 #include <cerrno>
 #include <charconv>
 #include <string>
 #include <system_error>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/files/standard_streams.h"
 
 namespace pointsweep {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::atomic<bool> any_complete = false;
+std::atomic<bool> any_complete = false, any_streamed = false;
 
 fs::path folder_of(const fs::path& destination) {
   return destination.has_parent_path() ? destination.parent_path() : fs::path(".");
@@ -39,6 +41,8 @@ fs::path folder_of(const fs::path& destination) {
       fail("{}: no permission to write in {}; choose another folder.", name, folder_of(destination).string());
     case EROFS:
       fail("{}: {} is read-only; choose another folder.", name, folder_of(destination).string());
+    case EPIPE:
+      fail("{}: the program that reads standard output ended before the last point; see what it says.", name);
     case EFBIG:
       fail("{}: has become larger than its file system or a limit (ulimit -f) allows.", name);
     case ENAMETOOLONG:
@@ -113,7 +117,15 @@ int rename_to_new(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-OutputFile::OutputFile(const fs::path& destination, bool overwrite) : destination_(destination), overwrite_(overwrite) {
+OutputFile::OutputFile(const fs::path& destination, bool overwrite)
+    : destination_(destination), overwrite_(overwrite), is_stream_(is_standard_stream(destination)) {
+  if (is_stream_) {
+    if (::isatty(STDOUT_FILENO) != 0)
+      fail("-: standard output is a terminal; redirect it to a file or to a program, or name a file.");
+    descriptor_ = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
+    if (descriptor_ < 0) fail_to_write(destination_, errno);
+    return;
+  }
   check_destination(destination, overwrite);
   // An output that is a link replaces what the link points to.
   std::error_code error;
@@ -142,12 +154,18 @@ void OutputFile::append(std::span<const std::byte> bytes) {
 }
 
 void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
+  if (is_stream_) {
+    assert(offset == streamed_ && "bytes come in sequence where the output is no file");
+    streamed_ += bytes.size();
+    any_streamed = any_streamed || !bytes.empty();
+  }
   while (!bytes.empty()) {
-    const ssize_t written = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    const ssize_t written = is_stream_ ? write_to_stream(descriptor_, bytes)
+                                       : ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (written > 0) {
       offset += static_cast<std::uint64_t>(written);
       bytes = bytes.subspan(static_cast<std::size_t>(written));
-    } else if (written == 0 || errno != EINTR) {
+    } else if (written == 0 || (errno != EINTR && errno != EAGAIN)) {
       fail_to_write(destination_, written == 0 ? ENOSPC : errno);
     }
   }
@@ -171,6 +189,10 @@ void OutputFile::commit() {
   const int closed = ::close(descriptor_) == 0 || errno == EINTR ? 0 : errno;
   descriptor_ = -1;
   if (closed != 0) fail_to_write(destination_, closed);
+  if (is_stream_) {
+    any_complete = true;
+    return;
+  }
   if (overwrite_) {
     if (::rename(part_.c_str(), destination_.c_str()) != 0) fail_to_write(destination_, errno);
   } else if (const int error = rename_to_new(part_, destination_); error != 0) {
@@ -183,5 +205,6 @@ void OutputFile::commit() {
 }
 
 bool OutputFile::any_is_complete() { return any_complete; }
+bool OutputFile::any_is_streamed() { return any_streamed; }
 
 }  // namespace pointsweep

@@ -14,6 +14,9 @@ namespace pointsweep {
 
 /// Written as `.<name>.<pid>.part` beside its destination and renamed by commit(); removed by the destructor otherwise.
 /// Every failure is an Error that names the destination and says what to do (no space left, folder missing, read-only).
+///
+/// The destination "-" is standard output. Bytes go there at once and in sequence, and what was written before an error
+/// stays written.
 class OutputFile {
  public:
   /// Throws before anything is written when the destination exists and `overwrite` is false, is a folder, or its folder
@@ -29,14 +32,20 @@ class OutputFile {
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
   std::uint64_t size() const { return size_; }  ///< end of what append() wrote
   void commit();
+  /// Whether bytes may be written at any place and read back: not to standard output.
+  bool is_seekable() const { return !is_stream_; }
+  /// Whether this process has written bytes to standard output.
+  static bool any_is_streamed();
   /// Whether this process has committed any output.
   static bool any_is_complete();
 
  private:
   std::filesystem::path destination_, part_;
   bool overwrite_ = false;
+  bool is_stream_ = false;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
+  std::uint64_t streamed_ = 0;        ///< bytes written to standard output
   std::optional<Leftover> leftover_;  ///< part_
 };
 

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/files/standard_streams.h"
 
 namespace pointsweep {
 namespace {
@@ -35,6 +36,7 @@ std::string both_names(const fs::path& named, const fs::path& other) {
 }  // namespace
 
 bool lead_to_same_file(const fs::path& a, const fs::path& b) {
+  if (is_standard_stream(a) || is_standard_stream(b)) return a == b;
   return have_same_inode(a, b) || canonical_form(a) == canonical_form(b);
 }
 
@@ -42,7 +44,7 @@ void require_separate_files(const std::vector<fs::path>& read, const std::vector
   for (std::size_t w = 0; w < written.size(); ++w) {
     if (written[w].empty()) continue;
     for (const fs::path& input : read)
-      if (!input.empty() && lead_to_same_file(written[w], input))
+      if (!input.empty() && !is_standard_stream(input) && lead_to_same_file(written[w], input))
         fail_usage("{}: is an input, and an input is never overwritten; write to another file.",
                    both_names(written[w], input));
     for (std::size_t other = 0; other < w; ++other)

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+/// Points from standard input and to standard output.
+#include <gmock/gmock.h>
+
+#include "tests/cli/tool.h"
+
+namespace pointsweep {
+namespace {
+
+using testing::HasSubstr;
+
+class StandardStreams : public Tool {
+ protected:
+  StandardStreams() {
+    made("generate statue in.ply -n 20000 --noise 0.002");
+    made("normals in.ply right.ply --no-provenance");
+    std::filesystem::create_directory(folder_ / "temp");
+  }
+
+  /// A script in the folder of the test, in which $T is the tool; its status is that of the whole pipe.
+  Result script(const std::string& text) {
+    write(".script", "set -o pipefail\nT='" POINTSWEEP_TOOL "'\n" + text + "\n");
+    const int state = std::system(("cd '" + folder_.string() + "' && exec bash .script >.out 2>.err").c_str());
+    return {WIFEXITED(state) ? WEXITSTATUS(state) : 128 + WTERMSIG(state), contents(folder_ / ".out"),
+            contents(folder_ / ".err")};
+  }
+};
+
+TEST_F(StandardStreams, APipeGivesTheBytesOfAFile) {
+  for (const char* options : {"", "--order sweep", "--memory 40M --temp-dir temp", "--threads 1"}) {
+    SCOPED_TRACE(options);
+    const std::string given = options;
+    made("normals in.ply right.ply --force --no-provenance " + given);
+    const Result piped = script("cat in.ply | $T normals - - --no-provenance " + given + " | cat");
+    EXPECT_EQ(piped.status, 0) << piped.err;
+    EXPECT_TRUE(piped.out == contents(folder_ / "right.ply"));
+    EXPECT_THAT(piped.err, HasSubstr("wrote standard output: 20000 points"));
+    EXPECT_TRUE(std::filesystem::is_empty(folder_ / "temp"));
+  }
+}
+
+TEST_F(StandardStreams, ARedirectedFileIsReadInPlace) {
+  const Result file = script("$T normals - out.ply --no-provenance --temp-dir temp < in.ply");
+  EXPECT_EQ(file.status, 0) << file.err;
+  EXPECT_TRUE(contents(folder_ / "out.ply") == contents(folder_ / "right.ply"));
+  EXPECT_EQ(script("$T normals in.ply - --no-provenance > out2.ply").status, 0);
+  EXPECT_TRUE(contents(folder_ / "out2.ply") == contents(folder_ / "right.ply"));
+}
+
+TEST_F(StandardStreams, AnyFormatIsRecognisedByItsContent) {
+  made("sort in.ply a.xyz --axis x");
+  made("sort in.ply a.las --axis x");
+  for (const char* name : {"a.xyz", "a.las"}) {
+    const Result info = script(std::string("cat ") + name + " | $T info - --json");
+    EXPECT_EQ(info.status, 0) << info.err;
+    EXPECT_THAT(info.out, HasSubstr("\"points\": 20000"));
+  }
+  const Result kitti = script("head -c 1600 /dev/zero | $T info - --format kitti --json");
+  EXPECT_THAT(kitti.out, HasSubstr("\"points\": 100")) << kitti.err;
+}
+
+TEST_F(StandardStreams, VerbsFormAChain) {
+  const Result chain = script(
+      "$T generate sphere - -n 5000 | $T normals - - | $T run - - --pipeline 'curvature' | "
+      "$T verify - <(cat) 2>/dev/null; $T generate sphere - -n 5000 | $T normals - - | tee n.ply | $T render - p.png "
+      "&& "
+      "$T generate sphere s.ply -n 5000 && $T verify s.ply n.ply --sample 200");
+  EXPECT_EQ(chain.status, 0) << chain.err;
+  EXPECT_EQ(contents(folder_ / "p.png").substr(1, 3), "PNG");
+}
+
+TEST_F(StandardStreams, StandardInputIsOneOfSeveralInputs) {
+  made("normals in.ply in.ply -o both.ply --no-provenance");
+  const Result piped = script("cat in.ply | $T normals in.ply - -o out.ply --no-provenance");
+  EXPECT_EQ(piped.status, 0) << piped.err;
+  EXPECT_TRUE(contents(folder_ / "out.ply") == contents(folder_ / "both.ply"));
+  EXPECT_EQ(script("cat in.ply | $T normals - - -o out2.ply").status, 2);
+  EXPECT_THAT(contents(folder_ / ".err"), HasSubstr("only once"));
+}
+
+TEST_F(StandardStreams, ErrorsLeaveStandardOutputEmpty) {
+  const Result empty = script("$T normals - - < /dev/null");
+  EXPECT_EQ(empty.status, 1);
+  EXPECT_EQ(empty.out, "");
+  EXPECT_TRUE(empty.err.starts_with("pointsweep: -: is empty")) << empty.err;
+  const Result truncated = script("head -c 100000 in.ply | $T normals - -");
+  EXPECT_EQ(truncated.status, 1);
+  EXPECT_EQ(truncated.out, "");
+  EXPECT_THAT(truncated.err, HasSubstr("pointsweep: -: "));
+  const Result resumed = script("cat in.ply | $T normals - out.ply --resume done");
+  EXPECT_EQ(resumed.status, 2);
+  EXPECT_THAT(resumed.err, HasSubstr("save it to a file first"));
+  const Result no_folder = script("cat in.ply | $T normals - out.ply --temp-dir nowhere");
+  EXPECT_EQ(no_folder.status, 1);
+  EXPECT_THAT(no_folder.err, HasSubstr("choose another folder with --temp-dir"));
+  const Result full = script("ulimit -f 100; cat in.ply | $T normals - out.ply --temp-dir temp");
+  EXPECT_EQ(full.status, 1);
+  EXPECT_THAT(full.err, HasSubstr("cannot hold a temporary copy of standard input"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "temp"));
+}
+
+TEST_F(StandardStreams, AReaderThatEndsIsAnErrorInOneSentence) {
+  made("generate statue large.ply -n 200000");
+  const Result closed = script("$T normals large.ply - --quiet | head -c 1000 | wc -c");
+  EXPECT_EQ(closed.status, 1);
+  EXPECT_THAT(closed.err, HasSubstr("the program that reads standard output ended"));
+  EXPECT_EQ(std::count(closed.err.begin(), closed.err.end(), '\n'), 1) << closed.err;
+}
+
+// A shell's background jobs ignore Ctrl-C, so these tests send SIGTERM.
+TEST_F(StandardStreams, AStopWhileAPipeIsReadLeavesNothing) {
+  const Result stopped = script(
+      "mkfifo p; $T normals - out.ply --temp-dir temp < p & exec 3> p; cat in.ply >&3; sleep 0.6\n"
+      "kill -TERM $!; wait $!; echo status $?");
+  EXPECT_EQ(stopped.out, "status 143\n");
+  EXPECT_EQ(stopped.err, "pointsweep: stopped; no output was written\n");
+  EXPECT_FALSE(exists("out.ply"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "temp"));
+}
+
+TEST_F(StandardStreams, AStopWhileTheReaderOfAPipeWaitsIsSeen) {
+  made("generate statue large.ply -n 200000");
+  const Result stopped = script(
+      "mkfifo p; $T normals large.ply - --quiet > p & exec 3< p; read -r -n 3 <&3; sleep 0.3\n"
+      "kill -TERM $!; wait $!; echo status $?");
+  EXPECT_EQ(stopped.out, "status 143\n");
+  EXPECT_EQ(stopped.err, "pointsweep: stopped; what standard output has got is incomplete\n");
+}
+
+TEST_F(StandardStreams, AnErrorBeforeTheFirstPointLeavesStandardOutputEmpty) {
+  made("generate statue large.ply -n 1M");
+  const Result result = script("ulimit -f 100; $T normals large.ply - --memory 60M --temp-dir temp | cat");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err, HasSubstr("a temporary file in 'temp' may not grow"));
+}
+
+/// The copy of a pipe takes no memory.
+TEST_F(StandardStreams, APipeLargerThanTheBudgetIsRead) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers take memory themselves";
+#endif
+  made("generate statue large.ply -n 3M --double");  // 72 MB without normals
+  const Result piped =
+      script("cat large.ply | $T normals - out.ply --memory 60M --temp-dir temp --stats s.json --quiet");
+  EXPECT_EQ(piped.status, 0) << piped.err;
+  const std::string stats = contents(folder_ / "s.json");
+  const std::size_t at = stats.find("\"peak_rss_bytes\": ");
+  ASSERT_NE(at, stats.npos);
+  EXPECT_LT(std::stoull(stats.substr(at + 18)), 60u << 20);
+}
+
+}  // namespace
+}  // namespace pointsweep
