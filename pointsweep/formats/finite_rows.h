@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pointsweep/math/box.h"
+#include "pointsweep/points/schema.h"
 #include "pointsweep/reader.h"
 
 namespace pointsweep {
