@@ -6,11 +6,9 @@
 #include <algorithm>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "cli/command_line.h"
-#include "cli/help.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/quantities.h"
@@ -18,7 +16,6 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/output_file.h"
-#include "pointsweep/formats/files/same_file.h"
 #include "pointsweep/formats/files/standard_streams.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/report/pictured_attribute.h"
@@ -49,11 +46,13 @@ EngineOptions run_options(const CommonOptions& options) {
   return run;
 }
 
-InputCloud open_inputs(InputsAndOutput paths, const CommonOptions& options) {
-  for (const auto& path : {options.stats, options.report, options.half_way}) paths.other_outputs.push_back(path);
-  require_named_files(paths);
-  take_standard_input(paths.inputs(), options);
-  return InputCloud(paths.inputs(), cloud_options(options));
+/// The files that a command names; standard input can be read then.
+ResolvedFiles files_of(InputsAndOutput named, const CommonOptions& options) {
+  for (const auto& path : {options.stats, options.report, options.half_way}) named.other_outputs.push_back(path);
+  named.resumes = !options.resume.empty();
+  ResolvedFiles files = resolve(named, options.format);
+  take_standard_input(files.inputs, options);
+  return files;
 }
 
 /// The name of the report, refused if it is not that of a page.
@@ -70,12 +69,12 @@ void complete(OutputFile& file, const std::string& text) {
 
 /// The result, read again; none where the output is no point file or has no
 /// point to show.
-std::optional<Rendering> picture_of(const std::filesystem::path& output, const Schema& input,
-                                    const Statistics& statistics, ProgressDisplay& display) {
-  if (is_array_name(output) || is_standard_stream(output) || statistics.points_written == 0 ||
+std::optional<Rendering> picture_of(const ResolvedFiles& files, const Schema& input, const Statistics& statistics,
+                                    ProgressDisplay& display) {
+  if (is_array_name(files.output) || is_standard_stream(files.output) || statistics.points_written == 0 ||
       statistics.nonfinite - statistics.dropped == statistics.points)
     return std::nullopt;
-  InputCloud cloud({output});
+  InputCloud cloud(files.tiles.empty() ? std::vector{files.output} : files.tiles, {.ignore_crs = true});
   RenderOptions options;
   options.width = 900;
   options.height = 640;
@@ -89,16 +88,16 @@ std::optional<Rendering> picture_of(const std::filesystem::path& output, const S
   return render(cloud, options);
 }
 
-RunSummary summary_of(const InputsAndOutput& paths, const Schema& input, const Statistics& statistics,
+RunSummary summary_of(const ResolvedFiles& files, const Schema& input, const Statistics& statistics,
                       ProgressDisplay& display) {
   RunSummary summary;
-  summary.title = paths.output().filename().string();
-  summary.output = paths.output().string();
+  summary.title = (files.tiles.empty() ? files.output : (files.output / "").parent_path()).filename().string();
+  summary.output = files.output.string();
   summary.command = command_line();
   summary.version = kept_version();
   summary.statistics = statistics;
-  summary.picture = picture_of(paths.output(), input, statistics, display);
-  for (const auto& path : paths.inputs()) summary.inputs += (summary.inputs.empty() ? "" : ", ") + path.string();
+  summary.picture = picture_of(files, input, statistics, display);
+  for (const auto& path : files.inputs) summary.inputs += (summary.inputs.empty() ? "" : ", ") + path.string();
   return summary;
 }
 
@@ -113,9 +112,12 @@ std::string about_degenerate(const Statistics& s, const std::filesystem::path& s
 }
 
 /// "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory"
-std::string conclusion(const std::filesystem::path& output, const Statistics& s, const std::filesystem::path& stats) {
-  std::string text = fmt::format("wrote {}: {} points",
-                                 is_standard_stream(output) ? "standard output" : output.string(), s.points_written);
+std::string conclusion(const ResolvedFiles& files, const Statistics& s, const std::filesystem::path& stats) {
+  std::string text =
+      fmt::format("wrote {}: ", is_standard_stream(files.output) ? "standard output" : files.output.string());
+  if (!files.tiles.empty())
+    text += files.tiles.size() == 1 ? "1 file, " : fmt::format("{} files, ", files.tiles.size());
+  text += fmt::format("{} points", s.points_written);
   if (s.points_written < s.points) text += fmt::format(" of {}", s.points);
   text += fmt::format(" in {:.1f} s", s.total_seconds);
   if (s.total_seconds > 0) text += fmt::format(", {}/s", count_text(static_cast<double>(s.points) / s.total_seconds));
@@ -140,18 +142,6 @@ class RunDisplay final : public Observer {
 
 }  // namespace
 
-void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning) {
-  verb.add_option(
-          kInputsAndOutput, paths.files,
-          fmt::format("Input files (merged), then output {}; - is standard input or output (PLY)", output_meaning))
-      ->type_name("");
-}
-
-void add_output_option(CLI::App& verb, std::filesystem::path& output) {
-  verb.add_option("-o,--output", output, "Output file; all other files are then inputs (default: the last file)")
-      ->type_name("FILE");
-}
-
 void take_standard_input(const std::vector<std::filesystem::path>& inputs, const CommonOptions& options) {
   const auto count = std::ranges::count_if(inputs, is_standard_stream);
   if (count > 1) fail_usage("-: standard input can be one of the inputs only once.");
@@ -159,23 +149,6 @@ void take_standard_input(const std::vector<std::filesystem::path>& inputs, const
   if (!options.resume.empty())
     fail_usage("--resume: standard input cannot be read again by another process; save it to a file first.");
   take_standard_input(options.temp_dir);
-}
-
-void require_named_files(const InputsAndOutput& paths) {
-  if (paths.inputs_named() == 0)
-    fail_usage("IN... OUT: name at least one input file, then the output file (or name it with -o FILE).");
-  std::error_code error;
-  const bool last_exists = !is_standard_stream(paths.output()) &&
-                           std::filesystem::exists(std::filesystem::symlink_status(paths.output(), error));
-  if (paths.named_output.empty() && paths.inputs_named() > 1 && last_exists)
-    fail_usage(
-        "{}: exists, and as the last of {} files it may be an input; name the output with -o FILE, before or after the "
-        "inputs.",
-        paths.output().string(), paths.files.size());
-  std::vector<std::filesystem::path> read = paths.inputs(), written = {paths.output()};
-  read.insert(read.end(), paths.other_inputs.begin(), paths.other_inputs.end());
-  written.insert(written.end(), paths.other_outputs.begin(), paths.other_outputs.end());
-  require_separate_files(read, written);
 }
 
 void add_run_options(CLI::App& verb, CommonOptions& options) {
@@ -190,8 +163,9 @@ void add_run_options(CLI::App& verb, CommonOptions& options) {
 }
 
 void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
-                    const std::function<Statistics(InputCloud& cloud, const EngineOptions& options)>& work) {
-  InputCloud cloud = open_inputs(paths, options);
+                    const std::function<Statistics(InputCloud&, const ResolvedFiles&, const EngineOptions&)>& work) {
+  const ResolvedFiles files = files_of(paths, options);
+  InputCloud cloud(files.inputs, cloud_options(options));
   std::optional<OutputFile> stats;  // made first: a place that cannot be written is known before the work, not after
   if (!options.stats.empty()) stats.emplace(options.stats, options.force);
   std::optional<OutputFile> report;
@@ -200,16 +174,18 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
   EngineOptions run = run_options(options);
   RunDisplay watching(display);
   run.observer = &watching;
-  const Statistics statistics = work(cloud, run);
+  for (const std::string& notice : files.notices) display.say(notice);
+  const Statistics statistics = work(cloud, files, run);
   if (stats) complete(*stats, to_json(statistics) + "\n");
-  if (report) complete(*report, report_of(summary_of(paths, cloud.schema(), statistics, display)));
-  display.say(conclusion(paths.output(), statistics, options.stats));
+  if (report) complete(*report, report_of(summary_of(files, cloud.schema(), statistics, display)));
+  display.say(conclusion(files, statistics, options.stats));
 }
 
 void look_at_cloud(const InputsAndOutput& paths, const CommonOptions& options,
-                   const std::function<void(InputCloud& cloud, const EngineOptions& options)>& work) {
-  InputCloud cloud = open_inputs(paths, options);
-  work(cloud, run_options(options));
+                   const std::function<void(InputCloud&, const ResolvedFiles&, const EngineOptions&)>& work) {
+  const ResolvedFiles files = files_of(paths, options);
+  InputCloud cloud(files.inputs, cloud_options(options));
+  work(cloud, files, run_options(options));
 }
 
 }  // namespace pointsweep

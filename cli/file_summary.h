@@ -49,6 +49,8 @@ FileSummary summarize(Reader& reader, Spacing spacing,
 
 /// Several lines for people.
 std::string to_text(const FileInfo& info, const FileSummary& summary);
+/// "x y z float32, intensity uint16".
+std::string attribute_text(const Schema& schema);
 /// The lines on points and bounds alone.
 std::string to_text(std::uint64_t points, const Box& bounds);
 

@@ -28,18 +28,6 @@ std::string order_text(const FileSummary& summary) {
   return text.empty() ? "none" : text;
 }
 
-/// "x y z float32, intensity uint16": runs of one type are named together.
-std::string attribute_text(const Schema& schema) {
-  std::string text;
-  for (std::size_t f = 0; f < schema.fields.size(); ++f) {
-    const Field& field = schema.fields[f];
-    text += field.name + (field.count > 1 ? fmt::format("[{}]", field.count) : "") + " ";
-    const bool run_ends = f + 1 == schema.fields.size() || schema.fields[f + 1].type != field.type;
-    if (run_ends) text += std::string(name_of(field.type)) + (f + 1 == schema.fields.size() ? "" : ", ");
-  }
-  return text;
-}
-
 std::string line(const char* name, const std::string& value) { return fmt::format("  {:<10}  {}\n", name, value); }
 
 bool is_coordinate(const Schema& schema, std::size_t field) {
@@ -119,6 +107,18 @@ std::string ranges_text(const Schema& schema, const FileSummary& s) {
 }
 
 }  // namespace
+
+/// Runs of one type are named together.
+std::string attribute_text(const Schema& schema) {
+  std::string text;
+  for (std::size_t f = 0; f < schema.fields.size(); ++f) {
+    const Field& field = schema.fields[f];
+    text += field.name + (field.count > 1 ? fmt::format("[{}]", field.count) : "") + " ";
+    const bool run_ends = f + 1 == schema.fields.size() || schema.fields[f + 1].type != field.type;
+    if (run_ends) text += std::string(name_of(field.type)) + (f + 1 == schema.fields.size() ? "" : ", ");
+  }
+  return text;
+}
 
 std::string to_text(std::uint64_t points, const Box& bounds) {
   std::string text = fmt::format("  points      {}\n", points);

@@ -1,68 +1,86 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep info FILE...`: what is in a point file, found by reading all of it.
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/file_summary.h"
+#include "cli/file_table.h"
+#include "cli/inconsistencies.h"
+#include "cli/inputs_and_output.h"
 #include "cli/progress.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/input_list.h"
 
 namespace pointsweep {
 namespace {
 
 struct InfoOptions {
   CommonOptions common;
-  std::vector<std::filesystem::path> files;
-  bool json = false;
+  std::vector<std::filesystem::path> files;  ///< folders, patterns and .vpc files among them
+  bool recursive = false;
+  bool json = false, table = false;
   Spacing spacing = Spacing::measure;
 };
+
+enum class InfoStyle : std::uint8_t { details, table, json };
 
 /// What is said of the files, one after the other, and of all of them.
 class InfoReport {
  public:
-  explicit InfoReport(bool as_json) : as_json_(as_json) {}
+  explicit InfoReport(InfoStyle style) : style_(style) {}
 
   void add(const FileInfo& info, const FileSummary& summary) {
-    points_ += info.count;
-    bounds_.include(summary.bounds);
-    if (as_json_)
-      files_.push_back(to_json(info, summary));
-    else
-      fmt::print("{}", to_text(info, summary));
+    rows_.emplace_back(info, summary);
+    if (style_ == InfoStyle::json) files_.push_back(to_json(info, summary));
+    if (style_ == InfoStyle::details) fmt::print("{}", to_text(info, summary));
   }
   void add_failure(const std::filesystem::path& file, const std::string& sentence) {
     ++failures_;
-    if (as_json_) files_.push_back({{"path", file.string()}, {"error", sentence}});
+    rows_.emplace_back(file);
+    if (style_ == InfoStyle::json) files_.push_back({{"path", file.string()}, {"error", sentence}});
   }
-  void finish(std::size_t files) const {
-    if (as_json_) {
-      const nlohmann::ordered_json all = {
-          {"files", files}, {"unreadable", failures_}, {"points", points_}, {"bounds", to_json(bounds_)}};
-      const nlohmann::ordered_json report = {{"files", files_}, {"all", all}};
-      fmt::print("{}\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
-    } else if (files > 1) {
-      const std::string which =
-          failures_ == 0 ? fmt::format("all {} files", files) : fmt::format("{} of {} files", files - failures_, files);
-      fmt::print("{}\n{}", which, to_text(points_, bounds_));
-    }
+  void finish() const {
+    if (style_ == InfoStyle::json)
+      fmt::print("{}\n", all_as_json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    if (style_ == InfoStyle::table) fmt::print("{}", table_of(rows_));
+    if (style_ != InfoStyle::json && rows_.size() > 1) fmt::print("{}", summary_of(rows_));
   }
+  std::size_t files() const { return rows_.size(); }
   std::size_t failures() const { return failures_; }
 
  private:
-  bool as_json_;
+  nlohmann::ordered_json all_as_json() const {
+    std::uint64_t points = 0;
+    Box bounds;
+    for (const FileRow& row : rows_) {
+      points += row.info.count;
+      bounds.include(row.bounds);
+    }
+    const std::optional<double> density = density_of(rows_);
+    const nlohmann::ordered_json all = {{"files", rows_.size()},
+                                        {"unreadable", failures_},
+                                        {"points", points},
+                                        {"bounds", to_json(bounds)},
+                                        {"density", density ? nlohmann::ordered_json(*density) : nullptr},
+                                        {"inconsistent", inconsistencies_of(rows_)}};
+    return {{"files", files_}, {"all", all}};
+  }
+
+  InfoStyle style_;
   nlohmann::ordered_json files_ = nlohmann::ordered_json::array();
-  std::uint64_t points_ = 0;
-  Box bounds_;
+  std::vector<FileRow> rows_;
   std::size_t failures_ = 0;
 };
 
-void look_at_file(const std::filesystem::path& file, const InfoOptions& options, InfoReport& report,
+void look_at_file(const std::filesystem::path& file, const InfoOptions& options, Spacing spacing, InfoReport& report,
                   ProgressDisplay& progress) {
   const std::unique_ptr<Reader> reader = open_reader(file, options.common.format);
-  const FileSummary summary = summarize(*reader, options.spacing, [&](std::uint64_t done, std::uint64_t total) {
+  const FileSummary summary = summarize(*reader, spacing, [&](std::uint64_t done, std::uint64_t total) {
     stop_if_cancelled();
     progress.report("info", done, total);
   });
@@ -79,13 +97,43 @@ void complain(const std::string& sentence, const CommonOptions& options, Progres
     progress.say(sentence);
 }
 
+/// The files that an argument stands for; nothing, after a complaint, where it stands for none.
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& named, const InfoOptions& options,
+                                            InfoReport& report, ProgressDisplay& progress) {
+  std::vector<std::filesystem::path> files;
+  try {
+    const InputList list = list_inputs({named}, options.recursive, options.common.format);
+    for (const ListedFile& file : list.files) files.push_back(file.path);
+    for (const std::string& notice : list.notices) progress.say(notice);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
+    complain(error.what(), options.common, progress);
+    report.add_failure(named, error.what());
+  }
+  return files;
+}
+
+InfoStyle style_of(const InfoOptions& options) {
+  if (options.json) return InfoStyle::json;
+  const bool many = std::ranges::any_of(options.files, stands_for_files);
+  return options.table || many ? InfoStyle::table : InfoStyle::details;
+}
+
 void info(const InfoOptions& options) {
-  InfoReport report(options.json);
+  const InfoStyle style = style_of(options);
+  const Spacing spacing = style == InfoStyle::table ? Spacing::skip : options.spacing;
+  InfoReport report(style);
   ProgressDisplay progress(options.common);
   take_standard_input(options.files, options.common);
-  for (const auto& file : options.files) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& named : options.files) {
+    const auto some = files_of(named, options, report, progress);
+    files.insert(files.end(), some.begin(), some.end());
+  }
+  for (const auto& file : files) {
     try {
-      look_at_file(file, options, report, progress);
+      look_at_file(file, options, spacing, report, progress);
     } catch (const Cancelled&) {
       throw;
     } catch (const Error& error) {
@@ -93,8 +141,8 @@ void info(const InfoOptions& options) {
       report.add_failure(file, error.what());
     }
   }
-  report.finish(options.files.size());
-  if (report.failures() > 0) fail("{} of {} files could not be read.", report.failures(), options.files.size());
+  report.finish();
+  if (report.failures() > 0) fail("{} of {} files could not be read.", report.failures(), report.files());
 }
 
 }  // namespace
@@ -102,8 +150,12 @@ void info(const InfoOptions& options) {
 void add_info_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("info", "Say what is in point files: format, bounds, density, attributes, ...");
   auto options = std::make_shared<InfoOptions>();
-  verb.add_option("FILE", options->files, "Point files")->required()->type_name("");
-  verb.add_flag("--json", options->json, "Write one JSON object; docs/info.md lists its keys");
+  verb.add_option("FILE", options->files, "Point files, folders of them or quoted patterns")->required()->type_name("");
+  add_recursive_option(verb, options->recursive);
+  CLI::Option* json = verb.add_flag("--json", options->json, "Write one JSON object; docs/info.md lists its keys");
+  verb.add_flag("--table", options->table,
+                "Write one line for each file, read once (default for folders, patterns and .vpc files)")
+      ->excludes(json);
   verb.add_flag_callback(
       "--no-spacing", [options] { options->spacing = Spacing::skip; },
       "Read files once instead of twice, without the distances between points");
@@ -112,8 +164,11 @@ void add_info_command(CLI::App& app) {
   verb.footer(
       "The files are read to their end, so that bounds, counts and ranges are those of the points, not of a header.\n"
       "A file that cannot be read is reported; the others are still read, and the exit status is 1.\n"
-      "\nExample:\n"
-      "  pointsweep info scan.ply tile_*.las");
+      "Several files are compared: formats, coordinate reference systems, attributes and their types.\n"
+      "\nExamples:\n"
+      "  pointsweep info scan.ply\n"
+      "  pointsweep info tiles/\n"
+      "  pointsweep info --table tile_*.las");
   verb.callback([options] { info(*options); });
 }
 

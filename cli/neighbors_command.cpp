@@ -70,17 +70,17 @@ Chain chain_of(const NeighborsCommand& command, const Arrays& arrays, std::uint6
 void neighbors(const NeighborsCommand& command) {
   InputsAndOutput paths = command.paths;
   paths.other_outputs.push_back(command.distances);
-  require_named_files(paths);
+  resolve(paths, command.common.format);  // an output that is an input is refused first
   require_npy(paths.output());
   neighborhood_of(command);  // wrong options are refused before files are opened
   if (!command.distances.empty()) require_npy(command.distances);
   if (command.common.dry_run) {
-    look_at_cloud(paths, command.common, [&](InputCloud& cloud, const EngineOptions& options) {
+    look_at_cloud(paths, command.common, [&](InputCloud& cloud, const ResolvedFiles&, const EngineOptions& options) {
       fmt::print("{}", to_text(preview(cloud, chain_of(command, arrays_of(command), cloud.count()), options)));
     });
     return;
   }
-  run_over_cloud(paths, command.common, [&](InputCloud& cloud, const EngineOptions& options) {
+  run_over_cloud(paths, command.common, [&](InputCloud& cloud, const ResolvedFiles&, const EngineOptions& options) {
     const Outputs outputs{.points = {}, .arrays = arrays_of(command), .writer = {}};
     return run(cloud, chain_of(command, outputs.arrays, cloud.count()), outputs, options);
   });

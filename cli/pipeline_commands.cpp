@@ -28,7 +28,9 @@ constexpr ShortForm kShortForms[] = {
     {"normals", "Compute a unit normal for every point from its exact neighbours", "nx, ny, nz", "normals", "", "8",
      "A point whose neighbours define no plane gets the normal 0 0 0.",
      "Example: a scan of any size in 2 GB of memory, normals towards the scanner:\n"
-     "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G --orient viewpoint --viewpoint 0,0,1.7"},
+     "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G --orient viewpoint --viewpoint 0,0,1.7\n"
+     "\nExample: a folder of tiles, into another folder without seams:\n"
+     "  pointsweep normals tiles/ out/ -k 12"},
     {"curvature", "Compute normals and principal curvatures", "normals and curvatures", "normals | curvature", "", "8",
      "'pointsweep operators curvature' lists the computed attributes.",
      "Example: the principal curvatures alone, beside the attributes of the input:\n"
@@ -60,7 +62,8 @@ std::vector<StageText> stages_of(const ShortForm& form, const ShortFormCommand& 
 void add_short_form(CLI::App& app, const ShortForm& form) {
   CLI::App& verb = *app.add_subcommand(form.verb, form.meaning);
   auto command = std::make_shared<ShortFormCommand>();
-  const std::string output = fmt::format("with the attributes of the input, and {}", form.output);
+  const std::string output =
+      fmt::format("with the attributes of the input, and {} (in a folder, one for each input)", form.output);
   add_inputs_and_output(verb, command->run.paths, output.c_str());
   add_output_option(verb, command->run.paths.named_output);
   add_neighborhood_options(verb, form.neighbors, command->neighborhood);

@@ -33,10 +33,16 @@ void require_a_mover(const Chain& chain, const CommonOptions& options) {
     fail_usage("--positions: no stage moves points, so positions keep the type of the input; leave the option out.");
 }
 
+Outputs outputs_of(const ResolvedFiles& files) {
+  if (!files.tiles.empty()) return {.tiles = files.tiles};
+  return {.points = files.output};
+}
+
 }  // namespace
 
 void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
   add_stage_options(verb, declaration_of("normals")->options, run.orientation);
+  add_output_format_option(verb, run.paths.output_format);
   add_keep_option(verb, run.common.keep, kKeepMeaning);
   add_order_option(verb, run.common);
   add_engine_option(verb, run.common);
@@ -66,18 +72,20 @@ void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
   orient_normals(stages, command.orientation);
   build_chain(stages, Facts{});  // wrong names and options are refused before files are opened
   if (command.common.dry_run) {
-    look_at_cloud(command.paths, command.common, [&](InputCloud& cloud, const EngineOptions& options) {
-      const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
-      require_a_mover(chain, command.common);
-      fmt::print("{}", to_text(preview(cloud, chain, options, command.paths.output())));
-    });
+    look_at_cloud(command.paths, command.common,
+                  [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
+                    const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
+                    require_a_mover(chain, command.common);
+                    fmt::print("{}", to_text(preview(cloud, chain, options, outputs_of(files))));
+                  });
     return;
   }
-  run_over_cloud(command.paths, command.common, [&](InputCloud& cloud, const EngineOptions& options) {
-    const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
-    require_a_mover(chain, command.common);
-    return run(cloud, chain, {.points = command.paths.output(), .arrays = {}, .writer = {}}, options);
-  });
+  run_over_cloud(command.paths, command.common,
+                 [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
+                   const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
+                   require_a_mover(chain, command.common);
+                   return run(cloud, chain, outputs_of(files), options);
+                 });
 }
 
 }  // namespace pointsweep

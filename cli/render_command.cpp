@@ -61,16 +61,17 @@ std::string conclusion(const std::filesystem::path& output, std::uint64_t points
 }
 
 void render_picture(RenderCommand& command) {
-  require_named_files(command.paths);
-  const auto& output = command.paths.output();
+  const ResolvedFiles files = resolve(command.paths, command.common.format);
+  const auto& output = files.output;
+  require_one_output(files, "a picture shows all inputs");
   if (extension_of(output) != ".png")
     fail_usage("{}: pictures are PNG; give a name that ends with .png.", output.string());
   RenderOptions options = command.options;
   options.angles = parse_view(command.view);
   options.up = parse_up(command.up);
   OutputFile file(output, command.common.force);
-  take_standard_input(command.paths.inputs(), command.common);
-  InputCloud cloud(command.paths.inputs(), cloud_options(command.common));
+  take_standard_input(files.inputs, command.common);
+  InputCloud cloud(files.inputs, cloud_options(command.common));
   if (const auto& crs = cloud.readers().front()->info().crs) options.length_unit = length_unit_of(*crs);
   ProgressDisplay display(command.common);
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
@@ -78,6 +79,7 @@ void render_picture(RenderCommand& command) {
     display.report(phase, done, total);
   };
   const Rendering rendering = render(cloud, options);
+  for (const std::string& notice : files.notices) display.say(notice);
   for (const std::string& warning : cloud.warnings()) display.say(warning);
   file.append(to_png(rendering.picture));
   file.commit();

@@ -18,7 +18,8 @@ struct RunCommand {
 void add_run_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("run", "Run a pipeline of operators over the points");
   auto command = std::make_shared<RunCommand>();
-  add_inputs_and_output(verb, command->run.paths, "with the attributes of the input, and the computed ones");
+  add_inputs_and_output(verb, command->run.paths,
+                        "with the attributes of the input, and the computed ones (in a folder, one for each input)");
   add_output_option(verb, command->run.paths.named_output);
   verb.add_option("--pipeline", command->pipeline, "Stages such as 'knn(k=12) | normals', or a .json file of them")
       ->type_name("TEXT|FILE")

@@ -14,17 +14,23 @@ struct SortCommand {
   InputsAndOutput paths;
 };
 
+constexpr const char* kOneOrder = "sort puts the points of all inputs in one order";
+
 void sort_points(const SortCommand& command) {
   const std::vector<std::string>& keep = command.common.keep;
   if (command.common.dry_run) {
-    look_at_cloud(command.paths, command.common, [&](InputCloud& cloud, const EngineOptions& options) {
-      fmt::print("{}", to_text(preview_sort(cloud, command.paths.output(), options, keep)));
-    });
+    look_at_cloud(command.paths, command.common,
+                  [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
+                    require_one_output(files, kOneOrder);
+                    fmt::print("{}", to_text(preview_sort(cloud, files.output, options, keep)));
+                  });
     return;
   }
-  run_over_cloud(command.paths, command.common, [&](InputCloud& cloud, const EngineOptions& options) {
-    return sort(cloud, command.paths.output(), options, keep);
-  });
+  run_over_cloud(command.paths, command.common,
+                 [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
+                   require_one_output(files, kOneOrder);
+                   return sort(cloud, files.output, options, keep);
+                 });
 }
 
 }  // namespace

@@ -14,6 +14,8 @@
 #include "cli/stage_options.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/cloud_reader.h"
+#include "pointsweep/formats/input_list.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/build_chain.h"
@@ -33,6 +35,7 @@ struct VerifyCommand {
   std::vector<OptionText> neighborhood;
   std::vector<std::string> keep;
   VerifyOptions check;
+  std::vector<std::filesystem::path> tiles;  ///< an output for each input, if the output is a folder
 
   bool says_how() const { return !pipeline.empty() || !neighborhood.empty() || !keep.empty(); }
 };
@@ -78,12 +81,43 @@ void take_record(VerifyCommand& command, const ProvenanceRecord& record) {
   if (!command.common.axis && axis.size() == 1 && axis >= "x" && axis <= "z") command.common.axis = axis[0] - 'x';
 }
 
+/// The output of an input in a folder of outputs, which may be of another format.
+std::filesystem::path tile_of(const ListedFile& input, const std::filesystem::path& folder) {
+  std::filesystem::path tile = folder / tile_name(input.relative, "");
+  if (std::filesystem::exists(tile)) return tile;
+  for (const std::string_view extension : writable_extensions())
+    if (const auto other = folder / tile_name(input.relative, std::string(extension)); std::filesystem::exists(other))
+      return other;
+  fail("{}: is missing, the output for {}; was it moved, or is the run not complete?", tile.string(),
+       input.path.string());
+}
+
+/// Replaces folders, patterns and .vpc files among the inputs by what they stand for; the output may be a folder.
+void list_files(VerifyCommand& command) {
+  const std::filesystem::path output = command.paths.output();
+  const bool is_folder = std::filesystem::is_directory(output);
+  if (command.paths.inputs_named() == 0 && is_folder)
+    fail_usage("{}: is a folder of outputs; name what was read before it: IN... OUT.", output.string());
+  if (command.paths.inputs_named() == 0) return;
+  const InputList inputs = list_inputs(command.paths.inputs(), command.paths.recursive, command.common.format);
+  command.paths.files.clear();
+  for (const ListedFile& input : inputs.files) {
+    command.paths.files.push_back(input.path);
+    if (is_folder) command.tiles.push_back(tile_of(input, output));
+  }
+  command.paths.files.push_back(output);
+}
+
 /// The command with its inputs and the record of the output.
 VerifyCommand completed(VerifyCommand command) {
   if (command.paths.files.empty()) fail_usage("IN... OUT: name what was read, and last what was written.");
   const std::filesystem::path output = command.paths.output();
-  const std::optional<ProvenanceRecord> record = recorded_run(output);
+  list_files(command);
+  const std::optional<ProvenanceRecord> record = recorded_run(command.tiles.empty() ? output : command.tiles.front());
   if (record) take_record(command, *record);
+  if (record && record->setting("tile") && command.tiles.empty())
+    fail_usage("{}: is tile {} of a run over several inputs; name these and the folder of all tiles: IN... OUT.",
+               output.string(), *record->setting("tile"));
   if (command.paths.files.size() > 1) return command;
   if (!record)
     fail_usage("{}: does not say how it was made; name what was read, and last what was written: IN... OUT.",
@@ -95,8 +129,9 @@ VerifyCommand completed(VerifyCommand command) {
 
 /// Leaves out the points that the run has left out.
 void drop_nonfinite(const VerifyCommand& command, InputCloud& cloud) {
-  const Outputs outputs{.points = command.paths.output(), .arrays = {}, .writer = {}};
-  if (nonfinite_rule(outputs, command.common.nonfinite) != Nonfinite::drop) return;
+  Outputs outputs{.tiles = command.tiles};
+  if (command.tiles.empty()) outputs.points = command.paths.output();
+  if (nonfinite_rule(cloud, outputs, command.common.nonfinite) != Nonfinite::drop) return;
   const NonfiniteRows dropped = cloud.drop_nonfinite();
   if (dropped.count > 0 && !command.common.quiet)
     fmt::print("left out     {} points of the input whose coordinates are not finite; rows count the others\n",
@@ -277,7 +312,9 @@ Verdict checked(const VerifyCommand& command, InputCloud& cloud, ProgressDisplay
     const std::unique_ptr<Reader> array = array_format().open(path);
     return verify(cloud, *array, true, made_by_neighbors(command, cloud, *array), options);
   }
-  const std::unique_ptr<Reader> out = open_reader(path);
+  const std::unique_ptr<Reader> out =
+      command.tiles.empty() ? open_reader(path)
+                            : std::make_unique<CloudReader>(InputCloud(command.tiles, {.ignore_crs = true}), path);
   const MadeBy made = made_by_pipeline(command, options, cloud, *out);
   const Verdict verdict = verify(cloud, *out, false, made, options);
   if (verdict.same() || !command.pipeline.empty()) return verdict;
@@ -329,7 +366,7 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
 void add_verify_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("verify", "Check that an output is complete and right, by brute force");
   auto command = std::make_shared<VerifyCommand>();
-  add_inputs_and_output(verb, command->paths, "file that a run has written from them");
+  add_inputs_and_output(verb, command->paths, "file or folder that a run has written from them");
   add_neighborhood_options(verb, "8", command->neighborhood);
   verb.add_option("--pipeline", command->pipeline,
                   "The pipeline of the run (default: the record in the output, or guessed from its attributes)")

@@ -23,7 +23,7 @@ class POINTSWEEP_EXPORT UsageError : public Error {
   using Error::Error;
 };
 
-/// The caller asked to stop. Outputs and temporary files are removed, as after any error.
+/// The caller asked to stop. Temporary files and outputs that are not complete are removed, as after any error.
 class POINTSWEEP_EXPORT Cancelled : public Error {
  public:
   Cancelled() : Error("cancelled") {}

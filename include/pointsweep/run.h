@@ -110,7 +110,7 @@ struct RunOptions {
   Observer* observer = nullptr;  ///< borrowed; null: none
 };
 
-/// Where results go: any of the three, e.g. {.points = "out.ply"}.
+/// Where results go: any of the first three, e.g. {.points = "out.ply"}, or tiles.
 struct Outputs {
   /// Point file with the attributes of the input and the made ones; the extension says the format.
   std::filesystem::path points = {};
@@ -118,12 +118,16 @@ struct Outputs {
   std::vector<std::pair<std::string, std::filesystem::path>> arrays = {};
   /// Makes a writer for the same records as `points` would get: an ArrayWriter, or one of your own.
   std::function<std::unique_ptr<Writer>(const OutputPlan&)> writer = {};
+  /// In place of the others: a point file for each input of the cloud, in their order, with its rows in their order,
+  /// its own attributes in their types, its header and grid, and what was made of the whole cloud. Each is complete or
+  /// absent. Needs Order::input. Missing folders are made.
+  std::vector<std::filesystem::path> tiles = {};
 };
 
-/// Runs `chain` over `cloud`: complete outputs, or none and an exception. The bytes of the outputs depend on the
-/// points, the chain and the options above `resources` alone. Throws UsageError for a chain that does not fit and for
-/// an output that is an input or another output, by whatever path; Error for files, memory and disk, and for a budget
-/// that is too small, before the work starts; Cancelled.
+/// Runs `chain` over `cloud`: complete outputs, or none and an exception; of tiles, those that were complete before it
+/// stay. The bytes of the outputs depend on the points, the chain and the options above `resources` alone. Throws
+/// UsageError for a chain that does not fit and for an output that is an input or another output, by whatever path;
+/// Error for files, memory and disk, and for a budget that is too small, before the work starts; Cancelled.
 POINTSWEEP_EXPORT Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs,
                                  const RunOptions& options = {});
 

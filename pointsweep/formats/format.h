@@ -45,6 +45,8 @@ struct Format {
   /// Whether a file that begins with `head` (at most 4,096 bytes) is of this format; null for a format without
   /// signature, which is tried when all others and the foreign formats have been.
   bool (*is)(std::string_view head) = nullptr;
+  /// For a format without signature: whether the first lines of a file are of it. A folder may hold other texts.
+  bool (*fits)(const std::filesystem::path& path) = nullptr;
   std::unique_ptr<Reader> (*open)(const std::filesystem::path& path) = nullptr;  ///< null: it is not read
   std::unique_ptr<Writer> (*create)(const OutputPlan& plan) = nullptr;           ///< null: it is not written
 

@@ -60,7 +60,8 @@ void InputCloud::begin(CloudOptions options) {
   schema_ = std::move(common.schema);
   mappings_ = std::move(common.mappings);
   ranges_ = std::move(common.ranges);
-  warnings_.insert(warnings_.end(), common.warnings.begin(), common.warnings.end());
+  missing_attributes_ = std::move(common.warnings);
+  warnings_.insert(warnings_.end(), missing_attributes_.begin(), missing_attributes_.end());
   const PositionFields p = position_fields(schema_, readers_.front()->info().path.string());
   if (las && p.x.type == Type::i32)  // all on one grid, which may have another offset
     las->grid = {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
@@ -209,11 +210,13 @@ std::unique_ptr<RowDecoder> InputCloud::decoder(const WantedFields& wanted) cons
 }
 
 void InputCloud::require_unchanged() const {
-  for (std::size_t i = 0; i < readers_.size(); ++i) {
-    if (!states_[i].has_changed()) continue;
+  for (std::size_t i = 0; i < readers_.size(); ++i) require_unchanged(i);
+}
+
+void InputCloud::require_unchanged(std::size_t input) const {
+  if (states_[input].has_changed())
     fail("{}: was written to while it was read, so old and new points may be mixed; run again once it is complete.",
-         readers_[i]->info().path.string());
-  }
+         readers_[input]->info().path.string());
 }
 
 /// As read(), from one input whose rows start at 0 and which has at least one more.

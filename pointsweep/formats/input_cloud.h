@@ -45,6 +45,8 @@ class InputCloud {
   const std::vector<ValueRange>& ranges() const { return ranges_; }
   /// What was wrong but harmless where inputs meet, one sentence each; what concerns one input is in its FileInfo.
   const std::vector<std::string>& warnings() const { return warnings_; }
+  /// Those of the warnings that say which input lacks attributes of others.
+  const std::vector<std::string>& missing_attributes() const { return missing_attributes_; }
   /// Bytes of all input files.
   std::uint64_t bytes() const;
 
@@ -81,6 +83,8 @@ class InputCloud {
   const std::vector<FileState>& states() const { return states_; }
   /// Throws Error if an input was written to since it was opened: what was read may be a mixture of old and new.
   void require_unchanged() const;
+  /// The same of one input.
+  void require_unchanged(std::size_t input) const;
 
  private:
   void begin(CloudOptions options);
@@ -105,7 +109,7 @@ class InputCloud {
   std::optional<Crs> crs_;
   std::shared_ptr<const LasOrigin> las_;
   std::vector<ValueRange> ranges_;
-  std::vector<std::string> warnings_;
+  std::vector<std::string> warnings_, missing_attributes_;
   std::uint64_t count_ = 0;  ///< before the selection
   std::optional<RowSelection> selection_;
 };

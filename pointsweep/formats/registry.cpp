@@ -54,12 +54,16 @@ bool names_another(const std::filesystem::path& path, const Format& asked) {
 }
 
 /// The first bytes of a file, enough to tell what it is.
-std::string head_of(const std::filesystem::path& path) {
-  const InputFile file(path);
-  if (file.size() == 0) fail("{}: is empty (0 bytes); it was perhaps not written or copied completely.", path.string());
+std::string head_of(const InputFile& file) {
   std::string head(4096, '\0');
   head.resize(file.read_some(0, std::as_writable_bytes(std::span(head))));
   return head;
+}
+
+std::string head_of(const std::filesystem::path& path) {
+  const InputFile file(path);
+  if (file.size() == 0) fail("{}: is empty (0 bytes); it was perhaps not written or copied completely.", path.string());
+  return head_of(file);
 }
 
 /// "A, B`last`C": the names of the formats for which `chosen` holds, each once.
@@ -82,6 +86,20 @@ std::string names_asked_for(std::string_view separator) {
     if (!format->asked_for_as.empty())
       names += fmt::format("{}{}", names.empty() ? "" : separator, format->asked_for_as);
   return names;
+}
+
+/// The binary formats that are read, for refuse_foreign_format().
+std::string formats_with_signature() {
+  return names_of([](const Format& f) { return is_read_as_points(f) && f.is; }, " nor ");
+}
+
+bool is_foreign(const std::filesystem::path& path, std::string_view head) {
+  try {
+    refuse_foreign_format(path, head, "", "");
+    return false;
+  } catch (const Error&) {
+    return true;
+  }
 }
 
 void warn_of_lost_crs(const Format& format, const OutputPlan& plan, Writer& writer) {
@@ -142,11 +160,28 @@ std::unique_ptr<Reader> open_reader(const std::filesystem::path& path, std::stri
     return asked->open(path);
   for (const Format* format : kFormats)
     if (is_read_as_points(*format) && format->is != nullptr && format->is(head)) return format->open(path);
-  refuse_foreign_format(path, head, names_of([](const Format& f) { return is_read_as_points(f) && f.is; }, " nor "),
-                        names_asked_for(" or "));
+  refuse_foreign_format(path, head, formats_with_signature(), names_asked_for(" or "));
   for (const Format* format : kFormats)
     if (is_read_as_points(*format) && format->is == nullptr && format->asked_for_as.empty()) return format->open(path);
   fail("{}: is of no format that pointsweep reads.", path.string());
+}
+
+bool is_point_file(const std::filesystem::path& path, std::string_view format_name) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;  // reading a pipe would wait
+  const InputFile file(path);
+  const std::string extension = extension_of(path);
+  if (format_asked_for(format_name) != nullptr && extension == ".bin") return true;
+  for (const Format* format : kFormats)
+    if (is_read_as_points(*format) && format->asked_for_as.empty() && has_extension(*format, extension) &&
+        (format->is != nullptr || file.size() == 0))
+      return true;
+  const std::string head = head_of(file);
+  for (const Format* format : kFormats)
+    if (is_read_as_points(*format) && format->is != nullptr && format->is(head)) return true;
+  if (is_foreign(path, head)) return false;
+  return std::ranges::any_of(kFormats,
+                             [&](const Format* f) { return is_read_as_points(*f) && f->fits && f->fits(path); });
 }
 
 std::unique_ptr<Writer> create_writer(const OutputPlan& plan) {
@@ -160,8 +195,9 @@ std::unique_ptr<Writer> create_writer(const OutputPlan& plan) {
   std::string known;
   for (const std::string_view other : writable_extensions())
     known += fmt::format("{}{}", known.empty() ? "" : ", ", other);
-  fail_usage("{}: {} is no format that can be written; the extension may be one of {}.", plan.path.string(),
-             extension.empty() ? "a name without extension" : fmt::format("'{}'", extension), known);
+  fail_usage("{}: {} is no format that can be written; the extension may be one of {}{}.", plan.path.string(),
+             extension.empty() ? "a name without extension" : fmt::format("'{}'", extension), known,
+             extension.empty() ? ", and the name of a folder of outputs ends in '/'" : "");
 }
 
 std::vector<std::string_view> writable_extensions() {

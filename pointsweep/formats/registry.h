@@ -19,6 +19,11 @@ std::span<const Format* const> formats();
 /// is PLY.
 const Format* format_of_output(const std::filesystem::path& path);
 
+/// Whether a file among others in a folder is meant to be read: by its content, as far as the beginning tells, or since
+/// it has the extension of a format with a signature, or that of any format and no content. The latter are damaged, and
+/// a damaged tile must not be left out like a file of another kind. Throws Error if it cannot be read.
+bool is_point_file(const std::filesystem::path& path, std::string_view format_name = "");
+
 /// Whether a file of this name holds an array, not points.
 bool is_array_name(const std::filesystem::path& path);
 /// The format of arrays.

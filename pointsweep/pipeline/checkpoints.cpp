@@ -94,6 +94,10 @@ void Checkpoints::updated(bool selects, const CloudValues& values, const Statist
   save(begun);
 }
 
+void Checkpoints::writing_tiles() {
+  if (folder_.saved().empty()) save(Clock::now());
+}
+
 void Checkpoints::save(Clock::time_point begun) {
   folder_.save(last_.packed(), files());
   saved_at_ = Clock::now();

@@ -37,6 +37,8 @@ class Checkpoints {
   void swept(RowStore& results, const Statistics& counts);
   /// The rows for the next pass are complete, and the mask of its number if `selects`.
   void updated(bool selects, const CloudValues& values, const Statistics& counts);
+  /// Tiles get their names one after the other from now on, and are listed: there must be a checkpoint.
+  void writing_tiles();
   /// The run is complete: nothing is left of the folder.
   void finish() { folder_.remove(); }
 

@@ -8,7 +8,8 @@
 namespace pointsweep {
 
 /// `asked`, or where that is by_format: `drop` for formats that cannot hold such points (LAS), `keep` for the others.
-Nonfinite nonfinite_rule(const Outputs& outputs, Nonfinite asked);
+/// Of tiles, `drop` where one of them cannot hold what its own input may have.
+Nonfinite nonfinite_rule(const InputCloud& cloud, const Outputs& outputs, Nonfinite asked);
 
 /// While it lives, the cloud has the rows that the run is to see. Reads the cloud once where rows may be dropped or
 /// refused and its coordinates are no integers.

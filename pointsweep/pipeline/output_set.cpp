@@ -138,12 +138,15 @@ std::vector<std::string> OutputSet::warnings() const {
   return all;
 }
 
-void OutputSet::finish(const InputCloud& cloud) {
-  cloud.require_unchanged();
+void OutputSet::flush() {
   if (filled_ != 0) write_filled();
-  // No file gets its name while another may still fail for want of space.
   points_.wait();
   for (Array& array : arrays_) array.file.wait();
+}
+
+void OutputSet::finish(const InputCloud& cloud) {
+  cloud.require_unchanged();
+  flush();  // no file gets its name while another may still fail for want of space
   points_.finish();
   for (Array& array : arrays_) array.file.finish();
 }

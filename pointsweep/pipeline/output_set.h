@@ -31,6 +31,8 @@ class OutputSet {
   void write_records(std::span<const std::byte> records);
   /// The next records of the input, of which layout() says what is kept; nothing is made.
   void write_inputs(std::span<const std::byte> records);
+  /// Returns when all rows that have come are in the files.
+  void flush();
   /// Gives the files their names, unless the inputs have changed meanwhile.
   void finish(const InputCloud& cloud);
   std::uint64_t bytes_written() const;

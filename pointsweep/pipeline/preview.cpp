@@ -8,6 +8,7 @@
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/decoded_input.h"
+#include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/output_layout.h"
 #include "pointsweep/pipeline/radius_estimate.h"
 
@@ -122,32 +123,31 @@ std::string memory_text(const Preview& p) {
 
 }  // namespace
 
-Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& options,
-                const std::filesystem::path& output) {
+Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& options, const Outputs& outputs) {
   if (options.engine == Engine::reference)
     fail_usage(
         "The reference has no plan to show: it reads point by point; leave out --dry-run or --engine reference.");
   if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
   Preview out;
   out.planned = plan_chain(chain, cloud.schema(), options.order == Order::sweep);
-  const std::string name = cloud.readers().empty() ? "The input" : cloud.readers().front()->info().path.string();
-  out.names =
-      name_outputs(cloud.schema(), name, out.planned.made, out.planned.kept, output, {options.prefix, options.replace});
+  require_tiles_possible(outputs, options);
+  out.names = names_in_outputs(cloud, out.planned, outputs, options);
+  out.tiles = outputs.tiles.size();
   out.points = cloud.count();
   out.decoded_bytes = decoded_input_bytes(cloud);
   out.budget = options.resources.memory_bytes != 0 ? options.resources.memory_bytes : default_memory_budget();
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
   const OutputLayout layout(cloud.schema(), out.names.made, out.names.kept,
-                            type_of_moved_positions(cloud.schema(), output, options));
+                            type_of_moved_positions(cloud.schema(), outputs.points, options));
   out.memory = plan_run_memory(out.budget, out.planned, out.points, survey(source, options.axis, false), options,
-                               layout.schema().stride, codec_bytes(cloud, output, layout.schema().stride, options));
+                               layout.schema().stride, codec_bytes(cloud, outputs, layout.schema().stride, options));
   return out;
 }
 
 std::string plan_text(Cloud& cloud, const Chain& chain, const std::filesystem::path& output,
                       const RunOptions& options) {
-  return to_text(preview(cloud.inputs(), chain, EngineOptions(options), output));
+  return to_text(preview(cloud.inputs(), chain, EngineOptions(options), {.points = output}));
 }
 
 std::string to_text(const Preview& p) {
@@ -163,6 +163,8 @@ std::string to_text(const Preview& p) {
     text += fmt::format("order         of the {} positions: the output is put in order once more, {}\n",
                         p.planned.by_moved_positions ? "moved" : "input's",
                         p.memory.reordering.spill_stream ? "spilled" : "in memory");
+  if (p.tiles > 0)
+    text += fmt::format("outputs       {}, one for each input, with its rows, attributes and header\n", p.tiles);
   return text + memory_text(p);
 }
 

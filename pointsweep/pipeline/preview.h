@@ -17,15 +17,15 @@ struct Preview {
   ChainPlan planned;
   OutputNames names;
   std::uint64_t points = 0;
+  std::size_t tiles = 0;  ///< outputs, one for each input; 0: one output of all
   std::uint64_t budget = 0;
   std::uint64_t decoded_bytes = 0;  ///< decoded_input_bytes()
   RunMemory memory;
 };
 
 /// Looks at a sample of the cloud and writes nothing. Throws what run() would throw before the work.
-/// `output`: the file to write, as far as its format decides names and how large a record is; it need not exist.
-Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& options = {},
-                const std::filesystem::path& output = {});
+/// `outputs`: the files to write, as far as their formats decide names and how large a record is; they need not exist.
+Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& options = {}, const Outputs& outputs = {});
 
 /// Pass by pass the stages with their steps and buffers, the columns, what is carried on and the slabs; then the
 /// record of results and memory, as a text of lines.

@@ -16,22 +16,21 @@ std::string sorted_list(std::vector<std::string> names) {
   return fmt::format("{}", fmt::join(names, ","));
 }
 
-ProvenanceRecord record_of(const InputCloud& cloud, const std::vector<std::string>& stages,
-                           const std::vector<std::string>& keep, const EngineOptions& options, int axis,
-                           bool drops_nonfinite) {
-  ProvenanceRecord record{.version = POINTSWEEP_VERSION, .stages = stages, .settings = {}, .inputs = {}};
+ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
+  const EngineOptions& options = run.options;
+  ProvenanceRecord record{.version = POINTSWEEP_VERSION, .stages = run.stages, .settings = {}, .inputs = {}};
   const auto set = [&](const char* name, const std::string& value) {
     if (!value.empty()) record.settings.emplace_back(name, value);
   };
-  const bool sorted = stages == std::vector<std::string>{"sort"};
-  set("keep", sorted_list(keep));
+  const bool sorted = run.stages == std::vector<std::string>{"sort"};
+  set("keep", sorted_list(run.keep));
   set("order", options.order == Order::sweep ? "sweep" : "");
-  set("axis", sorted || options.order == Order::sweep ? std::string(1, "xyz"[axis]) : "");
+  set("axis", sorted || options.order == Order::sweep ? std::string(1, "xyz"[run.axis]) : "");
   set("engine", options.engine == Engine::reference ? "reference" : "");
   set("replace", sorted_list(options.replace));
   set("prefix", options.prefix);
   set("positions", options.moved_positions == Type::f64 ? "" : std::string(name_of(options.moved_positions)));
-  set("nonfinite", drops_nonfinite ? "drop" : "");
+  set("nonfinite", run.drops_nonfinite ? "drop" : "");
   const auto asked_for =
       std::ranges::find_if(cloud.readers(), [](const auto& r) { return !r->info().asked_for_as.empty(); });
   if (asked_for != cloud.readers().end()) set("format", (*asked_for)->info().asked_for_as);
@@ -45,18 +44,28 @@ ProvenanceRecord record_of(const InputCloud& cloud, const std::vector<std::strin
   return record;
 }
 
-}  // namespace
-
-std::vector<std::string> provenance_of(const InputCloud& cloud, const std::vector<std::string>& stages,
-                                       const std::vector<std::string>& keep, const EngineOptions& options, int axis,
-                                       bool drops_nonfinite) {
+/// The records of the inputs, then this one.
+std::vector<std::string> lines_with(const InputCloud& cloud, const ProvenanceRecord& record, const RunRecord& run) {
   std::vector<std::string> lines;
   for (const auto& reader : cloud.readers()) add_provenance(lines, reader->info().provenance);
-  if (!options.provenance) return lines;
+  if (!run.options.provenance) return lines;
   // Not by add_provenance(): what the run itself says is never left out, nor is a record that an input has already.
-  const std::vector<std::string> own = lines_of(record_of(cloud, stages, keep, options, axis, drops_nonfinite));
+  const std::vector<std::string> own = lines_of(record);
   lines.insert(lines.end(), own.begin(), own.end());
   return lines;
+}
+
+}  // namespace
+
+std::vector<std::string> provenance_of(const InputCloud& cloud, const RunRecord& run) {
+  return lines_with(cloud, record_of(cloud, run), run);
+}
+
+std::vector<std::string> provenance_of_tile(const InputCloud& input, TileNumber number, const RunRecord& run) {
+  ProvenanceRecord record = record_of(input, run);
+  record.settings.emplace_back("tile", fmt::format("{} of {}", number.tile + 1, number.tiles));
+  record.more_inputs = number.tiles - 1;
+  return lines_with(input, record, run);
 }
 
 }  // namespace pointsweep

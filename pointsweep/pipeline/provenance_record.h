@@ -10,11 +10,23 @@
 
 namespace pointsweep {
 
-/// All that an output of this run is to say: the records of the inputs, and with EngineOptions::provenance that of the
-/// run. It holds what determines the result and nothing else. `stages`: canonical_stages() with presets left out, or
-/// {"sort"}; `keep`: Chain::keep if it leaves anything out; `axis`: of the sweep.
-std::vector<std::string> provenance_of(const InputCloud& cloud, const std::vector<std::string>& stages,
-                                       const std::vector<std::string>& keep, const EngineOptions& options, int axis,
-                                       bool drops_nonfinite);
+/// What determines the result of a run.
+struct RunRecord {
+  std::vector<std::string> stages;  ///< canonical_stages() with presets left out, or {"sort"}
+  std::vector<std::string> keep;    ///< Chain::keep if it leaves anything out
+  const EngineOptions& options;
+  int axis = 0;  ///< of the sweep
+  bool drops_nonfinite = false;
+};
+
+/// All that an output of this run is to say: the records of the inputs, and with RunOptions::provenance that of the
+/// run.
+std::vector<std::string> provenance_of(const InputCloud& cloud, const RunRecord& run);
+
+struct TileNumber {
+  std::size_t tile = 0, tiles = 0;  ///< the first is 0
+};
+/// The same of an output for one input of a run: it names that input and counts the others.
+std::vector<std::string> provenance_of_tile(const InputCloud& input, TileNumber number, const RunRecord& run);
 
 }  // namespace pointsweep

@@ -116,11 +116,11 @@ ResumeFolder::~ResumeFolder() {
 void ResumeFolder::load() {
   for (const std::string& name : names_in(path_)) {
     if (name == kCheckpoint) holds_work_ = true;
-    if (name != kCheckpoint && name != kNext && !is_data(name))
+    if (name != kCheckpoint && name != kNext && name != kTiles && !is_data(name))
       fail("'{}' holds '{}', which no run to be resumed has left; name an empty or a new folder with --resume.",
            path_.string(), name);
   }
-  if (!holds_work_) return keep_only({});
+  if (!holds_work_) return forget();
   const InputFile file(path_ / kCheckpoint);
   Head head;
   if (file.size() >= sizeof head) file.read_at(0, std::as_writable_bytes(std::span(&head, 1)));
@@ -182,6 +182,12 @@ void ResumeFolder::keep_only(const std::set<std::string>& names) const {
   for (const std::string& name : others_than(names)) fs::remove(path_ / name, ignored);
 }
 
+void ResumeFolder::forget() const {
+  std::error_code ignored;
+  fs::remove(path_ / kTiles, ignored);
+  keep_only({});
+}
+
 /// The checkpoint goes first, for good: without it nothing in the folder is of use to anybody.
 void ResumeFolder::remove() {
   std::error_code ignored;
@@ -193,7 +199,7 @@ void ResumeFolder::remove() {
   if (is_saving())  // what is not on the disk yet need not go there
     for (const std::string& name : others_than({})) fs::resize_file(path_ / name, 0, ignored);
   if (saving_.valid()) saving_.wait();
-  keep_only({});
+  forget();
   ::rmdir(path_.c_str());
 }
 

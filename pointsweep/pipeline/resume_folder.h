@@ -26,6 +26,9 @@ class ResumeFolder {
   ResumeFolder(const ResumeFolder&) = delete;
   ResumeFolder& operator=(const ResumeFolder&) = delete;
 
+  /// A file of FinishedTiles, which is of use with a checkpoint only.
+  static constexpr const char* kTiles = "tiles";
+
   const std::filesystem::path& path() const { return path_; }
   /// What was saved last, by any process; empty if nothing was.
   const std::vector<std::byte>& saved() const { return saved_; }
@@ -42,6 +45,7 @@ class ResumeFolder {
 
  private:
   void load();
+  void forget() const;
   std::vector<std::string> others_than(const std::set<std::string>& names) const;
   void sync(const std::set<std::string>& names) const;
   void write(std::span<const std::byte> bytes) const;

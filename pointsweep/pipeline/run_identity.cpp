@@ -33,6 +33,7 @@ std::string inputs_text(const InputCloud& cloud) {
 std::string outputs_text(const Outputs& outputs) {
   std::string text;
   if (!outputs.points.empty()) text += fmt::format("output '{}'\n", whole_path(outputs.points));
+  for (const auto& tile : outputs.tiles) text += fmt::format("output '{}' of an input\n", whole_path(tile));
   for (const auto& [name, path] : outputs.arrays) text += fmt::format("output '{}' of {}\n", whole_path(path), name);
   return text;
 }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "pointsweep/formats/registry.h"
+#include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/radius_estimate.h"
 #include "pointsweep/pipeline/row_mask.h"
 
@@ -120,16 +120,18 @@ MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes
   return plan(budget, unswept(0), demand(record_bytes, 0, points, survey, options, codec_bytes), options);
 }
 
-std::uint64_t codec_bytes(const InputCloud& cloud, const std::filesystem::path& output, std::uint64_t record_bytes,
+std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::uint64_t record_bytes,
                           const EngineOptions& options) {
   const unsigned threads = threads_of(options);
   std::uint64_t decoders = 0;  // a thread reads one input at a time
   for (const auto& reader : cloud.readers())
     if (!reader->info().decode_once)  // those are gone before the memory is needed (decoded_input.h)
       decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));
-  const Format* const format = output.empty() ? nullptr : format_of_output(output);
-  const bool encodes = format != nullptr && format->encoder_bytes != nullptr;
-  return decoders + (encodes ? format->encoder_bytes(record_bytes, threads) : 0);
+  std::uint64_t encoders = 0;  // one output is written at a time
+  for (const OutputFormat& output : output_formats(outputs))
+    if (output.format->encoder_bytes != nullptr)
+      encoders = std::max(encoders, output.format->encoder_bytes(record_bytes, threads));
+  return decoders + encoders;
 }
 
 bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options) {

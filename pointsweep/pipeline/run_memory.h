@@ -42,8 +42,8 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
 MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
                                 const Survey& survey, const EngineOptions& options, std::uint64_t codec_bytes = 0);
 
-/// What decoding the inputs and encoding records of `record_bytes` to an output of this name takes.
-std::uint64_t codec_bytes(const InputCloud& cloud, const std::filesystem::path& output, std::uint64_t record_bytes,
+/// What decoding the inputs and encoding records of `record_bytes` to these outputs takes.
+std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::uint64_t record_bytes,
                           const EngineOptions& options);
 
 /// The order of the only sweep is the one that the output is to have: its records travel along.

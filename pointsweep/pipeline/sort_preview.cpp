@@ -28,7 +28,7 @@ SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output,
   out.record_bytes = cloud.schema().stride;
   out.output_bytes = OutputLayout(cloud.schema(), {}, kept).schema().stride;
   out.memory = plan_ordering_memory(out.budget, out.record_bytes, out.points, seen, options,
-                                    codec_bytes(cloud, output, out.output_bytes, options));
+                                    codec_bytes(cloud, {.points = output}, out.output_bytes, options));
   if (out.memory.needed_bytes != 0) fail_budget(out.budget, out.memory.needed_bytes);
   return out;
 }

@@ -110,6 +110,8 @@ bool takes_force(const std::string& verb) {
 TEST_F(Help, ExamplesRunAsPasted) {
   made("generate statue scan.ply -n 4000 --noise 0.002", "scan.ply");
   for (const char* tile : {"tile_1", "tile_2"}) made(std::string("generate sphere -n 900 -o ") + tile + ".las");
+  std::filesystem::create_directory(folder_ / "tiles");
+  std::filesystem::copy(folder_ / "tile_1.las", folder_ / "tiles");
   for (const std::string verb : {"normals", "curvature", "splats", "fair", "neighbors", "sort", "run", "operators",
                                  "completion", "man", "help"}) {
     const auto examples = lines_after(tool("help " + verb).out, "pointsweep");

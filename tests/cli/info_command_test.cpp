@@ -233,6 +233,111 @@ TEST_F(Info, GoesOnAfterAFileThatCannotBeReadAndEndsWithStatus1) {
   EXPECT_NE(tool("info -q noise.ply a.xyz").err.find("noise.ply"), std::string::npos) << "quiet is not silent";
 }
 
+/// A folder of files that differ in all respects.
+class InfoTable : public Info {
+ protected:
+  InfoTable() {
+    std::filesystem::create_directory(folder_ / "tiles");
+    las("a.las", 0, wkt(2056), 1);
+    las("b.las", 0, wkt(2056), 2);
+  }
+  static std::string wkt(int epsg) {
+    return fmt::format(
+        "PROJCS[\"grid {0}\",GEOGCS[\"g\",DATUM[\"d\",SPHEROID[\"s\",6378137,298]]],AUTHORITY[\"EPSG\","
+        "\"{0}\"]]",
+        epsg);
+  }
+  void las(const std::string& name, int global_encoding, const std::string& crs, unsigned seed) {
+    las_test::File file;
+    file.minor = 4;
+    file.format = 6;
+    file.count = 50;
+    file.seed = seed;
+    file.scale = {0.001, 0.001, 0.001};
+    if (!crs.empty()) file.vlrs = {las_test::vlr("LASF_Projection", 2112, crs)};
+    std::string bytes = file.bytes();
+    las_test::put(bytes, 6, static_cast<std::uint16_t>(global_encoding | 16));
+    write("tiles/" + name, bytes);
+  }
+  void says_line(const std::string& text, const std::string& words) {
+    EXPECT_NE(text.find("\n    " + words), std::string::npos) << text << "does not say: " << words;
+  }
+};
+
+TEST_F(InfoTable, HasALineForEachFileOfAFolderAndSaysThatTheyAgree) {
+  const Result run = tool("info tiles");
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_TRUE(run.out.starts_with("file         points  x")) << run.out;
+  EXPECT_NE(run.out.find("\ntiles/a.las      50  "), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("  EPSG:2056  (1)\ntiles/b.las      50  "), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("\nattributes (1)  x y z int32, intensity uint16"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("\nall 2 files\n  points      100\n"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("\n  The files are consistent.\n"), std::string::npos) << run.out;
+  EXPECT_EQ(tool("info 'tiles/*.las'").out, run.out);
+  EXPECT_EQ(tool("info --table tiles/a.las tiles/b.las").out, run.out);
+  EXPECT_NE(tool("info tiles/a.las tiles/b.las").out.find("\n  format "), std::string::npos) << "in full";
+}
+
+TEST_F(InfoTable, BoundsAreRoundedToTheExtentAndDensityIsThatOfTheFile) {
+  write("tiles/g.xyz", "500000.1234 10 3\n500010.9876 20 3\n");
+  const std::string text = tool("info tiles/g.xyz --table").out;
+  EXPECT_NE(text.find("  500000.123 .. 500010.988  10.000 .. 20.000  3  "), std::string::npos) << text;
+}
+
+TEST_F(InfoTable, SaysInWhatTheFilesDiffer) {
+  las("c.las", 1, wkt(32632), 3);
+  las("d.las", 0, "", 4);
+  std::filesystem::copy(folder_ / "tiles/a.las", folder_ / "tiles/e.las");
+  write("tiles/f.xyz", "x y z intensity weight\n1 2 3 4 5\nnan 2 3 4 5\n");
+  write("tiles/g.ply",
+        "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
+        "property float z\nend_header\n");
+  const Result run = tool("info tiles");
+  ASSERT_EQ(run.status, 0) << run.err;
+  says_line(run.out, "Formats differ: LAS 1.4 point format 6 in tiles/a.las and 4 more; text, ");
+  says_line(run.out,
+            "Coordinate reference systems differ: EPSG:2056 (grid 2056) in tiles/a.las and 2 more; EPSG:32632 (grid "
+            "32632) in tiles/c.las.");
+  says_line(run.out, "No coordinate reference system is stated in tiles/d.las and 2 more.");
+  says_line(run.out,
+            "Clocks of GPS times differ: seconds of the GPS week in tiles/a.las and 3 more; adjusted standard GPS time "
+            "in tiles/c.las.");
+  says_line(run.out, "Attribute intensity is missing in tiles/g.ply.");
+  says_line(run.out, "Attribute weight is missing in tiles/a.las and 5 more.");
+  says_line(run.out, "Attributes return_number, number_of_returns, ");
+  says_line(
+      run.out,
+      "Types of x, y and z differ: int32 (scale 0.001) in tiles/a.las and 4 more; float64 in tiles/f.xyz; float32 "
+      "in tiles/g.ply.");
+  says_line(run.out, "Types of intensity differ: uint16 in tiles/a.las and 4 more; float64 in tiles/f.xyz.");
+  says_line(run.out, "No points are in tiles/g.ply.");
+  says_line(run.out, "1 point has coordinates that are not finite, in tiles/f.xyz.");
+  says_line(run.out, "tiles/a.las and 1 more have the same bounds and number of points: copies of one file?");
+  const auto json = json_of("tiles").at("all");
+  EXPECT_EQ(json.at("inconsistent").size(), 12u) << json.dump(1);
+  EXPECT_GT(json.at("density").get<double>(), 0);
+}
+
+TEST_F(InfoTable, NamesThatMeanTheSameAreOneAttribute) {
+  write("tiles/a.las", "");
+  std::filesystem::remove(folder_ / "tiles/a.las");
+  std::filesystem::remove(folder_ / "tiles/b.las");
+  write("tiles/a.xyz", "x y z nx ny nz\n1 2 3 1 0 0\n");
+  write("tiles/b.xyz", "X Y Z NormalX NormalY NormalZ\n2 2 3 1 0 0\n");
+  const std::string text = tool("info tiles").out;
+  EXPECT_NE(text.find("The files are consistent."), std::string::npos) << text;
+}
+
+TEST_F(InfoTable, HasALineForFilesThatCannotBeReadAndEndsWithStatus1) {
+  write("tiles/broken.las", "no LAS at all");
+  const Result run = tool("info tiles");
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.out.find("\ntiles/broken.las  cannot be read\n"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("\n2 of 3 files\n"), std::string::npos) << run.out;
+  EXPECT_NE(run.err.find("1 of 3 files could not be read."), std::string::npos) << run.err;
+  refused(2, "info --json --table tiles", "--table");
+}
+
 TEST(PlanArea, TheResultDoesNotDependOnTheOrderOfPoints) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> in(-3e5, 5e6);

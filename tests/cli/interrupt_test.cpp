@@ -129,6 +129,7 @@ std::vector<std::string> long_runs() {
       "run s.ply out.ply --pipeline 'knn(radius=0.2) | normals | curvature | splats | fair | reneighbor | normals'" +
           place,
       "normals s.ply out.ply --radius 0.5 --resume kept",
+      "normals tiles out/ --recursive -k 300" + place,
       "render " + many + "out.png",
       "render s.ply out.png --size 8000x8000",
       "verify s.ply normals.ply --radius 0.3 --pipeline normals",
@@ -140,6 +141,9 @@ TEST_F(Interrupt, EveryVerbEndsWithinASecondInEveryPhaseAndLeavesNothing) {
   ASSERT_EQ(tool("generate statue s.ply -n 300K").status, 0);
   ASSERT_EQ(tool("normals s.ply normals.ply").status, 0);
   std::filesystem::create_directory(folder_ / "tmp");
+  std::filesystem::create_directories(folder_ / "tiles/deep");
+  for (const char* name : {"tiles/a.ply", "tiles/deep/b.ply"})
+    std::filesystem::copy_file(folder_ / "s.ply", folder_ / name);
   std::mt19937 random(20);
   std::uniform_real_distribution<double> delay(0.05, 1.6);
   for (const std::string& run : long_runs()) {

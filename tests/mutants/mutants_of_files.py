@@ -76,10 +76,10 @@ MUTANTS = [
 
     # Files that must not be lost
     Mutant("hard links to an input are other files", "files", FORMATS + "files/same_file.cpp",
-           "return have_same_inode(a, b) ||", "return (a == b && have_same_inode(a, b)) ||",
+           "by_inode_.try_emplace({status.st_dev, status.st_ino}, path);", ";",
            ("cli:SharedOptions.*", "cli:Usage.*")),
     Mutant("an output may be another output", "files", FORMATS + "files/same_file.cpp",
-           "for (std::size_t other = 0; other < w; ++other)", "for (std::size_t other = 0; other + 1 < w; ++other)",
+           "    outputs.add(output);", "",
            ("pipeline:Refused.*", "cli:Usage.*", "cli:RunVerb.*")),
     Mutant("a cancelled or failed run leaves its unfinished output", "files", FORMATS + "files/output_file.cpp",
            "if (!part_.empty()) ::unlink(part_.c_str());", "", ("formats:OutputFile.*", "cli:Interrupt.*")),

@@ -53,7 +53,21 @@ MUTANTS = [
     Mutant("the provenance record lacks the prefix", "provenance", PIPELINE + "provenance_record.cpp",
            "set(\"prefix\", options.prefix);", "", ("cli:Provenance.*", "cli:Naming.*")),
     Mutant("the provenance record does not say that points were dropped", "provenance", PIPELINE + "provenance_record.cpp",
-           "set(\"nonfinite\", drops_nonfinite ? \"drop\" : \"\");", "set(\"nonfinite\", drops_nonfinite ? \"\" : \"\");", ("cli:Provenance.*", "cli:NonfinitePoints.*")),
+           "set(\"nonfinite\", run.drops_nonfinite ? \"drop\" : \"\");", "set(\"nonfinite\", run.drops_nonfinite ? \"\" : \"\");", ("cli:Provenance.*", "cli:NonfinitePoints.*")),
+
+    # A folder as output
+    Mutant("tiles keep the rows that are selected in the first one", "tiles", PIPELINE + "tile_set.cpp",
+           "all.has(first + begin + i)", "all.has(first * 0 + begin + i)", ("pipeline:Tiles.*", "cli:FolderOutputs.*")),
+    Mutant("a tile that was replaced passes for a finished one", "tiles", PIPELINE + "finished_tiles.cpp",
+           "if (listed == files_.end() || !find(output, file)) return false;",
+           "if (listed == files_.end() || !find(output, file)) return false;\n  return true;",
+           ("pipeline:ResumedTiles.*", "cli:FolderOutputs.*")),
+    Mutant("finished tiles are not listed", "tiles", PIPELINE + "finished_tiles.cpp",
+           "{} {} {} {} {}\\n\", tile, file.device", "{} {} {} {} {}\\n\", tile + 1000, file.device", ("pipeline:ResumedTiles.*",)),
+    Mutant("tiles are written from inputs that have changed", "tiles", PIPELINE + "tile_set.cpp",
+           "request_.cloud.require_unchanged(tile_->number);", "void();", ("pipeline:StoppedTiles.*",)),
+    Mutant("folders that a run has made for tiles stay", "tiles", "pointsweep/formats/files/made_folders.cpp",
+           "::rmdir(folder->c_str());", "(void)folder;", ("pipeline:*Tiles.*",)),
 
     # Names and types of outputs
     Mutant("moved positions are float32", "outputs", PIPELINE + "output_layout.cpp",

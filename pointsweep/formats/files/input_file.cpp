@@ -2,10 +2,13 @@
 #include "pointsweep/formats/files/input_file.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <mutex>
 #include <system_error>
 
 #include "pointsweep/cancellation.h"
@@ -26,9 +29,66 @@ namespace {
   fail("{}: cannot be opened: {}.", path.string(), std::generic_category().message(error));
 }
 
+/// All that are open, the one that was read last in front.
+struct OpenFilesOfProcess {
+  std::mutex mutex;
+  std::list<const InputFile*> files;
+};
+
+OpenFilesOfProcess& open_files() {
+  static OpenFilesOfProcess all;
+  return all;
+}
+
+std::size_t most_open_files() {
+  constexpr std::size_t kMost = 256;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return kMost;
+  return std::clamp<std::size_t>(static_cast<std::size_t>(limit.rlim_cur / 4), 1, kMost);
+}
+
 }  // namespace
 
+/// Keeps a file open while it is read.
+class InputFile::Lease {
+ public:
+  explicit Lease(const InputFile& file) : file_(file) {
+    OpenFilesOfProcess& all = open_files();
+    const std::lock_guard lock(all.mutex);
+    if (file.descriptor_ < 0)
+      file.reopen();
+    else
+      all.files.splice(all.files.begin(), all.files, file.place_);
+    ++file.leases_;
+  }
+  ~Lease() {
+    const std::lock_guard lock(open_files().mutex);
+    --file_.leases_;
+  }
+  Lease(const Lease&) = delete;
+  Lease& operator=(const Lease&) = delete;
+
+ private:
+  const InputFile& file_;
+};
+
+/// Makes room for one more. To be called under the lock.
+void InputFile::close_idle_files() {
+  static const std::size_t most = most_open_files();
+  OpenFiles& files = open_files().files;
+  for (auto file = files.end(); files.size() >= most && file != files.begin();) {
+    --file;
+    if ((*file)->leases_ > 0) continue;
+    ::close((*file)->descriptor_);
+    (*file)->descriptor_ = -1;
+    file = files.erase(file);
+  }
+}
+
 InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
+  OpenFilesOfProcess& all = open_files();
+  const std::lock_guard lock(all.mutex);
+  close_idle_files();
   // O_NONBLOCK: opening a pipe would wait for a writer; it has no effect on regular files.
   const bool is_stream = is_standard_stream(path) && standard_input_descriptor() >= 0;
   descriptor_ = is_stream ? ::fcntl(standard_input_descriptor(), F_DUPFD_CLOEXEC, 0)
@@ -38,7 +98,10 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   const bool known = ::fstat(descriptor_, &status) == 0;
   if (known && S_ISREG(status.st_mode)) {
     size_ = static_cast<std::uint64_t>(status.st_size);
+    device_ = static_cast<std::uint64_t>(status.st_dev);
+    inode_ = static_cast<std::uint64_t>(status.st_ino);
     ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);
+    place_ = all.files.insert(all.files.begin(), this);
     return;
   }
   ::close(descriptor_);
@@ -46,7 +109,31 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   fail("{}: is no regular file, and points are read more than once; save it to a file first.", path.string());
 }
 
-InputFile::~InputFile() { ::close(descriptor_); }
+/// To be called under the lock.
+void InputFile::reopen() const {
+  close_idle_files();
+  const int descriptor = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) fail_to_open(path_, errno);
+  struct stat status {};
+  const bool known = ::fstat(descriptor, &status) == 0;
+  if (!known || static_cast<std::uint64_t>(status.st_dev) != device_ ||
+      static_cast<std::uint64_t>(status.st_ino) != inode_) {
+    ::close(descriptor);
+    fail("{}: was replaced by another file while it was read; run again when no other program writes there.",
+         path_.string());
+  }
+  ::posix_fadvise(descriptor, 0, 0, POSIX_FADV_SEQUENTIAL);
+  descriptor_ = descriptor;
+  place_ = open_files().files.insert(open_files().files.begin(), this);
+}
+
+InputFile::~InputFile() {
+  OpenFilesOfProcess& all = open_files();
+  const std::lock_guard lock(all.mutex);
+  if (descriptor_ < 0) return;
+  all.files.erase(place_);
+  ::close(descriptor_);
+}
 
 void InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
   if (read_some(offset, bytes) < bytes.size()) {
@@ -57,6 +144,7 @@ void InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const 
 
 std::size_t InputFile::read_some(std::uint64_t offset, std::span<std::byte> bytes) const {
   stop_if_cancelled();
+  const Lease lease(*this);
   std::size_t done = 0;
   while (done < bytes.size()) {
     const ssize_t got =

@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <list>
 #include <span>
 
 namespace pointsweep {
 
 /// Every failure is an Error that names the file and says what to do. Reads nothing on opening, keeps nothing in
-/// memory.
+/// memory. There may be any number of them: those that were not read for the longest time are closed where more than
+/// 256, or a quarter of what the system allows, would be open, and opened again when they are read.
 class InputFile {
  public:
   /// Throws when the file is missing, a folder, no regular file, or may not be read.
@@ -28,9 +30,18 @@ class InputFile {
   std::size_t read_some(std::uint64_t offset, std::span<std::byte> bytes) const;
 
  private:
+  class Lease;
+  using OpenFiles = std::list<const InputFile*>;
+  void reopen() const;
+  static void close_idle_files();
+
   std::filesystem::path path_;
-  int descriptor_ = -1;
   std::uint64_t size_ = 0;
+  std::uint64_t device_ = 0, inode_ = 0;
+  // Under the lock of all open files.
+  mutable int descriptor_ = -1;        ///< -1: closed for now
+  mutable unsigned leases_ = 0;        ///< reads under way
+  mutable OpenFiles::iterator place_;  ///< among the open files, while it is open
 };
 
 }  // namespace pointsweep

@@ -115,7 +115,27 @@ int rename_to_new(const fs::path& from, const fs::path& to) {
   return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
 }
 
+/// An output that is a link replaces what the link points to.
+fs::path target_of(const fs::path& destination) {
+  std::error_code error;
+  if (!fs::is_symlink(destination, error)) return destination;
+  const fs::path target = fs::canonical(destination, error);
+  return error ? destination : target;
+}
+
+fs::path part_of(const fs::path& target) {
+  return folder_of(target) / fmt::format(".{}.{}.part", target.filename().string(), ::getpid());
+}
+
 }  // namespace
+
+void OutputFile::require_possible(const fs::path& destination, bool overwrite) {
+  check_destination(destination, overwrite);
+  const fs::path target = target_of(destination);
+  if (target != destination) check_destination(target, overwrite);
+}
+
+fs::path OutputFile::unfinished_path(const fs::path& destination) { return part_of(target_of(destination)); }
 
 OutputFile::OutputFile(const fs::path& destination, bool overwrite)
     : destination_(destination), overwrite_(overwrite), is_stream_(is_standard_stream(destination)) {
@@ -126,16 +146,10 @@ OutputFile::OutputFile(const fs::path& destination, bool overwrite)
     if (descriptor_ < 0) fail_to_write(destination_, errno);
     return;
   }
-  check_destination(destination, overwrite);
-  // An output that is a link replaces what the link points to.
-  std::error_code error;
-  if (fs::is_symlink(destination, error)) {
-    const fs::path target = fs::canonical(destination, error);
-    if (!error) destination_ = target;
-    check_destination(destination_, overwrite);
-  }
+  require_possible(destination, overwrite);
+  destination_ = target_of(destination);
+  part_ = part_of(destination_);
   remove_abandoned_parts(destination_);
-  part_ = folder_of(destination_) / fmt::format(".{}.{}.part", destination_.filename().string(), ::getpid());
   leftover_.emplace(part_);
   descriptor_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor_ < 0 && errno == EEXIST) fail("{}: is being written already.", destination_.string());

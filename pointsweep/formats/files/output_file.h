@@ -26,6 +26,11 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
+  /// Throws as the constructor would, and makes no file.
+  static void require_possible(const std::filesystem::path& destination, bool overwrite);
+  /// Where an output of this process is until it is complete.
+  static std::filesystem::path unfinished_path(const std::filesystem::path& destination);
+
   void append(std::span<const std::byte> bytes);
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Fills `bytes` with what was written from `offset` on.

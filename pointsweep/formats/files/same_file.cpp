@@ -3,8 +3,10 @@
 
 #include <sys/stat.h>
 
+#include <map>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/standard_streams.h"
@@ -13,13 +15,6 @@ namespace pointsweep {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool have_same_inode(const fs::path& a, const fs::path& b) {
-  struct stat of_a {
-  }, of_b{};
-  if (::stat(a.c_str(), &of_a) != 0 || ::stat(b.c_str(), &of_b) != 0) return false;
-  return of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
-}
 
 /// Without links, `.` and `..`, as far as the path exists.
 fs::path canonical_form(const fs::path& path) {
@@ -33,23 +28,48 @@ std::string both_names(const fs::path& named, const fs::path& other) {
   return named == other ? named.string() : fmt::format("{} ({})", named.string(), other.string());
 }
 
+/// Files by inode and by canonical path, each with the path that named it first.
+class KnownFiles {
+ public:
+  /// A path that leads to the same file; null if there is none.
+  const fs::path* find(const fs::path& path) const {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) == 0)
+      if (const auto known = by_inode_.find({status.st_dev, status.st_ino}); known != by_inode_.end())
+        return &known->second;
+    const auto known = by_path_.find(canonical_form(path));
+    return known == by_path_.end() ? nullptr : &known->second;
+  }
+  void add(const fs::path& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) == 0) by_inode_.try_emplace({status.st_dev, status.st_ino}, path);
+    by_path_.try_emplace(canonical_form(path), path);
+  }
+
+ private:
+  std::map<std::pair<dev_t, ino_t>, fs::path> by_inode_;
+  std::map<fs::path, fs::path> by_path_;
+};
+
 }  // namespace
 
-bool lead_to_same_file(const fs::path& a, const fs::path& b) {
-  if (is_standard_stream(a) || is_standard_stream(b)) return a == b;
-  return have_same_inode(a, b) || canonical_form(a) == canonical_form(b);
-}
-
 void require_separate_files(const std::vector<fs::path>& read, const std::vector<fs::path>& written) {
-  for (std::size_t w = 0; w < written.size(); ++w) {
-    if (written[w].empty()) continue;
-    for (const fs::path& input : read)
-      if (!input.empty() && !is_standard_stream(input) && lead_to_same_file(written[w], input))
-        fail_usage("{}: is an input, and an input is never overwritten; write to another file.",
-                   both_names(written[w], input));
-    for (std::size_t other = 0; other < w; ++other)
-      if (!written[other].empty() && lead_to_same_file(written[w], written[other]))
-        fail_usage("{}: is named for two outputs; give each its own file.", both_names(written[w], written[other]));
+  KnownFiles inputs, outputs;
+  for (const fs::path& input : read)
+    if (!input.empty() && !is_standard_stream(input)) inputs.add(input);
+  bool to_stream = false;
+  for (const fs::path& output : written) {
+    if (output.empty()) continue;
+    if (is_standard_stream(output)) {
+      if (std::exchange(to_stream, true)) fail_usage("-: is named for two outputs; give each its own file.");
+      continue;
+    }
+    if (const fs::path* input = inputs.find(output))
+      fail_usage("{}: is an input, and an input is never overwritten; write to another file.",
+                 both_names(output, *input));
+    if (const fs::path* other = outputs.find(output))
+      fail_usage("{}: is named for two outputs; give each its own file.", both_names(output, *other));
+    outputs.add(output);
   }
 }
 

@@ -7,11 +7,9 @@
 
 namespace pointsweep {
 
-/// True if both paths lead to one file: the same device and inode (symbolic links, hard links, /proc/self/fd), or the
-/// same canonical path (also of files that do not exist yet).
-bool lead_to_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
-
-/// Throws UsageError if a file of `written` is one of `read` or is written twice. Empty paths are ignored.
+/// Throws UsageError if a file of `written` is one of `read` or is written twice: the same device and inode (symbolic
+/// links, hard links, /proc/self/fd), or the same canonical path (also of files that do not exist yet). Empty paths are
+/// ignored.
 void require_separate_files(const std::vector<std::filesystem::path>& read,
                             const std::vector<std::filesystem::path>& written);
 

@@ -19,6 +19,7 @@ const Format kTextFormat = {.name = "text",
                             .reads = "columns separated by spaces, tabs, commas, semicolons or bars",
                             .writes = "columns separated by spaces",
                             .extensions = kTextExtensions,
+                            .fits = fits_text,
                             .open = open_text,
                             .create = create_text_writer,
                             .holds_provenance = true};

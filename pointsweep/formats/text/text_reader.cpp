@@ -103,6 +103,20 @@ class TextReader final : public RowTextReader {
 
 }  // namespace
 
+bool fits_text(const std::filesystem::path& path) {
+  try {
+    const InputFile file(path);
+    const TextLayout layout = find_text_layout(file);
+    LineReader lines(file);
+    lines.jump(layout.body_offset, layout.body_line);
+    while (const auto line = lines.next())
+      if (is_text_row(*line)) return true;
+    return layout.has_header;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 std::unique_ptr<Reader> open_text(const std::filesystem::path& path) { return std::make_unique<TextReader>(path); }
 
 }  // namespace pointsweep

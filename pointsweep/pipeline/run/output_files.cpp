@@ -8,6 +8,7 @@
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/canonical_text.h"
+#include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/provenance_record.h"
 #include "pointsweep/pipeline/run/survey_input.h"
 
@@ -23,10 +24,13 @@ bool leaves_out(const ChainPlan& plan) {
   return plan.kept.input || !plan.kept.left_out.empty() || plan.kept.attributes.size() < made.size();
 }
 
-std::vector<std::string> provenance(const RunState& run) {
-  const std::vector<std::string> stages = canonical_stages(run.plan, Presets::left_out);
-  return provenance_of(run.cloud, stages, leaves_out(run.plan) ? run.plan.chain.keep : std::vector<std::string>{},
-                       run.options, run.survey.axis, run.statistics.dropped > 0);
+/// What outputs are to say of the run.
+RunRecord said_of(const RunState& run) {
+  return {.stages = canonical_stages(run.plan, Presets::left_out),
+          .keep = leaves_out(run.plan) ? run.plan.chain.keep : std::vector<std::string>{},
+          .options = run.options,
+          .axis = run.survey.axis,
+          .drops_nonfinite = run.statistics.dropped > 0};
 }
 
 /// What the format of the output has to know of all values before the first record.
@@ -43,14 +47,25 @@ std::optional<Box> bounds_if_known(const RunState& run) {
   return run.survey.exact && !run.survey.bounds.empty() ? std::optional(run.survey.bounds) : std::nullopt;
 }
 
+TileRequest tiles_of(RunState& run) {
+  const auto provenance = [&run](const InputCloud& input, std::size_t tile) {
+    return provenance_of_tile(input, {tile, run.outputs.tiles.size()}, said_of(run));
+  };
+  return {run.cloud, run.names, run.outputs, run.options, provenance};
+}
+
 void open_files(RunState& run) {
+  if (!run.outputs.tiles.empty())
+    return void(run.tiles.emplace(tiles_of(run), FinishedTiles(run.options.resume_folder)));
   run.files.emplace(run.cloud, run.names.made, run.names.kept, run.outputs, run.options, bounds_if_known(run),
-                    provenance(run), values_if_needed(run));
+                    provenance_of(run.cloud, said_of(run)), values_if_needed(run));
 }
 
 }  // namespace
 
-void require_writable(const RunState& run) {
+void require_writable(RunState& run) {
+  if (!run.outputs.tiles.empty())
+    return require_writable_tiles(tiles_of(run), FinishedTiles(run.options.resume_folder), run.folders);
   Box somewhere = run.survey.bounds;
   if (somewhere.empty()) somewhere.include(Vec3{});
   OutputSet(run.cloud, run.names.made, run.names.kept, run.outputs, run.options, somewhere);
@@ -62,7 +77,11 @@ bool needs_bounds(const RunState& run) {
          (run.input.dropped().bounds.empty() || run.cloud.selection()) && format->needs_bounds(run.cloud.schema());
 }
 
-void open_outputs(RunState& run) { run.plan.selects() ? require_writable(run) : open_files(run); }
+void open_outputs(RunState& run) {
+  const bool late = run.plan.selects();
+  if (late || !run.outputs.tiles.empty()) require_writable(run);
+  if (!late) open_files(run);
+}
 
 void open_late(RunState& run) {
   if (needs_bounds(run) && !run.is_empty()) {
@@ -72,7 +91,8 @@ void open_late(RunState& run) {
     run.survey.axis = axis;
   }
   run.statistics.points_written = run.cloud.count();
-  if (run.is_empty()) run.warn(fmt::format("No point is left: {} holds none.", run.outputs.points.string()));
+  if (run.is_empty() && run.outputs.tiles.empty())
+    run.warn(fmt::format("No point is left: {} holds none.", name_of_output(run.outputs)));
   open_files(run);
 }
 

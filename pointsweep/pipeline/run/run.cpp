@@ -7,6 +7,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/run/made_rows.h"
 #include "pointsweep/pipeline/run/phases.h"
@@ -18,9 +19,9 @@ namespace {
 
 OutputNames names_of_output(const RunState& run) {
   const bool is_sort = run.plan.passes.empty();
-  if (is_sort || (run.outputs.points.empty() && !run.outputs.writer)) return {run.plan.made, run.plan.kept, {}};
-  return name_outputs(run.cloud.schema(), run.name_of_cloud(), run.plan.made, run.plan.kept, run.outputs.points,
-                      {run.options.prefix, run.options.replace});
+  if (is_sort || (run.outputs.points.empty() && run.outputs.tiles.empty() && !run.outputs.writer))
+    return {run.plan.made, run.plan.kept, {}};
+  return names_in_outputs(run.cloud, run.plan, run.outputs, run.options);
 }
 
 /// Warns of neighbourhoods that ask for more points than there are.
@@ -41,6 +42,7 @@ void note_neighborhoods(RunState& run) {
 void check_request(RunState& run) {
   if (run.options.order == Order::sweep && !run.outputs.arrays.empty())
     fail_usage("Arrays have their rows in input order: leave out --order sweep.");
+  require_tiles_possible(run.outputs, run.options);
   run.names = names_of_output(run);
   run.warn(run.names.warning());
   if (run.by_reference() && !run.plan.passes.empty()) require_reference_can(run.options);
@@ -78,16 +80,30 @@ void perform(RunState& run, const Phase& phase) {
 
 /// The outputs get their names.
 void finish(RunState& run) {
-  for (const std::string& warning : run.files->warnings()) run.warn(warning);
-  run.files->finish(run.cloud);
+  run.tiles ? run.tiles->finish() : run.files->finish(run.cloud);
+  for (const std::string& warning : run.tiles ? run.tiles->warnings() : run.files->warnings()) run.warn(warning);
   if (run.checkpoints) run.checkpoints->finish();
   run.decoded.reset();
   // Rows are numbered as in the input, whose nonfinite points may have been dropped.
   for (DegenerateResults& results : run.statistics.degenerate_results)
     for (std::uint64_t& row : results.rows) row = run.cloud.input_row(row);
-  run.statistics.bytes_written = run.files->bytes_written();
+  run.statistics.bytes_written = run.tiles ? run.tiles->bytes_written() : run.files->bytes_written();
   run.statistics.total_seconds = seconds_since(run.started);
   run.statistics.peak_rss_bytes = peak_resident_bytes();
+}
+
+/// An error while tiles are written also says how many are complete.
+template <class Work>
+void with_progress_of_tiles(RunState& run, Work work) {
+  try {
+    work();
+  } catch (const UsageError&) {
+    throw;
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
+    throw Error(error.what() + (run.tiles ? run.tiles->progress() : ""));
+  }
 }
 
 /// A run from survey to finished files.
@@ -97,10 +113,10 @@ Statistics run_phases(RunState& run) {
   for (const Phase& phase : phases_of(run.plan)) {
     const bool nothing_left = run.is_empty() && phase.kind != PhaseKind::write;
     if (nothing_left || is_done(run, phase)) continue;
-    perform(run, phase);
+    with_progress_of_tiles(run, [&] { perform(run, phase); });
     checkpoint_after(run, phase);
   }
-  finish(run);
+  with_progress_of_tiles(run, [&] { finish(run); });
   return std::move(run.statistics);
 }
 

@@ -20,12 +20,19 @@ InputCloud& with_own_files(InputCloud& cloud, const Outputs& outputs, const Engi
   for (std::size_t i = 0; i < cloud.readers().size(); ++i)
     if (cloud.states()[i].is_known()) read.push_back(cloud.readers()[i]->info().path);
   for (const auto& [name, path] : outputs.arrays) written.push_back(path);
+  written.insert(written.end(), outputs.tiles.begin(), outputs.tiles.end());
   require_separate_files(read, written);
   return cloud;
 }
 
+/// Whether a stage reads attributes of the input.
+bool reads_attributes(const ChainPlan& plan) {
+  return std::ranges::any_of(plan.passes, [](const PlannedPass& pass) { return !pass.payload().empty(); });
+}
+
 /// Of the input, before the first phase.
-Statistics first_counts(const InputCloud& cloud, const FiniteInput& input, const EngineOptions& options) {
+Statistics first_counts(const InputCloud& cloud, const FiniteInput& input, const Outputs& outputs,
+                        const ChainPlan& plan, const EngineOptions& options) {
   Statistics counts;
   counts.points = counts.points_written = cloud.count();
   counts.threads =
@@ -37,7 +44,11 @@ Statistics first_counts(const InputCloud& cloud, const FiniteInput& input, const
     const auto& warnings = reader->info().warnings;
     counts.warnings.insert(counts.warnings.end(), warnings.begin(), warnings.end());
   }
-  counts.warnings.insert(counts.warnings.end(), cloud.warnings().begin(), cloud.warnings().end());
+  // A tile has no more attributes than its input.
+  const bool fills = outputs.tiles.empty() || reads_attributes(plan);
+  for (const std::string& warning : cloud.warnings())
+    if (fills || std::ranges::find(cloud.missing_attributes(), warning) == cloud.missing_attributes().end())
+      counts.warnings.push_back(warning);
   counts.dropped = counts.nonfinite = input.dropped().count;
   counts.nonfinite_rows = input.dropped().rows;
   return counts;
@@ -51,7 +62,7 @@ RunState::RunState(InputCloud& read, const Outputs& written, const EngineOptions
       options(given),
       plan(std::move(planned)),
       input(read, written, given),
-      statistics(first_counts(read, input, given)) {
+      statistics(first_counts(read, input, written, plan, given)) {
   if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
   if (cloud.count() == 0) fail("{}: has no points, so there is nothing to do.", name_of_cloud());
   for (const std::string& sentence : statistics.warnings) tell(sentence);

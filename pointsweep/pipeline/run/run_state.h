@@ -25,6 +25,7 @@
 #include "pointsweep/pipeline/pass_values.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/run_memory.h"
+#include "pointsweep/pipeline/tile_set.h"
 
 namespace pointsweep {
 
@@ -56,6 +57,8 @@ struct RunState {
   CloudValues values;                   ///< that are known by now
   std::optional<Reordering> reordered;  ///< the output's records while they are put in order
   std::optional<OutputSet> files;       ///< opened before the first pass, or after the last select
+  MadeFolders folders;                  ///< of tiles
+  std::optional<TileSet> tiles;         ///< in place of `files` where each input has its output
 
   bool by_reference() const { return options.engine == Engine::reference; }
   bool is_empty() const { return cloud.count() == 0; }  ///< a select has left no row

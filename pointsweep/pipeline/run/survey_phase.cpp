@@ -46,7 +46,7 @@ void plan_memory_of(RunState& run) {
                        type_of_moved_positions(input, run.outputs.points, run.options));
   const std::uint64_t output = run.layout ? run.layout->schema().stride : input.stride;
   run.memory = plan_run_memory(run.statistics.memory_budget_bytes, run.plan, run.cloud.count(), run.survey, run.options,
-                               output, codec_bytes(run.cloud, run.outputs.points, output, run.options));
+                               output, codec_bytes(run.cloud, run.outputs, output, run.options));
 }
 
 void make_folder(RunState& run) {

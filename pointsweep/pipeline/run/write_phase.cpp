@@ -19,10 +19,14 @@ void write_whole(RunState& run) {
   });
 }
 
+void write_results(RunState& run, std::uint64_t first, std::span<const std::byte> results) {
+  run.tiles ? run.tiles->write_results(first, results) : run.files->write_results(run.cloud, first, results);
+}
+
 /// What the last pass makes, by row, while it is made or after it.
 void write_made(RunState& run, std::size_t p) {
   const auto use = [&run](std::uint64_t first, std::size_t n, const std::byte* records, std::size_t bytes) {
-    run.files->write_results(run.cloud, first, {records, n * bytes});
+    write_results(run, first, {records, n * bytes});
     run.report("writing", first + n, 0);
   };
   const std::size_t bytes = run.plan.passes[p].plan.result_bytes;
@@ -46,7 +50,9 @@ void write_rows(RunState& run) {
     records.resize(std::min(chunk, run.cloud.count() - first) * stride);
     if (bytes != 0) {
       run.rows->read(first, records);
-      run.files->write_results(run.cloud, first, records);
+      write_results(run, first, records);
+    } else if (run.tiles) {
+      run.tiles->write_inputs(first, records.size() / stride);
     } else {
       read_fully(run.cloud_source(), first, records);
       run.files->write_inputs(records);
@@ -75,7 +81,8 @@ void write_output(RunState& run, std::size_t p) {
 
 void write_phase(RunState& run, std::size_t p) {
   const auto start = std::chrono::steady_clock::now();
-  if (!run.files) open_late(run);
+  if (!run.files && !run.tiles) open_late(run);
+  if (run.tiles && run.checkpoints) run.checkpoints->writing_tiles();
   write_output(run, p);
   if (run.results) run.statistics.bytes_spilled += run.results->spilled_bytes();
   run.statistics.write_seconds += seconds_since(start);

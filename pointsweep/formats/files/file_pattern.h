@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+/// Patterns of file names, as shells have them: `tiles/*.laz`, `**/ground_[0-9]?.las`.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace pointsweep {
+
+/// Whether the path has one of the characters * ? [ and no file has it as its name.
+bool is_file_pattern(const std::filesystem::path& path);
+
+/// The files that the pattern matches, or the folders if it ends in '/', each once and in no certain order. * and ?
+/// stand for any characters but '/', [a-z] for one of them, ** as a whole name for any number of nested folders. Names
+/// that begin with a dot match only where the pattern has the dot. Links are followed, but not by **. Throws Error for
+/// a folder that cannot be read.
+std::vector<std::filesystem::path> matches_of(const std::filesystem::path& pattern);
+
+/// The folders before the first name that is a pattern: "tiles" of "tiles/*/a.laz", "" if there are none.
+std::filesystem::path fixed_part(const std::filesystem::path& pattern);
+
+}  // namespace pointsweep

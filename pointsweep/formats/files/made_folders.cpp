@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/files/made_folders.h"
+
+#include <unistd.h>
+
+#include <system_error>
+
+#include "pointsweep/fail.h"
+
+namespace pointsweep {
+
+namespace fs = std::filesystem;
+
+MadeFolders::~MadeFolders() {
+  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) ::rmdir(folder->c_str());
+}
+
+void MadeFolders::make_for(const fs::path& file) {
+  const fs::path folder = file.parent_path();
+  if (!folder.empty()) make(folder);
+}
+
+void MadeFolders::make(const fs::path& folder) {
+  std::error_code error;
+  if (fs::is_directory(folder, error)) return;
+  if (folder.has_parent_path() && folder.parent_path() != folder) make(folder.parent_path());
+  if (!first_) first_.emplace(folder);
+  if (fs::create_directory(folder, error)) made_.push_back(folder);
+  if (error) fail("{}: the folder cannot be made: {}; name another one.", folder.string(), error.message());
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/// The point files that the arguments of a command stand for.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pointsweep {
+
+struct ListedFile {
+  std::filesystem::path path;
+  /// Its name in a folder of outputs: below the folder that was named, below the folders before the first wildcard of a
+  /// pattern or below that of a .vpc file; the file name of a file that was named itself.
+  std::filesystem::path relative;
+};
+
+struct InputList {
+  std::vector<ListedFile> files;
+  std::vector<std::string> notices;  ///< which files of folders and patterns are left out, a sentence for each argument
+};
+
+/// A folder stands for the point files in it, with those of its sub-folders if `recursive`; a pattern
+/// (file_pattern.h) that is no file for those that it matches; a .vpc file (virtual point cloud) for those that it
+/// names; any other path for itself. The files of a folder or pattern come in the order of the bytes of their relative
+/// names. Hidden files are not listed, and files that are no point files are left out with a notice. `format`: as
+/// CloudOptions::format; files named *.bin are point files then. Throws Error where an argument stands for no file,
+/// UsageError where a file is listed twice and not by its own name both times.
+InputList list_inputs(const std::vector<std::filesystem::path>& named, bool recursive, const std::string& format = "");
+
+/// Whether the path stands for more than itself.
+bool stands_for_files(const std::filesystem::path& path);
+
+}  // namespace pointsweep

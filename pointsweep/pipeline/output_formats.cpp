@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/output_formats.h"
+
+#include <algorithm>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/registry.h"
+
+namespace pointsweep {
+
+std::vector<OutputFormat> output_formats(const Outputs& outputs) {
+  std::vector<std::filesystem::path> paths = outputs.tiles;
+  if (!outputs.points.empty()) paths.push_back(outputs.points);
+  std::vector<OutputFormat> formats;
+  for (const std::filesystem::path& path : paths) {
+    const Format* const format = format_of_output(path);
+    if (format != nullptr && std::ranges::find(formats, format, &OutputFormat::format) == formats.end())
+      formats.push_back({format, path});
+  }
+  return formats;
+}
+
+OutputNames names_in_outputs(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
+                             const EngineOptions& options) {
+  const std::string name = cloud.readers().empty() ? "The input" : cloud.readers().front()->info().path.string();
+  std::vector<std::filesystem::path> examples;
+  for (const OutputFormat& format : output_formats(outputs)) examples.push_back(format.example);
+  if (examples.empty()) examples.push_back(outputs.points);
+  OutputNames names;
+  for (const std::filesystem::path& example : examples)
+    names = name_outputs(cloud.schema(), name, plan.made, plan.kept, example, {options.prefix, options.replace});
+  return names;
+}
+
+void require_tiles_possible(const Outputs& outputs, const EngineOptions& options) {
+  if (outputs.tiles.empty()) return;
+  if (!outputs.points.empty() || !outputs.arrays.empty() || outputs.writer)
+    fail_usage("An output for each input cannot be combined with an output of all points; make two runs.");
+  if (options.order == Order::sweep)
+    fail_usage(
+        "A folder of outputs has the points of each input in their order: leave out --order sweep, or name one output "
+        "file.");
+}
+
+std::string name_of_output(const Outputs& outputs) {
+  return outputs.tiles.empty() ? outputs.points.string() : outputs.tiles.front().parent_path().string();
+}
+
+}  // namespace pointsweep

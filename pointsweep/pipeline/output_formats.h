@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+/// The formats of the point files that a run writes.
+#pragma once
+
+#include <vector>
+
+#include "pointsweep/formats/format.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/output_names.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
+
+namespace pointsweep {
+
+/// A point file of each format among Outputs::points and Outputs::tiles; names without a known format are left out.
+struct OutputFormat {
+  const Format* format;
+  std::filesystem::path example;  ///< the first output of that format
+};
+std::vector<OutputFormat> output_formats(const Outputs& outputs);
+
+/// What made attributes are called in all of them (name_outputs()): throws what one of the formats refuses.
+OutputNames names_in_outputs(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
+                             const EngineOptions& options);
+
+/// Throws UsageError for a request that only one output of all points can fulfil, if there are tiles.
+void require_tiles_possible(const Outputs& outputs, const EngineOptions& options);
+
+/// What to call the output in a sentence: the point file, or the folder of the first tile.
+std::string name_of_output(const Outputs& outputs);
+
+}  // namespace pointsweep

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/tile_set.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/borrowed_reader.h"
+#include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/formats/known_values.h"
+#include "pointsweep/formats/registry.h"
+#include "pointsweep/order/survey.h"
+
+namespace pointsweep {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One input as a cloud of its own.
+InputCloud cloud_of_input(const InputCloud& all, std::size_t input) {
+  std::vector<std::unique_ptr<Reader>> reader;
+  reader.push_back(std::make_unique<BorrowedReader>(*all.readers()[input]));
+  return InputCloud(std::move(reader));
+}
+
+/// The rows of one input, from `first` on in the whole cloud, that are selected there.
+RowSelection selected_rows(const RowSelection& all, std::uint64_t first, std::uint64_t rows) {
+  return {rows, [&all, first, rows](std::uint64_t block, std::span<std::byte> bits) {
+            std::ranges::fill(bits, std::byte{0});
+            const std::uint64_t begin = block * RowSelection::kBlockRows;
+            const std::uint64_t n = std::min(RowSelection::kBlockRows, rows - begin);
+            for (std::uint64_t i = 0; i < n; ++i)
+              if (all.has(first + begin + i)) bits[i / 8] |= std::byte{1} << (i % 8);
+          }};
+}
+
+/// The field of one input that the field `name` of the whole cloud comes from.
+std::optional<std::size_t> own_field(const Schema& own, const std::string& name) {
+  for (std::size_t f = 0; f < own.fields.size(); ++f)
+    if (own.fields[f].name == name) return f;
+  return own.find(library_name_of(name));
+}
+
+/// What is kept of one input.
+KeptFields kept_of(const KeptFields& kept, const Schema& all, const Schema& own) {
+  KeptFields mine = kept;
+  if (!kept.input || all == own) return mine;
+  mine.input->clear();
+  for (const std::size_t f : *kept.input)
+    if (const auto field = own_field(own, all.fields[f].name)) mine.input->push_back(*field);
+  std::ranges::sort(*mine.input);
+  return mine;
+}
+
+/// Those of `replace` that mean an attribute of this input: the others are of other inputs.
+std::vector<std::string> replaced_in(const Schema& own, const std::vector<std::string>& replace,
+                                     const std::vector<Attribute>& made) {
+  std::vector<std::string> some;
+  for (const std::string& name : replace) {
+    bool is_there = own_field(own, name).has_value();
+    for (const Attribute& a : made)
+      if (a.name == name)
+        for (const std::string& field : a.fields) is_there |= own_field(own, field).has_value();
+    if (is_there) some.push_back(name);
+  }
+  return some;
+}
+
+Box bounds_of(InputCloud& cloud) {
+  if (cloud.count() == 0) return {Vec3{}, Vec3{}};
+  const PointSource source{cloud.schema(), cloud.count(),
+                           [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
+  return survey(source, std::nullopt, true).bounds;
+}
+
+/// As OutputPlan::bounds.
+std::optional<Box> bounds_if_needed(const Format* format, InputCloud& cloud) {
+  const bool needed = format != nullptr && format->needs_bounds != nullptr && format->needs_bounds(cloud.schema());
+  return needed ? std::optional(bounds_of(cloud)) : std::nullopt;
+}
+
+std::shared_ptr<const KnownValues> values_if_needed(const Format* format, InputCloud& cloud) {
+  if (format == nullptr || format->values == nullptr) return nullptr;
+  return std::make_shared<KnownValues>(format->values(cloud, [](std::uint64_t) { stop_if_cancelled(); }));
+}
+
+/// Tries one tile of each kind: opens its file and removes it again.
+class KindsOfTiles {
+ public:
+  explicit KindsOfTiles(const TileRequest& request) : request_(request) {}
+
+  void try_tile(std::size_t tile) {
+    const fs::path& output = request_.outputs.tiles[tile];
+    const Reader& reader = *request_.cloud.readers()[tile];
+    Kind kind{format_of_output(output), reader.info().schema};
+    if (std::ranges::find(tried_, kind) != tried_.end()) return;
+    tried_.push_back(std::move(kind));
+    const InputCloud cloud = cloud_of_input(request_.cloud, tile);
+    const KeptFields kept = kept_of(request_.names.kept, request_.cloud.schema(), cloud.schema());
+    name_outputs(cloud.schema(), reader.info().path.string(), request_.names.made, kept, output,
+                 {"", replaced_in(cloud.schema(), request_.options.replace, request_.names.made)});
+    Box somewhere;
+    somewhere.include(Vec3{});
+    OutputSet(cloud, request_.names.made, kept, {.points = output}, request_.options, somewhere);
+  }
+
+ private:
+  struct Kind {
+    const Format* format;
+    Schema schema;
+    friend bool operator==(const Kind&, const Kind&) = default;
+  };
+  const TileRequest& request_;
+  std::vector<Kind> tried_;
+};
+
+}  // namespace
+
+void require_writable_tiles(const TileRequest& request, const FinishedTiles& finished, MadeFolders& folders) {
+  const std::vector<fs::path>& tiles = request.outputs.tiles;
+  if (tiles.size() != request.cloud.readers().size())
+    fail_usage("{} outputs are named for {} inputs; name one for each.", tiles.size(), request.cloud.readers().size());
+  for (const fs::path& tile : tiles) folders.make_for(tile);
+  KindsOfTiles kinds(request);
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    stop_if_cancelled();
+    if (finished.has(t, tiles[t])) continue;
+    OutputFile::require_possible(tiles[t], request.options.overwrite);
+    kinds.try_tile(t);
+  }
+}
+
+/// A tile that is being written, or one that an earlier process has finished, of which rows only pass.
+struct TileSet::Tile {
+  std::size_t number;
+  InputCloud cloud;
+  std::optional<OutputSet> files;  ///< absent: it is finished
+  std::uint64_t done = 0;          ///< rows
+};
+
+TileSet::TileSet(const TileRequest& request, FinishedTiles finished)
+    : request_(request), finished_(std::move(finished)) {
+  std::uint64_t row = 0;
+  for (const auto& reader : request.cloud.readers()) {
+    first_row_.push_back(row);
+    row += reader->info().count;
+  }
+}
+
+TileSet::~TileSet() = default;
+
+void TileSet::open_next() {
+  const std::size_t t = next_++;
+  tile_.reset(new Tile{t, cloud_of_input(request_.cloud, t), std::nullopt});
+  InputCloud& cloud = tile_->cloud;
+  if (const RowSelection* all = request_.cloud.selection())
+    cloud.select(selected_rows(*all, first_row_[t], cloud.count()));
+  const fs::path& output = request_.outputs.tiles[t];
+  if (cloud.count() == 0) empty_.push_back(output.string());
+  if (finished_.has(t, output)) return void(++complete_);
+  const Format* const format = format_of_output(output);
+  const KeptFields kept = kept_of(request_.names.kept, request_.cloud.schema(), cloud.schema());
+  tile_->files.emplace(cloud, request_.names.made, kept, Outputs{.points = output}, request_.options,
+                       bounds_if_needed(format, cloud), request_.provenance(cloud, t), values_if_needed(format, cloud));
+}
+
+void TileSet::complete() {
+  if (tile_->files) {
+    require_unchanged_inputs();
+    const fs::path& output = request_.outputs.tiles[tile_->number];
+    note(tile_->files->warnings(), output);
+    tile_->files->flush();
+    finished_.begin(tile_->number, output);
+    tile_->files->finish(tile_->cloud);
+    finished_.end(tile_->number, output);
+    bytes_written_ += tile_->files->bytes_written();
+    ++complete_;
+  }
+  tile_->cloud.readers().front()->rest();  // the inputs that follow may need its memory and its file
+  tile_.reset();
+}
+
+/// All results come from all inputs, which were read before the first tile is complete; then each tile reads its own.
+void TileSet::require_unchanged_inputs() const {
+  complete_ == 0 ? request_.cloud.require_unchanged() : request_.cloud.require_unchanged(tile_->number);
+}
+
+/// The next `rows` of the cloud are, in each of the tiles that they are in, its rows from `row` on; `skip` rows come
+/// before them.
+void TileSet::for_each_part(std::uint64_t rows, const WriteRows& write) {
+  for (std::uint64_t skip = 0; skip < rows;) {
+    if (!tile_) open_next();
+    const std::uint64_t part = std::min(rows - skip, tile_->cloud.count() - tile_->done);
+    if (part > 0 && tile_->files) write(*tile_, tile_->done, skip, part);
+    tile_->done += part;
+    skip += part;
+    if (tile_->done == tile_->cloud.count()) complete();
+  }
+}
+
+void TileSet::write_results(std::uint64_t, std::span<const std::byte> results) {
+  std::size_t bytes = 0;
+  for (const Attribute& a : request_.names.made) bytes += a.bytes();
+  for_each_part(results.size() / bytes, [&](Tile& tile, std::uint64_t row, std::uint64_t skip, std::uint64_t rows) {
+    tile.files->write_results(tile.cloud, row, results.subspan(skip * bytes, rows * bytes));
+  });
+}
+
+void TileSet::write_inputs(std::uint64_t, std::uint64_t rows) {
+  for_each_part(rows, [&](Tile& tile, std::uint64_t row, std::uint64_t, std::uint64_t part) {
+    std::vector<std::byte> records(part * tile.cloud.schema().stride);
+    if (tile.cloud.read(row, records) != part)
+      fail("{}: ended before row {}: it changed while it was read.", tile.cloud.readers().front()->info().path.string(),
+           row + part);
+    tile.files->write_inputs(records);
+  });
+}
+
+void TileSet::finish() {
+  while (tile_ || next_ < request_.outputs.tiles.size()) {
+    stop_if_cancelled();
+    if (!tile_) open_next();
+    complete();
+  }
+  request_.cloud.require_unchanged();
+}
+
+std::string TileSet::progress() const {
+  if (complete_ == 0) return "";
+  return fmt::format(" {} of {} outputs are complete and stay.", complete_, request_.outputs.tiles.size());
+}
+
+void TileSet::note(const std::vector<std::string>& warnings, const fs::path& output) {
+  for (const std::string& warning : warnings) {
+    const std::string name = output.string();
+    const std::string what = warning.starts_with(name) ? warning.substr(name.size()) : warning;
+    const auto [known, is_new] = warnings_.try_emplace(what, Warning{warning});
+    if (!is_new) ++known->second.others;
+  }
+}
+
+std::vector<std::string> TileSet::warnings() const {
+  std::vector<std::string> all;
+  for (const auto& [what, warning] : warnings_)
+    all.push_back(warning.others == 0 ? warning.first
+                                      : fmt::format("{} (And so of {} more outputs.)", warning.first, warning.others));
+  if (empty_.size() == 1) all.push_back(fmt::format("No point is left for {}: it holds none.", empty_.front()));
+  if (empty_.size() > 1)
+    all.push_back(
+        fmt::format("No point is left for {} outputs, the first {}: they hold none.", empty_.size(), empty_.front()));
+  return all;
+}
+
+}  // namespace pointsweep

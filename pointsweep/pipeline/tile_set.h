@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+/// The files of a run that writes one for each input.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/files/made_folders.h"
+#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/finished_tiles.h"
+#include "pointsweep/pipeline/output_names.h"
+#include "pointsweep/pipeline/output_set.h"
+
+namespace pointsweep {
+
+/// What all tiles of a run have in common.
+struct TileRequest {
+  InputCloud& cloud;  ///< of all inputs
+  const OutputNames& names;
+  const Outputs& outputs;  ///< a tile for each input
+  const EngineOptions& options;
+  /// What an output made of the cloud of one input is to say (OutputPlan::provenance).
+  std::function<std::vector<std::string>(const InputCloud& input, std::size_t tile)> provenance;
+};
+
+/// Throws what can be known before the work: outputs that exist or cannot be written, attributes that would be
+/// overwritten, formats that cannot hold what is made. Makes the folders of the tiles in `folders`.
+void require_writable_tiles(const TileRequest& request, const FinishedTiles& finished, MadeFolders& folders);
+
+/// Tiles are written one after the other. Each has the rows, the fields, the grid and the header of its input, not
+/// those of the cloud, and gets its name when it is complete. Those that an earlier process has finished are left.
+class TileSet {
+ public:
+  TileSet(const TileRequest& request, FinishedTiles finished);
+  ~TileSet();
+
+  /// As OutputSet::write_results: the next rows of the cloud and what was made of them.
+  void write_results(std::uint64_t first_row, std::span<const std::byte> results);
+  /// The next rows of the cloud, of which nothing was made.
+  void write_inputs(std::uint64_t first_row, std::uint64_t rows);
+  /// All rows have come: completes the tiles that have none.
+  void finish();
+
+  /// What to add to the sentence of an error: how many outputs are complete; empty if none is.
+  std::string progress() const;
+  std::uint64_t bytes_written() const { return bytes_written_; }
+  /// A sentence for each thing that a tile cannot hold, with the number of other tiles that share it; and how many
+  /// tiles have no rows.
+  std::vector<std::string> warnings() const;
+
+ private:
+  struct Tile;
+  using WriteRows = std::function<void(Tile&, std::uint64_t row, std::uint64_t skip, std::uint64_t rows)>;
+  void for_each_part(std::uint64_t rows, const WriteRows& write);
+  void open_next();
+  void complete();
+  void require_unchanged_inputs() const;
+  void note(const std::vector<std::string>& warnings, const std::filesystem::path& output);
+
+  TileRequest request_;
+  FinishedTiles finished_;
+  std::vector<std::uint64_t> first_row_;  ///< of each input, before any select
+  std::size_t next_ = 0;                  ///< tile to be opened next
+  std::size_t complete_ = 0;
+  std::unique_ptr<Tile> tile_;  ///< that is being written
+  std::uint64_t bytes_written_ = 0;
+  struct Warning {
+    std::string first;
+    std::size_t others = 0;
+  };
+  std::map<std::string, Warning> warnings_;  ///< by what follows the name of the tile
+  std::vector<std::string> empty_;           ///< names of tiles without rows
+};
+
+}  // namespace pointsweep
