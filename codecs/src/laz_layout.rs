@@ -44,10 +44,11 @@ impl Layout {
     }
 
     pub fn for_format(point_format: u8, extra_bytes: u16, chunk_points: u32) -> Result<Self, Error> {
-        let vlr = LazVlrBuilder::default()
+        let built = LazVlrBuilder::default()
             .with_point_format(point_format, extra_bytes)?
             .with_fixed_chunk_size(chunk_points)
             .build();
+        let vlr = LazVlr::from_buffer(with_wave_packets_of_version_1(bytes_of(&built)))?;
         Ok(Self { record_bytes: record_bytes(vlr.items())?, vlr, chunk_points })
     }
 
@@ -84,9 +85,7 @@ impl Layout {
     }
 
     pub fn vlr(&self) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        self.vlr.write_to(&mut bytes).expect("a vector takes all bytes");
-        bytes
+        bytes_of(&self.vlr)
     }
 
     /// Points (0 unless chunks vary) and bytes of each of `count` chunks.
@@ -104,6 +103,23 @@ impl Layout {
 
 fn too_short() -> Error {
     Error("the compressed data end too early".into())
+}
+
+fn bytes_of(vlr: &LazVlr) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    vlr.write_to(&mut bytes).expect("a vector takes all bytes");
+    bytes
+}
+
+/// LASzip has one version of wave packets in point formats 4 and 5, 1, and refuses files that state another; the crate states 2
+/// for the same bytes.
+fn with_wave_packets_of_version_1(mut vlr: Vec<u8>) -> Vec<u8> {
+    const ITEMS: usize = 34;
+    let wave_packet = u16::from(LazItemType::WavePacket13).to_le_bytes();
+    for item in vlr[ITEMS..].chunks_exact_mut(6).filter(|item| item[..2] == wave_packet) {
+        item[4..].copy_from_slice(&1u16.to_le_bytes());
+    }
+    vlr
 }
 
 /// The parts must have the sizes their types have: the crate takes them for granted.

@@ -70,6 +70,16 @@ fn the_layout_written_is_the_layout_read() {
 }
 
 #[test]
+fn wave_packets_of_point_formats_4_and_5_have_the_version_that_laszip_knows() {
+    for format in [4, 5] {
+        let layout = Layout::for_format(format, 0, 50_000).unwrap();
+        let versions: Vec<u16> =
+            layout.items().iter().filter(|item| item.size() == 29).map(|item| item.version()).collect();
+        assert_eq!(versions, [1], "format {format}");
+    }
+}
+
+#[test]
 fn chunk_tables_come_back_as_they_were() {
     for chunk_points in [0, 50_000] {
         let layout = Layout::for_format(6, 0, if chunk_points == 0 { u32::MAX } else { chunk_points }).unwrap();
