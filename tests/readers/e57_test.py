@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: MIT
+"""E57 files, against pye57, which is libE57Format."""
+import numpy as np
+import pye57
+
+import tool
+from columns import assert_same
+from ply_file import read_ply
+
+NAMES = {"cartesianX": "x", "cartesianY": "y", "cartesianZ": "z", "colorRed": "red", "colorGreen": "green", "colorBlue": "blue",
+         "returnIndex": "return_index", "returnCount": "return_count", "rowIndex": "row", "columnIndex": "column",
+         "cartesianInvalidState": "invalid_state", "nor:normalX": "nx", "nor:normalY": "ny", "nor:normalZ": "nz",
+         "las:pointSourceId": "pointSourceId"}
+# pye57 reads the fields of this table, in these types; it lacks those that are added here, and 16 bits of a colour.
+pye57.e57.SUPPORTED_POINT_FIELDS.update({"returnIndex": "B", "returnCount": "B", "nor:normalX": "f", "nor:normalY": "f", "nor:normalZ": "f",
+                                         "las:pointSourceId": "H", "colorRed": "H", "colorGreen": "H", "colorBlue": "H"})
+
+
+def read_scan(file, index):
+    """Columns of one scan in the coordinates of the file; points that it calls invalid have NaN coordinates."""
+    header = file.get_header(index)
+    columns = {NAMES.get(name, name): values for name, values in file.read_scan_raw(index).items()}
+    positions = np.array([columns[axis] for axis in "xyz"])
+    if header.has_pose():
+        positions = header.rotation_matrix @ positions + header.translation[:, None]
+    if "invalid_state" in columns:
+        positions[:, columns["invalid_state"] != 0] = np.nan
+    columns.update(zip("xyz", positions), scan=np.full(len(positions[0]), index))
+    return columns
+
+
+def rounding(file, positions):
+    """What two orders of the sums of a pose may differ by: 8 units in the last place of the largest number in them; 0 without poses."""
+    headers = [file.get_header(index) for index in range(file.scan_count)]
+    posed = [header for header in headers if header.has_pose()]
+    size = max([np.abs(header.translation).max() for header in posed], default=0) + np.nanmax(np.abs(positions))
+    return 8 * np.finfo(float).eps * size if posed else 0.0
+
+
+def merged(scans):
+    """One behind the other; an attribute that a scan lacks is 0 there."""
+    names = dict.fromkeys(name for scan in scans for name in scan)
+    return {name: np.concatenate([scan.get(name, np.zeros(len(scan["x"]))) for scan in scans]) for name in names}
+
+
+class E57FilesAreReadAsPye57ReadsThem(tool.Files):
+    def test(self):
+        files = [path for path in tool.real_files(".e57") if pye57.E57(str(path)).scan_count > 0]
+        self.each(files, 12, self.check)
+
+    def check(self, path):
+        file = pye57.E57(str(path))
+        want = merged([read_scan(file, index) for index in range(file.scan_count)])
+        got = read_ply(tool.convert(path, self.folder / "out.ply"))
+        self.assertEqual(sorted(got), sorted(want), "columns")
+        tolerance = rounding(file, [want[axis] for axis in "xyz"])
+        assert_same(self, got, {name: want[name] for name in got}, dict.fromkeys("xyz", tolerance))
+
+
+if __name__ == "__main__":
+    tool.main()
