@@ -32,12 +32,26 @@ def convert(source, target, *options):
     return target
 
 
-def real_files(*suffixes, largest=100_000_000):
-    """The real files with these suffixes that are not broken on purpose, smallest first."""
-    found = [path for path in DATA.rglob("*") if path.suffix in suffixes and "malformed" not in path.relative_to(DATA).parts]
+def is_odd(path):
+    return "malformed" in path.relative_to(DATA).parts
+
+
+def files(suffixes):
+    """Smallest first; without those that need codecs that the tool lacks."""
+    found = [path for path in DATA.rglob("*") if path.suffix in suffixes]
     if os.environ.get("POINTSWEEP_CODECS") == "0":
         found = [path for path in found if path.suffix not in COMPRESSED]
-    return sorted((path for path in found if path.stat().st_size <= largest), key=lambda path: path.stat().st_size)
+    return sorted(found, key=lambda path: path.stat().st_size)
+
+
+def real_files(*suffixes, largest=100_000_000):
+    """The real files with these suffixes that are not broken on purpose."""
+    return [path for path in files(suffixes) if not is_odd(path) and path.stat().st_size <= largest]
+
+
+def odd_files(*suffixes):
+    """Files that are broken, or unusual and sound."""
+    return [path for path in files(suffixes) if is_odd(path)]
 
 
 class Files(unittest.TestCase):
