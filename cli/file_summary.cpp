@@ -8,6 +8,7 @@
 #include "cli/plan_area.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/order/mix.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {

@@ -6,6 +6,7 @@
 #include "cli/gps_time.h"
 #include "pointsweep/formats/crs_unit.h"
 #include "pointsweep/formats/provenance.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {

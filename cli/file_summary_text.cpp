@@ -7,6 +7,7 @@
 #include "cli/gps_time.h"
 #include "pointsweep/formats/las_classes.h"
 #include "pointsweep/formats/provenance.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/las_origin.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {
