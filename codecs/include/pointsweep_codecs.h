@@ -74,7 +74,7 @@ typedef struct psc_e57_scan {
 enum { PSC_E57_SINGLE = 0, PSC_E57_DOUBLE = 1, PSC_E57_SCALED_INTEGER = 2, PSC_E57_INTEGER = 3 };
 
 typedef struct psc_e57_attribute {
-  char name[64];       /* as in the file, e.g. cartesianX; with a final 0 */
+  char name[256];      /* as in the file, e.g. cartesianX; with a final 0 */
   int32_t kind;        /* PSC_E57_SINGLE, ... */
   int64_t least, most; /* of stored integers, before scale and offset */
   double scale, offset;
@@ -87,6 +87,8 @@ size_t psc_e57_scans(const psc_e57* file);
 size_t psc_e57_images(const psc_e57* file);
 /* What the file says of its coordinate system, without a final 0. Returns its size; nothing is written if `room` is less. */
 size_t psc_e57_coordinate_system(const psc_e57* file, uint8_t* into, size_t room);
+/* The same for the description of a scan. */
+size_t psc_e57_description(const psc_e57* file, size_t scan, uint8_t* into, size_t room);
 void psc_e57_scan_info(const psc_e57* file, size_t scan, psc_e57_scan* out);
 void psc_e57_attribute_info(const psc_e57* file, size_t scan, size_t attribute, psc_e57_attribute* out);
 
@@ -98,6 +100,27 @@ int psc_e57_reader_open(const psc_e57* file, size_t scan, psc_read read, void* c
  * PSC_E57_DOUBLE) or as an integer, without its scale. It is an error to ask for more points than there are. */
 int psc_e57_read(psc_e57_reader* reader, uint64_t* values, size_t count, psc_error* error);
 void psc_e57_reader_free(psc_e57_reader* reader);
+
+/* Writes `bytes` at `offset` of the new file. Returns 0, or less than 0 on failure. */
+typedef int (*psc_write)(void* context, uint64_t offset, const uint8_t* bytes, size_t size);
+
+/* What a new file says in addition to its points; texts in UTF-8 with a final 0. */
+typedef struct psc_e57_about {
+  const char* guid;              /* of the file and of its scan */
+  const char* description;       /* of its scan; may be empty */
+  const char* coordinate_system; /* WKT; may be empty */
+} psc_e57_about;
+
+/* A new file of one scan. Names of attributes are those of the standard, "nor:normalX" and its like, or "ps:NAME" for all
+ * others. The functions are called until psc_e57_writer_free(). */
+typedef struct psc_e57_writer psc_e57_writer;
+int psc_e57_writer_create(psc_read read, psc_write write, void* context, const psc_e57_attribute* attributes, size_t count,
+                          const psc_e57_about* about, psc_e57_writer** out, psc_error* error);
+/* The next points, in the form in which psc_e57_read() gives them. */
+int psc_e57_write(psc_e57_writer* writer, const uint64_t* values, size_t count, psc_error* error);
+/* Completes the file. Nothing may follow. */
+int psc_e57_writer_finish(psc_e57_writer* writer, psc_error* error);
+void psc_e57_writer_free(psc_e57_writer* writer);
 
 void psc_free_bytes(uint8_t* bytes, size_t size);
 

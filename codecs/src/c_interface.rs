@@ -3,9 +3,11 @@
 #![allow(clippy::missing_safety_doc)]
 
 use crate::boundary::{guarded, ErrorText};
-use crate::{encode, name_of, write_chunk_table, Contents, Decoder, Error, Layout, ScanReader, Source};
+use crate::{
+    encode, name_of, write_chunk_table, About, Attribute, Contents, Decoder, Error, File, Layout, ScanReader, ScanWriter, Source,
+};
 use e57::RecordDataType;
-use std::ffi::{c_char, c_void};
+use std::ffi::{c_char, c_void, CStr};
 use std::io::BufReader;
 use std::slice::{from_raw_parts, from_raw_parts_mut};
 
@@ -149,7 +151,7 @@ pub unsafe extern "C" fn psc_free_bytes(data: *mut u8, size: usize) {
     }
 }
 
-const NAME_BYTES: usize = 64;
+const NAME_BYTES: usize = 256;
 
 #[repr(C)]
 pub struct E57Scan {
@@ -216,13 +218,22 @@ pub unsafe extern "C" fn psc_e57_images(file: *const Contents) -> usize {
     (*file).images
 }
 
-#[no_mangle]
-pub unsafe extern "C" fn psc_e57_coordinate_system(file: *const Contents, into: *mut u8, room: usize) -> usize {
-    let text = (*file).coordinate_system.as_bytes();
+unsafe fn put_bytes(text: &str, into: *mut u8, room: usize) -> usize {
     if room >= text.len() && room > 0 {
-        from_raw_parts_mut(into, text.len()).copy_from_slice(text);
+        from_raw_parts_mut(into, text.len()).copy_from_slice(text.as_bytes());
     }
     text.len()
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_coordinate_system(file: *const Contents, into: *mut u8, room: usize) -> usize {
+    put_bytes(&(*file).coordinate_system, into, room)
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_description(file: *const Contents, scan: usize, into: *mut u8, room: usize) -> usize {
+    let scan = &(&(*file).scans)[scan];
+    put_bytes(scan.description.as_deref().unwrap_or(""), into, room)
 }
 
 #[no_mangle]
@@ -273,5 +284,91 @@ pub unsafe extern "C" fn psc_e57_read(reader: *mut FileScanReader, values: *mut 
 pub unsafe extern "C" fn psc_e57_reader_free(reader: *mut FileScanReader) {
     if !reader.is_null() {
         drop(Box::from_raw(reader));
+    }
+}
+
+type WriteAt = unsafe extern "C" fn(*mut c_void, u64, *const u8, usize) -> i32;
+
+/// A file that the caller writes.
+struct CallersFile {
+    caller: Caller,
+    write: WriteAt,
+}
+
+impl File for CallersFile {
+    fn read_at(&mut self, offset: u64, into: &mut [u8]) -> std::io::Result<usize> {
+        self.caller.read(offset, into)
+    }
+    fn write_at(&mut self, offset: u64, bytes: &[u8]) -> std::io::Result<()> {
+        match unsafe { (self.write)(self.caller.context, offset, bytes.as_ptr(), bytes.len()) } {
+            0 => Ok(()),
+            _ => Err(std::io::Error::other("the file cannot be written")),
+        }
+    }
+}
+
+pub struct FileScanWriter(ScanWriter<CallersFile>);
+
+unsafe fn text<'a>(from: *const c_char) -> Result<&'a str, Error> {
+    CStr::from_ptr(from).to_str().map_err(|_| Error("a text is not UTF-8".into()))
+}
+
+unsafe fn attribute_of(from: &E57Attribute) -> Result<Attribute, Error> {
+    let data_type = match from.kind {
+        0 => RecordDataType::Single { min: None, max: None },
+        1 => RecordDataType::Double { min: None, max: None },
+        2 => RecordDataType::ScaledInteger { min: from.least, max: from.most, scale: from.scale, offset: from.offset },
+        _ => RecordDataType::Integer { min: from.least, max: from.most },
+    };
+    Ok(Attribute { name: text(from.name.as_ptr())?.to_string(), data_type })
+}
+
+#[repr(C)]
+pub struct E57About {
+    guid: *const c_char,
+    description: *const c_char,
+    coordinate_system: *const c_char,
+}
+
+const EXTENSIONS: [(&str, &str); 2] =
+    [("nor", "http://www.libe57.org/E57_EXT_surface_normals.txt"), ("ps", "urn:pointsweep:attributes")];
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_writer_create(read: ReadAt, write: WriteAt, context: *mut c_void, attributes: *const E57Attribute,
+                                               count: usize, about: *const E57About, out: *mut *mut FileScanWriter,
+                                               error: *mut ErrorText) -> i32 {
+    guarded(error, || {
+        let attributes = from_raw_parts(attributes, count).iter().map(|a| attribute_of(a)).collect::<Result<Vec<_>, _>>()?;
+        let uses = |namespace: &str| attributes.iter().any(|a| a.name.split_once(':').is_some_and(|(n, _)| n == namespace));
+        let extensions: Vec<_> = EXTENSIONS.into_iter().filter(|(namespace, _)| uses(namespace)).collect();
+        let about = About {
+            guid: text((*about).guid)?,
+            description: text((*about).description)?,
+            coordinate_system: text((*about).coordinate_system)?,
+            extensions: &extensions,
+        };
+        let file = CallersFile { caller: Caller { read, context }, write };
+        *out = Box::into_raw(Box::new(FileScanWriter(ScanWriter::create(file, attributes, &about)?)));
+        Ok(())
+    })
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_write(writer: *mut FileScanWriter, values: *const u64, count: usize, error: *mut ErrorText) -> i32 {
+    guarded(error, || match count {
+        0 => Ok(()),
+        _ => (*writer).0.write(from_raw_parts(values, count)),
+    })
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_writer_finish(writer: *mut FileScanWriter, error: *mut ErrorText) -> i32 {
+    guarded(error, || (*writer).0.finish())
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn psc_e57_writer_free(writer: *mut FileScanWriter) {
+    if !writer.is_null() {
+        drop(Box::from_raw(writer));
     }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //! The scans of an E57 file: what they hold, and their points from the first to the last.
 
-use crate::Error;
+use crate::{Error, Owned};
 use e57::{E57Reader, PointCloud, PointCloudReaderRaw, RecordDataType, RecordName, RecordValue};
 use std::io::{Read, Seek, SeekFrom};
 
@@ -87,19 +87,10 @@ pub struct ScanReader<R: Read + Seek + 'static> {
     _file: Owned<E57Reader<R>>,
 }
 
-/// A box whose content does not move and may be borrowed as long as the box lives.
-struct Owned<T>(*mut T);
-
-impl<T> Drop for Owned<T> {
-    fn drop(&mut self) {
-        drop(unsafe { Box::from_raw(self.0) });
-    }
-}
-
 impl<R: Read + Seek + 'static> ScanReader<R> {
     pub fn open(source: R, scan: &PointCloud) -> Result<Self, Error> {
-        let file = Owned(Box::into_raw(Box::new(open(source)?)));
-        let points = unsafe { &mut *file.0 }.pointcloud_raw(scan)?;
+        let file = Owned::new(open(source)?);
+        let points = unsafe { &mut *file.get() }.pointcloud_raw(scan)?;
         Ok(Self { points, kinds: scan.prototype.iter().map(|r| r.data_type.clone()).collect(), _file: file })
     }
 

@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: MIT
 //! Compressed point formats behind a C interface, `include/pointsweep_codecs.h`, which says what each function does.
 //!
-//! `laz_*`: LASzip. `e57_scan`: E57. `boundary`: what every function of the interface needs: errors as text, panics caught.
+//! `laz_*`: LASzip. `e57_scan`, `e57_writer`: E57. `boundary`: what every function of the interface needs: errors as text, panics caught.
 
 mod boundary;
 mod e57_scan;
+mod e57_writer;
 mod laz_decoder;
 mod laz_encoder;
 mod laz_layout;
+mod owned;
 
 pub use boundary::Error;
 pub use e57_scan::{name_of, Contents, ScanReader};
+pub use e57_writer::{About, Attribute, File, ScanWriter};
 pub use laz_decoder::{Decoder, Source};
 pub use laz_encoder::{encode, write_chunk_table};
 pub use laz_layout::Layout;
+pub(crate) use owned::Owned;
 
 mod c_interface;

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+//! What the readers and writers of the crate `e57` borrow as long as they live.
+
+/// A box whose content does not move and may be borrowed as long as the box lives.
+pub struct Owned<T>(*mut T);
+
+impl<T> Owned<T> {
+    pub fn new(content: T) -> Self {
+        Self(Box::into_raw(Box::new(content)))
+    }
+    pub fn get(&self) -> *mut T {
+        self.0
+    }
+}
+
+impl<T> Drop for Owned<T> {
+    fn drop(&mut self) {
+        drop(unsafe { Box::from_raw(self.0) });
+    }
+}
