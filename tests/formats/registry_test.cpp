@@ -44,8 +44,8 @@ TEST(Registry, SaysWhatAFileIsThatItDoesNotRead) {
 }
 
 TEST(Registry, RefusesExtensionsItCannotWrite) {
-  EXPECT_THAT(sentence_of<UsageError>([] { create_writer(plan_for("out.e57", 0)); }),
-              HasSubstr("'.e57' is no format that can be written; the extension may be one of .ply, .las"));
+  EXPECT_THAT(sentence_of<UsageError>([] { create_writer(plan_for("out.vtk", 0)); }),
+              HasSubstr("'.vtk' is no format that can be written; the extension may be one of .ply, .las"));
   EXPECT_THAT(sentence_of<UsageError>([] { create_writer(plan_for("out", 0)); }),
               HasSubstr("a name without extension"));
 }

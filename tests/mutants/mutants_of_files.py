@@ -115,4 +115,11 @@ MUTANTS = [
            "{vlrs.laszip, vlrs.copc}", "{vlrs.copc, vlrs.copc}", ("formats:Laz.*",)),
     Mutant("extended VLRs behind compressed points are where they would be behind plain ones", "formats", FORMATS + "las/las_frame.cpp",
            "*reference = *reference - laid_out + points_end;", "*reference = *reference + 0 * points_end;", ("formats:Laz.*",)),
+    Mutant("points of an E57 output that are not finite are not marked", "formats", FORMATS + "e57/e57_writer.cpp",
+           "*values++ = finite ? 0 : kInvalid;", "*values++ = finite ? 0 : 0 * kInvalid;", ("formats:E57Writing.*",)),
+    Mutant("signed integers of an E57 output lose their sign", "formats", FORMATS + "e57/e57_columns.cpp",
+           "return {static_cast<std::int64_t>(Limits::min()),", "return {std::int64_t{0} * Limits::min(),", ("formats:E57Writing.*",)),
+    Mutant("two attributes of an E57 output get one name", "formats", FORMATS + "e57/e57_columns.cpp",
+           "for (int again = 2; !taken.insert(name).second; ++again)", "for (int again = 2; false && !taken.insert(name).second; ++again)",
+           ("formats:E57Writing.*",)),
 ]

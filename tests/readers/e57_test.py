@@ -6,6 +6,7 @@ import pye57
 import tool
 from columns import assert_same
 from ply_file import read_ply
+from written import read_any
 
 NAMES = {"cartesianX": "x", "cartesianY": "y", "cartesianZ": "z", "colorRed": "red", "colorGreen": "green", "colorBlue": "blue",
          "returnIndex": "return_index", "returnCount": "return_count", "rowIndex": "row", "columnIndex": "column",
@@ -55,6 +56,54 @@ class E57FilesAreReadAsPye57ReadsThem(tool.Files):
         self.assertEqual(sorted(got), sorted(want), "columns")
         tolerance = rounding(file, [want[axis] for axis in "xyz"])
         assert_same(self, got, {name: want[name] for name in got}, dict.fromkeys("xyz", tolerance))
+
+
+# What others call the attributes of the files written here, with the types of pye57's table.
+WRITTEN = {"nx": "nor:normalX", "ny": "nor:normalY", "nz": "nor:normalZ", "red": "colorRed", "green": "colorGreen", "blue": "colorBlue",
+           "x": "cartesianX", "y": "cartesianY", "z": "cartesianZ", "intensity": "intensity", "row": "rowIndex", "column": "columnIndex",
+           "return_index": "returnIndex", "return_count": "returnCount", "time_stamp": "timeStamp", "scalar_intensity": "intensity",
+           "normal_x": "nor:normalX", "normal_y": "nor:normalY", "normal_z": "nor:normalZ"}
+POSITIONS = "cartesianX", "cartesianY", "cartesianZ"
+
+
+def register(names, columns):
+    """Names that pye57 is to read, in the types of these columns."""
+    codes = {np.dtype("f4"): "f", np.dtype("f8"): "d"}
+    for name, column in zip(names, columns):
+        pye57.e57.SUPPORTED_POINT_FIELDS[name] = codes.get(column.dtype, column.dtype.char if column.dtype.itemsize < 4 else "q")
+
+
+class E57FilesThatAreWrittenAreReadByPye57(tool.Files):
+    """Every attribute of real files of four formats, read by others from the file itself and from the E57 file made of it."""
+
+    def test(self):
+        files = tool.real_files(".las", ".laz", ".ply", ".pcd", largest=3_000_000)
+        self.each(files, 60, self.check)
+
+    def check(self, path):
+        want = read_any(tool.convert(path, self.folder / "out.ply"))  # which other tests compare with the file
+        made = tool.convert(path, self.folder / "out.e57")
+        file = pye57.E57(str(made))
+        want = {WRITTEN.get(name.lower(), f"ps:{name}"): column for name, column in want.items()}
+        finite = np.isfinite([want[axis] for axis in POSITIONS]).all(axis=0)
+        self.assertEqual((file.scan_count, file.get_header(0).point_count), (1, len(finite)))
+        for stored, column in want.items():
+            with self.subTest(attribute=stored):
+                got = self.column(made, stored, column)
+                keep = finite if stored in POSITIONS else slice(None)
+                self.assertTrue(np.array_equal(got[keep], column[keep], equal_nan=column.dtype.kind == "f"), stored)
+        state = self.column(made, "cartesianInvalidState", finite.astype("u1"))
+        self.assertTrue(np.array_equal(state != 0, ~finite), "invalid points")
+
+    @staticmethod
+    def column(path, name, like):
+        register([name], [like])
+        file = pye57.E57(str(path))
+        data, buffers = file.make_buffer(name, file.get_header(0).point_count)
+        vector = pye57.libe57.VectorSourceDestBuffer()
+        vector.append(buffers)
+        file.get_header(0).points.reader(vector).read()
+        return data
 
 
 if __name__ == "__main__":

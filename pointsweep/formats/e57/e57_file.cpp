@@ -49,12 +49,19 @@ E57Attribute attribute_of(const psc_e57* codec, std::size_t scan, std::size_t nu
           .offset = info.offset};
 }
 
+std::string description_of(const psc_e57* codec, std::size_t scan) {
+  std::string text(psc_e57_description(codec, scan, nullptr, 0), '\0');
+  psc_e57_description(codec, scan, reinterpret_cast<std::uint8_t*>(text.data()), text.size());
+  return text;
+}
+
 E57Scan scan_of(const psc_e57* codec, std::size_t number) {
   psc_e57_scan info;
   psc_e57_scan_info(codec, number, &info);
   E57Scan scan{.points = info.points, .attributes = {}, .has_pose = info.has_pose != 0};
   std::ranges::copy(info.rotation, scan.rotation.begin());
   std::ranges::copy(info.translation, scan.translation.begin());
+  scan.description = description_of(codec, number);
   for (std::size_t a = 0; a < info.attributes; ++a) scan.attributes.push_back(attribute_of(codec, number, a));
   return scan;
 }

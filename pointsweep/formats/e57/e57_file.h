@@ -35,6 +35,7 @@ struct E57Scan {
   bool has_pose = false;
   std::array<double, 4> rotation{1, 0, 0, 0};  ///< unit quaternion w, x, y, z
   std::array<double, 3> translation{};
+  std::string description = {};
 };
 
 class E57File {

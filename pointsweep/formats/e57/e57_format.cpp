@@ -3,6 +3,7 @@
 
 #include "pointsweep/formats/e57/e57_file.h"
 #include "pointsweep/formats/e57/e57_reader.h"
+#include "pointsweep/formats/e57/e57_writer.h"
 
 namespace pointsweep {
 namespace {
@@ -17,12 +18,17 @@ const Format kE57Format = {.name = "E57",
                            .title = "E57",
                            .details = "#e57",
                            .reads = "all scans as one cloud, poses applied",
-                           .writes = "no",
+                           .writes = "one scan",
                            .extensions = kE57Extensions,
                            .codec = "E57",
                            .has_codec = has_e57,
                            .is = starts_as_e57,
                            .open = open_e57,
-                           .holds_crs = true};
+                           .create = create_e57_writer,
+                           .holds_crs = true,
+                           .holds_provenance = true,
+                           .encoder_bytes = e57_encoder_bytes,
+                           .name_bytes = 252,
+                           .stored_name = e57_stored_name};
 
 }  // namespace pointsweep

@@ -18,6 +18,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/e57/e57_file.h"
+#include "pointsweep/formats/provenance.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {
@@ -75,6 +76,17 @@ Type integer_type(std::int64_t least, std::int64_t most) {
   return Type::i64;
 }
 
+/// The lines of a description that say how the points were made.
+std::vector<std::string> provenance_of(std::string_view description) {
+  std::vector<std::string> lines;
+  while (!description.empty()) {
+    const std::string_view line = description.substr(0, description.find('\n'));
+    if (auto made = provenance_line(line)) lines.push_back(std::move(*made));
+    description.remove_prefix(std::min(description.size(), line.size() + 1));
+  }
+  return lines;
+}
+
 /// A field for an attribute of all scans that have it.
 struct CommonAttribute {
   std::string name;
@@ -110,6 +122,7 @@ class E57Reader : public Reader {
       Crs crs = crs_of_wkt(file_.coordinate_system());
       if (crs.kind != CrsKind::unknown || !crs.name.empty()) info_.crs = std::move(crs);
     }
+    for (const E57Scan& scan : file_.scans()) add_provenance(info_.provenance, provenance_of(scan.description));
     if (file_.images() != 0)
       info_.warnings.push_back(
           fmt::format("its {} image{} left out.", file_.images(), file_.images() == 1 ? " is" : "s are"));
@@ -149,7 +162,7 @@ class E57Reader : public Reader {
 
   void make_schema() {
     for (const char* axis : {"x", "y", "z"}) info_.schema.append(axis, Type::f64);
-    info_.schema.append("scan", file_.scans().size() <= 65536 ? Type::u16 : Type::u32);
+    if (!has_scan_numbers()) scan_ = info_.schema.append("scan", file_.scans().size() <= 65536 ? Type::u16 : Type::u32);
     std::vector<CommonAttribute> all;
     for (const E57Scan& scan : file_.scans()) {
       for (const E57Attribute& a : scan.attributes) {
@@ -163,6 +176,9 @@ class E57Reader : public Reader {
     for (const char* name : {"nx", "ny", "nz"})
       if (const auto at = info_.schema.find(name)) normal_.push_back(info_.schema.fields[*at]);
   }
+
+  /// As files that were made of several scans at once have: an attribute of that name.
+  bool has_scan_numbers() const { return file_.scans().size() == 1 && find(file_.scans().front(), "scan"); }
 
   static bool is_cartesian(const E57Scan& scan) {
     return find(scan, "cartesianX") && find(scan, "cartesianY") && find(scan, "cartesianZ");
@@ -220,7 +236,7 @@ class E57Reader : public Reader {
       const std::uint64_t* values = values_.data() + i * width;
       const Vec3 position = position_of(scan, columns, values);
       std::memcpy(record, &position, sizeof position);
-      set_value(info_.schema.fields[3], record, static_cast<double>(number));
+      if (scan_) set_value(info_.schema.fields[*scan_], record, static_cast<double>(number));
       for (const Column& column : columns.others)
         store(scan.attributes[column.attribute], values[column.attribute], column.field, record);
       if (scan.has_pose) rotate_normal(scan, record);
@@ -274,7 +290,8 @@ class E57Reader : public Reader {
   E57File file_;
   std::vector<std::uint64_t> first_row_;
   std::vector<Columns> columns_;
-  std::vector<Field> normal_;  ///< nx, ny, nz, if the file has them
+  std::optional<std::size_t> scan_;  ///< field of the number of the scan; none if an attribute has it
+  std::vector<Field> normal_;        ///< nx, ny, nz, if the file has them
   std::unique_ptr<E57File::Points> points_;
   std::vector<std::uint64_t> values_;
 };

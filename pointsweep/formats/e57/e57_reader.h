@@ -11,8 +11,9 @@ namespace pointsweep {
 
 /// Cartesian coordinates, or those of spherical ones, with the pose of the scan applied to them and to normals, as
 /// float64; all other attributes under the library's names, those that only some scans have 0 in the others; the number
-/// of the scan, from 0, as `scan`. A point that the file calls invalid has NaN coordinates. Images are left out with a
-/// warning. Throws Error for a damaged file, and where codecs are not built in.
+/// of the scan, from 0, as `scan`, unless a single scan has an attribute of that name. A point that the file calls
+/// invalid has NaN coordinates. Images are left out with a warning. Throws Error for a damaged file, and where codecs
+/// are not built in.
 std::unique_ptr<Reader> open_e57(const std::filesystem::path& path);
 
 }  // namespace pointsweep

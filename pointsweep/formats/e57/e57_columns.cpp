@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/e57/e57_columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cctype>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "pointsweep/formats/field_names.h"
+#include "pointsweep/points/with_type.h"
+
+namespace pointsweep {
+namespace {
+
+struct KnownName {
+  std::string_view ours, theirs;
+};
+
+/// In groups of which all or none are in a file.
+constexpr KnownName kPosition[] = {{"x", "cartesianX"}, {"y", "cartesianY"}, {"z", "cartesianZ"}};
+constexpr KnownName kColors[] = {{"red", "colorRed"}, {"green", "colorGreen"}, {"blue", "colorBlue"}};
+constexpr KnownName kNormal[] = {{"nx", "nor:normalX"}, {"ny", "nor:normalY"}, {"nz", "nor:normalZ"}};
+constexpr KnownName kReturns[] = {{"return_index", "returnIndex"}, {"return_count", "returnCount"}};
+constexpr KnownName kRow[] = {{"row", "rowIndex"}};
+constexpr KnownName kColumn[] = {{"column", "columnIndex"}};
+constexpr KnownName kIntensity[] = {{"intensity", "intensity"}};
+constexpr KnownName kTime[] = {{"time_stamp", "timeStamp"}};
+
+bool is_integer(const Field& field) {
+  return field.type != Type::f32 && field.type != Type::f64 && field.scale == 1 && field.bias == 0;
+}
+
+/// Range of the integers that a field may hold; of unsigned ones of 64 bits the lower half.
+std::pair<std::int64_t, std::int64_t> range_of(const Field& field) {
+  if (field.bit_width > 0 && field.bit_width < 63) return {0, (std::int64_t{1} << field.bit_width) - 1};
+  return with_type(field.type, []<class T>() -> std::pair<std::int64_t, std::int64_t> {
+    using Limits = std::numeric_limits<T>;
+    if constexpr (!Limits::is_integer)
+      return {0, 0};
+    else
+      return {static_cast<std::int64_t>(Limits::min()),
+              static_cast<std::int64_t>(std::min<std::uint64_t>(static_cast<std::uint64_t>(Limits::max()),
+                                                                std::numeric_limits<std::int64_t>::max()))};
+  });
+}
+
+E57Attribute attribute_for(const Field& field, std::string name) {
+  using Kind = E57Attribute::Kind;
+  E57Attribute a{.name = std::move(name)};
+  if (field.type == Type::f32 && field.is_plain()) a.kind = Kind::single;
+  if (field.type == Type::f32 || field.type == Type::f64) return a;
+  a.kind = is_integer(field) ? Kind::integer : Kind::scaled_integer;
+  std::tie(a.least, a.most) = range_of(field);
+  a.scale = field.scale;
+  a.offset = field.bias;
+  return a;
+}
+
+Field component_of(const Field& field, std::uint32_t component) {
+  Field one = field;
+  one.offset += component * static_cast<std::uint32_t>(size_of(field.type));
+  one.count = 1;
+  return one;
+}
+
+/// Gives fields the names of a group if all of them are there and `may_be` holds them.
+template <std::size_t N, class MayBe>
+void name_group(const Schema& schema, const KnownName (&group)[N], MayBe may_be, std::vector<std::string>& names) {
+  std::array<std::size_t, N> found{};
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto field = schema.find(group[i].ours);
+    if (!field || schema.fields[*field].count != 1 || !may_be(schema.fields[*field])) return;
+    found[i] = *field;
+  }
+  for (std::size_t i = 0; i < N; ++i) names[found[i]] = group[i].theirs;
+}
+
+/// Names of the standard and of its extension by field; empty for a field that has none.
+std::vector<std::string> standard_names(const Schema& schema) {
+  std::vector<std::string> names(schema.fields.size());
+  const auto any = [](const Field&) { return true; };
+  name_group(schema, kPosition, any, names);
+  name_group(schema, kColors, any, names);
+  name_group(schema, kNormal, any, names);
+  name_group(schema, kReturns, is_integer, names);
+  name_group(schema, kRow, is_integer, names);
+  name_group(schema, kColumn, is_integer, names);
+  name_group(schema, kIntensity, any, names);
+  name_group(schema, kTime, any, names);
+  return names;
+}
+
+bool is_standard_name(std::string_view name) {
+  constexpr std::string_view kNames[] = {"cartesianX",
+                                         "cartesianY",
+                                         "cartesianZ",
+                                         "cartesianInvalidState",
+                                         "sphericalRange",
+                                         "sphericalAzimuth",
+                                         "sphericalElevation",
+                                         "sphericalInvalidState",
+                                         "intensity",
+                                         "isIntensityInvalid",
+                                         "colorRed",
+                                         "colorGreen",
+                                         "colorBlue",
+                                         "isColorInvalid",
+                                         "rowIndex",
+                                         "columnIndex",
+                                         "returnCount",
+                                         "returnIndex",
+                                         "timeStamp",
+                                         "isTimeStampInvalid",
+                                         "normalX",
+                                         "normalY",
+                                         "normalZ"};
+  return std::ranges::find(kNames, name) != std::end(kNames);
+}
+
+}  // namespace
+
+std::uint64_t E57Column::stored(const std::byte* record) const {
+  if (!attribute.is_stored_as_integer()) return std::bit_cast<std::uint64_t>(value_of(field, record));
+  return with_type(field.type, [&]<class T>() -> std::uint64_t {
+    T value;
+    std::memcpy(&value, record + field.offset, sizeof value);
+    const auto whole = static_cast<std::uint64_t>(static_cast<std::int64_t>(value));
+    if (field.bit_width == 0) return whole;
+    return whole >> field.bit_shift & ((std::uint64_t{1} << field.bit_width) - 1);
+  });
+}
+
+std::string e57_name(const std::string& name) {
+  std::string stored = name;
+  for (char& c : stored)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') c = '_';
+  const bool begins_as_xml = stored.size() >= 3 && std::tolower(stored[0]) == 'x' && std::tolower(stored[1]) == 'm' &&
+                             std::tolower(stored[2]) == 'l';
+  const bool begins_wrong = stored.empty() || std::isdigit(static_cast<unsigned char>(stored[0])) || stored[0] == '-';
+  return begins_as_xml || begins_wrong || is_standard_name(stored) ? "_" + stored : stored;
+}
+
+std::vector<E57Column> e57_columns(const Schema& schema) {
+  const std::vector<std::string> standard = standard_names(schema);
+  const std::vector<std::string> plain = column_names(schema);
+  std::vector<E57Column> columns;
+  std::set<std::string> taken;
+  std::size_t column = 0;
+  for (std::size_t f = 0; f < schema.fields.size(); ++f) {
+    const Field& field = schema.fields[f];
+    for (std::uint32_t c = 0; c < field.count; ++c, ++column) {
+      std::string name = standard[f];
+      if (name.empty() && field.name == "invalid_state") continue;
+      if (name.empty()) {
+        const std::string own = "ps:" + e57_name(plain[column]);
+        name = own;
+        for (int again = 2; !taken.insert(name).second; ++again) name = fmt::format("{}_{}", own, again);
+      }
+      columns.push_back({attribute_for(field, std::move(name)), component_of(field, c)});
+    }
+  }
+  const auto is_position = [](const E57Column& c) { return c.attribute.name.starts_with("cartesian"); };
+  std::ranges::stable_partition(columns, is_position);
+  return columns;
+}
+
+}  // namespace pointsweep
