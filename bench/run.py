@@ -29,7 +29,7 @@ def arguments():
                         help="of input and output: PLY with float32 coordinates (default), LAS 1.4 with point format 6")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--memory", default="256M", help="budget of the out-of-core run (default 256M)")
-    parser.add_argument("--only", nargs="+", help="names of contenders to run besides pointsweep in memory")
+    parser.add_argument("--only", nargs="+", help="names of contenders to run in addition to pointsweep in memory")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench", help="folder for clouds and outputs")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
     parser.add_argument("--output", type=pathlib.Path, help="result file (default: bench/results/<date>-<commit>.json)")

@@ -33,7 +33,7 @@ def arguments():
     parser.add_argument("-k", type=int, default=16)
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--memory", default="256M", help="budget of the run of pointsweep in little memory")
-    parser.add_argument("--only", nargs="+", default=[], help="beginnings of names of tools to run besides pointsweep")
+    parser.add_argument("--only", nargs="+", default=[], help="beginnings of names of tools to run in addition to pointsweep")
     parser.add_argument("--python", type=pathlib.Path, default=ROOT / "build/compare/venv/bin/python", help="Python that has Open3D")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/compare")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")

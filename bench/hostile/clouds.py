@@ -8,7 +8,7 @@ class Cloud:
     name: str
     made: tuple  # commands that write the input files; see inputs() in run.py
     clean: str = "surface"  # the cloud of the same size that its time and window are held against
-    special: int | str = 0  # rows that verify looks at besides its sample: the first so many, or those of "normal 0"
+    special: int | str = 0  # rows that verify looks at in addition to its sample: the first so many, or those of "normal 0"
     share: float = 0  # of the points that are outliers: they may stay in the window
     times: int = 1  # so many times the points of the others
     options: tuple = ()

@@ -25,7 +25,7 @@ def arguments():
     parser.add_argument("--size", default="1M", help="points of each cloud (default 1M)")
     parser.add_argument("--memory", type=int, help="MiB of --memory (default: 40, and 10 bytes a point: less than points and results take)")
     parser.add_argument("--constant", type=int, default=8, help="MiB that the hard limit is above --memory (default 8)")
-    parser.add_argument("--sample", default="10000", help="points held against brute force, besides odd ones (default 10000)")
+    parser.add_argument("--sample", default="10000", help="points compared with brute force, in addition to odd ones (default 10000)")
     parser.add_argument("--repeat", type=int, default=2, help="timed runs of each cloud (default 2)")
     parser.add_argument("--only", nargs="+", metavar="TEXT", help="clouds of this name, or whose names contain this")
     parser.add_argument("--work", type=pathlib.Path, default=bench.ROOT / "build/hostile", help="folder for clouds and outputs")
