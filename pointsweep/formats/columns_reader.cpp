@@ -31,7 +31,7 @@ class ColumnsReader::Decoder final : public RowDecoder {
  public:
   Decoder(const ColumnsReader& reader, const WantedFields& wanted) : reader_(reader) {
     const std::vector<Field>& fields = reader.info().schema.fields;
-    for (const FileColumn& column : reader.columns_) {
+    for (const StoredColumn& column : reader.columns_) {
       const auto is_here = [&](std::size_t f) { return fields[f].offset - column.offset < column.bytes; };
       if (wanted.empty() || std::ranges::any_of(wanted, is_here)) columns_.push_back(&column);
     }
@@ -39,13 +39,13 @@ class ColumnsReader::Decoder final : public RowDecoder {
 
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
     const std::size_t rows = reader_.rows_for(row, records), stride = reader_.info().schema.stride;
-    for (const FileColumn* column : columns_) read_column(*column, row, rows, records.data());
+    for (const StoredColumn* column : columns_) read_column(*column, row, rows, records.data());
     reverse_values(reader_.big_endian_, stride, records.first(rows * stride));
     return rows;
   }
 
  private:
-  void read_column(const FileColumn& column, std::uint64_t row, std::size_t rows, std::byte* records) {
+  void read_column(const StoredColumn& column, std::uint64_t row, std::size_t rows, std::byte* records) {
     const std::size_t stride = reader_.info().schema.stride;
     if (column.bytes == stride)
       return reader_.file_->read_at(column.begin + row * stride, std::span(records, rows * stride));
@@ -59,17 +59,17 @@ class ColumnsReader::Decoder final : public RowDecoder {
   }
 
   const ColumnsReader& reader_;
-  std::vector<const FileColumn*> columns_;
+  std::vector<const StoredColumn*> columns_;
   std::vector<std::byte> values_;
 };
 
-void ColumnsReader::has_columns(std::shared_ptr<const InputFile> file, std::vector<FileColumn> columns,
+void ColumnsReader::has_columns(std::shared_ptr<const InputFile> file, std::vector<StoredColumn> columns,
                                 std::vector<Field> big_endian) {
   file_ = std::move(file);
   columns_ = std::move(columns);
   big_endian_ = std::move(big_endian);
   info_.decoder_bytes = kBlockBytes;
-  for (const FileColumn& column : columns_)
+  for (const StoredColumn& column : columns_)
     info_.decoder_bytes = std::max<std::uint64_t>(info_.decoder_bytes, column.bytes);
 }
 

@@ -13,7 +13,7 @@
 namespace pointsweep {
 
 /// The values of one attribute for all rows, or those of several that stand side by side.
-struct FileColumn {
+struct StoredColumn {
   std::uint64_t begin = 0;   ///< byte of row 0 in the file
   std::uint32_t bytes = 0;   ///< of one row
   std::uint32_t offset = 0;  ///< of these bytes in a record
@@ -30,14 +30,14 @@ class ColumnsReader : public Reader {
  protected:
   /// Once info_.schema and info_.count are known. The caller has checked that the file has the bytes of all rows.
   /// `big_endian`: the fields whose values are.
-  void has_columns(std::shared_ptr<const InputFile> file, std::vector<FileColumn> columns,
+  void has_columns(std::shared_ptr<const InputFile> file, std::vector<StoredColumn> columns,
                    std::vector<Field> big_endian = {});
 
  private:
   class Decoder;
 
   std::shared_ptr<const InputFile> file_;
-  std::vector<FileColumn> columns_;
+  std::vector<StoredColumn> columns_;
   std::vector<Field> big_endian_;
 };
 

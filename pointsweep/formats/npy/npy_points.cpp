@@ -178,7 +178,7 @@ class NpyPointsReader final : public ColumnsReader {
 
   std::shared_ptr<const InputFile> file_;
   std::vector<NpyArray> arrays_;
-  std::vector<FileColumn> columns_;
+  std::vector<StoredColumn> columns_;
   std::vector<Field> big_endian_;
   std::vector<std::string> left_out_;
   bool has_default_names_ = false;  ///< those of the first fields

@@ -55,7 +55,7 @@ class BinaryVtkReader final : public ColumnsReader {
  public:
   BinaryVtkReader(std::shared_ptr<const InputFile> file, const VtkLayout& layout) {
     info_ = info_of(*file, layout);
-    std::vector<FileColumn> columns;
+    std::vector<StoredColumn> columns;
     std::uint32_t offset = 0;
     for (const VtkArray& array : layout.arrays) {
       const std::uint32_t bytes = array.components * static_cast<std::uint32_t>(size_of(array.type));
