@@ -87,8 +87,8 @@ POINTSWEEP_EXPORT std::shared_ptr<const Operator> neighbors(std::size_t k, std::
 /// For Neighborhood::rule: each point keeps the k, from `least` to Neighborhood::k, at which its neighbours look most
 /// like a line, a plane or a volume: least eigenentropy (Weinmann et al. 2014). Throws UsageError if `least` < 3.
 POINTSWEEP_EXPORT SharedRule least_eigenentropy(std::size_t least = 10);
-/// For Neighborhood::rule: each point keeps the neighbours that attributes of its own allow, up to the k and radius of
-/// the Neighborhood. Throws UsageError where neither attribute is named.
+/// For Neighborhood::rule: attributes of each point say how many neighbours it keeps, or up to which distance; k and
+/// radius of the Neighborhood stay upper limits. Throws UsageError where neither attribute is named.
 POINTSWEEP_EXPORT SharedRule limits_from_attributes(const AttributeLimits& limits);
 
 }  // namespace operators

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One input as a cloud of its own.
+/// A cloud of one input alone.
 InputCloud cloud_of_input(const InputCloud& all, std::size_t input) {
   std::vector<std::unique_ptr<Reader>> reader;
   reader.push_back(std::make_unique<BorrowedReader>(*all.readers()[input]));

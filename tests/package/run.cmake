@@ -1,5 +1,5 @@
-# Installs the build tree into a prefix of its own, then configures, builds and runs a project that knows only that prefix, with the
-# static library and with the shared one.
+# Installs the build tree into a new prefix. Then configures, builds and runs a project that knows only that prefix, once with the
+# static library and once with the shared one.
 set(scratch ${BUILD}/package)
 file(REMOVE_RECURSE ${scratch})
 

@@ -74,7 +74,8 @@ def register(names, columns):
 
 
 class E57FilesThatAreWrittenAreReadByPye57(tool.Files):
-    """Every attribute of real files of four formats, read by others from the file itself and from the E57 file made of it."""
+    """Every attribute of the E57 files made of real files of four formats, read by pye57, against the PLY files made of them, read by
+    plyfile. Other tests compare these PLY files with the real files as others read them."""
 
     def test(self):
         files = tool.real_files(".las", ".laz", ".ply", ".pcd", largest=3_000_000)

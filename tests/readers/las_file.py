@@ -52,7 +52,7 @@ def described_dimensions(las):
 
 
 def identity(header):
-    """What a header says besides bounds, counts and offsets."""
+    """What a header says, without bounds, counts and offsets."""
     return {"version": str(header.version), "point format": header.point_format.id, "global encoding": header.global_encoding.value,
             "file source": header.file_source_id, "uuid": header.uuid, "system": header.system_identifier,
             "software": header.generating_software, "date": header.creation_date, "scales": list(header.scales),

@@ -21,7 +21,7 @@ constexpr std::uint64_t kMostColumns = 65536;
 constexpr std::uint64_t kRowsLookedAt = 100;
 
 struct NpyArray {
-  std::string name;  ///< in an archive; empty in a file of its own
+  std::string name;  ///< in an archive (.npz); empty for a .npy file
   NpyHeader header;
 
   /// Axes of an array whose elements are numbers: rows, then values of a row.
