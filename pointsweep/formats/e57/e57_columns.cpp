@@ -8,31 +8,29 @@
 #include <bit>
 #include <cctype>
 #include <cstring>
+#include <iterator>
 #include <limits>
-#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
 
+#include "pointsweep/formats/e57/e57_names.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {
 namespace {
 
-struct KnownName {
-  std::string_view ours, theirs;
-};
+/// The library's names of attributes that a file has under names of the standard, or of its extension, all or none.
+constexpr std::array<std::string_view, 3> kPosition{"x", "y", "z"}, kColors{"red", "green", "blue"},
+    kNormal{"nx", "ny", "nz"};
+constexpr std::array<std::string_view, 2> kReturns{"return_index", "return_count"};
+constexpr std::array<std::string_view, 1> kRow{"row"}, kColumn{"column"}, kIntensity{"intensity"}, kTime{"time_stamp"};
 
-/// In groups of which all or none are in a file.
-constexpr KnownName kPosition[] = {{"x", "cartesianX"}, {"y", "cartesianY"}, {"z", "cartesianZ"}};
-constexpr KnownName kColors[] = {{"red", "colorRed"}, {"green", "colorGreen"}, {"blue", "colorBlue"}};
-constexpr KnownName kNormal[] = {{"nx", "nor:normalX"}, {"ny", "nor:normalY"}, {"nz", "nor:normalZ"}};
-constexpr KnownName kReturns[] = {{"return_index", "returnIndex"}, {"return_count", "returnCount"}};
-constexpr KnownName kRow[] = {{"row", "rowIndex"}};
-constexpr KnownName kColumn[] = {{"column", "columnIndex"}};
-constexpr KnownName kIntensity[] = {{"intensity", "intensity"}};
-constexpr KnownName kTime[] = {{"time_stamp", "timeStamp"}};
+std::string stored_name_of(std::string_view ours) {
+  const E57Name& name = *std::ranges::find(kE57Names, ours, &E57Name::ours);
+  return name.extension.empty() ? std::string(name.theirs) : fmt::format("{}:{}", name.extension, name.theirs);
+}
 
 bool is_integer(const Field& field) {
   return field.type != Type::f32 && field.type != Type::f64 && field.scale == 1 && field.bias == 0;
@@ -73,14 +71,15 @@ Field component_of(const Field& field, std::uint32_t component) {
 
 /// Gives fields the names of a group if all of them are there and `may_be` holds them.
 template <std::size_t N, class MayBe>
-void name_group(const Schema& schema, const KnownName (&group)[N], MayBe may_be, std::vector<std::string>& names) {
+void name_group(const Schema& schema, const std::array<std::string_view, N>& group, MayBe may_be,
+                std::vector<std::string>& names) {
   std::array<std::size_t, N> found{};
   for (std::size_t i = 0; i < N; ++i) {
-    const auto field = schema.find(group[i].ours);
+    const auto field = schema.find(group[i]);
     if (!field || schema.fields[*field].count != 1 || !may_be(schema.fields[*field])) return;
     found[i] = *field;
   }
-  for (std::size_t i = 0; i < N; ++i) names[found[i]] = group[i].theirs;
+  for (std::size_t i = 0; i < N; ++i) names[found[i]] = stored_name_of(group[i]);
 }
 
 /// Names of the standard and of its extension by field; empty for a field that has none.
@@ -98,31 +97,8 @@ std::vector<std::string> standard_names(const Schema& schema) {
   return names;
 }
 
-bool is_standard_name(std::string_view name) {
-  constexpr std::string_view kNames[] = {"cartesianX",
-                                         "cartesianY",
-                                         "cartesianZ",
-                                         "cartesianInvalidState",
-                                         "sphericalRange",
-                                         "sphericalAzimuth",
-                                         "sphericalElevation",
-                                         "sphericalInvalidState",
-                                         "intensity",
-                                         "isIntensityInvalid",
-                                         "colorRed",
-                                         "colorGreen",
-                                         "colorBlue",
-                                         "isColorInvalid",
-                                         "rowIndex",
-                                         "columnIndex",
-                                         "returnCount",
-                                         "returnIndex",
-                                         "timeStamp",
-                                         "isTimeStampInvalid",
-                                         "normalX",
-                                         "normalY",
-                                         "normalZ"};
-  return std::ranges::find(kNames, name) != std::end(kNames);
+bool is_known_to_e57(std::string_view name) {
+  return std::ranges::find(kE57Names, name, &E57Name::theirs) != std::end(kE57Names);
 }
 
 }  // namespace
@@ -145,7 +121,7 @@ std::string e57_name(const std::string& name) {
   const bool begins_as_xml = stored.size() >= 3 && std::tolower(stored[0]) == 'x' && std::tolower(stored[1]) == 'm' &&
                              std::tolower(stored[2]) == 'l';
   const bool begins_wrong = stored.empty() || std::isdigit(static_cast<unsigned char>(stored[0])) || stored[0] == '-';
-  return begins_as_xml || begins_wrong || is_standard_name(stored) ? "_" + stored : stored;
+  return begins_as_xml || begins_wrong || is_known_to_e57(stored) ? "_" + stored : stored;
 }
 
 std::vector<E57Column> e57_columns(const Schema& schema) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/e57/e57_format.h"
 
+#include "pointsweep/formats/e57/e57_columns.h"
 #include "pointsweep/formats/e57/e57_file.h"
 #include "pointsweep/formats/e57/e57_reader.h"
 #include "pointsweep/formats/e57/e57_writer.h"
@@ -29,6 +30,6 @@ const Format kE57Format = {.name = "E57",
                            .holds_provenance = true,
                            .encoder_bytes = e57_encoder_bytes,
                            .name_bytes = 252,
-                           .stored_name = e57_stored_name};
+                           .stored_name = e57_name};
 
 }  // namespace pointsweep

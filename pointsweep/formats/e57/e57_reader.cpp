@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,6 +18,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/e57/e57_file.h"
+#include "pointsweep/formats/e57/e57_names.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/points/with_type.h"
 
@@ -26,31 +27,12 @@ namespace {
 
 constexpr std::size_t kPointsAtOnce = 4096;
 
-/// What the library calls an attribute of E57; names of extensions are kept.
+/// What the library calls an attribute of E57. Names that it does not know are kept, as are those of coordinates: a
+/// scan with spherical coordinates may have a part of the Cartesian ones as attributes.
 std::string name_of(const std::string& e57) {
-  static const std::map<std::string, std::string> names{
-      {"colorRed", "red"},
-      {"colorGreen", "green"},
-      {"colorBlue", "blue"},
-      {"isColorInvalid", "color_invalid"},
-      {"isIntensityInvalid", "intensity_invalid"},
-      {"isTimeStampInvalid", "time_stamp_invalid"},
-      {"timeStamp", "time_stamp"},
-      {"rowIndex", "row"},
-      {"columnIndex", "column"},
-      {"returnIndex", "return_index"},
-      {"returnCount", "return_count"},
-      {"sphericalRange", "range"},
-      {"sphericalAzimuth", "azimuth"},
-      {"sphericalElevation", "elevation"},
-      {"cartesianInvalidState", "invalid_state"},
-      {"sphericalInvalidState", "spherical_invalid_state"},
-      {"normalX", "nx"},
-      {"normalY", "ny"},
-      {"normalZ", "nz"},
-  };
-  const auto known = names.find(e57);
-  return known == names.end() ? e57 : known->second;
+  const auto known = std::find_if(std::begin(kE57Names) + kE57Coordinates, std::end(kE57Names),
+                                  [&](const E57Name& name) { return name.theirs == e57; });
+  return known == std::end(kE57Names) ? e57 : std::string(known->ours);
 }
 
 std::optional<std::size_t> find(const E57Scan& scan, std::string_view name) {

@@ -23,8 +23,6 @@
 
 namespace pointsweep {
 
-std::string e57_stored_name(const std::string& name) { return e57_name(name); }
-
 #if POINTSWEEP_CODECS
 
 namespace {

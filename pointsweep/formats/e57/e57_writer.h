@@ -2,8 +2,8 @@
 /// Writing E57 (ASTM E2807): one scan without a pose.
 #pragma once
 
+#include <cstdint>
 #include <memory>
-#include <string>
 
 #include "pointsweep/writer.h"
 
@@ -14,9 +14,6 @@ namespace pointsweep {
 /// normals as the extension for surface normals has it, all others as `ps:NAME`. Throws Error where codecs are not
 /// built in, and for an unsigned integer above 2^63 - 1.
 std::unique_ptr<Writer> create_e57_writer(const OutputPlan& plan);
-
-/// The library's name under which a file holds an attribute: letters, digits, '-' and '_' alone.
-std::string e57_stored_name(const std::string& name);
 
 /// What encoding takes, whatever the records.
 std::uint64_t e57_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
