@@ -7,7 +7,7 @@
 #include "cli/nearest_distances.h"
 #include "cli/plan_area.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/order/mix.h"
+#include "pointsweep/math/mix.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {

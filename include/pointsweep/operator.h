@@ -59,9 +59,40 @@ class POINTSWEEP_EXPORT Reduction {
 
 /// Which rows are left for all later stages and for the output. Their neighbours are found among these alone.
 enum class Selects : std::uint8_t {
-  nothing,         ///< all rows stay
-  by_value,        ///< those for which the operator makes selection_attribute() not 0; nonfinite points are asked too
-  first_of_equal,  ///< of points with equal coordinates the first row; points without a finite place are never equal
+  nothing,   ///< all rows stay
+  by_value,  ///< those for which the operator makes selection_attribute() not 0; nonfinite points are asked too
+  in_order,  ///< as Operator::thinning() decides, which takes the points in order; nonfinite points all stay
+};
+
+/// Points on their way into a Thinning. They ascend by place along one axis, then by x, y and z of the place, then by
+/// row: points of one place follow one another.
+struct OrderedPoints {
+  std::span<const Vec3> places;         ///< Operator::place_of() their positions
+  std::span<const Vec3> positions;      ///< finite
+  std::span<const std::uint64_t> rows;  ///< of those that earlier selects have left
+  std::span<const double> values;       ///< the components of contract().reads, of one point after another
+};
+
+/// What a Thinning has decided. A row that is never named stays.
+struct Decided {
+  std::vector<std::uint64_t> left_out;
+};
+
+/// Decides which points stay while all points of the cloud come in order. Which these are depends only on the set of
+/// points, not on how they are divided into calls.
+class POINTSWEEP_EXPORT Thinning {
+ public:
+  virtual ~Thinning() = default;
+  /// Takes the next points; appends rows that it is sure of to `decided`, also of points that came before.
+  virtual void add(const OrderedPoints& points, Decided& decided) = 0;
+  /// After the last point.
+  virtual void finish(Decided& decided) = 0;
+};
+
+/// What a Thinning may have to know before the first point.
+struct ThinningSetup {
+  int axis = 0;                    ///< along which points ascend
+  std::uint64_t memory_bytes = 0;  ///< that it may hold
 };
 
 /// What an operator looks at and what it makes. From this alone the engine derives how long points are buffered before
@@ -75,6 +106,8 @@ struct Contract {
   bool alone = false;  ///< never looks at a neighbour, not even at its position: need not wait for those that moved
   Selects selects = Selects::nothing;  ///< if not nothing, it is alone and makes selection_attribute() and nothing else
   std::vector<std::shared_ptr<const Reduction>> values = {};  ///< of the whole cloud, given by with_values()
+  bool has_places = false;                                    ///< of a select in order: place_of() is not the position
+  double reach = 0;  ///< of a select in order: points so far behind the newest may still be undecided; a length
 };
 
 /// What a selecting operator makes. Never written.
@@ -140,6 +173,15 @@ class POINTSWEEP_EXPORT Operator {
     (void)values;
     return nullptr;
   }
+
+  /// Of a select in order: a new one for one run over the cloud.
+  virtual std::unique_ptr<Thinning> thinning(const ThinningSetup& setup) const {
+    (void)setup;
+    return nullptr;
+  }
+  /// Of a select in order with Contract::has_places: where a point with a finite position comes in the order. Called
+  /// from many threads at once.
+  virtual Vec3 place_of(Vec3 position) const { return position; }
 
   /// All that tells objects of this class apart. Name and options are part of what a run is: `resume_folder` refuses a
   /// run with other options, and outputs record them. Those that were declared, else own_options().

@@ -55,6 +55,12 @@ struct AttributeLimits {
   std::string radius = {};  ///< the point keeps the neighbours within the value, inclusive, in length units
 };
 
+/// Which point of a voxel stays.
+enum class VoxelKeep {
+  center,  ///< the one nearest to the centre of the voxel
+  hash,    ///< the one whose coordinates have the smallest hash: a random choice
+};
+
 namespace operators {
 
 /// Makes "normal": the unit normal of the surface the points were taken from (paper Section 3.2, Equation 1).
@@ -77,6 +83,10 @@ POINTSWEEP_EXPORT std::shared_ptr<const Operator> sor(double multiplier = 2);
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> where(std::string_view condition);
 /// Keeps, of all points with equal coordinates, the one of the first row.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> unique();
+/// Keeps a share, in [0, 1], of the points, chosen by a hash of their coordinates; another seed chooses others.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> decimate(double share, std::uint64_t seed = 0);
+/// Keeps one point in each cube of edge length `size` of a grid with faces at multiples of it.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> voxel(double size, VoxelKeep keep = VoxelKeep::center);
 /// Makes "neighbor_count", |N_i|, and "neighbor_radius", the distance to the farthest neighbour.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> neighborhood_size();
 /// Makes "neighbors", N×k: the rows of the k nearest neighbours among `points` points (Cloud::count()), as u32, or u64

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The typed functions of operators.h.
 #include "pointsweep/operators/curvature.h"
+#include "pointsweep/operators/decimate.h"
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/least_eigenentropy.h"
 #include "pointsweep/operators/limits_from_attributes.h"
@@ -10,6 +11,7 @@
 #include "pointsweep/operators/outliers.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/operators/unique.h"
+#include "pointsweep/operators/voxel.h"
 #include "pointsweep/operators/where.h"
 
 namespace pointsweep::operators {
@@ -24,6 +26,10 @@ std::shared_ptr<const Operator> fair_in_percent(const FairOptions& percent) {
 std::shared_ptr<const Operator> sor(double multiplier) { return std::make_shared<StatisticalOutliers>(multiplier); }
 std::shared_ptr<const Operator> where(std::string_view condition) { return std::make_shared<Where>(condition); }
 std::shared_ptr<const Operator> unique() { return std::make_shared<Unique>(); }
+std::shared_ptr<const Operator> decimate(double share, std::uint64_t seed) {
+  return std::make_shared<Decimate>(share, seed);
+}
+std::shared_ptr<const Operator> voxel(double size, VoxelKeep keep) { return std::make_shared<Voxel>(size, keep); }
 std::shared_ptr<const Operator> neighborhood_size() { return std::make_shared<NeighborhoodSize>(); }
 std::shared_ptr<const Operator> neighbors(std::size_t k, std::uint64_t points, bool distances) {
   return std::make_shared<NeighborRows>(k, points, distances);

@@ -2,10 +2,29 @@
 #include "pointsweep/operators/unique.h"
 
 #include <memory>
+#include <optional>
 
 #include "pointsweep/operators/declaration.h"
 
 namespace pointsweep {
+namespace {
+
+/// Points of one place follow one another, that of the first row first.
+class FirstOfEqual final : public Thinning {
+ public:
+  void add(const OrderedPoints& points, Decided& decided) override {
+    for (std::size_t i = 0; i < points.rows.size(); ++i) {
+      if (last_ && points.places[i] == *last_) decided.left_out.push_back(points.rows[i]);
+      last_ = points.places[i];
+    }
+  }
+  void finish(Decided&) override {}
+
+ private:
+  std::optional<Vec3> last_;
+};
+
+}  // namespace
 
 OperatorDeclaration unique_declaration() {
   return {.name = "unique",
@@ -15,5 +34,7 @@ OperatorDeclaration unique_declaration() {
           .cost = "a pass that puts the points in order, without a search",
           .example = "unique"};
 }
+
+std::unique_ptr<Thinning> Unique::thinning(const ThinningSetup&) const { return std::make_unique<FirstOfEqual>(); }
 
 }  // namespace pointsweep

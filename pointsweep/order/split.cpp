@@ -9,8 +9,8 @@
 #include <span>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/math/mix.h"
 #include "pointsweep/order/distribution.h"
-#include "pointsweep/order/mix.h"
 #include "pointsweep/order/splitters.h"
 #include "pointsweep/order/working_record.h"
 

@@ -7,7 +7,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/order/mix.h"
+#include "pointsweep/math/mix.h"
 
 namespace pointsweep {
 namespace {

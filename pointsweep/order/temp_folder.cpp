@@ -18,7 +18,7 @@
 #include <system_error>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/order/mix.h"
+#include "pointsweep/math/mix.h"
 
 namespace pointsweep {
 namespace {

@@ -79,7 +79,8 @@ std::string passage_text(const Preview& p, std::size_t s) {
   const PlannedPass& pass = p.planned.passes[s];
   if (pass.kind == PassKind::rows) return "reads         the rows in their order; no neighbours are searched\n";
   if (pass.kind == PassKind::order)
-    return "reads         the points in order, equal ones together; no neighbours are searched\n";
+    return fmt::format("reads         the points in order{}; no neighbours are searched\n",
+                       pass.has_places() ? ", those of a voxel together" : ", equal ones together");
   std::string text = fmt::format("neighbours    {}\n", neighborhood_text(pass.plan.neighborhood));
   if (const Effort& effort = p.memory.efforts[s]; effort.neighbors_per_point > 0)
     text += fmt::format("effort        {}\n", effort_text(effort.neighbors_per_point, effort.seconds));

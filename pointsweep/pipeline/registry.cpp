@@ -5,6 +5,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/curvature.h"
+#include "pointsweep/operators/decimate.h"
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/operators/normals.h"
@@ -12,6 +13,7 @@
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/operators/unique.h"
 #include "pointsweep/operators/update_operators.h"
+#include "pointsweep/operators/voxel.h"
 #include "pointsweep/operators/where.h"
 #include "pointsweep/points/nearest_names.h"
 
@@ -19,9 +21,9 @@ namespace pointsweep {
 
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = {
-      normals_declaration(),           curvature_declaration(), splats_declaration(), fair_declaration(),
-      neighborhood_size_declaration(), where_declaration(),     sor_declaration(),    unique_declaration(),
-      reneighbor_declaration(),        resort_declaration(),
+      normals_declaration(),           curvature_declaration(), splats_declaration(),     fair_declaration(),
+      neighborhood_size_declaration(), where_declaration(),     sor_declaration(),        unique_declaration(),
+      decimate_declaration(),          voxel_declaration(),     reneighbor_declaration(), resort_declaration(),
   };
   return operators;
 }

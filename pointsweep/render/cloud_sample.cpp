@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/order/mix.h"
+#include "pointsweep/math/mix.h"
 
 namespace pointsweep {
 namespace {

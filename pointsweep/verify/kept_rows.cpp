@@ -4,10 +4,16 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <tuple>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/decimate.h"
+#include "pointsweep/operators/unique.h"
+#include "pointsweep/operators/voxel.h"
 #include "pointsweep/points/degenerate_points.h"
+#include "pointsweep/verify/formulas/thinning.h"
 
 namespace pointsweep {
 namespace {
@@ -15,12 +21,21 @@ namespace {
 /// Which of the present rows of `cloud` are kept.
 using Mask = std::vector<bool>;
 
-struct PlacedRow {
+/// A point that competes with others of the same group. The least of a group is kept.
+struct Competitor {
+  Vec3 group;
+  double first = 0;          ///< decides,
+  std::uint64_t second = 0;  ///< then this, then the position, then the row
   Vec3 at;
-  std::uint64_t row;
+  std::uint64_t row = 0;
+
+  auto key() const { return std::tuple(group.x, group.y, group.z, first, second, at.x, at.y, at.z, row); }
 };
 
-/// By which turn a place is looked at; equal places have the same, -0 and 0 too.
+/// What group a point is of and what decides there.
+using Competes = std::function<Competitor(Vec3 p, std::uint64_t row)>;
+
+/// By which turn a group is looked at; equal ones have the same, -0 and 0 too.
 std::uint64_t turn_of(Vec3 p, std::uint64_t turns) {
   std::uint64_t hash = 0;
   for (const double v : {p.x, p.y, p.z}) {
@@ -30,20 +45,39 @@ std::uint64_t turn_of(Vec3 p, std::uint64_t turns) {
   return hash % turns;
 }
 
-Mask firsts_of_equal(InputCloud& cloud, std::uint64_t memory_bytes, const PhaseProgress& progress) {
+Mask least_of_groups(InputCloud& cloud, const Competes& competes, std::uint64_t memory_bytes,
+                     const PhaseProgress& progress) {
   Mask kept(cloud.count(), true);
-  const std::uint64_t turns = 1 + cloud.count() * 2 * sizeof(PlacedRow) / std::max<std::uint64_t>(memory_bytes, 1);
+  const std::uint64_t turns = 1 + cloud.count() * 2 * sizeof(Competitor) / std::max<std::uint64_t>(memory_bytes, 1);
   for (std::uint64_t turn = 0; turn < turns; ++turn) {
-    std::vector<PlacedRow> points;
+    std::vector<Competitor> points;
     RowSource source(cloud);
     for_each_position(source, "reading", progress, [&](std::uint64_t row, Vec3 p) {
-      if (is_finite(p) && turn_of(p, turns) == turn) points.push_back({p, row});
+      if (!is_finite(p)) return;
+      const Competitor next = competes(p, row);
+      if (turn_of(next.group, turns) == turn) points.push_back(next);
     });
-    const auto key = [](const PlacedRow& p) { return std::tuple(p.at.x, p.at.y, p.at.z, p.row); };
-    std::sort(points.begin(), points.end(), [&](const PlacedRow& a, const PlacedRow& b) { return key(a) < key(b); });
+    std::ranges::sort(points, {}, &Competitor::key);
     for (std::size_t i = 1; i < points.size(); ++i)
-      if (points[i].at == points[i - 1].at) kept[points[i].row] = false;
+      if (points[i].group == points[i - 1].group) kept[points[i].row] = false;
   }
+  return kept;
+}
+
+formulas::Coordinates coordinates(Vec3 p) { return {p.x, p.y, p.z}; }
+
+Competitor in_voxel(const Voxel& voxel, Vec3 p, std::uint64_t row) {
+  const auto [x, y, z] = formulas::voxel_of(coordinates(p), voxel.size());
+  if (voxel.keep() == VoxelKeep::hash) return {{x, y, z}, 0, formulas::hash_of(coordinates(p), kVoxelSeed), p, row};
+  return {{x, y, z}, formulas::distance2_to_center(coordinates(p), voxel.size()), 0, p, row};
+}
+
+Mask by_hash(InputCloud& cloud, const Decimate& op, const PhaseProgress& progress) {
+  Mask kept(cloud.count(), true);
+  RowSource source(cloud);
+  for_each_position(source, "reading", progress, [&](std::uint64_t row, Vec3 p) {
+    kept[row] = !is_finite(p) || formulas::is_in_share(formulas::hash_of(coordinates(p), op.seed()), op.share());
+  });
   return kept;
 }
 
@@ -91,6 +125,19 @@ Mask by_condition(InputCloud& cloud, const Operator& op, const PhaseProgress& pr
   return kept;
 }
 
+Mask kept_by(const Operator& op, InputCloud& cloud, std::uint64_t memory_bytes, const PhaseProgress& progress) {
+  if (const auto* decimate = dynamic_cast<const Decimate*>(&op)) return by_hash(cloud, *decimate, progress);
+  if (op.contract().selects == Selects::by_value) return by_condition(cloud, op, progress);
+  Competes competes;
+  if (dynamic_cast<const Unique*>(&op) != nullptr)
+    competes = [](Vec3 p, std::uint64_t row) { return Competitor{p, 0, 0, {}, row}; };
+  else if (const auto* voxel = dynamic_cast<const Voxel*>(&op))
+    competes = [voxel](Vec3 p, std::uint64_t row) { return in_voxel(*voxel, p, row); };
+  else
+    fail_usage("verify: which rows '{}' leaves out is not checked.", op.name());
+  return least_of_groups(cloud, competes, memory_bytes, progress);
+}
+
 /// As a selection of all rows of the cloud, of which `cloud` may have selected some already.
 RowSelection selection_of(const InputCloud& cloud, const Mask& kept) {
   const RowSelection* before = cloud.selection();
@@ -112,10 +159,8 @@ std::size_t select_kept_rows(InputCloud& cloud, const std::vector<std::shared_pt
                              std::uint64_t memory_bytes, const PhaseProgress& progress) {
   std::size_t done = 0;
   for (; done < operators.size(); ++done) {
-    const Selects selects = operators[done]->contract().selects;
-    if (selects == Selects::nothing) break;
-    const Mask kept = selects == Selects::first_of_equal ? firsts_of_equal(cloud, memory_bytes, progress)
-                                                         : by_condition(cloud, *operators[done], progress);
+    if (operators[done]->contract().selects == Selects::nothing) break;
+    const Mask kept = kept_by(*operators[done], cloud, memory_bytes, progress);
     cloud.select(selection_of(cloud, kept));
   }
   return done;

@@ -19,6 +19,11 @@ class SelectStages : public Tool {
       if (keep(i)) text += fmt::format("{} {} {} {}\n", i % 30, i / 30 * 0.5, (i * 37 % 101) * 0.01, i % 7);
     write(name, text);
   }
+  std::string points_in(const std::string& name) {
+    const std::string text = tool("info " + name).out;
+    const std::size_t at = text.find("  points ");
+    return text.substr(at, text.find('\n', at) - at);
+  }
   nlohmann::json info(const std::string& name) { return nlohmann::json::parse(tool("info --json " + name).out); }
 };
 
@@ -87,6 +92,45 @@ TEST_F(SelectStages, VerifyFindsAMissingRowAndAWrongOutlier) {
   refused(1, "verify all.txt wrong.txt", "outlier");
   made("run all.txt kept.txt --pipeline 'sor | where(outlier == 0)' -q");
   refused(2, "verify all.txt kept.txt", "'where' leaves out rows after other stages");
+}
+
+/// The same rows of the same points stored in text, float32 and scaled integers, and of tiles and all in one.
+TEST_F(SelectStages, ThinningKeepsTheSameRowsInEveryFormatAndTiling) {
+  write_rows("all.txt", [](int) { return true; });
+  write_rows("a.txt", [](int i) { return i < 300; });
+  write_rows("b.txt", [](int i) { return i >= 300; });
+  for (const char* thin : {"decimate(0.5)", "voxel(2.57)", "decimate(0.9, seed=3) | voxel(3, keep=hash)"}) {
+    SCOPED_TRACE(thin);
+    const auto thinned = [&](const std::string& in, const std::string& out) {
+      made(fmt::format("run {} -o {} -f -q --no-provenance --pipeline '{}'", in, out, thin), out);
+      return made(fmt::format("run {} -o text.txt -f -q --no-provenance --keep x,y,z --pipeline 'where(x > -9)'", out),
+                  "text.txt");
+    };
+    const std::string rows = thinned("all.txt", "out.txt");
+    EXPECT_LT(std::count(rows.begin(), rows.end(), '\n'), 850);
+    EXPECT_EQ(thinned("a.txt b.txt", "out.ply"), rows);
+    EXPECT_EQ(tool("verify a.txt b.txt out.ply --pipeline '" + std::string(thin) + "'").status, 0);
+    // The last bit of a coordinate in a LAS file may differ: another hash, another side of a face.
+    made("run all.txt all.las -f -q --pipeline 'unique'", "all.las");
+    const std::string of_las = thinned("all.las", "out.las");
+    const bool by_hash = std::string(thin).find("decimate") == 0;
+    EXPECT_TRUE(by_hash || points_in("out.las") == points_in("out.ply"));
+    made("run all.las all.ply -f -q --no-provenance --pipeline 'unique'", "all.ply");
+    EXPECT_EQ(thinned("all.ply", "out.las"), of_las);
+  }
+}
+
+TEST_F(SelectStages, VerifyFindsAWrongRowOfAThinning) {
+  write_rows("all.txt", [](int) { return true; });
+  for (const char* thin : {"decimate(0.5)", "voxel(2.5)", "voxel(2.5, keep=hash)"}) {
+    made(fmt::format("run all.txt out.txt -f -q --no-provenance --pipeline '{}'", thin), "out.txt");
+    const Result sound = tool(fmt::format("verify all.txt out.txt --pipeline '{}'", thin));
+    EXPECT_EQ(sound.status, 0) << sound.out << sound.err;
+    std::string text = contents(folder_ / "out.txt");
+    const std::size_t last = text.rfind('\n', text.size() - 2) + 1;
+    write("wrong.txt", text.substr(0, last) + "0 0 50 3\n");
+    EXPECT_EQ(tool(fmt::format("verify all.txt wrong.txt --pipeline '{}'", thin)).status, 1) << thin;
+  }
 }
 
 TEST_F(SelectStages, VerifyRefusesASelectBehindOtherStagesAndChecksWhatStandsBeforeIt) {

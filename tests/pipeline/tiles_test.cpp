@@ -190,6 +190,8 @@ constexpr std::array kPipelines = {
     "normals | splats | fair(f=9, g=9) | reneighbor | normals",
     "normals | splats | fair(f=9, g=9) | resort",
     "normals | where(nz > 0)",
+    "decimate(0.8) | voxel(0.05) | normals",
+    "normals | voxel(0.1, keep=hash)",
 };
 
 TEST_F(Tiles, HaveTheBytesOfTheMergedRunInEveryPipeline) {

@@ -212,7 +212,8 @@ std::uint64_t PlannedPass::carried_bytes() const { return bytes_of(carried); }
 
 std::uint64_t PlannedPass::travelling_bytes() const {
   const PositionFields p = position_fields(input, "The input");
-  return size_of(p.x.type) + size_of(p.y.type) + size_of(p.z.type) + 8 * payload().size();
+  const std::uint64_t place = has_places() ? sizeof(Vec3) : 0;
+  return place + size_of(p.x.type) + size_of(p.y.type) + size_of(p.z.type) + 8 * payload().size();
 }
 
 std::vector<std::size_t> PlannedPass::payload() const {

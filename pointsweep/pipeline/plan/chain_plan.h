@@ -57,6 +57,10 @@ struct PlannedPass {
   /// By stage, the numbers of the values it is to be given.
   std::vector<std::vector<std::size_t>> values_of_stages;
 
+  /// Of kind order: the stage whose Thinning decides.
+  const Operator& thinner() const { return *plan.stages.front().op; }
+  /// Whether the points are put in order by Operator::place_of() their positions.
+  bool has_places() const { return kind == PassKind::order && thinner().contract().has_places; }
   /// Indices of the fields of `input` that must travel with the points.
   std::vector<std::size_t> payload() const;
   /// Turns the names into fields of the working record.

@@ -6,12 +6,15 @@
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/survey_input.h"
+#include "pointsweep/pipeline/thinning_pass.h"
 
 namespace pointsweep {
 namespace {
 
 /// How the points are to be ordered.
 struct Ordering {
+  const PointSource& source;
+  Survey& survey;  ///< of the source; its sample is needed no more when the stream is made
   const MemoryPlan& memory;
   bool canonical = false;  ///< ties, too
   bool whole = false;      ///< whole records travel, not only what the stages read
@@ -23,7 +26,7 @@ bool is_in_order(const RunState& run) { return run.checkpoints && run.checkpoint
 StreamOptions stream_options(const RunState& run, const Ordering& how) {
   // The reorder of the output has no checkpoints, so its file may have the name of the first stream.
   const std::size_t number = *run.pass == run.plan.passes.size() ? 0 : *run.pass;
-  return {.axis = run.survey.axis,
+  return {.axis = how.survey.axis,
           .slab_points = how.memory.slab_points,
           .max_slab_points = 0,
           .canonical = how.canonical,
@@ -48,11 +51,11 @@ void make_stream(RunState& run, const Ordering& how) {
   if (is_in_order(run)) {
     run.checkpoints->require_slabs_of(how.memory.slab_points);
     Unpacker packed(run.checkpoints->last().stream);
-    run.stream.emplace(packed, run.source, options);
+    run.stream.emplace(packed, how.source, options);
   } else {
-    run.stream.emplace(run.source, run.survey, options);
+    run.stream.emplace(how.source, how.survey, options);
   }
-  run.survey.sample = {};
+  how.survey.sample = {};
   note_nonfinite(run);
   run.statistics.order_seconds += seconds_since(start);
 }
@@ -66,7 +69,22 @@ void order_output(RunState& run) {
     if (!run.files) open_late(run);
     run.source = run.reordered->records();
   }
-  make_stream(run, {.memory = run.memory.reordering, .canonical = true, .whole = true});
+  make_stream(
+      run,
+      {.source = run.source, .survey = run.survey, .memory = run.memory.reordering, .canonical = true, .whole = true});
+}
+
+/// Puts the points in order by the places that a select gives them. `run.survey` stays that of their positions.
+void order_places(RunState& run, std::size_t p) {
+  const PlannedPass& pass = run.plan.passes[p];
+  const PlacedSource placed(run.source, pass.payload(), pass.thinner());
+  Survey of_places;
+  if (!is_in_order(run)) of_places = survey(placed.source, run.options.axis, false);
+  make_stream(run, {.source = placed.source,
+                    .survey = of_places,
+                    .memory = run.memory.passes[p],
+                    .canonical = true,
+                    .payload = placed.payload});
 }
 
 }  // namespace
@@ -76,10 +94,16 @@ void order_output(RunState& run) {
 void order_phase(RunState& run, std::size_t p) {
   if (p == run.plan.passes.size()) return order_output(run);
   const PlannedPass& pass = run.plan.passes[p];
+  if (pass.has_places()) return order_places(run, p);
   const bool whole = run.makes_output(p);
   const bool canonical = pass.kind == PassKind::order || whole || run.by_reference();
   if (p > 0 && !is_in_order(run)) survey_source(run, canonical);
-  make_stream(run, {.memory = run.memory.passes[p], .canonical = canonical, .whole = whole, .payload = pass.payload()});
+  make_stream(run, {.source = run.source,
+                    .survey = run.survey,
+                    .memory = run.memory.passes[p],
+                    .canonical = canonical,
+                    .whole = whole,
+                    .payload = pass.payload()});
 }
 
 }  // namespace pointsweep

@@ -24,8 +24,8 @@ void give_notice(const RunState& run) {
 
 bool needs_exact_survey(const RunState& run) {
   const std::vector<PlannedPass>& passes = run.plan.passes;
-  return passes.empty() || passes.front().kind == PassKind::order || run.options.order == Order::sweep ||
-         run.by_reference() || needs_bounds(run);
+  const bool orders_first = passes.empty() || (passes.front().kind == PassKind::order && !passes.front().has_places());
+  return orders_first || run.options.order == Order::sweep || run.by_reference() || needs_bounds(run);
 }
 
 /// Refuses first what can be refused without the work.

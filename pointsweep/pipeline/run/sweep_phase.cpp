@@ -4,12 +4,12 @@
 #include <optional>
 #include <vector>
 
-#include "pointsweep/order/working_record.h"
 #include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/observation.h"
 #include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/result_sinks.h"
 #include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/pipeline/thinning_pass.h"
 #include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
@@ -91,23 +91,13 @@ void sweep_stages(RunState& run, std::size_t p) {
   put_nonfinite(run, p);
 }
 
-/// Of the points of the stream with equal coordinates, all but the first get 0; a row that gets nothing is kept.
-void leave_out_equal(RunState& run) {
-  const Schema& schema = run.stream->record_schema();
-  const PositionFields fields = position_fields(schema, "the stream");
-  std::optional<Vec3> last;
-  std::vector<std::uint64_t> equal;
-  const auto compare = [&](std::span<const std::byte> records) {
-    equal.clear();
-    for (std::size_t at = 0; at < records.size(); at += schema.stride) {
-      const std::byte* record = records.data() + at;
-      const Vec3 p{value_of(fields.x, record), value_of(fields.y, record), value_of(fields.z, record)};
-      if (last && p == *last) equal.push_back(row_of(schema, record));
-      last = p;
-    }
-    run.results->put(equal, std::vector<std::byte>(equal.size()));
-  };
-  write_in_order(*run.stream, schema.stride, compare, [&run](std::uint64_t done) { run.report("updating", done, 0); });
+void thin(RunState& run, std::size_t p) {
+  const MemoryPlan& memory = run.memory.passes[p];
+  run_thinning({.stream = *run.stream,
+                .pass = run.plan.passes[p],
+                .memory_bytes = memory.cells_bytes,
+                .results = *run.results,
+                .progress = [&run](std::uint64_t done) { run.report("updating", done, 0); }});
 }
 
 }  // namespace
@@ -115,7 +105,7 @@ void leave_out_equal(RunState& run) {
 void sweep_phase(RunState& run, std::size_t p) {
   PlannedPass& pass = run.plan.passes[p];
   pass.bind(run.stream->record_schema());
-  pass.kind == PassKind::order ? leave_out_equal(run) : sweep_stages(run, p);
+  pass.kind == PassKind::order ? thin(run, p) : sweep_stages(run, p);
   run.statistics.bytes_spilled += run.stream->spilled_bytes();
   run.stream.reset();  // nothing is read from it any more
 }

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+/// Keeping one point in each cube of a grid.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration voxel_declaration();
+
+/// Keeps one of the points of each voxel. Along each axis, voxel v holds the coordinates whose quotient by the size,
+/// rounded to float64, lies in [v, v + 1): the grid is that of the coordinates, whatever the cloud, and a point on a
+/// face belongs to the voxel above it. Points without a finite place all stay. The points are put in order by voxel, so
+/// that memory holds one voxel's choice at a time, however large voxels are.
+class Voxel final : public Operator {
+ public:
+  /// `size`: length of an edge. Throws UsageError unless it is positive and finite.
+  explicit Voxel(double size, VoxelKeep keep = VoxelKeep::center);
+  std::string name() const override { return "voxel"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods&, Columns&) const override {}
+  std::unique_ptr<Thinning> thinning(const ThinningSetup&) const override;
+  /// The numbers of the voxel along the axes.
+  Vec3 place_of(Vec3 position) const override;
+  double size() const { return size_; }
+  VoxelKeep keep() const { return keep_; }
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  double size_;
+  VoxelKeep keep_;
+};
+
+/// Seed of the hashes that VoxelKeep::hash compares.
+inline constexpr std::uint64_t kVoxelSeed = 0x766f78656c;
+
+}  // namespace pointsweep

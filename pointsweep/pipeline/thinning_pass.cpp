@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/thinning_pass.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/order/working_record.h"
+#include "pointsweep/pipeline/ordered_output.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
+constexpr std::size_t kBatch = 4096;
+
+/// No field of a file has a blank in its library name.
+std::string position_name(const char* axis) { return std::string("position ") + axis; }
+
+/// From records of a source to records that begin with a place.
+class Placement {
+ public:
+  Placement(const Schema& source, const std::vector<std::size_t>& payload, const Operator& op)
+      : position_(position_fields(source, "the input")), stride_(source.stride), op_(op) {
+    for (const char* axis : kAxes) schema_.append(axis, Type::f64);
+    const std::array<const Field*, 3> own = {&position_.x, &position_.y, &position_.z};
+    for (std::size_t a = 0; a < 3; ++a) carry(*own[a], position_name(kAxes[a]));
+    for (const std::size_t f : payload) carry(source.fields[f], source.fields[f].name);
+  }
+
+  const Schema& schema() const { return schema_; }
+  std::uint32_t source_stride() const { return stride_; }
+
+  void run(const std::byte* from, std::size_t n, std::byte* to) const {
+    std::vector<double> x(n), y(n), z(n);
+    decode_positions(position_, from, stride_, n, x.data(), y.data(), z.data());
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3 p{x[i], y[i], z[i]};
+      const Vec3 place = is_finite(p) ? op_.place_of(p) : p;
+      std::byte* record = to + i * schema_.stride;
+      std::memcpy(record, &place, sizeof place);
+      for (const Piece& piece : pieces_) std::memcpy(record + piece.to, from + i * stride_ + piece.from, piece.bytes);
+    }
+  }
+
+ private:
+  struct Piece {
+    std::uint32_t from, to, bytes;
+  };
+  void carry(const Field& own, std::string name) {
+    const auto bytes = static_cast<std::uint32_t>(size_of(own.type) * own.count);
+    pieces_.push_back({own.offset, schema_.stride, bytes});
+    Field field = own;
+    field.name = std::move(name);
+    field.offset = schema_.stride;
+    schema_.fields.push_back(std::move(field));
+    schema_.stride += bytes;
+  }
+
+  PositionFields position_;
+  std::uint32_t stride_;
+  const Operator& op_;
+  Schema schema_;
+  std::vector<Piece> pieces_;
+};
+
+/// Reads rows by `read` and places them.
+ReadRows placing(ReadRows read, std::shared_ptr<const Placement> placement) {
+  return [read = std::move(read), placement = std::move(placement), scratch = std::vector<std::byte>()](
+             std::uint64_t row, std::span<std::byte> records) mutable {
+    const std::size_t n = records.size() / placement->schema().stride;
+    scratch.resize(n * placement->source_stride());
+    const std::size_t got = read(row, scratch);
+    placement->run(scratch.data(), got, records.data());
+    return got;
+  };
+}
+
+/// What a Thinning takes, out of working records.
+class OrderedBatch {
+ public:
+  OrderedBatch(const Schema& record, const PlannedPass& pass)
+      : schema_(record), place_(position_fields(record, "the stream")), position_(place_) {
+    if (pass.has_places()) {
+      const auto field = [&](const char* axis) { return record.fields[record.find(position_name(axis)).value()]; };
+      position_ = {field("x"), field("y"), field("z")};
+    }
+    for (const std::uint16_t column : pass.plan.stages.front().reads)
+      for (std::size_t c = 0; c < pass.file_fields.size(); ++c)
+        if (pass.plan.file_columns[c].column == column)
+          for (const std::string& name : pass.file_fields[c]) values_of_.push_back(record.fields[*record.find(name)]);
+  }
+
+  /// Those of `n` records that have a place.
+  OrderedPoints of(const std::byte* records, std::size_t n) {
+    places_.clear(), positions_.clear(), rows_.clear(), values_.clear();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::byte* record = records + i * schema_.stride;
+      const Vec3 place = vector_at(place_, record);
+      if (!is_finite(place)) continue;
+      places_.push_back(place);
+      positions_.push_back(vector_at(position_, record));
+      rows_.push_back(row_of(schema_, record));
+      for (const Field& field : values_of_) values_.push_back(value_of(field, record));
+    }
+    return {places_, positions_, rows_, values_};
+  }
+
+ private:
+  static Vec3 vector_at(const PositionFields& fields, const std::byte* record) {
+    return {value_of(fields.x, record), value_of(fields.y, record), value_of(fields.z, record)};
+  }
+
+  const Schema& schema_;
+  PositionFields place_, position_;
+  std::vector<Field> values_of_;
+  std::vector<Vec3> places_, positions_;
+  std::vector<std::uint64_t> rows_;
+  std::vector<double> values_;
+};
+
+}  // namespace
+
+PlacedSource::PlacedSource(const PointSource& from, const std::vector<std::size_t>& fields, const Operator& op) {
+  const auto placement = std::make_shared<const Placement>(from.schema, fields, op);
+  source = {placement->schema(), from.count, placing(from.read, placement)};
+  if (from.for_thread) {
+    std::vector<std::size_t> wanted = fields;
+    for (const char* axis : kAxes) wanted.push_back(from.schema.find(axis).value());
+    source.for_thread = [make = from.for_thread, wanted, placement](const std::vector<std::size_t>&) -> ReadRows {
+      ReadRows own = make(wanted);
+      return own ? placing(std::move(own), placement) : ReadRows();
+    };
+  }
+  source.chunk_end = from.chunk_end;
+  for (std::size_t f = kAxes.size(); f < source.schema.fields.size(); ++f) payload.push_back(f);
+}
+
+void run_thinning(const ThinningPass& run) {
+  const std::size_t stride = run.stream.record_schema().stride;
+  const std::unique_ptr<Thinning> thinning = run.pass.thinner().thinning({run.stream.axis(), run.memory_bytes});
+  OrderedBatch batch(run.stream.record_schema(), run.pass);
+  Decided decided;
+  const auto put = [&] {
+    run.results.put(decided.left_out, std::vector<std::byte>(decided.left_out.size() * run.pass.plan.result_bytes));
+    decided.left_out.clear();
+  };
+  const auto take = [&](std::span<const std::byte> records) {
+    for (std::size_t at = 0; at < records.size(); at += kBatch * stride) {
+      stop_if_cancelled();
+      const std::size_t n = std::min(kBatch, (records.size() - at) / stride);
+      thinning->add(batch.of(records.data() + at, n), decided);
+      put();
+    }
+  };
+  write_in_order(run.stream, stride, take, run.progress);
+  thinning->finish(decided);
+  put();
+}
+
+}  // namespace pointsweep
