@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// `pointsweep normals|curvature|splats|fair IN... OUT`: the pipelines of the paper (its Section 4.3) by one word each.
+/// `pointsweep normals|curvature|splats|features|fair IN... OUT`: pipelines by one word each, most of them the paper's
+/// (its Section 4.3).
 #include <fmt/core.h>
 
 #include <memory>
@@ -39,6 +40,10 @@ constexpr ShortForm kShortForms[] = {
      "splats", "8", "'pointsweep operators splats' lists the computed attributes.",
      "Example:\n"
      "  pointsweep splats scan.ply splats.ply -k 12"},
+    {"features", "Compute features of the shape of neighbourhoods: linearity, planarity, verticality and more",
+     "the features", "features", "features", "10", "'pointsweep operators features' lists the formulas.",
+     "Example: four features of the points within half a metre:\n"
+     "  pointsweep features scan.las features.las --radius 0.5 --names linearity,planarity,sphericity,verticality"},
     {"fair", "Smooth the surface, edge-preserving: move the points, then compute normals and splats",
      "normals and splats of the moved points", "normals | splats | fair | normals | splats", "fair", "64",
      "The output has the moved coordinates.",

@@ -17,6 +17,8 @@ std::string value_name(const OptionDeclaration& option) {
       return "NUMBER";
     case OptionKind::point:
       return "X,Y,Z";
+    case OptionKind::names:
+      return "NAME,...";
     case OptionKind::attribute:
       return "NAME";
     case OptionKind::condition:
@@ -32,7 +34,8 @@ std::string help_of(const OptionDeclaration& option, const std::string& preset) 
   std::string meaning = option.meaning, range;
   if (!meaning.empty() && meaning[0] >= 'a' && meaning[0] <= 'z')
     meaning[0] = static_cast<char>(meaning[0] - 'a' + 'A');
-  if (option.kind == OptionKind::whole || option.kind == OptionKind::number) range = option.allowed();
+  if (option.kind == OptionKind::whole || option.kind == OptionKind::number || option.kind == OptionKind::names)
+    range = option.allowed();
   if (!preset.empty()) range += (range.empty() ? "default: " : "; default: ") + preset;
   return range.empty() ? meaning : fmt::format("{} ({})", meaning, range);
 }

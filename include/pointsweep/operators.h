@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "pointsweep/export.h"
 #include "pointsweep/geometry.h"
@@ -49,6 +50,19 @@ struct FairOptions {
   double g = 0;
 };
 
+/// What the formulas of features() call λ.
+enum class EigenvalueScale {
+  raw,         ///< eigenvalues of the covariance, in length²: CloudCompare, jakteristics
+  root,        ///< their square roots, in length: PDAL's default
+  normalized,  ///< divided by their sum: Weinmann et al. 2015
+};
+
+struct FeaturesOptions {
+  std::vector<std::string> names = {};  ///< of the attributes to make, each once; empty: all
+  EigenvalueScale eigenvalues = EigenvalueScale::raw;
+  bool with_point = true;  ///< the point itself is one of the points whose covariance is taken
+};
+
 /// Names of attributes (scalars of any type, taken as double); empty: no such limit.
 struct AttributeLimits {
   std::string k = {};       ///< the point keeps as many neighbours as the whole part of the value says
@@ -87,6 +101,9 @@ POINTSWEEP_EXPORT std::shared_ptr<const Operator> unique();
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> decimate(double share, std::uint64_t seed = 0);
 /// Keeps one point in each cube of edge length `size` of a grid with faces at multiples of it.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> voxel(double size, VoxelKeep keep = VoxelKeep::center);
+/// Makes features of the shape of neighbourhoods from the eigenvalues of their covariance: "linearity", "planarity",
+/// "sphericity" and more (docs/operators.md). Throws UsageError for a name that is not one of these, or is given twice.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> features(const FeaturesOptions& options = {});
 /// Makes "neighbor_count", |N_i|, and "neighbor_radius", the distance to the farthest neighbour.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> neighborhood_size();
 /// Makes "neighbors", N×k: the rows of the k nearest neighbours among `points` points (Cloud::count()), as u32, or u64

@@ -13,6 +13,8 @@
 // The lanes follow the inclusion of the targets.
 #include "pointsweep/math/eigen3_lanes-inl.h"
 #include "pointsweep/math/exp_lanes-inl.h"
+#include "pointsweep/math/natural_logarithm.h"
+#include "pointsweep/math/natural_logarithm_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
@@ -69,6 +71,13 @@ void ExpNegativeOf(std::span<const double> x, std::span<double> out) {
   for (; i < x.size(); ++i) out[i] = exp_negative(x[i]);
 }
 
+void NaturalLogarithmOf(std::span<const double> x, std::span<double> out) {
+  const Lanes d;
+  std::size_t i = 0;
+  for (; i + kLanes <= x.size(); i += kLanes) hn::StoreU(NaturalLogarithm(d, hn::LoadU(d, &x[i])), d, &out[i]);
+  for (; i < x.size(); ++i) out[i] = natural_logarithm(x[i]);
+}
+
 }  // namespace pointsweep::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -77,6 +86,7 @@ namespace pointsweep {
 
 HWY_EXPORT(EigenSymmetric3Of);
 HWY_EXPORT(ExpNegativeOf);
+HWY_EXPORT(NaturalLogarithmOf);
 
 void batch_eigen_symmetric3(std::span<const Symmetric3> matrices, std::span<Eigen3> out) {
   assert(matrices.size() == out.size());
@@ -86,6 +96,11 @@ void batch_eigen_symmetric3(std::span<const Symmetric3> matrices, std::span<Eige
 void batch_exp_negative(std::span<const double> x, std::span<double> out) {
   assert(x.size() == out.size());
   HWY_DYNAMIC_DISPATCH(ExpNegativeOf)(x, out);
+}
+
+void batch_natural_logarithm(std::span<const double> x, std::span<double> out) {
+  assert(x.size() == out.size());
+  HWY_DYNAMIC_DISPATCH(NaturalLogarithmOf)(x, out);
 }
 
 }  // namespace pointsweep

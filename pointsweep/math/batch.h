@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Eigenvectors and exponentials of many arguments at once, in the widest vector lanes of the machine. Every result has
-/// the bits of eigen_symmetric3() and exp_negative(), whatever the machine and whatever shares the batch.
+/// Eigenvectors, exponentials and logarithms of many arguments at once, in the widest vector lanes of the machine.
+/// Every result has the bits of eigen_symmetric3(), exp_negative() and natural_logarithm(), whatever the machine and
+/// whatever shares the batch.
 #pragma once
 
 #include <span>
@@ -15,5 +16,8 @@ void batch_eigen_symmetric3(std::span<const Symmetric3> matrices, std::span<Eige
 
 /// out[i] = exp_negative(x[i]); both spans have the same size and may be the same. About 1 ns each with AVX-512.
 void batch_exp_negative(std::span<const double> x, std::span<double> out);
+
+/// out[i] = natural_logarithm(x[i]); both spans have the same size and may be the same.
+void batch_natural_logarithm(std::span<const double> x, std::span<double> out);
 
 }  // namespace pointsweep

@@ -3,6 +3,7 @@
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/decimate.h"
 #include "pointsweep/operators/fair.h"
+#include "pointsweep/operators/features.h"
 #include "pointsweep/operators/least_eigenentropy.h"
 #include "pointsweep/operators/limits_from_attributes.h"
 #include "pointsweep/operators/neighbor_rows.h"
@@ -30,6 +31,7 @@ std::shared_ptr<const Operator> decimate(double share, std::uint64_t seed) {
   return std::make_shared<Decimate>(share, seed);
 }
 std::shared_ptr<const Operator> voxel(double size, VoxelKeep keep) { return std::make_shared<Voxel>(size, keep); }
+std::shared_ptr<const Operator> features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
 std::shared_ptr<const Operator> neighborhood_size() { return std::make_shared<NeighborhoodSize>(); }
 std::shared_ptr<const Operator> neighbors(std::size_t k, std::uint64_t points, bool distances) {
   return std::make_shared<NeighborRows>(k, points, distances);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 namespace pointsweep {
@@ -16,11 +17,18 @@ std::string range_text(double least, double most) {
   return std::isfinite(most) ? fmt::format("{} to {}", least, most) : fmt::format("{} or more", least);
 }
 
-std::string choices_text(const std::vector<std::string>& choices) {
+std::string choices_text(const std::vector<std::string>& choices, const char* last = " or ") {
   std::string text;
   for (std::size_t i = 0; i < choices.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == choices.size() ? " or " : ", ") + choices[i];
+    text += (i == 0 ? "" : i + 1 == choices.size() ? last : ", ") + choices[i];
   return text;
+}
+
+bool are_some_of(const std::vector<std::string>& words, const std::vector<std::string>& choices) {
+  const std::set<std::string> distinct(words.begin(), words.end());
+  return !words.empty() && distinct.size() == words.size() && std::ranges::all_of(words, [&](const std::string& word) {
+    return std::ranges::find(choices, word) != choices.end();
+  });
 }
 
 }  // namespace
@@ -32,6 +40,8 @@ std::string OptionDeclaration::allowed() const {
       return range_text(least, most);
     case OptionKind::choice:
       return choices_text(choices);
+    case OptionKind::names:
+      return fmt::format("a list of {}, each at most once", choices_text(choices, " and "));
     case OptionKind::point:
       return "[X,Y,Z]";
     case OptionKind::attribute:
@@ -54,6 +64,8 @@ bool OptionDeclaration::allows(const OptionValue& value) const {
       return number != nullptr && std::isfinite(*number) && is_within(*number, *this);
     case OptionKind::choice:
       return word != nullptr && std::ranges::find(choices, *word) != choices.end();
+    case OptionKind::names:
+      return word != nullptr && are_some_of(words_of(*word), choices);
     case OptionKind::point:
       return point != nullptr && is_finite(*point);
     case OptionKind::attribute:
@@ -91,6 +103,16 @@ Options OptionValues::all() const {
   for (const std::string& name : names_)
     if (given_.contains(name) || preset_.contains(name)) options.push_back({name, value(name)});
   return options;
+}
+
+std::vector<std::string> words_of(std::string_view list) {
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    words.emplace_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
 }
 
 ChainStage make_stage(const OperatorDeclaration& declaration, const OptionValues& values, const Facts& facts) {

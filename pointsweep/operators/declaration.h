@@ -25,6 +25,7 @@ enum class OptionKind : std::uint8_t {
   whole,      ///< std::uint64_t from `least` to `most`
   number,     ///< finite double from `least` to `most`
   choice,     ///< std::string, one of `choices`
+  names,      ///< std::string, some of `choices`, each once, with commas between
   point,      ///< Vec3, finite
   attribute,  ///< std::string, the name of an attribute; not empty
   condition,  ///< std::string, a condition on attributes; not empty
@@ -66,7 +67,7 @@ class OptionValues {
   std::uint64_t whole(std::string_view name) const { return std::get<std::uint64_t>(value(name)); }
   double number(std::string_view name) const { return std::get<double>(value(name)); }
   Vec3 point(std::string_view name) const { return std::get<Vec3>(value(name)); }
-  /// Of a choice, an attribute or a condition.
+  /// Of a choice, names, an attribute or a condition.
   const std::string& word(std::string_view name) const { return std::get<std::string>(value(name)); }
   /// All that have a value, in the order of their declaration.
   Options all() const;
@@ -113,6 +114,9 @@ struct OperatorDeclaration {
   std::vector<AttributeNote> attributes = {};  ///< about what it makes
   std::string example = {};                    ///< a whole pipeline as one writes it
 };
+
+/// "a,b" as {"a", "b"}: the words of an option of the kind `names`.
+std::vector<std::string> words_of(std::string_view list);
 
 /// Made by the declaration; an operator knows the values as its options.
 ChainStage make_stage(const OperatorDeclaration& declaration, const OptionValues& values, const Facts& facts);

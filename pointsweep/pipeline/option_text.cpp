@@ -92,6 +92,7 @@ std::optional<OptionValue> parse_unchecked(OptionKind kind, std::string_view tex
     case OptionKind::point:
       return value(read_point(text));
     case OptionKind::choice:
+    case OptionKind::names:
     case OptionKind::attribute:
     case OptionKind::condition:
       break;

@@ -7,6 +7,7 @@
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/decimate.h"
 #include "pointsweep/operators/fair.h"
+#include "pointsweep/operators/features.h"
 #include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/operators/outliers.h"
@@ -21,9 +22,10 @@ namespace pointsweep {
 
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = {
-      normals_declaration(),           curvature_declaration(), splats_declaration(),     fair_declaration(),
-      neighborhood_size_declaration(), where_declaration(),     sor_declaration(),        unique_declaration(),
-      decimate_declaration(),          voxel_declaration(),     reneighbor_declaration(), resort_declaration(),
+      normals_declaration(),  curvature_declaration(),         splats_declaration(), fair_declaration(),
+      features_declaration(), neighborhood_size_declaration(), where_declaration(),  sor_declaration(),
+      unique_declaration(),   decimate_declaration(),          voxel_declaration(),  reneighbor_declaration(),
+      resort_declaration(),
   };
   return operators;
 }

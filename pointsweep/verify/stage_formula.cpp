@@ -8,6 +8,7 @@
 
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/fair.h"
+#include "pointsweep/operators/features.h"
 #include "pointsweep/operators/least_eigenentropy.h"
 #include "pointsweep/operators/limits_from_attributes.h"
 #include "pointsweep/operators/neighbor_rows.h"
@@ -18,6 +19,7 @@
 #include "pointsweep/verify/formulas/curvature.h"
 #include "pointsweep/verify/formulas/distances.h"
 #include "pointsweep/verify/formulas/fairing.h"
+#include "pointsweep/verify/formulas/features.h"
 #include "pointsweep/verify/formulas/normal.h"
 #include "pointsweep/verify/formulas/splat.h"
 
@@ -110,6 +112,31 @@ class FairFormula final : public StageFormula {
   std::size_t own_length_, own_ratio_, normal_, length_, ratio_;
 };
 
+class FeaturesFormula final : public StageFormula {
+ public:
+  explicit FeaturesFormula(const Features& op) : made_(op.made()), with_point_(op.options().with_point) {
+    const EigenvalueScale scale = op.options().eigenvalues;
+    lambda_ = scale == EigenvalueScale::raw    ? formulas::Lambda::raw
+              : scale == EigenvalueScale::root ? formulas::Lambda::root
+                                               : formulas::Lambda::normalized;
+  }
+  Estimates evaluate(const FormulaInput& in) const override {
+    const formulas::Features f = formulas::features(in.place, in.neighbors, lambda_, with_point_);
+    const Estimate all[kFeatures] = {f.linearity,     f.planarity,     f.sphericity,         f.omnivariance,
+                                     f.anisotropy,    f.eigenentropy,  f.eigenvalue_sum,     f.surface_variation,
+                                     f.verticality,   f.moment1_axis1, f.moment1_axis2,      f.moment2_axis1,
+                                     f.moment2_axis2, f.height_range,  f.number_of_neighbors};
+    Estimates made;
+    for (const Feature feature : made_) made.push_back(all[static_cast<std::size_t>(feature)]);
+    return made;
+  }
+
+ private:
+  std::vector<Feature> made_;
+  bool with_point_;
+  formulas::Lambda lambda_;
+};
+
 class SizeFormula final : public StageFormula {
  public:
   Estimates evaluate(const FormulaInput& in) const override {
@@ -181,6 +208,7 @@ std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshol
     return std::make_unique<SplatFormula>(contract,
                                           static_cast<const Splats&>(op).options().axes == SplatAxes::curvature);
   if (type == typeid(Fair)) return std::make_unique<FairFormula>(contract, static_cast<const Fair&>(op).options());
+  if (type == typeid(Features)) return std::make_unique<FeaturesFormula>(static_cast<const Features&>(op));
   if (type == typeid(NeighborhoodSize)) return std::make_unique<SizeFormula>();
   if (type == typeid(MeanDistance)) return std::make_unique<MeanDistanceFormula>();
   if (type == typeid(Outlier)) return std::make_unique<OutlierFormula>(threshold);

@@ -17,7 +17,8 @@ TEST(OraclesOfMovedPoints, FairedPointsGetTheNormalsOfWhereTheyAre) {
                             "knn(k=10) | normals | splats | fair(f=3, g=3) | normals | curvature | splats",
                             "knn(radius=0.12) | normals | splats | fair | normals | curvature",
                             "knn(k=30, adaptive=eigenentropy, k_min=6) | normals | splats | fair | normals | splats",
-                            "knn(k=8) | normals | splats | fair | normals | splats | fair | normals"})
+                            "knn(k=8) | normals | splats | fair | normals | splats | fair | normals",
+                            "knn(k=12) | normals | splats | fair | features"})
     expect_formulas(points.cloud(), chain, "surface");
 }
 
@@ -59,7 +60,8 @@ std::vector<std::string> all_but_positions(const Chain& chain) {
 TEST(OraclesOfMovedPoints, AMoverOfTheUserIsFollowedByTheFormulas) {
   const std::vector<Vec3> surface = bumpy_surface(sized(3000), 10);
   for (const double step : {0.005, 0.05}) {
-    for (const char* behind : {"knn(k=16) | normals | splats | neighborhood_size", "knn(k=12) | normals | curvature"}) {
+    for (const char* behind : {"knn(k=16) | normals | splats | neighborhood_size", "knn(k=12) | normals | curvature",
+                               "knn(k=9) | features(with_point=no)", "knn(k=9) | features"}) {
       PointCloud points(surface);
       Chain chain = build_chain(parse_pipeline(behind), points.cloud());
       chain.stages.insert(chain.stages.begin(), std::make_shared<Snap>(step));

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+/// Features of neighbourhoods in vector lanes: a point per lane.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/points/degenerate_points.h"
+
+namespace pointsweep {
+
+/// In the order of the attributes that Features makes. All up to height_range are float32.
+enum class Feature : std::uint8_t {
+  linearity,
+  planarity,
+  sphericity,
+  omnivariance,
+  anisotropy,
+  eigenentropy,
+  eigenvalue_sum,
+  surface_variation,
+  verticality,
+  moment1_axis1,
+  moment1_axis2,
+  moment2_axis1,
+  moment2_axis2,
+  height_range,
+  number_of_neighbors,
+};
+inline constexpr std::size_t kFeatures = 15;
+
+/// What to compute, and where to put it.
+struct FeatureColumns {
+  std::array<std::span<float>, kFeatures - 1> numbers;  ///< by Feature; each as long as the batch, or empty: not wanted
+  EigenvalueScale eigenvalues = EigenvalueScale::raw;
+  bool with_point = true;            ///< p_i itself is one of the points
+  bool marks_without_extent = true;  ///< a point whose neighbourhood lies at one place is degenerate
+  bool marks_lines = true;           ///< and one whose neighbourhood lies on a line
+
+  std::span<float> operator[](Feature f) const { return numbers[static_cast<std::size_t>(f)]; }
+};
+
+/// For all points of the batch. All is 0 where there is no result; such points are marked. The bits depend on a point's
+/// neighbourhood alone: not on the instruction set, nor on what shares the batch.
+void features(const Neighborhoods& in, const FeatureColumns& out, DegeneratePoints& degenerate);
+
+}  // namespace pointsweep
