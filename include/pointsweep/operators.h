@@ -50,6 +50,9 @@ struct FairOptions {
   double g = 0;
 };
 
+/// Whose statistical outliers sor() finds; docs/pipelines.md has the five rules.
+enum class OutlierDefinition { pointsweep, pdal, pcl, open3d, cloudcompare };
+
 /// What the formulas of features() call λ.
 enum class EigenvalueScale {
   raw,         ///< eigenvalues of the covariance, in length²: CloudCompare, jakteristics
@@ -90,8 +93,10 @@ POINTSWEEP_EXPORT std::shared_ptr<const Operator> fair(const FairOptions& option
 /// The same with both widths in % of the diagonal of the box around the finite points of the input.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> fair_in_percent(const FairOptions& percent = {0.5, 0.5});
 /// Makes "mean_distance" and "outlier": whether the mean distance to the neighbours exceeds its mean over the cloud by
-/// more than `multiplier` standard deviations. Throws UsageError unless multiplier is a number of at least 0.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> sor(double multiplier = 2);
+/// more than `multiplier` standard deviations, by one of five definitions. Throws UsageError unless multiplier is a
+/// number of at least 0.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> sor(double multiplier = 2,
+                                                      OutlierDefinition definition = OutlierDefinition::pointsweep);
 /// Keeps the rows for which a condition on attributes holds, e.g. "classification == 2 && z < 100"
 /// (docs/pipelines.md). Throws UsageError for a text that is no condition.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> where(std::string_view condition);

@@ -24,7 +24,9 @@ std::shared_ptr<const Operator> fair(const FairOptions& options) { return std::m
 std::shared_ptr<const Operator> fair_in_percent(const FairOptions& percent) {
   return std::make_shared<FairInPercent>(percent);
 }
-std::shared_ptr<const Operator> sor(double multiplier) { return std::make_shared<StatisticalOutliers>(multiplier); }
+std::shared_ptr<const Operator> sor(double multiplier, OutlierDefinition definition) {
+  return std::make_shared<StatisticalOutliers>(multiplier, definition);
+}
 std::shared_ptr<const Operator> where(std::string_view condition) { return std::make_shared<Where>(condition); }
 std::shared_ptr<const Operator> unique() { return std::make_shared<Unique>(); }
 std::shared_ptr<const Operator> decimate(double share, std::uint64_t seed) {

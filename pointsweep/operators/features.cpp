@@ -109,7 +109,7 @@ OperatorDeclaration features_declaration() {
                   {.name = "eigenvalues",
                    .kind = OptionKind::choice,
                    .preset = "raw",
-                   .meaning = "what λ is: eigenvalues, their square roots, or eigenvalues over their sum",
+                   .meaning = "eigenvalues, their square roots, or eigenvalues over their sum",
                    .choices = {std::begin(kScales), std::end(kScales)}},
                   {.name = "with_point",
                    .kind = OptionKind::choice,

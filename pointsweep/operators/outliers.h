@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Statistical outliers: points that are farther from their neighbours than most points are from theirs (R. B. Rusu,
-/// "Semantic 3D object maps for everyday manipulation in human living environments", 2009; as in PCL. PDAL, Open3D and
-/// CloudCompare have filters of this kind that differ in detail).
+/// "Semantic 3D object maps for everyday manipulation in human living environments", 2009), by the definitions of five
+/// programs.
 #pragma once
 
 #include <limits>
@@ -10,8 +10,20 @@
 #include <vector>
 
 #include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
 
 namespace pointsweep {
+
+/// In which the definitions differ.
+struct OutlierRule {
+  bool counts_point = false;          ///< the point itself, at distance 0, is one of those whose mean is taken
+  bool population = false;            ///< the deviation is divided by n, not n - 1
+  bool zero_is_outlier = false;       ///< a mean distance of 0 is that of an outlier, and no term of the deviation
+  bool threshold_is_outlier = false;  ///< and so is one that equals the threshold
+};
+OutlierRule rule_of(OutlierDefinition definition);
+/// As pipelines call it: "pdal".
+const char* name_of(OutlierDefinition definition);
 
 struct OperatorDeclaration;
 
@@ -22,46 +34,59 @@ Attribute mean_distance_attribute();
 /// N u8: 1 for outliers, else 0.
 Attribute outlier_attribute();
 
-/// Makes mean_distance: (1/|N_i|) Σ_j |p_j - p_i|, the point itself excluded, summed in double in the order of the
-/// neighbours, at the positions the stage sees. Points without neighbours count as degenerate.
+/// Makes mean_distance: Σ_j |p_j - p_i| / |N_i|, or, if the rule counts the point, / (|N_i| + 1), summed in double in
+/// the order of the neighbours, at the positions the stage sees. Points without neighbours count as degenerate.
 class MeanDistance final : public Operator {
  public:
+  explicit MeanDistance(bool counts_point = false) : counts_point_(counts_point) {}
   std::string name() const override { return "mean_distance"; }
   Contract contract() const override { return {{}, {}, {mean_distance_attribute()}}; }
   void apply(const Neighborhoods& in, Columns& out) const override;
+  bool counts_point() const { return counts_point_; }
+
+ protected:
+  Options own_options() const override { return {{"counts_point", counts_point_ ? "yes" : "no"}}; }
+
+ private:
+  bool counts_point_;
 };
 
-/// {mean, deviation, count} of the finite values of a scalar: the mean and the standard deviation of the sample,
-/// sqrt(Σ (d - mean)² / (n - 1)), 0 for one value. The sums behind both are exact; no difference of rounded sums is
-/// taken. The mean of no values is NaN.
+/// {mean, deviation, count} of the finite values of a scalar: the mean and the standard deviation,
+/// sqrt(Σ (d - mean)² / (n - 1)), 0 for one value. A rule with `population` divides by n; one with `zero_is_outlier`
+/// leaves values of 0 out of the sum of squares, while they count in n and in the mean. The sums behind both are exact;
+/// no difference of rounded sums is taken. The mean of no values is NaN.
 class MeanAndDeviation final : public Reduction {
  public:
-  explicit MeanAndDeviation(Attribute of) : of_(std::move(of)) {}
-  std::string text() const override { return "mean and deviation of " + of_.name; }
+  explicit MeanAndDeviation(Attribute of, OutlierRule rule = {}) : of_(std::move(of)), rule_(rule) {}
+  std::string text() const override;
   std::vector<Attribute> reads() const override { return {of_}; }
   std::unique_ptr<Accumulator> start() const override;
 
  private:
   Attribute of_;
+  OutlierRule rule_;
 };
 
-/// Makes outlier: 1 where mean_distance > mean + multiplier * deviation over all points that have one, and for points
-/// without one; else 0.
+/// Makes outlier: 1 where mean_distance > mean + multiplier * deviation over all points that have one, or >= by some
+/// rules, and for points without one; else 0.
 class Outlier final : public Operator {
  public:
-  explicit Outlier(double multiplier, double threshold = std::numeric_limits<double>::quiet_NaN())
-      : multiplier_(multiplier), threshold_(threshold) {}
+  explicit Outlier(double multiplier, OutlierDefinition definition = OutlierDefinition::pointsweep,
+                   double threshold = std::numeric_limits<double>::quiet_NaN())
+      : multiplier_(multiplier), definition_(definition), threshold_(threshold) {}
   std::string name() const override { return "outlier"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
   std::shared_ptr<const Operator> with_values(std::span<const std::vector<double>> values) const override;
   double multiplier() const { return multiplier_; }
+  OutlierDefinition definition() const { return definition_; }
 
  protected:
-  Options own_options() const override { return {{"multiplier", multiplier_}}; }
+  Options own_options() const override { return {{"multiplier", multiplier_}, {"definition", name_of(definition_)}}; }
 
  private:
   double multiplier_;
+  OutlierDefinition definition_;
   double threshold_;  ///< mean + multiplier * deviation
 };
 
@@ -69,17 +94,18 @@ class Outlier final : public Operator {
 class StatisticalOutliers final : public Operator {
  public:
   /// Throws UsageError unless multiplier is a number of at least 0.
-  explicit StatisticalOutliers(double multiplier = 2);
+  explicit StatisticalOutliers(double multiplier = 2, OutlierDefinition definition = OutlierDefinition::pointsweep);
   std::string name() const override { return "sor"; }
   Contract contract() const override { return {{}, {}, {mean_distance_attribute(), outlier_attribute()}}; }
   void apply(const Neighborhoods&, Columns&) const override {}
   std::vector<std::shared_ptr<const Operator>> parts() const override;
 
  protected:
-  Options own_options() const override { return {{"multiplier", multiplier_}}; }
+  Options own_options() const override { return {{"multiplier", multiplier_}, {"definition", name_of(definition_)}}; }
 
  private:
   double multiplier_;
+  OutlierDefinition definition_;
 };
 
 }  // namespace pointsweep

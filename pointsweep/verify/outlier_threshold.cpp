@@ -26,7 +26,7 @@ void for_each_finite(RowSource& source, const Field& field, const PhaseProgress&
 
 bool is_outlier(const std::shared_ptr<const Operator>& op) { return typeid(*op) == typeid(Outlier); }
 
-CloudThreshold threshold_of(Reader& out, const std::string& name, double multiplier, const PhaseProgress& progress) {
+CloudThreshold threshold_of(Reader& out, const std::string& name, const Outlier& op, const PhaseProgress& progress) {
   RowSource source(out);
   const auto at = source.schema().find(name);
   if (!at) return {};
@@ -34,12 +34,16 @@ CloudThreshold threshold_of(Reader& out, const std::string& name, double multipl
   Real sum = 0, n = 0, squares = 0;
   for_each_finite(source, field, progress, [&](double v) { sum += v, n += 1; });
   const Real mean = sum / n;
-  for_each_finite(source, field, progress, [&](double v) { squares += (v - mean) * (v - mean); });
-  const Real deviation = n > 1 ? std::sqrt(squares / (n - 1)) : 0;
+  const bool of_open3d = op.definition() == OutlierDefinition::open3d;
+  for_each_finite(source, field, progress, [&](double v) {
+    if (v != 0 || !of_open3d) squares += (v - mean) * (v - mean);
+  });
+  const Real by = op.definition() == OutlierDefinition::cloudcompare ? n : n - 1;
+  const Real deviation = by > 0 ? std::sqrt(squares / by) : 0;
   // What n additions lose in extended precision, and what a text or a float32 output has rounded.
   const Real lost = field.type == Type::f64 ? n * 0x1p-63L + 8 * formulas::kDouble : 4 * formulas::kSingle;
-  const Real threshold = mean + multiplier * deviation;
-  return {threshold, lost * (mean + multiplier * deviation)};
+  const Real threshold = mean + op.multiplier() * deviation;
+  return {threshold, lost * threshold};
 }
 
 }  // namespace
@@ -48,8 +52,7 @@ CloudThreshold outlier_threshold(Reader& out, const std::vector<std::shared_ptr<
                                  const std::string& prefix, const PhaseProgress& progress) {
   const auto at = std::ranges::find_if(operators, is_outlier);
   if (at == operators.end()) return {};
-  const double multiplier = static_cast<const Outlier&>(**at).multiplier();
-  return threshold_of(out, prefix + mean_distance_attribute().name, multiplier, progress);
+  return threshold_of(out, prefix + mean_distance_attribute().name, static_cast<const Outlier&>(**at), progress);
 }
 
 }  // namespace pointsweep

@@ -12,9 +12,9 @@
 
 namespace pointsweep {
 
-/// mean + multiplier * deviation (n - 1) of the finite mean distances of all points of `out`, in extended precision,
-/// for the first Outlier among the operators. `prefix`: of the names of made attributes. NaN if there is none, or if
-/// the output has no mean distances. Reads it twice.
+/// mean + multiplier * deviation, by the operator's definition, of the finite mean distances of all points of `out`, in
+/// extended precision, for the first Outlier among the operators. `prefix`: of the names of made attributes. NaN if
+/// there is none, or if the output has no mean distances. Reads it twice.
 CloudThreshold outlier_threshold(Reader& out, const std::vector<std::shared_ptr<const Operator>>& operators,
                                  const std::string& prefix, const PhaseProgress& progress);
 

@@ -146,20 +146,42 @@ class SizeFormula final : public StageFormula {
 
 class MeanDistanceFormula final : public StageFormula {
  public:
+  explicit MeanDistanceFormula(bool of_open3d) : of_open3d_(of_open3d) {}
   Estimates evaluate(const FormulaInput& in) const override {
-    return {formulas::mean_distance(in.place, in.neighbors)};
+    return {formulas::mean_distance(in.place, in.neighbors, of_open3d_)};
   }
+
+ private:
+  bool of_open3d_;
 };
+
+formulas::OutlierProgram program_of(OutlierDefinition definition) {
+  switch (definition) {
+    case OutlierDefinition::pdal:
+      return formulas::OutlierProgram::pdal;
+    case OutlierDefinition::pcl:
+      return formulas::OutlierProgram::pcl;
+    case OutlierDefinition::open3d:
+      return formulas::OutlierProgram::open3d;
+    case OutlierDefinition::cloudcompare:
+      return formulas::OutlierProgram::cloudcompare;
+    case OutlierDefinition::pointsweep:
+      break;
+  }
+  return formulas::OutlierProgram::pointsweep;
+}
 
 class OutlierFormula final : public StageFormula {
  public:
-  explicit OutlierFormula(const CloudThreshold& threshold) : threshold_(threshold) {}
+  OutlierFormula(const CloudThreshold& threshold, OutlierDefinition definition)
+      : threshold_(threshold), program_(program_of(definition)) {}
   Estimates evaluate(const FormulaInput& in) const override {
-    return {formulas::outlier(in.reads[0], threshold_.value, threshold_.error)};
+    return {formulas::outlier(in.reads[0], threshold_.value, threshold_.error, program_)};
   }
 
  private:
   CloudThreshold threshold_;
+  formulas::OutlierProgram program_;
 };
 
 class GraphFormula final : public StageFormula {
@@ -210,8 +232,10 @@ std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshol
   if (type == typeid(Fair)) return std::make_unique<FairFormula>(contract, static_cast<const Fair&>(op).options());
   if (type == typeid(Features)) return std::make_unique<FeaturesFormula>(static_cast<const Features&>(op));
   if (type == typeid(NeighborhoodSize)) return std::make_unique<SizeFormula>();
-  if (type == typeid(MeanDistance)) return std::make_unique<MeanDistanceFormula>();
-  if (type == typeid(Outlier)) return std::make_unique<OutlierFormula>(threshold);
+  if (type == typeid(MeanDistance))
+    return std::make_unique<MeanDistanceFormula>(static_cast<const MeanDistance&>(op).counts_point());
+  if (type == typeid(Outlier))
+    return std::make_unique<OutlierFormula>(threshold, static_cast<const Outlier&>(op).definition());
   if (type == typeid(NeighborRows)) return std::make_unique<GraphFormula>(contract);
   return nullptr;
 }

@@ -60,6 +60,7 @@ TEST_F(OperatorListing, FlagsOfVerbsAreTheOptionsOfTheirOperators) {
   for (const auto& [verb, names] : {std::pair<std::string, std::vector<std::string>>{"normals", {"normals"}},
                                     {"curvature", {"normals", "curvature"}},
                                     {"splats", {"normals", "splats"}},
+                                    {"features", {"features"}},
                                     {"fair", {"normals", "fair"}},
                                     {"neighbors", {}},
                                     {"run", {"normals"}}}) {

@@ -28,20 +28,32 @@ Real distance(Vec3 a, Vec3 b) {
 struct PlainOutliers {
   std::vector<Real> mean_distance;  ///< NaN where there is none
   Real threshold = 0;
+  OutlierDefinition definition;
 
-  PlainOutliers(const std::vector<Vec3>& now, const std::vector<std::vector<std::uint32_t>>& lists, Real multiplier) {
+  PlainOutliers(const std::vector<Vec3>& now, const std::vector<std::vector<std::uint32_t>>& lists, Real multiplier,
+                OutlierDefinition of = OutlierDefinition::pointsweep)
+      : definition(of) {
+    const bool open3d = of == OutlierDefinition::open3d;
     Real sum = 0, n = 0;
     for (std::size_t i = 0; i < now.size(); ++i) {
       Real mean = 0;
-      for (const std::uint32_t j : lists[i]) mean += distance(now[i], now[j]) / static_cast<Real>(lists[i].size());
+      const Real by = static_cast<Real>(lists[i].size()) + (open3d ? 1 : 0);
+      for (const std::uint32_t j : lists[i]) mean += distance(now[i], now[j]) / by;
       if (lists[i].empty() || !std::isfinite(mean)) mean = std::nanl("");
       mean_distance.push_back(mean);
       if (!std::isnan(mean)) sum += mean, n += 1;
     }
     Real squares = 0;
     for (const Real d : mean_distance)
-      if (!std::isnan(d)) squares += (d - sum / n) * (d - sum / n);
-    threshold = sum / n + multiplier * (n > 1 ? std::sqrt(squares / (n - 1)) : 0);
+      if (!std::isnan(d) && !(open3d && d == 0)) squares += (d - sum / n) * (d - sum / n);
+    const Real by = of == OutlierDefinition::cloudcompare ? n : n - 1;
+    threshold = sum / n + multiplier * (by > 0 ? std::sqrt(squares / by) : 0);
+  }
+
+  bool is_outlier(Real d) const {
+    if (definition == OutlierDefinition::pdal) return d >= threshold;
+    if (definition == OutlierDefinition::open3d) return d >= threshold || d == 0;
+    return d > threshold;
   }
 };
 
@@ -57,15 +69,20 @@ void expect_plain(const RunResult& got, const PlainOutliers& plain) {
     }
     ASSERT_NEAR(mean[i], static_cast<double>(expected), 1e-13 * static_cast<double>(expected)) << i;
     const bool decided = std::abs(expected - plain.threshold) > 1e-12L * plain.threshold;
-    ASSERT_TRUE(!decided || (outlier[i] != 0) == (expected > plain.threshold)) << i;
+    ASSERT_TRUE(!decided || (outlier[i] != 0) == plain.is_outlier(expected)) << i;
   }
 }
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
-Chain sor_chain(Neighborhood neighborhood, double multiplier) {
-  return {std::move(neighborhood), {std::make_shared<StatisticalOutliers>(multiplier)}};
+Chain sor_chain(Neighborhood neighborhood, double multiplier,
+                OutlierDefinition definition = OutlierDefinition::pointsweep) {
+  return {std::move(neighborhood), {std::make_shared<StatisticalOutliers>(multiplier, definition)}};
 }
+
+constexpr OutlierDefinition kAllDefinitions[] = {OutlierDefinition::pointsweep, OutlierDefinition::pdal,
+                                                 OutlierDefinition::pcl, OutlierDefinition::open3d,
+                                                 OutlierDefinition::cloudcompare};
 
 TEST(Outliers, OfHostileCloudsAreThoseOfThePlainFormula) {
   for (const auto& [name, shape] : hostile_shapes()) {
@@ -82,6 +99,37 @@ TEST(Outliers, OfHostileCloudsAreThoseOfThePlainFormula) {
         ASSERT_TRUE(got.records == first.records);
       }
     }
+  }
+}
+
+TEST(Outliers, OfEveryDefinitionAreThoseOfItsPlainFormula) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    const std::vector<Vec3> points = make_cloud(shape, 600, 25);
+    const auto lists = brute_force_neighbors(points, 5, kFar);
+    for (const OutlierDefinition definition : kAllDefinitions) {
+      SCOPED_TRACE(name + ", " + name_of(definition));
+      const PlainOutliers plain(points, lists, 1, definition);
+      const RunResult got = run_in_memory(points, sor_chain({.k = 5}, 1, definition), tiny(90, true));
+      expect_plain(got, plain);
+      ASSERT_EQ(got.records, run_in_memory(points, sor_chain({.k = 5}, 1, definition), tiny(5000, false, 3)).records);
+    }
+  }
+}
+
+/// Distances of 1, exactly at the mean, and the same with copies of one point.
+TEST(Outliers, AtTheThresholdAreWhatTheDefinitionSays) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 40; ++i) points.push_back({double(i), 0, 0});
+  for (const OutlierDefinition definition : kAllDefinitions) {
+    const bool at_threshold = definition == OutlierDefinition::pdal || definition == OutlierDefinition::open3d;
+    for (const double outlier : run_in_memory(points, sor_chain({.k = 1}, 3, definition), tiny(100)).field("outlier"))
+      EXPECT_EQ(outlier, at_threshold) << name_of(definition);
+  }
+  points.assign(20, {0, 0, 0});
+  for (int i = 1; i < 40; ++i) points.push_back({double(i * i), 0, 0});
+  for (const OutlierDefinition definition : kAllDefinitions) {
+    const auto outlier = run_in_memory(points, sor_chain({.k = 2}, 3, definition), tiny(100)).field("outlier");
+    EXPECT_EQ(outlier[0], definition == OutlierDefinition::open3d) << name_of(definition);
   }
 }
 

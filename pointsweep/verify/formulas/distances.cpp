@@ -28,9 +28,9 @@ Estimate farthest(const Place& p, std::span<const Place> neighbors) {
   return result;
 }
 
-Estimate mean_distance(const Place& p, std::span<const Place> neighbors) {
+Estimate mean_distance(const Place& p, std::span<const Place> neighbors, bool of_open3d) {
   Estimate mean;
-  const auto n = static_cast<Real>(neighbors.size());
+  const Real n = static_cast<Real>(neighbors.size()) + (of_open3d ? 1 : 0);
   for (const Place& q : neighbors) {
     const Estimate d = distance(p, q);
     mean.value.x += d.value.x / n;
@@ -42,9 +42,13 @@ Estimate mean_distance(const Place& p, std::span<const Place> neighbors) {
   return mean;
 }
 
-Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_error) {
+Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_error, OutlierProgram program) {
   const Real mean = mean_distance.value.x;
+  if (program == OutlierProgram::open3d && mean == 0 && mean_distance.error == 0) return {.value = {1, 0, 0}};
   if (mean_distance.is_open() || std::isnan(threshold)) return open();
+  const bool at_threshold = program == OutlierProgram::pdal || program == OutlierProgram::open3d;
+  if (threshold == 0 && threshold_error == 0 && mean == 0 && mean_distance.error == 0)
+    return {.value = {at_threshold ? Real{1} : Real{0}, 0, 0}};
   if (std::fabs(mean - threshold) <= mean_distance.error + threshold_error) return open();
   return {.value = {!(mean <= threshold) ? Real{1} : Real{0}, 0, 0}};
 }

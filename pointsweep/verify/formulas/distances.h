@@ -19,12 +19,16 @@ Estimate distance(const Place& p, const Place& q);
 /// The farthest of `neighbors`, float64; 0 without any, NaN if one of them, moved, has no finite place.
 Estimate farthest(const Place& p, std::span<const Place> neighbors);
 
-/// The mean distance to `neighbors`, float64; NaN without any, or if one of them, moved, has no finite place.
-Estimate mean_distance(const Place& p, std::span<const Place> neighbors);
+/// The programs whose statistical outliers differ.
+enum class OutlierProgram { pointsweep, pdal, pcl, open3d, cloudcompare };
 
-/// Whether a mean distance is that of an outlier: 1 if it is NaN or above the threshold, else 0. Open if the threshold
-/// is NaN.
-Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_error);
+/// The mean distance to `neighbors`, float64; NaN without any, or if one of them, moved, has no finite place. In Open3D
+/// the point itself is one more neighbour at distance 0.
+Estimate mean_distance(const Place& p, std::span<const Place> neighbors, bool of_open3d);
+
+/// Whether a mean distance is that of an outlier: 1 if it is NaN or above the threshold, in PDAL and Open3D also at the
+/// threshold, in Open3D also if it is 0; else 0. Open if the threshold is NaN.
+Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_error, OutlierProgram program);
 
 /// A neighbour in the graph.
 struct GraphNeighbor {
