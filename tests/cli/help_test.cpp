@@ -130,7 +130,6 @@ TEST_F(Help, ExamplesOfOperatorsArePipelinesThatRun) {
   made("generate statue in.ply -n 3000 --noise 0.002", "in.ply");
   const auto examples = lines_after(tool("operators").out, "example");
   EXPECT_EQ(examples.size(), all_operators().size() + 1) << "and knn";
-  EXPECT_EQ(examples.size(), 12u);
   for (const std::string& example : examples)
     EXPECT_EQ(tool("run in.ply out.ply --force --pipeline '" + example + "'").status, 0) << example;
 }
