@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -97,6 +98,14 @@ POINTSWEEP_EXPORT std::shared_ptr<const Operator> fair_in_percent(const FairOpti
 /// number of at least 0.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> sor(double multiplier = 2,
                                                       OutlierDefinition definition = OutlierDefinition::pointsweep);
+/// Makes "outlier": 1 where fewer than `min_neighbors` neighbours lie within `radius`, which the neighbourhoods have to
+/// hold (k of at least min_neighbors, no smaller radius). Throws UsageError for a radius of 0 and min_neighbors of 0.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> ror(double radius, std::uint64_t min_neighbors = 2);
+/// Makes "k_distance", "reachability_density" and "lof", the local outlier factor (Breunig et al. 2000).
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> lof();
+/// Makes "surface_density" and "volume_density", of the ball up to the farthest neighbour, or of one with a radius, all
+/// of whose points the neighbourhoods have to hold.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> density(std::optional<double> radius = std::nullopt);
 /// Keeps the rows for which a condition on attributes holds, e.g. "classification == 2 && z < 100"
 /// (docs/pipelines.md). Throws UsageError for a text that is no condition.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> where(std::string_view condition);

@@ -2,14 +2,17 @@
 /// The typed functions of operators.h.
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/decimate.h"
+#include "pointsweep/operators/density.h"
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/features.h"
 #include "pointsweep/operators/least_eigenentropy.h"
 #include "pointsweep/operators/limits_from_attributes.h"
+#include "pointsweep/operators/local_outlier_factor.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/operators/outliers.h"
+#include "pointsweep/operators/radius_outliers.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/operators/unique.h"
 #include "pointsweep/operators/voxel.h"
@@ -27,6 +30,11 @@ std::shared_ptr<const Operator> fair_in_percent(const FairOptions& percent) {
 std::shared_ptr<const Operator> sor(double multiplier, OutlierDefinition definition) {
   return std::make_shared<StatisticalOutliers>(multiplier, definition);
 }
+std::shared_ptr<const Operator> ror(double radius, std::uint64_t min_neighbors) {
+  return std::make_shared<RadiusOutliers>(radius, min_neighbors);
+}
+std::shared_ptr<const Operator> lof() { return std::make_shared<LocalOutlierFactor>(); }
+std::shared_ptr<const Operator> density(std::optional<double> radius) { return std::make_shared<Density>(radius); }
 std::shared_ptr<const Operator> where(std::string_view condition) { return std::make_shared<Where>(condition); }
 std::shared_ptr<const Operator> unique() { return std::make_shared<Unique>(); }
 std::shared_ptr<const Operator> decimate(double share, std::uint64_t seed) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -85,7 +86,8 @@ class OptionValues {
 /// What an operator may have to know of the cloud, and of the stages before it, when it is made.
 struct Facts {
   std::uint64_t points = 0;
-  std::set<std::string> made = {};  ///< names of the attributes that earlier stages make
+  std::set<std::string> made = {};                ///< names of the attributes that earlier stages make
+  std::optional<Neighborhood> neighborhood = {};  ///< in effect where the operator stands; absent: not known
 };
 
 /// An attribute as docs/attributes.md describes it, where its own words (Attribute::meaning) are too short.

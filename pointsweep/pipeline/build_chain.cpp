@@ -18,6 +18,11 @@ std::vector<Attribute> made_by(const Chain& chain) {
   return made;
 }
 
+void note_neighborhood(const ChainStage& stage, Facts& facts) {
+  const auto* next = std::get_if<Reneighbor>(&stage);
+  if (next != nullptr && next->neighborhood) facts.neighborhood = *next->neighborhood;
+}
+
 /// The stage of a pipeline that a name and options stand for.
 StageText stage_text(const std::string& name, const Options& options) {
   StageText stage{name, {}, name};
@@ -40,6 +45,8 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
 
 void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts) {
   for (const Attribute& a : made_by(chain)) facts.made.insert(a.name);
+  facts.neighborhood = chain.neighborhood;
+  for (const ChainStage& stage : chain.stages) note_neighborhood(stage, facts);
   for (const StageText& stage : stages) {
     if (stage.name == neighborhood_declaration().name)
       fail_usage("{}: knn comes once and first; for other neighbourhoods from here on write {}.", stage.place,
@@ -47,6 +54,7 @@ void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts) 
     const OperatorDeclaration& declaration = find_operator(stage);
     chain.stages.push_back(make_stage(declaration, read_options(declaration.options, stage), facts));
     for (const Attribute& a : contract_of(chain.stages.back()).makes) facts.made.insert(a.name);
+    note_neighborhood(chain.stages.back(), facts);
   }
 }
 

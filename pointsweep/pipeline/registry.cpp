@@ -6,11 +6,14 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/decimate.h"
+#include "pointsweep/operators/density.h"
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/features.h"
+#include "pointsweep/operators/local_outlier_factor.h"
 #include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/operators/outliers.h"
+#include "pointsweep/operators/radius_outliers.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/operators/unique.h"
 #include "pointsweep/operators/update_operators.h"
@@ -22,9 +25,11 @@ namespace pointsweep {
 
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = {
-      normals_declaration(),  curvature_declaration(),         splats_declaration(), fair_declaration(),
-      features_declaration(), neighborhood_size_declaration(), where_declaration(),  sor_declaration(),
-      unique_declaration(),   decimate_declaration(),          voxel_declaration(),  reneighbor_declaration(),
+      normals_declaration(),  curvature_declaration(), splats_declaration(),
+      fair_declaration(),     features_declaration(),  neighborhood_size_declaration(),
+      where_declaration(),    sor_declaration(),       ror_declaration(),
+      lof_declaration(),      density_declaration(),   unique_declaration(),
+      decimate_declaration(), voxel_declaration(),     reneighbor_declaration(),
       resort_declaration(),
   };
   return operators;

@@ -7,15 +7,19 @@
 #include <typeinfo>
 
 #include "pointsweep/operators/curvature.h"
+#include "pointsweep/operators/density.h"
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/features.h"
 #include "pointsweep/operators/least_eigenentropy.h"
 #include "pointsweep/operators/limits_from_attributes.h"
+#include "pointsweep/operators/local_outlier_factor.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/operators/outliers.h"
+#include "pointsweep/operators/radius_outliers.h"
 #include "pointsweep/operators/splats.h"
+#include "pointsweep/verify/formulas/crowding.h"
 #include "pointsweep/verify/formulas/curvature.h"
 #include "pointsweep/verify/formulas/distances.h"
 #include "pointsweep/verify/formulas/fairing.h"
@@ -184,6 +188,49 @@ class OutlierFormula final : public StageFormula {
   formulas::OutlierProgram program_;
 };
 
+class RadiusOutlierFormula final : public StageFormula {
+ public:
+  explicit RadiusOutlierFormula(const RadiusOutliers& op) : radius_(op.radius()), least_(op.min_neighbors()) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {formulas::radius_outlier(in.place, in.neighbors, radius_, least_)};
+  }
+
+ private:
+  double radius_;
+  std::size_t least_;
+};
+
+class DensityFormula final : public StageFormula {
+ public:
+  explicit DensityFormula(const Density& op) : radius_(op.radius()) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    const formulas::Densities d = formulas::densities(in.place, in.neighbors, radius_);
+    return {d.surface, d.volume};
+  }
+
+ private:
+  std::optional<double> radius_;
+};
+
+class KDistanceFormula final : public StageFormula {
+ public:
+  Estimates evaluate(const FormulaInput& in) const override { return {formulas::k_distance(in.place, in.neighbors)}; }
+};
+
+class ReachabilityFormula final : public StageFormula {
+ public:
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {formulas::reachability_density(in.place, in.neighbors, in.of_neighbors[0])};
+  }
+};
+
+class DensityRatioFormula final : public StageFormula {
+ public:
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {formulas::local_outlier_factor(in.reads[0], in.of_neighbors[0])};
+  }
+};
+
 class GraphFormula final : public StageFormula {
  public:
   explicit GraphFormula(const Contract& c)
@@ -232,6 +279,12 @@ std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshol
   if (type == typeid(Fair)) return std::make_unique<FairFormula>(contract, static_cast<const Fair&>(op).options());
   if (type == typeid(Features)) return std::make_unique<FeaturesFormula>(static_cast<const Features&>(op));
   if (type == typeid(NeighborhoodSize)) return std::make_unique<SizeFormula>();
+  if (type == typeid(RadiusOutliers))
+    return std::make_unique<RadiusOutlierFormula>(static_cast<const RadiusOutliers&>(op));
+  if (type == typeid(Density)) return std::make_unique<DensityFormula>(static_cast<const Density&>(op));
+  if (type == typeid(KDistance)) return std::make_unique<KDistanceFormula>();
+  if (type == typeid(ReachabilityDensity)) return std::make_unique<ReachabilityFormula>();
+  if (type == typeid(DensityRatio)) return std::make_unique<DensityRatioFormula>();
   if (type == typeid(MeanDistance))
     return std::make_unique<MeanDistanceFormula>(static_cast<const MeanDistance&>(op).counts_point());
   if (type == typeid(Outlier))

@@ -33,7 +33,12 @@ const char* const kChains[] = {"knn(k=8) | normals | neighborhood_size",
                                "knn(k=10) | features",
                                "knn(radius=0.12) | features(eigenvalues=sqrt, with_point=no)",
                                "knn(k=80) | normals | features(names=[verticality,moment1_axis2,eigenentropy])",
-                               "knn(k=16) | features(eigenvalues=normalized)"};
+                               "knn(k=16) | features(eigenvalues=normalized)",
+                               "knn(k=10) | lof",
+                               "knn(radius=0.12) | normals | lof | density(radius=0.1)",
+                               "knn(k=12) | density",
+                               "knn(k=4) | ror(radius=0.05, min_neighbors=4)",
+                               "knn(radius=0.12) | ror(radius=0.06, min_neighbors=6)"};
 
 TEST(Oracles, EveryChainOnASurfaceIsItsFormula) {
   PointCloud points(bumpy_surface(sized(4000)));
@@ -143,7 +148,8 @@ TEST(Oracles, TheReferenceEngineMakesWhatTheFormulasSayWithinARadius) {
   for (const char* text :
        {"knn(radius=0.12) | normals | curvature | splats | neighborhood_size",
         "knn(radius=0.1) | normals | splats | fair",
-        "knn(radius=0.12) | normals | splats | fair(f=3, g=3) | normals | splats", "knn(radius=0.12) | features"}) {
+        "knn(radius=0.12) | normals | splats | fair(f=3, g=3) | normals | splats", "knn(radius=0.12) | features",
+        "knn(radius=0.12) | lof | density(radius=0.1) | ror(radius=0.05)"}) {
     const Chain chain = build_chain(parse_pipeline(text), points.cloud());
     EngineOptions options = streamed(points.cloud().count());
     options.engine = Engine::reference;
@@ -156,9 +162,11 @@ TEST(Oracles, TheReferenceEngineMakesWhatTheFormulasSayWithinARadius) {
 TEST(Oracles, DegenerateCloudsGetTheDocumentedValues) {
   for (const auto& [name, shape] : hostile_shapes()) {
     PointCloud points(make_cloud(shape, sized(1000), 12));
-    for (const char* chain : {"knn(k=8) | normals | curvature", "knn(k=6) | normals | splats | neighborhood_size",
-                              "knn(k=20) | normals | splats | fair", "knn(k=8) | features",
-                              "knn(k=5) | features(with_point=no, eigenvalues=sqrt)"}) {
+    for (const char* chain :
+         {"knn(k=8) | normals | curvature", "knn(k=6) | normals | splats | neighborhood_size",
+          "knn(k=20) | normals | splats | fair", "knn(k=8) | features",
+          "knn(k=5) | features(with_point=no, eigenvalues=sqrt)", "knn(k=6) | lof",
+          "knn(k=6) | density | ror(radius=0.03, min_neighbors=3)", "knn(radius=0.04) | density(radius=0.04)"}) {
       if (name == "one place" && std::string(chain).find("fair") != std::string::npos) continue;  // has no diagonal
       expect_formulas(points.cloud(), chain, name, 1);
     }

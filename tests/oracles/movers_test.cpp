@@ -61,7 +61,8 @@ TEST(OraclesOfMovedPoints, AMoverOfTheUserIsFollowedByTheFormulas) {
   const std::vector<Vec3> surface = bumpy_surface(sized(3000), 10);
   for (const double step : {0.005, 0.05}) {
     for (const char* behind : {"knn(k=16) | normals | splats | neighborhood_size", "knn(k=12) | normals | curvature",
-                               "knn(k=9) | features(with_point=no)", "knn(k=9) | features"}) {
+                               "knn(k=9) | features(with_point=no)", "knn(k=9) | features", "knn(k=9) | lof",
+                               "knn(k=9) | density | ror(radius=0.08, min_neighbors=5)"}) {
       PointCloud points(surface);
       Chain chain = build_chain(parse_pipeline(behind), points.cloud());
       chain.stages.insert(chain.stages.begin(), std::make_shared<Snap>(step));

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+/// How many points there are around a point, for the area of a plane through it and for the volume.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "pointsweep/operator.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration density_declaration();
+
+/// Makes "surface_density" m / (π R²), points for each unit of area if the points lie on a plane through the point, as
+/// a fitted plane cuts a disc of radius R out of the ball; and "volume_density" m / (4/3 π R³). N f32 each.
+///   Without a radius: R is the distance to the farthest neighbour and m = |N_i|; the point itself is the centre of the
+///   ball and not counted.
+///   With one: R is the radius, m the neighbours within it, inclusive, and the point itself, as in CloudCompare.
+/// Positions are those the stage sees. 0, and counted as degenerate, where R is 0, there is no neighbour, or the
+/// farthest has no finite place.
+class Density final : public Operator {
+ public:
+  /// Throws UsageError unless the radius is a number above 0.
+  explicit Density(std::optional<double> radius = std::nullopt);
+  std::string name() const override { return "density"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods& in, Columns& out) const override;
+  std::optional<double> radius() const { return radius_; }
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  std::optional<double> radius_;
+};
+
+}  // namespace pointsweep

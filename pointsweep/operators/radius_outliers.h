@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+/// Radius outliers: points with few neighbours near them (filters.outlier, method radius, of PDAL; RadiusOutlierRemoval
+/// of PCL; remove_radius_outlier of Open3D).
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "pointsweep/operator.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration ror_declaration();
+
+/// Makes outlier, N u8: 1 where fewer than `min_neighbors` of N_i lie within `radius`, inclusive, of the point at the
+/// positions the stage sees; else 0. N_i must hold the min_neighbors nearest, or all within the radius: k of at least
+/// min_neighbors and no smaller radius. Pipelines that do not give them are refused; C++ code has to see to it.
+class RadiusOutliers final : public Operator {
+ public:
+  /// Throws UsageError unless the radius is a number above 0 and min_neighbors at least 1.
+  RadiusOutliers(double radius, std::uint64_t min_neighbors);
+  std::string name() const override { return "ror"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods& in, Columns& out) const override;
+  double radius() const { return radius_; }
+  std::uint64_t min_neighbors() const { return min_neighbors_; }
+
+ protected:
+  Options own_options() const override { return {{"radius", radius_}, {"min_neighbors", min_neighbors_}}; }
+
+ private:
+  double radius_;
+  std::uint64_t min_neighbors_;
+};
+
+}  // namespace pointsweep
