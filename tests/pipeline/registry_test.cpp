@@ -104,7 +104,8 @@ TEST(Registry, EveryOptionOfEveryOperatorIsInItsCanonicalTextWhichIsReadBack) {
       for (const Presets presets : {Presets::left_out, Presets::spelled_out}) {
         const std::string text = canonical_text(made, presets);
         EXPECT_NE(text.find(text_of_value(another_value(option))), std::string::npos) << option.name << ": " << text;
-        EXPECT_EQ(canonical_text(chain_of(text).stages.front(), presets), text);
+        // Some operators refuse neighbourhoods that do not hold what they count.
+        EXPECT_EQ(canonical_text(chain_of("knn(radius=1e9) | " + text).stages.front(), presets), text);
       }
     }
   }
