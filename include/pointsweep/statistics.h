@@ -59,6 +59,9 @@ struct Statistics {
   double write_seconds = 0;  ///< wall: bringing the results into the output, or to the next sweep
   std::vector<std::pair<std::string, double>> operator_seconds;  ///< summed over threads
   std::uint64_t bytes_read = 0, bytes_spilled = 0, bytes_written = 0;
+  /// Of the bytes spilled, those of points on their way into order, and of inputs that are decoded once.
+  std::uint64_t bytes_spilled_ordering = 0, bytes_spilled_decoding = 0;
+  std::string ordering;  ///< how the points of the first sweep were put in order, and why; a sentence without its end
   std::uint64_t peak_rss_bytes = 0, memory_budget_bytes = 0;
   std::uint64_t peak_points = 0;  ///< in the window, the most of all sweeps
   double mean_points = 0;

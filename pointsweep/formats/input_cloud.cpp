@@ -209,6 +209,30 @@ std::unique_ptr<RowDecoder> InputCloud::decoder(const WantedFields& wanted) cons
   return std::make_unique<Decoder>(*this, wanted);
 }
 
+const Reader* InputCloud::stated_boxes(std::vector<RowBox>& boxes) const {
+  const Reader* without = nullptr;
+  for (std::size_t i = 0; i < readers_.size(); ++i) {
+    const Reader& reader = *readers_[i];
+    const std::uint64_t rows = reader.info().count;
+    const std::size_t before = boxes.size();
+    for (std::uint64_t row = 0; row < rows && reader.has_decoders();) {
+      const Chunk chunk = reader.chunk_of(row);
+      if (!chunk.bounds) break;
+      boxes.push_back({first_row_[i] + row, chunk.end_row() - row, *chunk.bounds});
+      row = chunk.end_row();
+    }
+    const bool all = boxes.size() > before && boxes.back().first_row + boxes.back().rows == first_row_[i] + rows;
+    if (all || rows == 0) continue;
+    boxes.resize(before);
+    const std::optional<Box>& box = reader.info().bounds;
+    if (box)
+      boxes.push_back({first_row_[i], rows, *box});
+    else if (without == nullptr)
+      without = &reader;
+  }
+  return without;
+}
+
 void InputCloud::require_unchanged() const {
   for (std::size_t i = 0; i < readers_.size(); ++i) require_unchanged(i);
 }

@@ -17,6 +17,7 @@
 #include "pointsweep/formats/files/file_state.h"
 #include "pointsweep/formats/finite_rows.h"
 #include "pointsweep/formats/row_selection.h"
+#include "pointsweep/points/row_box.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/reader.h"
 
@@ -47,6 +48,9 @@ class InputCloud {
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// Those of the warnings that say which input lacks attributes of others.
   const std::vector<std::string>& missing_attributes() const { return missing_attributes_; }
+  /// Appends boxes that are said to hold the points of all rows, ascending: of chunks, where a file states them, else
+  /// of whole files. Returns the first input with points that states none, or null.
+  const Reader* stated_boxes(std::vector<RowBox>& boxes) const;
   /// Bytes of all input files.
   std::uint64_t bytes() const;
 

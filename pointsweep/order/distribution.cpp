@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/order/piece_finder.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -50,8 +51,8 @@ class Distribution {
       : input_(input),
         store_(store),
         position_(position_fields(input.schema, "the input")),
-        first_sparse_piece_(input.splitters.front().pieces()),
-        lists_(first_sparse_piece_ + (input.splitters.size() > 1 ? input.splitters[1].pieces() : 0) + 1) {
+        finder_(input.splitters, input.spacing),
+        lists_(finder_.pieces() + 1) {
     const unsigned threads = thread_count();
     const std::size_t per_record = input.schema.stride + input.record.schema().stride + 4 * sizeof(double) + 6;
     capacity_ = std::clamp(input.memory_bytes / threads / per_record, kLeastChunk, kLargestChunk);
@@ -141,17 +142,10 @@ class Distribution {
     for (std::size_t i = 0; i < chunk.count; ++i) {
       // 0 * v is a zero unless v is NaN or infinite.
       const bool finite = !check || (0 * x[i] + 0 * y[i]) + 0 * z[i] == 0;
-      const auto list = finite ? static_cast<std::uint16_t>(piece_of({x[i], y[i], z[i]}, key[i])) : nonfinite;
+      const auto list = finite ? static_cast<std::uint16_t>(finder_.piece_of({x[i], y[i], z[i]}, key[i])) : nonfinite;
       chunk.list[i] = list;
       chunk.boxes[list].include(Vec3{x[i], y[i], z[i]});
     }
-  }
-
-  std::size_t piece_of(Vec3 p, double key) const {
-    if (input_.splitters.size() > 1 && input_.spacing->is_sparse(p)) {
-      return first_sparse_piece_ + input_.splitters[1].piece_of(key);
-    }
-    return input_.splitters[0].piece_of(key);
   }
 
   void decode_rows(const Chunk& chunk, double* rows) const {
@@ -187,7 +181,7 @@ class Distribution {
   const PartitionInput& input_;
   SlabStore& store_;
   PositionFields position_;
-  std::size_t first_sparse_piece_;
+  PieceFinder finder_;
   std::size_t lists_;         ///< pieces, and one more for points without a place in space
   std::size_t capacity_ = 0;  ///< records of a chunk
   std::uint64_t next_ = 0;    ///< first record that no thread has taken

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/order/stream.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <optional>
 
 #include "pointsweep/order/distribution.h"
+#include "pointsweep/order/piece_counts.h"
 #include "pointsweep/order/slab_store.h"
+#include "pointsweep/order/slabs_on_demand.h"
 #include "pointsweep/order/split.h"
 #include "pointsweep/order/splitters.h"
 #include "pointsweep/order/working_record.h"
@@ -59,10 +63,10 @@ std::uint64_t sparse_aim(const StreamOptions& options) { return std::min<std::ui
 
 /// One for the whole cloud, or one for most of it and one for its sparse places.
 std::vector<Splitters> first_splitters(std::uint64_t points, const Survey& survey, const LocalSpacing& spacing,
-                                       const StreamOptions& options) {
+                                       const StreamOptions& options, std::size_t most) {
   const double each = static_cast<double>(points) / static_cast<double>(std::max<std::size_t>(survey.sample.size(), 1));
   if (options.canonical || !spacing.has_sparse_places()) {
-    return {splitters_of(survey.sample, spacing.at_sample(), options.slab_points, most_pieces(options), each, options)};
+    return {splitters_of(survey.sample, spacing.at_sample(), options.slab_points, most, each, options)};
   }
   std::array<std::vector<Vec3>, 2> sample;
   std::array<std::vector<double>, 2> spacings;
@@ -71,10 +75,16 @@ std::vector<Splitters> first_splitters(std::uint64_t points, const Survey& surve
     sample[sparse].push_back(survey.sample[i]);
     spacings[sparse].push_back(spacing.at_sample()[i]);
   }
-  const std::size_t most = most_pieces(options);
   const Splitters thin = splitters_of(sample[1], spacings[1], sparse_aim(options), (most + 3) / 4, each, options);
   const std::size_t rest = std::max<std::size_t>(most - std::min(most, thin.pieces()), 1);
   return {splitters_of(sample[0], spacings[0], options.slab_points, rest, each, options), thin};
+}
+
+/// Of rows that are decoded together: few, so that they lie close together, but worth a read of the file.
+std::uint64_t block_rows(const PointSource& source, const OnDemandOptions& how) {
+  constexpr std::uint64_t kBytes = 512 << 10, kLeastRows = 256, kMostRows = 8192, kMostBlocks = 1 << 18;
+  if (how.block_rows != 0) return how.block_rows;
+  return std::max(std::clamp(kBytes / source.schema.stride, kLeastRows, kMostRows), source.count / kMostBlocks);
 }
 
 struct PiecedSlab {
@@ -138,13 +148,18 @@ struct Stream::State {
                                                .progress = options.progress},
                                               *store);
     store->finish();
+    return by_splitter(splitters, boxes, [this](std::size_t piece) { return store->count(piece); });
+  }
+
+  template <class CountOf>
+  static std::vector<std::vector<StreamPiece>> by_splitter(const std::vector<Splitters>& splitters,
+                                                           const std::vector<Box>& boxes, const CountOf& count_of) {
     std::vector<std::vector<StreamPiece>> pieces;
     std::size_t piece = 0;
     for (const Splitters& s : splitters) {
       pieces.emplace_back();
-      for (const std::size_t end = piece + s.pieces(); piece < end; ++piece) {
-        pieces.back().push_back({piece, store->count(piece), boxes[piece]});
-      }
+      for (const std::size_t end = piece + s.pieces(); piece < end; ++piece)
+        pieces.back().push_back({piece, count_of(piece), boxes[piece]});
     }
     return pieces;
   }
@@ -204,9 +219,54 @@ struct Stream::State {
     nonfinite_list = sort_list_by_row(nonfinite_list, record.schema(), by_row, *store);
   }
 
+  /// The slabs that the counted pieces make together, or, where that cannot be, why.
+  std::optional<CountedSlabs> join_counted(const PieceCounts& counts, const std::vector<Splitters>& splitters,
+                                           const StreamOptions& options, std::string& why_not) {
+    if (counts.nonfinite > 0) {
+      why_not = fmt::format("{} {} no finite coordinates", counts.nonfinite,
+                            counts.nonfinite == 1 ? "point has" : "points have");
+      return {};
+    }
+    auto pieces = by_splitter(splitters, counts.boxes, [&](std::size_t piece) { return counts.points[piece]; });
+    for (std::vector<StreamPiece>& of_splitter : pieces) {
+      std::erase_if(of_splitter, [](const StreamPiece& piece) { return piece.count == 0; });
+      for (const StreamPiece& piece : of_splitter) {
+        if (piece.count <= split.most) continue;
+        why_not = fmt::format("{} points lie so close along {} that their slab has to be split", piece.count,
+                              "xyz"[split.axis]);
+        return {};
+      }
+    }
+    slabs = join(pieces[0], split.aim);
+    if (pieces.size() > 1) merge(join(pieces[1], std::clamp<std::uint64_t>(sparse_aim(options), 1, split.most)));
+    return counted_slabs(counts, splitters);
+  }
+
+  CountedSlabs counted_slabs(const PieceCounts& counts, const std::vector<Splitters>& splitters) const {
+    CountedSlabs counted;
+    counted.splitters = splitters;
+    counted.slab_of_piece.assign(counts.points.size(), ~std::uint32_t{0});
+    for (std::uint32_t slab = 0; slab < slabs.size(); ++slab) {
+      counted.points.push_back(slabs[slab].slab.count);
+      for (const StreamPiece& piece : slabs[slab].pieces) counted.slab_of_piece[piece.list] = slab;
+    }
+    for (const RowBlock& block : counts.blocks) {
+      PieceRange in;  // of slabs, which ascend with the pieces of each splitter
+      for (const PieceRange& range : block.pieces) {
+        if (range.empty()) continue;
+        in.include(counted.slab_of_piece[range.first]);
+        in.include(counted.slab_of_piece[range.last]);
+      }
+      if (!in.empty())
+        counted.blocks.push_back({block.first_row, static_cast<std::uint32_t>(block.rows), in.first, in.last});
+    }
+    return counted;
+  }
+
   WorkingRecord record;
   SplitOptions split;
   std::optional<SlabStore> store;
+  std::optional<SlabsOnDemand> on_demand;  ///< in place of the store
   std::vector<PiecedSlab> slabs;
   std::size_t nonfinite_list = 0;
 };
@@ -216,16 +276,52 @@ Stream::Stream(const PointSource& source, const Survey& survey, const StreamOpti
   State& s = *state_;
   record_schema_ = s.record.schema();
   LocalSpacing spacing(survey.sample, source.count, survey.dimension);
-  const auto pieces = s.partition(source, first_splitters(source.count, survey, spacing, options), spacing, options);
+  const auto pieces = s.partition(source, first_splitters(source.count, survey, spacing, options, most_pieces(options)),
+                                  spacing, options);
   s.make_slabs(pieces[0], options.slab_points);
   if (pieces.size() > 1) s.make_slabs(pieces[1], sparse_aim(options));
-  for (PiecedSlab& slab : s.slabs) {
-    slab.slab.first = slabs_.empty() ? 0 : slabs_.back().first + slabs_.back().count;
-    slabs_.push_back(slab.slab);
-  }
+  number_slabs();
   if (options.canonical) spacing_ = std::move(spacing);
   nonfinite_count_ = s.store->count(s.nonfinite_list);
   s.sort_nonfinite();
+}
+
+void Stream::number_slabs() {
+  for (PiecedSlab& slab : state_->slabs) {
+    slab.slab.first = slabs_.empty() ? 0 : slabs_.back().first + slabs_.back().count;
+    slabs_.push_back(slab.slab);
+  }
+}
+
+Stream::Stream(int axis, std::unique_ptr<State> state) : axis_(axis), state_(std::move(state)) {
+  record_schema_ = state_->record.schema();
+  number_slabs();
+}
+
+Stream::Stream(Stream&&) noexcept = default;
+
+std::optional<Stream> Stream::on_demand(const PointSource& source, const Survey& survey, const StreamOptions& options,
+                                        const OnDemandOptions& how, std::string& why_not) {
+  auto state = std::make_unique<State>(source, options);
+  LocalSpacing spacing(survey.sample, source.count, survey.dimension);
+  const std::vector<Splitters> splitters = first_splitters(source.count, survey, spacing, options, kMostPieces);
+  const PieceFinder finder(splitters, &spacing);
+  std::vector<RowBlock> blocks = cut_into_blocks(source.count, block_rows(source, how), how.boxes);
+  const PieceCounts counts = count_pieces(source, finder, options.axis, std::move(blocks), options.progress);
+  std::optional<CountedSlabs> slabs = state->join_counted(counts, splitters, options, why_not);
+  if (!slabs) return {};
+  slabs->spacing = spacing;
+  const std::uint64_t waiting = most_waiting(*slabs, how.read_ahead);
+  if (waiting > how.most_waiting) {
+    why_not =
+        fmt::format("{} points would wait in memory for the sweep, which has room for {}", waiting, how.most_waiting);
+    return {};
+  }
+  state->on_demand.emplace(source, state->record, wanted_fields(source.schema, options), options.axis,
+                           std::move(*slabs), how.read_ahead, how.most_waiting);
+  Stream stream(options.axis, std::move(state));
+  if (options.canonical) stream.spacing_ = std::move(spacing);
+  return stream;
 }
 
 Stream::Stream(Unpacker& packed, const PointSource& source, const StreamOptions& options)
@@ -256,12 +352,13 @@ void Stream::pack(Packer& out) const {
   state_->store->pack(out);
 }
 
-std::uint64_t Stream::spilled_bytes() const { return state_->store->spilled_bytes(); }
-std::uint64_t Stream::memory_bytes() const { return state_->store->memory_bytes(); }
+std::uint64_t Stream::spilled_bytes() const { return state_->store ? state_->store->spilled_bytes() : 0; }
+std::uint64_t Stream::memory_bytes() const { return state_->store ? state_->store->memory_bytes() : 0; }
 
 void Stream::read(std::size_t slab, std::span<std::byte> out) const {
-  const State& s = *state_;
+  State& s = *state_;
   assert(out.size() == slabs_[slab].count * record_schema_.stride);
+  if (s.on_demand) return s.on_demand->read(slab, out);
   for (const StreamPiece& piece : s.slabs[slab].pieces) {
     const std::size_t bytes = piece.count * record_schema_.stride;
     s.store->read(piece.list, 0, out.first(bytes));
@@ -270,7 +367,7 @@ void Stream::read(std::size_t slab, std::span<std::byte> out) const {
 }
 
 void Stream::read_nonfinite(std::uint64_t first, std::span<std::byte> out) const {
-  state_->store->read(state_->nonfinite_list, first, out);
+  if (state_->store) state_->store->read(state_->nonfinite_list, first, out);
 }
 
 }  // namespace pointsweep

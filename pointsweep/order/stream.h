@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pointsweep/math/box.h"
@@ -16,6 +18,7 @@
 #include "pointsweep/order/source.h"
 #include "pointsweep/order/spill_file.h"
 #include "pointsweep/order/survey.h"
+#include "pointsweep/points/row_box.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -42,6 +45,14 @@ struct StreamOptions {
   std::function<void(std::uint64_t rows_read)> progress;
 };
 
+/// How slabs are to be made from the input when they are read.
+struct OnDemandOptions {
+  std::vector<RowBox> boxes;       ///< no block of rows that are decoded together crosses the end of one
+  std::uint64_t block_rows = 0;    ///< at most; 0: chosen
+  std::size_t read_ahead = 1;      ///< slabs that are read at once
+  std::uint64_t most_waiting = 0;  ///< points that may be decoded and wait for their slabs
+};
+
 /// The ordered stream: slabs ascending in canonical order (coordinate along the axis; ties by x, then y, then z, then
 /// input row). Every point of slab s precedes every point of slab s+1 in that order; inside a slab points lie in no
 /// order. Unless the options give that up: then points in sparse places have slabs of their own, merged with the others
@@ -54,8 +65,14 @@ class Stream {
   /// As it was when it was packed, in the file it kept then. The source is not read; schema and number of points must
   /// be the same, and of the options the kind of records.
   Stream(Unpacker& packed, const PointSource& source, const StreamOptions& options);
+  /// Without a distribution pass: the source is read once to count, and decoded again when slabs are read in their
+  /// order; a slab that is read twice is decoded twice. Nothing is spilled. The source, whose functions are copied,
+  /// must have for_thread(). Empty where this cannot be: then `why_not` says why, as the end of a sentence.
+  static std::optional<Stream> on_demand(const PointSource& source, const Survey& survey, const StreamOptions& options,
+                                         const OnDemandOptions& how, std::string& why_not);
+  Stream(Stream&&) noexcept;
   ~Stream();
-  /// Of a stream in a kept file.
+  /// Of a stream in a kept file, which is not on demand.
   void pack(Packer& out) const;
 
   int axis() const { return axis_; }
@@ -64,6 +81,7 @@ class Stream {
   const LocalSpacing& spacing_in_slabs() const { return spacing_; }
   std::uint64_t nonfinite_count() const { return nonfinite_count_; }
   std::uint64_t spilled_bytes() const;
+  /// Of what is stored; 0 on demand.
   std::uint64_t memory_bytes() const;
 
   /// Layout of a working record: the carried fields under their names in the source (x, y, z first in type and scale of
@@ -82,6 +100,9 @@ class Stream {
   std::uint64_t nonfinite_count_ = 0;
   Schema record_schema_;
   struct State;
+  Stream(int axis, std::unique_ptr<State> state);
+  void number_slabs();
+
   std::unique_ptr<State> state_;
 };
 

@@ -25,7 +25,8 @@ class DecodedReader final : public Reader {
 
   /// Decodes all rows of `encoded` with up to `threads` threads; progress is told by one thread at a time how many rows
   /// are done.
-  DecodedReader(Reader& encoded, const SpillPlace& place, unsigned threads, const Progress& progress) : file_(place) {
+  DecodedReader(Reader& encoded, const SpillPlace& place, unsigned threads, const Progress& progress)
+      : encoded_(encoded), file_(place) {
     info_ = encoded.info();
     info_.decode_once = false;
     info_.decoder_bytes = 0;
@@ -39,6 +40,12 @@ class DecodedReader final : public Reader {
 
   bool has_decoders() const override { return true; }
   bool decodes_any_range() const override { return true; }
+  /// As the file has them, with the boxes that it states; their bytes are not in it any more.
+  Chunk chunk_of(std::uint64_t row) const override {
+    Chunk chunk = encoded_.chunk_of(row);
+    chunk.begin = chunk.end = 0;
+    return chunk;
+  }
   std::unique_ptr<RowDecoder> decoder(const WantedFields&) const override { return std::make_unique<Decoder>(*this); }
 
  private:
@@ -93,6 +100,7 @@ class DecodedReader final : public Reader {
     }
   }
 
+  const Reader& encoded_;  ///< lives as long (DecodedInput)
   SpillFile file_;
 };
 

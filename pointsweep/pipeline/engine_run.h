@@ -14,6 +14,13 @@
 
 namespace pointsweep {
 
+/// How a run puts its points in order.
+enum class Ordering : std::uint8_t {
+  planned,       ///< as the memory plan finds
+  distribution,  ///< never on demand
+  on_demand,     ///< on demand where that is possible at all, whatever waits in memory
+};
+
 /// No result depends on any of these.
 struct EngineOptions : RunOptions {
   EngineOptions() = default;
@@ -21,6 +28,8 @@ struct EngineOptions : RunOptions {
 
   std::uint64_t slab_points = 0;     ///< aim; 0: chosen from the cloud
   std::uint32_t cell_points = 1024;  ///< a multiple of 16 up to 2,048
+  Ordering ordering = Ordering::planned;
+  std::uint64_t block_rows = 0;  ///< on demand: rows that are decoded together; 0: chosen
   bool spill = false;                ///< use the temporary folder even where memory would do
   /// Find neighbourhoods again for every step even where there is memory to keep them.
   bool search_again = false;

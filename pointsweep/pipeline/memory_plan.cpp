@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/order/slabs_on_demand.h"
 #include "pointsweep/sweep/window_cell.h"
 
 namespace pointsweep {
@@ -101,6 +102,20 @@ std::uint64_t stream_index_bytes(std::uint64_t slab_points, std::uint64_t buffer
   return (demand.points * demand.working_record_bytes / block + slabs_of(slab_points, demand)) * kBlockBytes;
 }
 
+/// Of slabs made on demand: points that wait, blocks of memory that are partly filled, and what is known of blocks of
+/// rows (order/slabs_on_demand.cpp).
+std::uint64_t waiting_bytes(std::uint64_t slab_points, const MemoryDemand& demand) {
+  constexpr std::uint64_t kBlockRows = 4096, kBlockIndexBytes = 80;
+  return *demand.waiting_points * demand.working_record_bytes +
+         slabs_of(slab_points, demand) * waiting_block_bytes(slab_points, demand.working_record_bytes) +
+         demand.points / kBlockRows * kBlockIndexBytes;
+}
+
+/// For each thread a block of rows that is decoded, and a slab that is put together.
+std::uint64_t on_demand_buffer_bytes(std::uint64_t slab_points, const MemoryDemand& demand) {
+  return std::max(1u, demand.threads) * (2 * kMega + slab_points * demand.working_record_bytes);
+}
+
 /// The same of spilled results: buckets of 1 MB if there is a good block of memory for each, else larger ones.
 std::uint64_t result_index_bytes(std::uint64_t buffer, const MemoryDemand& demand) {
   constexpr std::uint64_t kGoodBlock = 64 << 10, kRowBytes = 4;
@@ -149,6 +164,17 @@ class Division {
     return out_;
   }
 
+  /// Slabs on demand, with results in memory rather than spilled. Null if that does not fit.
+  std::optional<MemoryPlan> find_on_demand() {
+    out_.on_demand = true;
+    out_.stream_buffer_bytes = on_demand_buffer_bytes(out_.slab_points, demand_);
+    if (fits()) return out_;
+    out_.spill_results = true;
+    out_.result_buffer_bytes = std::max(budget_ / 8, kMega);
+    if (fits()) return out_;
+    return {};
+  }
+
  private:
   bool fits() {
     const std::uint64_t threads = std::max(1u, demand_.threads);
@@ -158,8 +184,11 @@ class Division {
                         threads * thread_bytes(plan_, out_.slab_points, budget_, demand_);
     out_.expected_bytes = kFixedBytes + demand_.codec_bytes + out_.window_bytes +
                           index_bytes(plan_, out_.slab_points, demand_) + out_.stream_buffer_bytes;
-    out_.expected_bytes +=
-        out_.spill_stream ? stream_index_bytes(out_.slab_points, out_.stream_buffer_bytes, demand_) : stream;
+    if (out_.on_demand)
+      out_.expected_bytes += waiting_bytes(out_.slab_points, demand_);
+    else
+      out_.expected_bytes +=
+          out_.spill_stream ? stream_index_bytes(out_.slab_points, out_.stream_buffer_bytes, demand_) : stream;
     out_.expected_bytes +=
         out_.spill_results ? out_.result_buffer_bytes + result_index_bytes(out_.result_buffer_bytes, demand_) : results;
     return out_.expected_bytes <= budget_;
@@ -180,7 +209,15 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
     lists = false;
     out = Division(budget, plan, demand, lists).find();
   }
-  const std::uint64_t others = out.expected_bytes - cells_bytes(plan, out.slab_points, demand, lists);
+  const bool possible = out.expected_bytes <= budget && demand.waiting_points;
+  if (possible && (out.spill_stream || out.spill_results))
+    if (const auto on_demand = Division(budget, plan, demand, lists).find_on_demand()) out = *on_demand;
+  std::uint64_t others = out.expected_bytes - cells_bytes(plan, out.slab_points, demand, lists);
+  if (out.on_demand) {  // boxes tell how many points wait only by and large
+    const std::uint64_t more = (budget - out.expected_bytes) / 2;
+    out.most_waiting = *demand.waiting_points + more / demand.working_record_bytes;
+    others += more;
+  }
   out.cells_bytes = (budget - std::min(budget, others)) / kLostBetweenAllocations * (kLostBetweenAllocations - 1);
   out.recall_bytes = std::max(kMega, out.cells_bytes);  // the window is empty by then
   return out;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "pointsweep/sweep/plan.h"
 
@@ -20,14 +21,18 @@ struct MemoryDemand {
   /// thick as the radius times the steps and one more, which are in the window because of the radius.
   std::uint64_t most_neighbors = 0;
   std::uint64_t slice_points = 0;
+  /// Points that are estimated to wait in memory if slabs are made on demand; absent: they cannot be.
+  std::optional<std::uint64_t> waiting_points = {};
 };
 
 struct MemoryPlan {
   bool spill_stream = false;
   bool spill_results = false;
+  bool on_demand = false;  ///< slabs are made when they are read; nothing is spilled for the order
   std::uint64_t slab_points = 0;
   std::uint64_t stream_buffer_bytes = 0;  ///< for the distribution pass
   std::uint64_t result_buffer_bytes = 0;
+  std::uint64_t most_waiting = 0;  ///< on demand: points that may wait for their slabs
   std::uint64_t recall_bytes = 0;
   std::uint64_t window_bytes = 0;    ///< expected
   std::uint64_t cells_bytes = 0;     ///< what the cells of the window may take of the budget

@@ -71,7 +71,9 @@ std::string slabs_text(const MemoryPlan& memory, std::uint64_t points, std::uint
   const std::uint64_t slab_points = std::max<std::uint64_t>(memory.slab_points, 1);
   return fmt::format("slabs         about {} of {} points, {} bytes a point on the way, {}\n",
                      (points + slab_points - 1) / slab_points, slab_points, record_bytes,
-                     memory.spill_stream ? "spilled" : "in memory");
+                     memory.spill_stream ? "spilled"
+                     : memory.on_demand  ? "made on demand"
+                                         : "in memory");
 }
 
 /// How a pass goes through the points.
@@ -103,7 +105,8 @@ std::string sweep_text(const Preview& p, std::size_t s, std::size_t first_stage)
   text += values_text(pass);
   if (goes_on && !pass.carried.empty()) text += "carried on    " + attributes_text(pass.carried);
   if (pass.kind == PassKind::rows) return text;
-  return text + slabs_text(p.memory.passes[s], p.points, p.memory.record_bytes[s]);
+  text += slabs_text(p.memory.passes[s], p.points, p.memory.record_bytes[s]);
+  return s == p.memory.ordered_pass ? text + "ordering      " + p.memory.order_text + "\n" : text;
 }
 
 std::string memory_text(const Preview& p) {
@@ -142,7 +145,8 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   const OutputLayout layout(cloud.schema(), out.names.made, out.names.kept,
                             type_of_moved_positions(cloud.schema(), outputs.points, options));
   out.memory = plan_run_memory(out.budget, out.planned, out.points, survey(source, options.axis, false), options,
-                               layout.schema().stride, codec_bytes(cloud, outputs, layout.schema().stride, options));
+                               layout.schema().stride, codec_bytes(cloud, outputs, layout.schema().stride, options),
+                               on_demand_order(cloud, out.planned, options));
   return out;
 }
 

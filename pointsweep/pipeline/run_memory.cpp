@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/run_memory.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <limits>
 #include <thread>
 
+#include "pointsweep/order/waiting_estimate.h"
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/radius_estimate.h"
 #include "pointsweep/pipeline/row_mask.h"
@@ -47,11 +51,39 @@ Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& sur
 MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand,
                 const EngineOptions& options) {
   MemoryPlan memory = try_plan_memory(budget, sweep, demand);
+  if (options.ordering == Ordering::on_demand && demand.waiting_points) {
+    memory.on_demand = true;
+    memory.spill_stream = false;
+    memory.spill_results |= options.spill;
+    memory.result_buffer_bytes = std::max<std::uint64_t>(memory.result_buffer_bytes, 1 << 20);
+    memory.most_waiting = std::numeric_limits<std::uint64_t>::max();
+    return memory;
+  }
   if (options.spill || !options.resume_folder.empty()) {
     memory.spill_stream = memory.spill_results = true;
     memory.result_buffer_bytes = std::max<std::uint64_t>(memory.result_buffer_bytes, 1 << 20);
   }
   return memory;
+}
+
+/// What the boxes say of the points that would wait; absent where slabs cannot be made on demand.
+std::optional<std::uint64_t> waiting_points(const OnDemandOrder& order, const Survey& survey,
+                                            const MemoryDemand& demand) {
+  if (!order.why_not.empty()) return {};
+  return estimate_waiting(order.boxes, survey.axis, survey.sample, demand.points, demand.slab_points, demand.threads);
+}
+
+double mega(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
+
+/// How the points of the first pass are put in order, and why.
+std::string order_text(const MemoryPlan& memory, const OnDemandOrder& order, const MemoryDemand& demand) {
+  if (!memory.on_demand && !memory.spill_stream) return "by distribution, in memory";
+  if (!memory.on_demand && !order.why_not.empty()) return "by distribution: " + order.why_not;
+  const std::string waiting = fmt::format("about {} points ({:.1f} MB)", demand.waiting_points.value_or(0),
+                                          mega(demand.waiting_points.value_or(0) * demand.working_record_bytes));
+  if (memory.on_demand)
+    return fmt::format("by the boxes of the inputs: at most {} wait in memory; nothing is spilled for it", waiting);
+  return fmt::format("by distribution: by the boxes of the inputs {} would have to wait in memory", waiting);
 }
 
 /// Points that are put in order and go through no stage.
@@ -77,12 +109,15 @@ std::uint64_t mask_bytes(const ChainPlan& planned, std::uint64_t points) {
 }  // namespace
 
 bool RunMemory::spills() const {
+  if (by_distribution && !in_memory(*by_distribution)) return true;
   return spill_rows || !in_memory(reordering) || !std::ranges::all_of(passes, in_memory);
 }
 
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
-                          const EngineOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes) {
+                          const EngineOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes,
+                          const OnDemandOrder& on_demand) {
   RunMemory memory;
+  memory.ordered_pass = first_ordered_pass(planned);
   for (const PlannedPass& pass : planned.passes) {
     if (pass.kind == PassKind::rows) {
       memory.efforts.emplace_back();
@@ -97,7 +132,15 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
                                 whole ? output_bytes : stages.result_bytes, points, survey, options, codec_bytes);
     memory.efforts.push_back(add_radius(needs, stages, survey));
     memory.record_bytes.push_back(needs.working_record_bytes);
-    memory.passes.push_back(plan(budget, stages, needs, options));
+    if (memory.passes.size() == memory.ordered_pass) {
+      needs.waiting_points = waiting_points(on_demand, survey, needs);
+      memory.passes.push_back(plan(budget, stages, needs, options));
+      memory.order_text = order_text(memory.passes.back(), on_demand, needs);
+      needs.waiting_points = {};
+      if (memory.passes.back().on_demand) memory.by_distribution = plan(budget, stages, needs, options);
+    } else {
+      memory.passes.push_back(plan(budget, stages, needs, options));
+    }
     memory.expected_bytes = std::max(memory.expected_bytes, memory.passes.back().expected_bytes);
   }
   if (planned.reorders) {

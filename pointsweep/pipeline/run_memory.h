@@ -4,12 +4,15 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/memory_plan.h"
+#include "pointsweep/pipeline/on_demand_order.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
@@ -22,7 +25,11 @@ struct Effort {
 
 /// Of all phases, decided before the first.
 struct RunMemory {
-  std::vector<MemoryPlan> passes;           ///< by pass
+  std::vector<MemoryPlan> passes;  ///< by pass
+  std::size_t ordered_pass = 0;    ///< first_ordered_pass()
+  /// Of that pass, where it is to be put in order on demand and turns out not to fit.
+  std::optional<MemoryPlan> by_distribution;
+  std::string order_text;                   ///< how the points of that pass are put in order, and why
   std::vector<std::uint64_t> record_bytes;  ///< of a point on its way through the stream, by pass
   std::vector<Effort> efforts;              ///< by pass
   MemoryPlan reordering;                    ///< of the output, if planned.reorders
@@ -36,7 +43,8 @@ struct RunMemory {
 /// serves all sweeps: where points move is not known yet. `output_bytes`: of an output record; `codec_bytes`:
 /// codec_bytes().
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
-                          const EngineOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes = 0);
+                          const EngineOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes = 0,
+                          const OnDemandOrder& on_demand = {"it was not looked for", {}});
 
 /// For whole records of `record_bytes` that are only put in order. Does not throw: see MemoryPlan::needed_bytes.
 MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,

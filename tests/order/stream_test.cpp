@@ -5,6 +5,7 @@
 #include <rapidcheck.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -14,7 +15,9 @@
 #include <tuple>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/order/piece_counts.h"
 #include "pointsweep/order/temp_folder.h"
+#include "pointsweep/order/waiting_estimate.h"
 #include "pointsweep/threads.h"
 #include "tests/order/cloud_source.h"
 
@@ -433,6 +436,233 @@ void expect_the_same_from_its_kept_file(bool canonical) {
 
 TEST(Stream, IsTheSameFromItsKeptFile) {
   for (const bool canonical : {false, true}) expect_the_same_from_its_kept_file(canonical);
+}
+
+/// A source that several threads can read, which counts the rows that were read.
+template <class T>
+struct SharedSource {
+  CloudSource<T> cloud;
+  std::atomic<std::uint64_t> rows_read = 0;
+
+  explicit SharedSource(const std::vector<Vec3>& points) : cloud(points) {
+    cloud.source.for_thread = [this](const std::vector<std::size_t>&) -> ReadRows {
+      return [this](std::uint64_t row, std::span<std::byte> out) {
+        const std::size_t n = cloud.source.read(row, out);
+        rows_read += n;
+        return n;
+      };
+    };
+  }
+};
+
+std::vector<Vec3> ordered_along_x(std::size_t n, std::size_t run) {
+  std::vector<Vec3> points = random_points(n, 8);
+  std::ranges::sort(points, {}, &Vec3::x);
+  // Of each run of points that follow each other, the order is lost.
+  std::mt19937_64 rng(5);
+  for (std::size_t first = 0; first < n; first += run)
+    std::shuffle(points.begin() + static_cast<std::ptrdiff_t>(first),
+                 points.begin() + static_cast<std::ptrdiff_t>(std::min(n, first + run)), rng);
+  return points;
+}
+
+OnDemandOptions of_blocks(std::uint64_t rows, std::uint64_t most_waiting = 1 << 30) {
+  return {.boxes = {}, .block_rows = rows, .read_ahead = 1, .most_waiting = most_waiting};
+}
+
+template <class T>
+std::optional<Stream> on_demand(const SharedSource<T>& shared, const StreamOptions& options, const OnDemandOptions& how,
+                                std::string* why_not = nullptr) {
+  std::string reason;
+  auto stream = Stream::on_demand(shared.cloud.source, survey(shared.cloud.source, options.axis, false), options, how,
+                                  why_not != nullptr ? *why_not : reason);
+  return stream;
+}
+
+TEST(StreamOnDemand, HoldsEveryPointOnceOrSaysWhyItCannot) {
+  std::size_t made = 0;
+  rc::check([&] {
+    const auto coordinate = rc::gen::map(rc::gen::arbitrary<std::int16_t>(), [](int i) { return i * 1e-3; });
+    const auto point = rc::gen::apply(
+        [](double x, double y, double z) {
+          return Vec3{x, y, z};
+        },
+        coordinate, coordinate, coordinate);
+    const auto points = *rc::gen::container<std::vector<Vec3>>(*rc::gen::inRange<std::size_t>(1, 600), point);
+    StreamOptions options = small_options(*rc::gen::inRange(0, 3));
+    options.canonical = *rc::gen::arbitrary<bool>();
+    const SharedSource<double> shared(points);
+    std::string why_not;
+    const auto stream = on_demand(shared, options, of_blocks(*rc::gen::inRange(1, 300)), &why_not);
+    if (!stream) RC_DISCARD("has to be split");
+    ++made;
+    if (options.canonical) check(shared.cloud, options, streamed(*stream));
+    RC_ASSERT(!testing::Test::HasFailure());
+    RC_ASSERT(stream->spilled_bytes() == 0u);
+  });
+  EXPECT_GT(made, 20u);
+}
+
+TEST(StreamOnDemand, HasTheSlabsOfADistribution) {
+  for (const bool canonical : {true, false}) {
+    for (const std::size_t run_of : {1, 100, 20000}) {
+      const SharedSource<float> shared(ordered_along_x(20000, run_of));
+      StreamOptions options;
+      options.slab_points = 700, options.payload = {3}, options.canonical = canonical;
+      options.buffer_bytes = 16 << 20, options.max_slab_points = 20000;
+      const auto stream = on_demand(shared, options, of_blocks(97));
+      ASSERT_TRUE(stream);
+      const Streamed wanted = run(shared.cloud.source, options, survey(shared.cloud.source, options.axis, false));
+      EXPECT_TRUE(same(wanted, streamed(*stream))) << canonical << " " << run_of;
+    }
+  }
+}
+
+TEST(StreamOnDemand, DecodesEachBlockOnceWhereSlabsAreReadInOrder) {
+  const SharedSource<double> shared(ordered_along_x(20000, 3000));
+  StreamOptions options = small_options(0);
+  options.slab_points = 500, options.max_slab_points = 2000;
+  for (const unsigned threads : {1, 4}) {
+    with_threads(threads, [&] {
+      const std::uint64_t before = shared.rows_read;
+      const auto stream = on_demand(shared, options, of_blocks(64));
+      ASSERT_TRUE(stream);
+      EXPECT_EQ(shared.rows_read - before, 20000u);  // counted
+      streamed(*stream);
+      EXPECT_EQ(shared.rows_read - before, 40000u);
+      streamed(*stream);  // all once more: from memory as far as it goes
+      EXPECT_GT(shared.rows_read - before, 40000u);
+      EXPECT_LE(shared.rows_read - before, 60000u);
+    });
+  }
+}
+
+std::vector<std::byte> records_of_slab(const Stream& stream, std::size_t slab) {
+  std::vector<std::byte> records(stream.slabs()[slab].count * stream.record_schema().stride);
+  stream.read(slab, records);
+  return records;
+}
+
+TEST(StreamOnDemand, GivesTheSameBytesHoweverOftenAndInWhichOrderSlabsAreRead) {
+  const SharedSource<double> shared(ordered_along_x(20000, 5000));
+  StreamOptions options = small_options(0);
+  options.slab_points = 500, options.max_slab_points = 2000;
+  OnDemandOptions how = of_blocks(300, 8000);
+  how.read_ahead = 3;
+  const auto in_order = on_demand(shared, options, how);
+  ASSERT_TRUE(in_order);
+  std::vector<std::vector<std::byte>> wanted;
+  for (std::size_t s = 0; s < in_order->slabs().size(); ++s) wanted.push_back(records_of_slab(*in_order, s));
+  const std::size_t slabs = wanted.size();
+  std::vector<std::size_t> any(3 * slabs);
+  for (std::size_t i = 0; i < any.size(); ++i) any[i] = i % slabs;
+  std::ranges::shuffle(any, std::mt19937(2));
+  std::vector<std::size_t> ascending(any), descending(any);
+  std::ranges::sort(ascending);
+  std::ranges::sort(descending, std::greater());
+  for (const auto& order : {any, ascending, descending}) {
+    const auto stream = on_demand(shared, options, how);
+    for (const std::size_t s : order) ASSERT_EQ(records_of_slab(*stream, s), wanted[s]) << s;
+  }
+  for (const unsigned threads : {2, 4}) {
+    with_threads(threads, [&] {
+      const auto stream = on_demand(shared, options, how);
+      parallel_for(any.size(), [&](std::size_t i, unsigned) {
+        EXPECT_EQ(records_of_slab(*stream, ascending[i]), wanted[ascending[i]]);
+      });
+      parallel_for(any.size(),
+                   [&](std::size_t i, unsigned) { EXPECT_EQ(records_of_slab(*stream, any[i]), wanted[any[i]]); });
+    });
+  }
+}
+
+TEST(StreamOnDemand, IsRefusedWhereTooManyPointsWouldWait) {
+  StreamOptions options = small_options(0);
+  options.slab_points = 500, options.max_slab_points = 2000;
+  const SharedSource<double> ordered(ordered_along_x(20000, 2000)), random(random_points(20000, 3));
+  // Runs of 2,000 points and blocks of 100: at most two runs and a slab are decoded before the first is handed over.
+  EXPECT_TRUE(on_demand(ordered, options, of_blocks(100, 5000)));
+  std::string why_not;
+  EXPECT_FALSE(on_demand(ordered, options, of_blocks(100, 1500), &why_not));
+  EXPECT_NE(why_not.find("points would wait in memory for the sweep, which has room for 1500"), std::string::npos)
+      << why_not;
+  EXPECT_FALSE(on_demand(random, options, of_blocks(1000, 19999), &why_not));
+  EXPECT_TRUE(on_demand(random, options, of_blocks(1000, 20000)));
+}
+
+TEST(StreamOnDemand, IsRefusedForPointsThatNeedMoreThanOneReading) {
+  std::vector<Vec3> points = random_points(3000, 3);
+  points[77].y = kNaN;
+  std::string why_not;
+  EXPECT_FALSE(on_demand(SharedSource<double>(points), small_options(0), of_blocks(100), &why_not));
+  EXPECT_EQ(why_not, "1 point has no finite coordinates");
+  points[77].y = 0;
+  for (std::size_t i = 0; i < 1000; ++i) points[i].x = 0.5;
+  EXPECT_FALSE(on_demand(SharedSource<double>(points), small_options(0), of_blocks(100), &why_not));
+  EXPECT_EQ(why_not, "1000 points lie so close along x that their slab has to be split");
+}
+
+TEST(StreamOnDemand, NoticesThatTheInputHasChangedSinceItWasCounted) {
+  for (const double moved : {1e6, kNaN}) {
+    for (const unsigned threads : {1, 4}) {
+      SharedSource<double> shared(ordered_along_x(20000, 2000));
+      StreamOptions options = small_options(0);
+      options.slab_points = 500, options.max_slab_points = 2000;
+      const auto stream = on_demand(shared, options, of_blocks(100));
+      ASSERT_TRUE(stream);
+      std::memcpy(&shared.cloud.bytes[7000 * shared.cloud.source.schema.stride], &moved, sizeof moved);
+      with_threads(threads, [&] {
+        try {
+          parallel_for(stream->slabs().size(), [&](std::size_t s, unsigned) { records_of_slab(*stream, s); });
+          ADD_FAILURE() << "the change was not noticed";
+        } catch (const Error& error) {
+          EXPECT_NE(std::string(error.what()).find("was written to while it was read"), std::string::npos);
+        }
+      });
+    }
+  }
+}
+
+TEST(StreamOnDemand, CanMove) {
+  const SharedSource<double> shared(ordered_along_x(5000, 100));
+  auto stream = on_demand(shared, small_options(0), of_blocks(50));
+  ASSERT_TRUE(stream);
+  const Stream moved = std::move(*stream);
+  stream.reset();
+  check(shared.cloud, small_options(0), streamed(moved));
+}
+
+TEST(CutIntoBlocks, CoversAllRowsAndEndsWhereBoxesEnd) {
+  const std::vector<RowBox> boxes{{0, 10, {}}, {10, 1, {}}, {11, 25, {}}};
+  const std::vector<RowBlock> blocks = cut_into_blocks(100, 10, boxes);
+  std::vector<std::uint64_t> ends;
+  std::uint64_t row = 0;
+  for (const RowBlock& block : blocks) {
+    EXPECT_EQ(block.first_row, row);
+    EXPECT_LE(block.rows, 10u);
+    EXPECT_GT(block.rows, 0u);
+    ends.push_back(row += block.rows);
+  }
+  EXPECT_EQ(row, 100u);
+  for (const std::uint64_t end : {10, 11, 36}) EXPECT_TRUE(std::ranges::binary_search(ends, end)) << end;
+  EXPECT_TRUE(cut_into_blocks(0, 10, {}).empty());
+}
+
+TEST(EstimateWaiting, IsAboutABoxForBoxesInARowAndAllForBoxesThatAllOverlap) {
+  std::vector<Vec3> sample = random_points(16000, 1);  // x in [-3, 3]
+  std::vector<RowBox> row, one_on_another;
+  for (std::uint64_t i = 0; i < 16; ++i) {
+    Box box{{-3 + 0.375 * static_cast<double>(i), -2, -1}, {-2.625 + 0.375 * static_cast<double>(i), 2, 1}};
+    row.push_back({i * 1000, 1000, box});
+    one_on_another.push_back({i * 1000, 1000, {{-3, -2, -1}, {3, 2, 1}}});
+  }
+  const std::uint64_t in_a_row = estimate_waiting(row, 0, sample, 16000, 100, 1);
+  EXPECT_GE(in_a_row, 1000u);
+  EXPECT_LE(in_a_row, 2200u);
+  EXPECT_GT(estimate_waiting(row, 0, sample, 16000, 100, 20), in_a_row + 1000);
+  EXPECT_EQ(estimate_waiting(one_on_another, 0, sample, 16000, 100, 1), 16000u);
+  EXPECT_EQ(estimate_waiting(row, 1, sample, 16000, 100, 1), 16000u);  // across the row
+  EXPECT_EQ(estimate_waiting(row, 0, {}, 16000, 100, 1), 16000u);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/fixed_records.h"
+#include "pointsweep/formats/las/copc_hierarchy.h"
 #include "pointsweep/formats/las/las_crs.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_point_formats.h"
@@ -151,11 +152,21 @@ LazPoints open_compressed(const LasExtras& extras) {
   return {extras.file, vlr, header.offset_to_points, point_count(header), header.record_length};
 }
 
+/// By chunk, as the hierarchy of a COPC file states them; empty for any other file.
+std::vector<Box> copc_boxes(const LasExtras& extras, const LazPoints& points, std::vector<std::string>& warnings) {
+  const std::optional<LasVlr>& info = extras.vlrs.copc;
+  if (!info || info->length != kCopcInfoBytes) return {};
+  std::string why_not;
+  std::vector<Box> boxes = read_copc_boxes(*extras.file, info->content, points, why_not);
+  if (!why_not.empty()) warnings.push_back(fmt::format("the hierarchy of the COPC file was ignored: {}.", why_not));
+  return boxes;
+}
+
 /// The chunks are those of the file.
 class LazReader final : public Reader {
  public:
   LazReader(const std::shared_ptr<const LasExtras>& extras, std::vector<std::string> warnings)
-      : points_(open_compressed(*extras)) {
+      : points_(open_compressed(*extras)), boxes_(copc_boxes(*extras, points_, warnings)) {
     info_ = info_of(extras, std::move(warnings));
     constexpr std::uint64_t kDecoderBytes =
         3 << 20;  // buffers, layers and models; an estimate from the peak memory of runs
@@ -168,7 +179,7 @@ class LazReader final : public Reader {
     const std::size_t chunk = points_.chunk_of(row);
     const std::uint64_t first = points_.first_row(chunk);
     return {first, points_.first_row(chunk + 1) - first, points_.first_byte(chunk), points_.first_byte(chunk + 1),
-            std::nullopt};
+            boxes_.empty() ? std::nullopt : std::optional(boxes_[chunk])};
   }
   std::unique_ptr<RowDecoder> decoder(const WantedFields&) const override { return std::make_unique<Decoder>(*this); }
 
@@ -189,6 +200,7 @@ class LazReader final : public Reader {
   };
 
   LazPoints points_;
+  std::vector<Box> boxes_;  ///< by chunk; empty if the file states none
 };
 
 }  // namespace

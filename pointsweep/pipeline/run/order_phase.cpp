@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pointsweep/pipeline/nonfinite_points.h"
+#include "pointsweep/pipeline/run/made_rows.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/survey_input.h"
@@ -12,7 +13,7 @@ namespace pointsweep {
 namespace {
 
 /// How the points are to be ordered.
-struct Ordering {
+struct PointsInOrder {
   const PointSource& source;
   Survey& survey;  ///< of the source; its sample is needed no more when the stream is made
   const MemoryPlan& memory;
@@ -23,7 +24,7 @@ struct Ordering {
 
 bool is_in_order(const RunState& run) { return run.checkpoints && run.checkpoints->last().is_in_order(); }
 
-StreamOptions stream_options(const RunState& run, const Ordering& how) {
+StreamOptions stream_options(const RunState& run, const PointsInOrder& how) {
   // The reorder of the output has no checkpoints, so its file may have the name of the first stream.
   const std::size_t number = *run.pass == run.plan.passes.size() ? 0 : *run.pass;
   return {.axis = how.survey.axis,
@@ -44,19 +45,41 @@ void note_nonfinite(RunState& run) {
   run.statistics.nonfinite = std::max(run.statistics.nonfinite, run.statistics.dropped + count);
 }
 
+/// Slabs on demand. False where the points do not lie as the inputs say, or as the plan has estimated: then the plan is
+/// that of a distribution pass.
+bool make_on_demand(RunState& run, const PointsInOrder& how) {
+  OnDemandOptions on_demand{.boxes = std::move(run.on_demand.boxes),
+                            .block_rows = run.options.block_rows,
+                            .read_ahead = run.statistics.threads,
+                            .most_waiting = how.memory.most_waiting};
+  std::string why_not;
+  std::optional<Stream> stream =
+      Stream::on_demand(how.source, how.survey, stream_options(run, how), on_demand, why_not);
+  if (stream) {
+    run.stream.emplace(std::move(*stream));
+    return true;
+  }
+  run.memory.passes[*run.pass] = *run.memory.by_distribution;
+  run.memory.order_text = "by distribution: " + why_not;
+  run.results = results_of_pass(run, *run.pass);
+  return false;
+}
+
 /// The stream of a checkpoint, or a new one.
-void make_stream(RunState& run, const Ordering& how) {
+void make_stream(RunState& run, const PointsInOrder& how) {
   const auto start = std::chrono::steady_clock::now();
+  const bool on_demand = how.memory.on_demand && make_on_demand(run, how);
   const StreamOptions options = stream_options(run, how);
   if (is_in_order(run)) {
     run.checkpoints->require_slabs_of(how.memory.slab_points);
     Unpacker packed(run.checkpoints->last().stream);
     run.stream.emplace(packed, how.source, options);
-  } else {
+  } else if (!on_demand) {
     run.stream.emplace(how.source, how.survey, options);
   }
   how.survey.sample = {};
   note_nonfinite(run);
+  if (run.statistics.ordering.empty()) run.statistics.ordering = run.memory.order_text;
   run.statistics.order_seconds += seconds_since(start);
 }
 

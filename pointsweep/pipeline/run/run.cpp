@@ -54,9 +54,10 @@ void begin_pass(RunState& run, std::size_t p) {
   run.pass = p;
   if (p == run.plan.passes.size()) return;
   PlannedPass& pass = run.plan.passes[p];
-  run.source = p == 0 ? run.cloud_source() : updated_source(run.cloud, *run.rows, pass, [&run](std::uint64_t bytes) {
-    run.statistics.bytes_read += bytes;
-  });
+  const bool nothing_carried = p == 0 || run.plan.passes[p - 1].carried.empty();
+  run.source = nothing_carried ? run.cloud_source()
+                               : updated_source(run.cloud, *run.rows, pass,
+                                                [&run](std::uint64_t bytes) { run.statistics.bytes_read += bytes; });
   give_values(pass, run.values);
   if (pass.kind != PassKind::rows) run.results = results_of_pass(run, p);
 }

@@ -45,6 +45,7 @@ struct RunState {
 
   std::optional<Checkpoints> checkpoints;  ///< of a run that can be resumed
   Survey survey;                           ///< of the points that are put in order next
+  OnDemandOrder on_demand;                 ///< whether that can be done by boxes; of the first pass
   std::optional<OutputLayout> layout;      ///< of the output's records; known when the survey has ended
   RunMemory memory;                        ///< the same
   std::optional<TempFolder> folder;        ///< of a run that spills or decodes and has no checkpoints

@@ -36,17 +36,19 @@ void decode_input(RunState& run) {
   if (!run.checkpoints) run.folder.emplace(temp_parent(run.options.resources.temp_folder));
   run.decoded.emplace(run.cloud, run.options, [&](std::size_t input) { return run.place("decoded", input, true); });
   run.statistics.bytes_spilled += run.decoded->bytes();
+  run.statistics.bytes_spilled_decoding = run.decoded->bytes();
   run.statistics.order_seconds += seconds_since(start);
 }
 
 void plan_memory_of(RunState& run) {
   const Schema& input = run.cloud.schema();
+  run.on_demand = on_demand_order(run.cloud, run.plan, run.options);
   if (!run.plan.passes.empty())
     run.layout.emplace(input, run.names.made, run.names.kept,
                        type_of_moved_positions(input, run.outputs.points, run.options));
   const std::uint64_t output = run.layout ? run.layout->schema().stride : input.stride;
   run.memory = plan_run_memory(run.statistics.memory_budget_bytes, run.plan, run.cloud.count(), run.survey, run.options,
-                               output, codec_bytes(run.cloud, run.outputs, output, run.options));
+                               output, codec_bytes(run.cloud, run.outputs, output, run.options), run.on_demand);
 }
 
 void make_folder(RunState& run) {

@@ -107,6 +107,7 @@ void sweep_phase(RunState& run, std::size_t p) {
   pass.bind(run.stream->record_schema());
   pass.kind == PassKind::order ? thin(run, p) : sweep_stages(run, p);
   run.statistics.bytes_spilled += run.stream->spilled_bytes();
+  run.statistics.bytes_spilled_ordering += run.stream->spilled_bytes();
   run.stream.reset();  // nothing is read from it any more
 }
 

@@ -69,6 +69,7 @@ void write_ordered(RunState& run) {
   };
   write_in_order(*run.stream, bytes, write, [&run](std::uint64_t done) { run.report("writing", done, 0); });
   run.statistics.bytes_spilled += run.stream->spilled_bytes();
+  run.statistics.bytes_spilled_ordering += run.stream->spilled_bytes();
 }
 
 void write_output(RunState& run, std::size_t p) {

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// Reads blocks of rows of a source for one thread, beside others, and decodes their positions.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pointsweep/geometry.h"
+#include "pointsweep/order/source.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+
+/// The indices of x, y and z.
+std::vector<std::size_t> position_columns(const Schema& schema);
+
+class BlockReader {
+ public:
+  /// `wanted`: the fields that are needed; empty: all. The source must outlive the reader and have for_thread().
+  BlockReader(const PointSource& source, const std::vector<std::size_t>& wanted);
+
+  /// Throws Error if the source ends before.
+  void read(std::uint64_t first_row, std::size_t rows);
+
+  // Of what was read last.
+  std::size_t count() const { return count_; }
+  Vec3 position(std::size_t i) const { return {numbers_[i], numbers_[count_ + i], numbers_[2 * count_ + i]}; }
+  const std::byte* records() const { return records_.data(); }
+
+ private:
+  const PointSource& source_;
+  PositionFields fields_;
+  ReadRows read_;
+  std::size_t count_ = 0;
+  std::vector<std::byte> records_;
+  std::vector<double> numbers_;  ///< x, then y, then z
+};
+
+}  // namespace pointsweep

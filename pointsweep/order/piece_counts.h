@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+/// One reading of a source that counts its points piece by piece and stores none.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/order/piece_finder.h"
+#include "pointsweep/order/source.h"
+#include "pointsweep/points/row_box.h"
+
+namespace pointsweep {
+
+/// A range of pieces; empty if first > last.
+struct PieceRange {
+  std::uint32_t first = ~std::uint32_t{0}, last = 0;
+
+  bool empty() const { return first > last; }
+  void include(std::uint32_t piece) {
+    first = first < piece ? first : piece;
+    last = last > piece ? last : piece;
+  }
+};
+
+/// Rows that are decoded together, and the pieces that hold their points: those of each Splitters.
+struct RowBlock {
+  std::uint64_t first_row = 0, rows = 0;
+  std::array<PieceRange, 2> pieces;
+};
+
+struct PieceCounts {
+  std::vector<std::uint64_t> points;  ///< by piece
+  std::vector<Box> boxes;             ///< by piece, tight
+  std::uint64_t nonfinite = 0;        ///< points in no piece
+  std::vector<RowBlock> blocks;       ///< all rows, ascending
+};
+
+/// Cuts the rows of a source of `count` rows into blocks of at most `most` rows. A block does not cross the end of one
+/// of the `boxes`, which ascend and do not overlap.
+std::vector<RowBlock> cut_into_blocks(std::uint64_t count, std::uint64_t most, std::span<const RowBox> boxes);
+
+/// Reads all `blocks` of the source on all threads; the source must have for_thread(). The counts never depend on
+/// threads. `progress` is told the rows read by one thread at a time.
+PieceCounts count_pieces(const PointSource& source, const PieceFinder& finder, int axis, std::vector<RowBlock> blocks,
+                         const std::function<void(std::uint64_t rows)>& progress);
+
+}  // namespace pointsweep

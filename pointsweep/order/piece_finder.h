@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+/// To which piece of the stream a point goes.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "pointsweep/order/local_spacing.h"
+#include "pointsweep/order/splitters.h"
+
+namespace pointsweep {
+
+/// The pieces of one Splitters, or of a second one for points in sparse places, too: both numbered through.
+class PieceFinder {
+ public:
+  /// `splitters` and `spacing` are borrowed. `spacing` knows the sparse places where there are two splitters; else it
+  /// may be null.
+  PieceFinder(std::span<const Splitters> splitters, const LocalSpacing* spacing)
+      : splitters_(splitters), spacing_(spacing) {}
+
+  std::size_t pieces() const { return first_sparse_piece() + (splitters_.size() > 1 ? splitters_[1].pieces() : 0); }
+  std::size_t first_sparse_piece() const { return splitters_[0].pieces(); }
+
+  /// Of a finite point; `key` is what the splitters divide.
+  std::size_t piece_of(Vec3 p, double key) const {
+    if (splitters_.size() > 1 && spacing_->is_sparse(p)) return first_sparse_piece() + splitters_[1].piece_of(key);
+    return splitters_[0].piece_of(key);
+  }
+
+ private:
+  std::span<const Splitters> splitters_;
+  const LocalSpacing* spacing_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+/// Slabs made from the input at the moment they are read, in place of a distribution pass before.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pointsweep/order/local_spacing.h"
+#include "pointsweep/order/piece_counts.h"
+#include "pointsweep/order/source.h"
+#include "pointsweep/order/splitters.h"
+#include "pointsweep/order/working_record.h"
+
+namespace pointsweep {
+
+/// Rows that are decoded together, and the slabs that their points are in.
+struct SlabBlock {
+  std::uint64_t first_row = 0;
+  std::uint32_t rows = 0;
+  std::uint32_t first_slab = 0, last_slab = 0;
+};
+
+/// What is known when all points have been counted.
+struct CountedSlabs {
+  std::vector<Splitters> splitters;  ///< one, or a second one for sparse places
+  LocalSpacing spacing;              ///< knows the sparse places where there are two splitters
+  std::vector<std::uint32_t> slab_of_piece;
+  std::vector<std::uint64_t> points;  ///< by slab
+  std::vector<SlabBlock> blocks;      ///< ascending by first row; blocks without points are left out
+};
+
+/// The most points that are decoded and not yet handed over at any time, if slabs are read in their order, up to
+/// `ahead` of them at once.
+std::uint64_t most_waiting(const CountedSlabs& slabs, std::size_t ahead);
+
+/// Of memory for the points of a slab that wait: small against the slab, so that slabs that begin to fill waste little.
+std::size_t waiting_block_bytes(std::uint64_t slab_points, std::size_t record_bytes);
+
+/// Slabs read in their order: a block is decoded when the first slab that holds one of its points is read, and its
+/// points for later slabs wait in memory. A slab that is read again is made of its blocks once more, together with
+/// those next to it as far as `most_points` allows, since a recall reads neighbouring slabs.
+class SlabsOnDemand {
+ public:
+  /// `source` must have for_thread() and is copied; `wanted`: its fields that working records carry. At most `ahead`
+  /// slabs are read at once.
+  SlabsOnDemand(const PointSource& source, const WorkingRecord& record, std::vector<std::size_t> wanted, int axis,
+                CountedSlabs slabs, std::size_t ahead, std::uint64_t most_points);
+  ~SlabsOnDemand();
+
+  /// Fills `out` with all working records of a slab, ascending by row. Thread-safe. Throws Error if the source has
+  /// changed since its points were counted.
+  void read(std::size_t slab, std::span<std::byte> out);
+
+ private:
+  class State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace pointsweep
