@@ -30,7 +30,7 @@ struct EngineOptions : RunOptions {
   std::uint32_t cell_points = 1024;  ///< a multiple of 16 up to 2,048
   Ordering ordering = Ordering::planned;
   std::uint64_t block_rows = 0;  ///< on demand: rows that are decoded together; 0: chosen
-  bool spill = false;                ///< use the temporary folder even where memory would do
+  bool spill = false;            ///< use the temporary folder even where memory would do
   /// Find neighbourhoods again for every step even where there is memory to keep them.
   bool search_again = false;
   /// For the lists of neighbours that a thread has in hand, at least those of one point; 0: chosen from the budget.
