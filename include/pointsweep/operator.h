@@ -107,7 +107,8 @@ struct Contract {
   Selects selects = Selects::nothing;  ///< if not nothing, it is alone and makes selection_attribute() and nothing else
   std::vector<std::shared_ptr<const Reduction>> values = {};  ///< of the whole cloud, given by with_values()
   bool has_places = false;                                    ///< of a select in order: place_of() is not the position
-  double reach = 0;  ///< of a select in order: points so far behind the newest may still be undecided; a length
+  double reach = 0;  ///< of a select in order: it may hold points so far behind the newest, and as far again
+  std::uint64_t held_bytes = 0;  ///< of memory for each point it holds
 };
 
 /// What a selecting operator makes. Never written.

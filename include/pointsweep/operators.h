@@ -79,6 +79,11 @@ enum class VoxelKeep {
   hash,    ///< the one whose coordinates have the smallest hash: a random choice
 };
 
+struct PoissonOptions {
+  double radius = 0;             ///< within which a kept point leaves out others; > 0
+  std::string radius_from = {};  ///< name of an attribute that holds the radius of each point, at most `radius`
+};
+
 namespace operators {
 
 /// Makes "normal": the unit normal of the surface the points were taken from (paper Section 3.2, Equation 1).
@@ -118,6 +123,9 @@ POINTSWEEP_EXPORT std::shared_ptr<const Operator> voxel(double size, VoxelKeep k
 /// Makes features of the shape of neighbourhoods from the eigenvalues of their covariance: "linearity", "planarity",
 /// "sphericity" and more (docs/operators.md). Throws UsageError for a name that is not one of these, or is given twice.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> features(const FeaturesOptions& options = {});
+/// Keeps points of which none is within the radius of another: in the order of a hash of the coordinates, a point is
+/// kept unless a kept one lies within its radius.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> poisson(const PoissonOptions& options);
 /// Makes "neighbor_count", |N_i|, and "neighbor_radius", the distance to the farthest neighbour.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> neighborhood_size();
 /// Makes "neighbors", N×k: the rows of the k nearest neighbours among `points` points (Cloud::count()), as u32, or u64

@@ -12,6 +12,7 @@
 #include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/operators/outliers.h"
+#include "pointsweep/operators/poisson.h"
 #include "pointsweep/operators/radius_outliers.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/operators/unique.h"
@@ -41,6 +42,7 @@ std::shared_ptr<const Operator> decimate(double share, std::uint64_t seed) {
   return std::make_shared<Decimate>(share, seed);
 }
 std::shared_ptr<const Operator> voxel(double size, VoxelKeep keep) { return std::make_shared<Voxel>(size, keep); }
+std::shared_ptr<const Operator> poisson(const PoissonOptions& options) { return std::make_shared<Poisson>(options); }
 std::shared_ptr<const Operator> features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
 std::shared_ptr<const Operator> neighborhood_size() { return std::make_shared<NeighborhoodSize>(); }
 std::shared_ptr<const Operator> neighbors(std::size_t k, std::uint64_t points, bool distances) {

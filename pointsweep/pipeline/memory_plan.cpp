@@ -182,7 +182,7 @@ class Division {
     const std::uint64_t results = demand_.points * demand_.result_record_bytes;
     out_.window_bytes = cells_bytes(plan_, out_.slab_points, demand_, lists_) +
                         threads * thread_bytes(plan_, out_.slab_points, budget_, demand_);
-    out_.expected_bytes = kFixedBytes + demand_.codec_bytes + out_.window_bytes +
+    out_.expected_bytes = kFixedBytes + demand_.codec_bytes + demand_.thinning_bytes + out_.window_bytes +
                           index_bytes(plan_, out_.slab_points, demand_) + out_.stream_buffer_bytes;
     if (out_.on_demand)
       out_.expected_bytes += waiting_bytes(out_.slab_points, demand_);
@@ -220,6 +220,7 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
   }
   out.cells_bytes = (budget - std::min(budget, others)) / kLostBetweenAllocations * (kLostBetweenAllocations - 1);
   out.recall_bytes = std::max(kMega, out.cells_bytes);  // the window is empty by then
+  out.thinning_bytes = demand.thinning_bytes + (budget - std::min(budget, out.expected_bytes));
   return out;
 }
 

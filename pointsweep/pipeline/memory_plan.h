@@ -16,7 +16,8 @@ struct MemoryDemand {
   std::uint64_t slab_points = 0;
   unsigned threads = 1;
   std::uint32_t cell_points = 1024;
-  std::uint64_t codec_bytes = 0;  ///< for decoding the inputs and encoding the output
+  std::uint64_t thinning_bytes = 0;  ///< estimate of what a Thinning holds
+  std::uint64_t codec_bytes = 0;     ///< for decoding the inputs and encoding the output
   /// Of a radius without a limit k, estimated: neighbours of a point at most, and points in a slice across the axis as
   /// thick as the radius times the steps and one more, which are in the window because of the radius.
   std::uint64_t most_neighbors = 0;
@@ -36,6 +37,7 @@ struct MemoryPlan {
   std::uint64_t recall_bytes = 0;
   std::uint64_t window_bytes = 0;    ///< expected
   std::uint64_t cells_bytes = 0;     ///< what the cells of the window may take of the budget
+  std::uint64_t thinning_bytes = 0;  ///< what a Thinning may hold
   std::uint64_t lists_bytes = 0;     ///< for the lists that each thread has in hand
   std::uint64_t expected_bytes = 0;  ///< in all
   std::uint64_t needed_bytes = 0;    ///< the least budget that does, in whole MB, if this one does not; otherwise 0

@@ -15,6 +15,8 @@
 namespace pointsweep {
 namespace {
 
+/// Points that a thinning takes at once (thinning_pass.cpp).
+constexpr std::uint64_t kBatchPoints = 4096;
 constexpr std::uint64_t kMovedPositionBytes = 3 * sizeof(double);
 
 bool in_memory(const MemoryPlan& plan) { return !plan.spill_stream && !plan.spill_results; }
@@ -46,6 +48,15 @@ Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& sur
   demand.most_neighbors = static_cast<std::uint64_t>(estimate.most_neighbors);
   const double all = estimate.neighbors * static_cast<double>(demand.points);
   return {estimate.neighbors, neighbor_seconds(plan, all) / demand.threads};
+}
+
+/// What a thinning holds of the points within its reach behind the front and of those that wait for one of these.
+void add_thinning(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey) {
+  if (pass.kind != PassKind::order) return;
+  const Contract contract = pass.thinner().contract();
+  if (contract.reach == 0) return;
+  const RadiusEstimate estimate = estimate_radius(survey, demand.points, contract.reach, 2 * contract.reach);
+  demand.thinning_bytes = contract.held_bytes * std::min(demand.points, estimate.slice_points + kBatchPoints);
 }
 
 MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand,
@@ -131,6 +142,7 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
     MemoryDemand needs = demand(whole ? pass.input.stride : pass.travelling_bytes(),
                                 whole ? output_bytes : stages.result_bytes, points, survey, options, codec_bytes);
     memory.efforts.push_back(add_radius(needs, stages, survey));
+    add_thinning(needs, pass, survey);
     memory.record_bytes.push_back(needs.working_record_bytes);
     if (memory.passes.size() == memory.ordered_pass) {
       needs.waiting_points = waiting_points(on_demand, survey, needs);
@@ -154,7 +166,9 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
   if (needed != 0) fail_budget(budget, needed);
   memory.row_bytes = points * planned.most_carried_bytes() + mask_bytes(planned, points);
   memory.spill_rows = memory.row_bytes > 0 && (memory.spills() || memory.expected_bytes + memory.row_bytes > budget);
-  if (!memory.spill_rows) memory.expected_bytes += memory.row_bytes;
+  if (memory.spill_rows) return memory;
+  memory.expected_bytes += memory.row_bytes;
+  for (MemoryPlan& pass : memory.passes) pass.thinning_bytes -= std::min(pass.thinning_bytes, memory.row_bytes);
   return memory;
 }
 

@@ -10,9 +10,11 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/decimate.h"
+#include "pointsweep/operators/poisson.h"
 #include "pointsweep/operators/unique.h"
 #include "pointsweep/operators/voxel.h"
 #include "pointsweep/points/degenerate_points.h"
+#include "pointsweep/verify/disk_rows.h"
 #include "pointsweep/verify/formulas/thinning.h"
 
 namespace pointsweep {
@@ -128,13 +130,18 @@ Mask by_condition(InputCloud& cloud, const Operator& op, const PhaseProgress& pr
 Mask kept_by(const Operator& op, InputCloud& cloud, std::uint64_t memory_bytes, const PhaseProgress& progress) {
   if (const auto* decimate = dynamic_cast<const Decimate*>(&op)) return by_hash(cloud, *decimate, progress);
   if (op.contract().selects == Selects::by_value) return by_condition(cloud, op, progress);
+  if (const auto* poisson = dynamic_cast<const Poisson*>(&op); poisson && poisson->options().radius_from.empty())
+    return rows_of_disks(cloud, poisson->options().radius, memory_bytes, progress);
   Competes competes;
   if (dynamic_cast<const Unique*>(&op) != nullptr)
     competes = [](Vec3 p, std::uint64_t row) { return Competitor{p, 0, 0, {}, row}; };
   else if (const auto* voxel = dynamic_cast<const Voxel*>(&op))
     competes = [voxel](Vec3 p, std::uint64_t row) { return in_voxel(*voxel, p, row); };
   else
-    fail_usage("verify: which rows '{}' leaves out is not checked.", op.name());
+    fail_usage(
+        "verify: which rows '{}' leaves out with these options is not checked; verify the output of the stages before "
+        "it.",
+        op.name());
   return least_of_groups(cloud, competes, memory_bytes, progress);
 }
 

@@ -99,7 +99,8 @@ TEST_F(SelectStages, ThinningKeepsTheSameRowsInEveryFormatAndTiling) {
   write_rows("all.txt", [](int) { return true; });
   write_rows("a.txt", [](int i) { return i < 300; });
   write_rows("b.txt", [](int i) { return i >= 300; });
-  for (const char* thin : {"decimate(0.5)", "voxel(2.57)", "decimate(0.9, seed=3) | voxel(3, keep=hash)"}) {
+  for (const char* thin :
+       {"decimate(0.5)", "voxel(2.57)", "decimate(0.9, seed=3) | voxel(3, keep=hash)", "poisson(1.9)"}) {
     SCOPED_TRACE(thin);
     const auto thinned = [&](const std::string& in, const std::string& out) {
       made(fmt::format("run {} -o {} -f -q --no-provenance --pipeline '{}'", in, out, thin), out);
@@ -113,7 +114,7 @@ TEST_F(SelectStages, ThinningKeepsTheSameRowsInEveryFormatAndTiling) {
     // The last bit of a coordinate in a LAS file may differ: another hash, another side of a face.
     made("run all.txt all.las -f -q --pipeline 'unique'", "all.las");
     const std::string of_las = thinned("all.las", "out.las");
-    const bool by_hash = std::string(thin).find("decimate") == 0;
+    const bool by_hash = std::string(thin) != "voxel(2.57)";
     EXPECT_TRUE(by_hash || points_in("out.las") == points_in("out.ply"));
     made("run all.las all.ply -f -q --no-provenance --pipeline 'unique'", "all.ply");
     EXPECT_EQ(thinned("all.ply", "out.las"), of_las);
@@ -122,7 +123,7 @@ TEST_F(SelectStages, ThinningKeepsTheSameRowsInEveryFormatAndTiling) {
 
 TEST_F(SelectStages, VerifyFindsAWrongRowOfAThinning) {
   write_rows("all.txt", [](int) { return true; });
-  for (const char* thin : {"decimate(0.5)", "voxel(2.5)", "voxel(2.5, keep=hash)"}) {
+  for (const char* thin : {"decimate(0.5)", "voxel(2.5)", "voxel(2.5, keep=hash)", "poisson(2)"}) {
     made(fmt::format("run all.txt out.txt -f -q --no-provenance --pipeline '{}'", thin), "out.txt");
     const Result sound = tool(fmt::format("verify all.txt out.txt --pipeline '{}'", thin));
     EXPECT_EQ(sound.status, 0) << sound.out << sound.err;
@@ -131,6 +132,8 @@ TEST_F(SelectStages, VerifyFindsAWrongRowOfAThinning) {
     write("wrong.txt", text.substr(0, last) + "0 0 50 3\n");
     EXPECT_EQ(tool(fmt::format("verify all.txt wrong.txt --pipeline '{}'", thin)).status, 1) << thin;
   }
+  made("run all.txt out.txt -f -q --no-provenance --pipeline 'poisson(2, radius_from=level)'", "out.txt");
+  refused(2, "verify all.txt out.txt --pipeline 'poisson(2, radius_from=level)'", "is not checked");
 }
 
 TEST_F(SelectStages, VerifyRefusesASelectBehindOtherStagesAndChecksWhatStandsBeforeIt) {

@@ -192,6 +192,7 @@ constexpr std::array kPipelines = {
     "normals | where(nz > 0)",
     "decimate(0.8) | voxel(0.05) | normals",
     "normals | voxel(0.1, keep=hash)",
+    "poisson(0.05) | normals",
 };
 
 TEST_F(Tiles, HaveTheBytesOfTheMergedRunInEveryPipeline) {

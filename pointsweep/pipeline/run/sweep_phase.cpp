@@ -92,10 +92,9 @@ void sweep_stages(RunState& run, std::size_t p) {
 }
 
 void thin(RunState& run, std::size_t p) {
-  const MemoryPlan& memory = run.memory.passes[p];
   run_thinning({.stream = *run.stream,
                 .pass = run.plan.passes[p],
-                .memory_bytes = memory.cells_bytes,
+                .memory_bytes = run.memory.passes[p].thinning_bytes,
                 .results = *run.results,
                 .progress = [&run](std::uint64_t done) { run.report("updating", done, 0); }});
 }

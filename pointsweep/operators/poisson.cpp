@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/poisson.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/math/coordinate_hash.h"
+#include "pointsweep/operators/declaration.h"
+#include "pointsweep/operators/undecided_points.h"
+
+namespace pointsweep {
+namespace {
+
+/// The radius of a point: what its attribute says, at most the limit; NaN and negative values count as 0.
+double own_radius(double value, double limit) { return value > 0 ? std::min(value, limit) : 0; }
+
+class PoissonFront final : public Thinning {
+ public:
+  /// `values`: components of what is read of each point, of which number `component` is its radius; 0: nothing is read.
+  PoissonFront(const ThinningSetup& setup, double radius, std::size_t values, std::size_t component)
+      : points_(setup.axis, radius, setup.memory_bytes / UndecidedPoints::kPointBytes),
+        radius_(radius),
+        values_(values),
+        component_(component) {}
+
+  void add(const OrderedPoints& points, Decided& decided) override {
+    for (std::size_t i = 0; i < points.rows.size(); ++i) {
+      const double r = values_ == 0 ? radius_ : own_radius(points.values[i * values_ + component_], radius_);
+      const Vec3 p = points.positions[i];
+      points_.hold({p, coordinate_hash(p, kPoissonSeed), points.rows[i], r * r});
+    }
+    points_.decide(decided);
+  }
+  void finish(Decided& decided) override { points_.finish(decided); }
+
+ private:
+  UndecidedPoints points_;
+  double radius_;
+  std::size_t values_, component_;
+};
+
+std::shared_ptr<Operator> make_poisson(const OptionValues& options, const Facts&) {
+  return std::make_shared<Poisson>(
+      PoissonOptions{.radius = options.number("radius"),
+                     .radius_from = options.given("radius_from") ? options.word("radius_from") : ""});
+}
+
+}  // namespace
+
+OperatorDeclaration poisson_declaration() {
+  return {.name = "poisson",
+          .meaning = "keeps points that are farther than a radius from each other and leave no gap wider than it",
+          .options = {{.name = "radius",
+                       .kind = OptionKind::number,
+                       .meaning = "within which a kept point leaves out others; with radius_from the most it can be",
+                       .least = 1e-9,
+                       .unit = "length",
+                       .required = true,
+                       .positional = true,
+                       .sample = 0.5},
+                      {.name = "radius_from",
+                       .kind = OptionKind::attribute,
+                       .meaning = "attribute of the input, or made before, that holds the radius of each point"}},
+          .make = make_poisson,
+          .formula =
+              "In ascending order of h_i (ties by x, y, z, then row) a point is kept unless a kept point j has\n"
+              "|p_i - p_j|² <= r_i², ((dx² + dy²) + dz²) in float64.\n"
+              "h: the hash of decimate with the seed 0x706f6973736f6e.\n"
+              "r_i = radius, or min(radius_from, radius); 0 where radius_from is NaN or negative.",
+          .source =
+              "The greedy maximal independent set, the same in any order of evaluation: Blelloch, Fineman and "
+              "Shun (SPAA 2012).",
+          .undefined = "Points without a finite place all stay.",
+          .cost =
+              "a pass that puts the points in order, without a search; memory holds the points of a slice about "
+              "two radii thick",
+          .example = "knn(k=12) | poisson(0.2) | normals"};
+}
+
+Poisson::Poisson(PoissonOptions options) : options_(std::move(options)) {
+  const double r = options_.radius;
+  if (!(r > 0 && std::isnormal(r * r)))
+    fail_usage("poisson: the radius {} is not a positive length; give one in the length unit of the cloud.", r);
+}
+
+Contract Poisson::contract() const {
+  return {.reads = reads_,
+          .makes = {selection_attribute()},
+          .alone = true,
+          .selects = Selects::in_order,
+          .reach = options_.radius,
+          .held_bytes = UndecidedPoints::kPointBytes};
+}
+
+Options Poisson::own_options() const {
+  Options options = {{"radius", options_.radius}};
+  if (!options_.radius_from.empty()) options.push_back({"radius_from", options_.radius_from});
+  return options;
+}
+
+std::unique_ptr<Thinning> Poisson::thinning(const ThinningSetup& setup) const {
+  const std::size_t values = reads_.empty() ? 0 : reads_.front().fields.size();
+  return std::make_unique<PoissonFront>(setup, options_.radius, values, component_);
+}
+
+std::shared_ptr<const Operator> Poisson::bound(const Schema& input, std::span<const Attribute> made) const {
+  if (options_.radius_from.empty()) return nullptr;
+  auto bound = std::make_shared<Poisson>(*this);
+  for (const Attribute& a : made) {
+    const auto field = std::ranges::find(a.fields, options_.radius_from);
+    if (field == a.fields.end()) continue;
+    bound->reads_ = {a};
+    bound->component_ = static_cast<std::size_t>(field - a.fields.begin());
+    return bound;
+  }
+  const auto at = input.find(options_.radius_from);
+  if (!at || input.fields[*at].count != 1)
+    fail_usage(
+        "poisson: radius_from={}: neither the input nor an earlier stage has a single value of this name for "
+        "each point.",
+        options_.radius_from);
+  bound->reads_ = {scalar(input.fields[*at].name, Type::f64, "length", "radius of the point")};
+  return bound;
+}
+
+}  // namespace pointsweep

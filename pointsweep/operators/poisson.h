@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// Keeping points that are no nearer to each other than a radius.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration poisson_declaration();
+
+/// Takes the points in ascending order of the hash of their coordinates, of equal ones by x, y, z, then row, and keeps
+/// a point unless a kept one lies within its own radius. So every point that is left out has a kept one within its
+/// radius, and of two kept points the later has the other beyond its radius. Points without a finite place all stay.
+class Poisson final : public Operator {
+ public:
+  /// Throws UsageError unless the radius is positive and its square can be represented.
+  explicit Poisson(PoissonOptions options);
+  std::string name() const override { return "poisson"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods&, Columns&) const override {}
+  std::unique_ptr<Thinning> thinning(const ThinningSetup& setup) const override;
+  /// Throws UsageError where radius_from names no single value of each point.
+  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  const PoissonOptions& options() const { return options_; }
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  PoissonOptions options_;
+  std::vector<Attribute> reads_;  ///< what holds the radius of a point, if it has one of its own
+  std::size_t component_ = 0;     ///< which of its components
+};
+
+/// Seed of the hashes whose order is that of the choice.
+inline constexpr std::uint64_t kPoissonSeed = 0x706f6973736f6e;
+
+}  // namespace pointsweep

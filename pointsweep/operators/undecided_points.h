@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+/// The points around the front of which a greedy choice by priority is not sure yet.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <unordered_map>
+#include <vector>
+
+#include "pointsweep/geometry.h"
+#include "pointsweep/operator.h"
+
+namespace pointsweep {
+
+/// A point of the choice. The lesser of two is decided first.
+struct DiskPoint {
+  Vec3 position;
+  std::uint64_t hash = 0;
+  std::uint64_t row = 0;
+  double radius2 = 0;  ///< squared
+
+  bool operator<(const DiskPoint& other) const;
+};
+
+/// The greedy choice: in ascending order of DiskPoint, a point is kept unless a kept one lies within its radius. Points
+/// come in the order of a coordinate instead, and every order of evaluation gives the same set (Blelloch, Fineman and
+/// Shun, Greedy sequential maximal independent set and matching are parallel on average, SPAA 2012):
+/// - A point is complete when the front is farther ahead of it than the largest radius: all that concerns it has come.
+/// - A complete point waits for any lesser undecided point within its radius. Without one it is kept, and what has it
+///   within its own radius is left out, complete or not; then it concerns no point to come and is forgotten.
+/// So memory holds the points that are not complete, and those that wait for one of these; chains of waiting points are
+/// short, about the logarithm of the number of points.
+class UndecidedPoints {
+ public:
+  /// `axis`: along which points ascend. `most`: points that may be held at once.
+  UndecidedPoints(int axis, double largest_radius, std::uint64_t most);
+
+  /// A point that does not come before the last one along the axis; its radius is at most the largest one. Throws Error
+  /// if there are more to hold than allowed.
+  void hold(const DiskPoint& point);
+  /// Decides what can be decided by now, if enough points have come since the last time; appends the rows left out.
+  void decide(Decided& decided);
+  /// After the last point.
+  void finish(Decided& decided);
+  std::uint64_t held() const { return slots_.size() - free_.size(); }
+
+  /// Of memory for each point held, with what grows in steps.
+  static constexpr std::uint64_t kPointBytes = 192;
+
+ private:
+  using Slot = std::uint32_t;
+  static constexpr Slot kNone = std::numeric_limits<Slot>::max();
+  struct Held {
+    DiskPoint point;
+    Slot first_waiter = kNone;  ///< of the points that wait for this one
+    Slot next_waiter = kNone;   ///< beside this one in the list of the point that it waits for
+    bool is_decided = false;
+    std::uint8_t uses = 0;  ///< lists that hold the slot
+  };
+  struct Member {
+    std::uint64_t hash;
+    Slot slot;
+  };
+  /// The first `sorted` members ascend; behind them are those that have come since. Decided ones may be among them.
+  struct Cell {
+    std::vector<Member> members;
+    std::size_t sorted = 0, decided = 0;
+  };
+  using CellKey = std::array<std::int64_t, 3>;
+  struct CellHash {
+    std::size_t operator()(const CellKey& key) const;
+  };
+
+  std::int64_t cell_along(double c) const;
+  template <class Visit>
+  void visit_cells_around(Vec3 p, Visit visit);
+  bool precedes(const Member& a, const Member& b) const;
+  void sort(Cell& cell) const;
+  void take_complete(double front);
+  void decide_waiting(Decided& decided);
+  Slot lesser_within(const DiskPoint& point);
+  void keep(Slot slot, Decided& decided);
+  void leave_out(Slot slot, Decided& decided);
+  void forget_decided(Cell& cell);
+  void release(Slot slot);
+
+  int axis_;
+  double radius_, cell_;  ///< the largest radius; the edge of a cell, no shorter
+  std::uint64_t most_;
+  double front_;
+  std::uint64_t come_ = 0;  ///< points since decide() has decided
+  std::deque<Held> slots_;
+  std::vector<Slot> free_;
+  std::unordered_map<CellKey, Cell, CellHash> cells_;
+  std::deque<Slot> incomplete_;  ///< in the order in which they came; some may be left out by now
+  std::vector<Slot> to_decide_;  ///< complete ones that wait for no known point
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: MIT
+/// poisson against the sequential greedy loop over the whole cloud.
+#include "pointsweep/operators/poisson.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <set>
+#include <tuple>
+
+#include "pointsweep/error.h"
+#include "pointsweep/operators/undecided_points.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "tests/pipeline/attribute_cloud.h"
+#include "tests/pipeline/moving_clouds.h"
+#include "tests/pipeline/refusal.h"
+#include "tests/support/sized.h"
+
+namespace pointsweep {
+namespace {
+
+RunResult run_text(const Records& input, const std::string& pipeline, const EngineOptions& options) {
+  InputCloud cloud = input.cloud();
+  return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud), options);
+}
+
+/// Threads, slabs, axes, spilling.
+std::vector<EngineOptions> ways(Order order) {
+  std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3)};
+  for (EngineOptions& options : all) options.order = order;
+  all[1].axis = 1;
+  return all;
+}
+
+/// SplitMix64 by division and 128-bit products; tests/pipeline/thinning_test.cpp compares it with known numbers.
+std::uint64_t plain_hash(const Vec3& p) {
+  using Wide = unsigned __int128;
+  const auto times = [](std::uint64_t a, std::uint64_t b) { return static_cast<std::uint64_t>(Wide{a} * b); };
+  std::uint64_t h = 0x706f6973736f6e;
+  for (const double c : {p.x, p.y, p.z}) {
+    std::uint64_t bits = 0;
+    if (c != 0) std::memcpy(&bits, &c, sizeof bits);
+    std::uint64_t j = (h ^ bits) + 0x9e3779b97f4a7c15u;
+    j = times(j ^ (j / (1u << 30)), 0xbf58476d1ce4e5b9u);
+    j = times(j ^ (j / (1u << 27)), 0x94d049bb133111ebu);
+    h = j ^ (j / (std::uint64_t{1} << 31));
+  }
+  return h;
+}
+
+/// The loop: one point after another, compared with all that have been kept.
+std::vector<bool> greedy(const std::vector<Vec3>& points, const std::vector<double>& radius) {
+  std::vector<std::size_t> order(points.size()), kept;
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](std::size_t i) {
+    return std::tuple(plain_hash(points[i]), points[i].x, points[i].y, points[i].z, i);
+  };
+  std::vector<bool> keep(points.size(), true);
+  std::erase_if(order, [&](std::size_t i) { return !is_finite(points[i]); });
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  for (const std::size_t i : order) {
+    keep[i] = std::ranges::none_of(kept, [&](std::size_t j) {
+      const double x = points[i].x - points[j].x, y = points[i].y - points[j].y, z = points[i].z - points[j].z;
+      return x * x + y * y + z * z <= radius[i] * radius[i];
+    });
+    if (keep[i]) kept.push_back(i);
+  }
+  return keep;
+}
+
+std::vector<bool> greedy(const std::vector<Vec3>& points, double radius) {
+  return greedy(points, std::vector<double>(points.size(), radius));
+}
+
+Records kept_of(const Records& input, const std::vector<bool>& keep) {
+  return input.those([&](std::size_t i) { return keep[i]; });
+}
+
+TEST(Poisson, KeepsWhatTheGreedyLoopKeeps) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    for (const double radius : {1e-9, 0.003, 0.06, 0.4, 5.0, 1e4}) {
+      SCOPED_TRACE(fmt::format("{}, radius {}", name, radius));
+      const Records input = with_attributes(make_cloud(shape, sized(700), 51));
+      const Records kept = kept_of(input, greedy(input.positions(), radius));
+      for (const EngineOptions& options : ways(Order::input)) {
+        const RunResult got = run_text(input, fmt::format("poisson({})", radius), options);
+        ASSERT_TRUE(got.records == kept.bytes);
+        EXPECT_EQ(got.statistics.sweeps, 0u);
+      }
+    }
+  }
+}
+
+/// 5,000 points with several batches of undecided points, chains of waiting points, and the cloud in one order or
+/// another.
+TEST(Poisson, AnyOrderOfRowsAndAnyAxisGiveTheGreedyChoice) {
+  for (const std::size_t shape : {1, 3, 6, 7, 10}) {
+    std::vector<Vec3> points = make_cloud(hostile_shapes()[shape].second, sized(9000), 52);
+    for (const double radius : {0.01, 0.05}) {
+      const auto places = [&](int axis) {
+        EngineOptions options = tiny(3000);
+        options.axis = axis;
+        const RunResult got = run_in_memory(points, {{}, {std::make_shared<Poisson>(PoissonOptions{radius})}}, options);
+        const std::vector<double> x = got.field("x"), y = got.field("y"), z = got.field("z");
+        std::multiset<std::tuple<double, double, double>> all;
+        for (std::size_t i = 0; i < x.size(); ++i) all.emplace(x[i], y[i], z[i]);
+        return all;
+      };
+      std::multiset<std::tuple<double, double, double>> expected;
+      const std::vector<bool> keep = greedy(points, radius);
+      for (std::size_t i = 0; i < points.size(); ++i)
+        if (keep[i]) expected.emplace(points[i].x, points[i].y, points[i].z);
+      for (const int axis : {0, 1, 2}) EXPECT_TRUE(places(axis) == expected) << shape << " " << radius << " " << axis;
+      std::ranges::shuffle(points, std::mt19937_64(2));
+      EXPECT_TRUE(places(0) == expected);
+    }
+  }
+}
+
+/// Decisions travel back along the axis: hashes ascend or descend along a line of points half a radius apart.
+TEST(Poisson, AChainThroughTheWholeCloudIsDecidedExactly) {
+  for (const bool backwards : {false, true}) {
+    std::vector<Vec3> points;
+    for (double x = 0; points.size() < 400; x += 0.001) {
+      const Vec3 p{x, 0, 0};
+      const double share = std::ldexp(static_cast<double>(plain_hash(p) >> 11), -53);
+      const double least = static_cast<double>(points.size()) / 400;
+      if (std::abs(share - (backwards ? 1 - least : least)) < 0.002) points.push_back(p);
+    }
+    const double radius = 1.5 * points.back().x / 400;
+    const std::vector<bool> keep = greedy(points, radius);
+    std::vector<double> expected;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (keep[i]) expected.push_back(points[i].x);
+    for (const EngineOptions& options : ways(Order::input))
+      EXPECT_EQ(run_in_memory(points, {{}, {std::make_shared<Poisson>(PoissonOptions{radius})}}, options).field("x"),
+                expected);
+  }
+}
+
+std::vector<double> gains(const Records& input, double limit) {
+  std::vector<double> radius;
+  for (std::size_t i = 0; i < input.size(); ++i) {
+    const double gain = input.value(i, "gain");
+    radius.push_back(gain > 0 ? std::min(gain, limit) : 0);
+  }
+  return radius;
+}
+
+TEST(Poisson, EachPointHasTheRadiusOfItsAttribute) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    for (const double limit : {0.3, 2.0}) {
+      SCOPED_TRACE(name);
+      const Records input = with_attributes(make_cloud(shape, sized(700), 53));
+      const Records kept = kept_of(input, greedy(input.positions(), gains(input, limit)));
+      for (const EngineOptions& options : ways(Order::input))
+        ASSERT_TRUE(run_text(input, fmt::format("poisson({}, radius_from=gain)", limit), options).records ==
+                    kept.bytes);
+    }
+  }
+}
+
+TEST(Poisson, TheRadiusMayComeFromAnEarlierStage) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[10].second, sized(900), 54));
+  const Records made = records_of(run_text(input, "knn(k=7) | normals | neighborhood_size", tiny(200)));
+  for (const char* name : {"neighbor_radius", "nz"}) {
+    std::vector<double> radius;
+    for (std::size_t i = 0; i < made.size(); ++i) {
+      const double value = made.value(i, name);
+      radius.push_back(value > 0 ? std::min(value, 0.2) : 0);
+    }
+    const Records kept = kept_of(made, greedy(made.positions(), radius));
+    ASSERT_LT(kept.size(), made.size());
+    for (const Order order : {Order::input, Order::sweep}) {
+      const RunResult sorted = run_text(kept, "where(x > -1e300)", ways(order)[0]);
+      for (const EngineOptions& options : ways(order)) {
+        if (order == Order::sweep && options.axis) continue;
+        const RunResult got = run_text(
+            input, fmt::format("knn(k=7) | normals | neighborhood_size | poisson(0.2, radius_from={})", name), options);
+        EXPECT_TRUE(got.records == sorted.records);
+      }
+    }
+  }
+}
+
+TEST(Poisson, LeavesTheCloudOfTheKeptRowsForAllLaterStages) {
+  for (const std::size_t shape : {0, 1, 5, 6, 9, 11, 13}) {
+    const Records input = with_attributes(make_cloud(hostile_shapes()[shape].second, sized(800), 55));
+    const Records first = input.those([&](std::size_t i) { return input.value(i, "classification") < 8; });
+    const Records kept = kept_of(first, greedy(first.positions(), 0.04));
+    if (kept.size() < 2) continue;
+    for (const Order order : {Order::input, Order::sweep}) {
+      for (const EngineOptions& options : ways(order)) {
+        const RunResult expected = run_text(kept, "knn(k=5) | normals | curvature", options);
+        const RunResult got =
+            run_text(input, "knn(k=5) | where(classification < 8) | poisson(0.04) | normals | curvature", options);
+        ASSERT_TRUE(got.records == expected.records) << shape;
+      }
+    }
+  }
+}
+
+TEST(Poisson, SeesMovedPositions) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, sized(600), 56);
+  const Throw mover(0.5);
+  std::vector<Vec3> moved, kept;
+  for (std::size_t i = 0; i < points.size(); ++i) moved.push_back(mover.moved(points[i], i));
+  const std::vector<bool> keep = greedy(moved, 0.2);
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    if (keep[i]) kept.push_back(moved[i]);
+  const RunResult expected = run_in_memory(kept, {{.k = 5}, {normals()}}, tiny(100));
+  for (const EngineOptions& options : ways(Order::input)) {
+    const Chain chain{{.k = 5}, {thrown(0.5), std::make_shared<Poisson>(PoissonOptions{0.2}), normals()}};
+    const RunResult got = run_in_memory(points, chain, options);
+    for (const char* field : {"x", "nx", "ny", "nz"}) EXPECT_TRUE(same_bytes(got.field(field), expected.field(field)));
+  }
+}
+
+TEST(Poisson, TheReferenceEngineGetsTheSameRows) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 400, 57));
+  for (const char* text :
+       {"poisson(0.05)", "poisson(0.4, radius_from=gain)", "knn(k=400) | poisson(0.05) | sor(multiplier=1)",
+        "knn(k=400) | poisson(0.05) | sor(multiplier=1) | poisson(0.4, radius_from=gain) | normals"}) {
+    EngineOptions options = tiny(200);
+    const RunResult expected = run_text(input, text, options);
+    options.engine = Engine::reference;
+    const RunResult got = run_text(input, text, options);
+    EXPECT_EQ(got.statistics.reference ? got.statistics.reference->incomplete : 0, 0u) << text;
+    EXPECT_EQ(got.records.size(), expected.records.size()) << text;
+    EXPECT_TRUE(got.records == expected.records) << text;
+  }
+}
+
+TEST(Poisson, TellsWhatIsWrong) {
+  const Records input = with_attributes({{0, 0, 0}, {1, 1, 1}});
+  for (const char* wrong : {"poisson", "poisson(0)", "poisson(-1)", "poisson(0.1, radius=2)"})
+    EXPECT_NE(refusal([&] { run_text(input, wrong, tiny(100)); }), "") << wrong;
+  EXPECT_NE(refusal([&] { run_text(input, "poisson(1, radius_from=gian)", tiny(100)); }).find("radius_from=gian: "),
+            std::string::npos);
+  for (const double radius : {0.0, -1.0, std::nan(""), HUGE_VAL, 1e-170})
+    EXPECT_NE(refusal([&] { Poisson p({radius}); }).find("not a positive length"), std::string::npos);
+}
+
+/// A radius as long as the cloud needs memory for the whole cloud: refused before the work, with the least that does.
+TEST(Poisson, ARadiusThatMemoryCannotHoldIsRefusedInAdvance) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[1].second, 400'000, 58));
+  EngineOptions options = tiny(16384, true);
+  options.resources.memory_bytes = 64u << 20;
+  EXPECT_GT(run_text(input, "poisson(0.01)", options).statistics.points_written, 1000u);
+  std::string refused;
+  try {
+    run_text(input, "poisson(0.9)", options);
+  } catch (const Error& error) {
+    refused = error.what();
+  }
+  EXPECT_NE(refused.find("give --memory"), std::string::npos) << refused;
+}
+
+/// What is held is a slice of about two radii, however many points there are.
+TEST(UndecidedPoints, HoldASliceBehindTheFront) {
+  std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 30'000, 59);
+  std::ranges::sort(points, {}, &Vec3::x);
+  for (const double radius : {0.01, 0.05, 0.1}) {
+    UndecidedPoints held(0, radius, points.size());
+    Decided decided;
+    std::uint64_t most = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      held.hold({points[i], plain_hash(points[i]), i, radius * radius});
+      held.decide(decided);
+      most = std::max(most, held.held());
+    }
+    held.finish(decided);
+    EXPECT_EQ(held.held(), 0u);
+    EXPECT_LT(static_cast<double>(most), 30'000 * 2 * radius + 256) << radius;
+    UndecidedPoints few(0, radius, most - 1);
+    EXPECT_THROW(
+        {
+          for (std::size_t i = 0; i < points.size(); ++i) {
+            few.hold({points[i], plain_hash(points[i]), i, radius * radius});
+            few.decide(decided);
+          }
+        },
+        Error);
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep
