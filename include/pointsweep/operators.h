@@ -84,6 +84,13 @@ struct PoissonOptions {
   std::string radius_from = {};  ///< name of an attribute that holds the radius of each point, at most `radius`
 };
 
+/// Lengths.
+struct SimplifyOptions {
+  double error = 0;  ///< how far a kept point may be off the tangent plane of a point that it represents; > 0
+  double most = 0;   ///< the largest distance between these two, on flat parts; > 0
+  double least = 0;  ///< the smallest, where noise looks like curvature; 0 to `most`
+};
+
 namespace operators {
 
 /// Makes "normal": the unit normal of the surface the points were taken from (paper Section 3.2, Equation 1).
@@ -126,6 +133,8 @@ POINTSWEEP_EXPORT std::shared_ptr<const Operator> features(const FeaturesOptions
 /// Keeps points of which none is within the radius of another: in the order of a hash of the coordinates, a point is
 /// kept unless a kept one lies within its radius.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> poisson(const PoissonOptions& options);
+/// Keeps few points where the surface is flat: poisson() with "simplify_radius", which it makes. Needs curvature().
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> simplify(const SimplifyOptions& options);
 /// Makes "neighbor_count", |N_i|, and "neighbor_radius", the distance to the farthest neighbour.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> neighborhood_size();
 /// Makes "neighbors", N×k: the rows of the k nearest neighbours among `points` points (Cloud::count()), as u32, or u64

@@ -14,6 +14,7 @@
 #include "pointsweep/operators/outliers.h"
 #include "pointsweep/operators/poisson.h"
 #include "pointsweep/operators/radius_outliers.h"
+#include "pointsweep/operators/simplify.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/operators/unique.h"
 #include "pointsweep/operators/voxel.h"
@@ -43,6 +44,7 @@ std::shared_ptr<const Operator> decimate(double share, std::uint64_t seed) {
 }
 std::shared_ptr<const Operator> voxel(double size, VoxelKeep keep) { return std::make_shared<Voxel>(size, keep); }
 std::shared_ptr<const Operator> poisson(const PoissonOptions& options) { return std::make_shared<Poisson>(options); }
+std::shared_ptr<const Operator> simplify(const SimplifyOptions& options) { return std::make_shared<Simplify>(options); }
 std::shared_ptr<const Operator> features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
 std::shared_ptr<const Operator> neighborhood_size() { return std::make_shared<NeighborhoodSize>(); }
 std::shared_ptr<const Operator> neighbors(std::size_t k, std::uint64_t points, bool distances) {

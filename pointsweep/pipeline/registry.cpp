@@ -15,6 +15,7 @@
 #include "pointsweep/operators/outliers.h"
 #include "pointsweep/operators/poisson.h"
 #include "pointsweep/operators/radius_outliers.h"
+#include "pointsweep/operators/simplify.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/operators/unique.h"
 #include "pointsweep/operators/update_operators.h"
@@ -26,12 +27,12 @@ namespace pointsweep {
 
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = {
-      normals_declaration(),    curvature_declaration(), splats_declaration(),
-      fair_declaration(),       features_declaration(),  neighborhood_size_declaration(),
-      where_declaration(),      sor_declaration(),       ror_declaration(),
-      lof_declaration(),        density_declaration(),   unique_declaration(),
-      decimate_declaration(),   voxel_declaration(),     poisson_declaration(),
-      reneighbor_declaration(), resort_declaration(),
+      normals_declaration(),  curvature_declaration(),  splats_declaration(),
+      fair_declaration(),     features_declaration(),   neighborhood_size_declaration(),
+      where_declaration(),    sor_declaration(),        ror_declaration(),
+      lof_declaration(),      density_declaration(),    unique_declaration(),
+      decimate_declaration(), voxel_declaration(),      poisson_declaration(),
+      simplify_declaration(), reneighbor_declaration(), resort_declaration(),
   };
   return operators;
 }

@@ -157,6 +157,8 @@ MUTANTS = [
            "kept.position) > other.point.radius2", "kept.position) > kept.radius2", ("pipeline:Poisson.*",)),
     Mutant("the last points of a thinning are not decided", "selects", "pointsweep/pipeline/thinning_pass.cpp",
            "  thinning->finish(decided);\n", "", ("pipeline:Poisson.*",)),
+    Mutant("simplify allows four times the error", "selects", OPS + "simplify.cpp",
+           "std::sqrt(2 * options_.error / k1)", "std::sqrt(8 * options_.error / k1)", ("pipeline:Simplify.*",)),
     Mutant("exact sums forget what lies below a tie", "ties", "pointsweep/math/exact_sum.cpp",
            "(below == half && (rest ||", "(below == half && ((rest && bits < 0) ||", ("math:ExactSum.*",)),
 ]

@@ -260,6 +260,57 @@ TEST(Poisson, ARadiusThatMemoryCannotHoldIsRefusedInAdvance) {
   EXPECT_NE(refused.find("give --memory"), std::string::npos) << refused;
 }
 
+TEST(Simplify, KeepsWhatTheGreedyLoopKeepsWithRadiiOfTheCurvature) {
+  for (const std::size_t shape : {0, 3, 9, 10, 13}) {
+    const Records input = with_attributes(make_cloud(hostile_shapes()[shape].second, sized(900), 60));
+    const Records made = records_of(run_text(input, "knn(k=9) | normals | curvature", tiny(200)));
+    std::vector<double> radius;
+    for (std::size_t i = 0; i < made.size(); ++i)
+      radius.push_back(std::max(0.01, std::min(0.3, std::sqrt(2 * 0.002 / made.value(i, "k1")))));
+    const Records kept = kept_of(made, greedy(made.positions(), radius));
+    ASSERT_LT(kept.size(), made.size());
+    for (const EngineOptions& options : ways(Order::input)) {
+      const RunResult got =
+          run_text(input, "knn(k=9) | normals | curvature | simplify(0.002, most=0.3, least=0.01)", options);
+      for (const char* field : {"x", "y", "k1", "nx"}) {
+        std::vector<double> expected;
+        for (std::size_t i = 0; i < kept.size(); ++i) expected.push_back(kept.value(i, field));
+        EXPECT_TRUE(same_bytes(got.field(field), expected)) << shape << " " << field;
+      }
+    }
+  }
+}
+
+/// A plane and a sphere of the same area and density.
+TEST(Simplify, KeepsFewPointsOnFlatParts) {
+  std::vector<Vec3> points;
+  std::mt19937_64 random(61);
+  for (const Vec3& p : make_cloud(hostile_shapes()[1].second, 4000, 62)) points.push_back({p.x, p.y * 0.5, 0});
+  std::normal_distribution<double> g;
+  for (int i = 0; i < 4000; ++i) {
+    const Vec3 v{g(random), g(random), g(random)};
+    points.push_back(Vec3{3, 0, 0} + (0.2 / length(v)) * v);
+  }
+  const std::vector<double> x =
+      run_in_memory(points, chain_of("knn(k=24) | normals | curvature | simplify(0.002, most=0.3)"), tiny(1000))
+          .field("x");
+  const auto on_plane = std::ranges::count_if(x, [](double c) { return c < 2; });
+  EXPECT_GT(on_plane, 5);
+  EXPECT_LT(on_plane, 60) << "radius 0.3 inside, less at the edges";
+  const double on_sphere = static_cast<double>(x.size()) - static_cast<double>(on_plane);
+  EXPECT_NEAR(on_sphere, 0.7 * 0.5 / (0.028 * 0.028), 150) << "about 0.7 disks to a square of the radius";
+}
+
+TEST(Simplify, TellsWhatIsWrong) {
+  const Records input = with_attributes({{0, 0, 0}, {1, 1, 1}});
+  EXPECT_NE(refusal([&] { run_text(input, "normals | simplify(0.1, most=1)", tiny(100)); }).find("needs 'k1'"),
+            std::string::npos);
+  EXPECT_NE(refusal([&] { chain_of("normals | curvature | simplify(0.1, most=1, least=2)"); }).find("least 2"),
+            std::string::npos);
+  for (const char* wrong : {"simplify", "simplify(0.1)", "simplify(0, most=1)", "simplify(0.1, most=-1)"})
+    EXPECT_NE(refusal([&] { chain_of(wrong); }), "") << wrong;
+}
+
 /// What is held is a slice of about two radii, however many points there are.
 TEST(UndecidedPoints, HoldASliceBehindTheFront) {
   std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 30'000, 59);

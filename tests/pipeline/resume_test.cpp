@@ -144,6 +144,7 @@ const std::vector<Work>& works() {
       {"equal points and others left out", "unique | where(z > 0.1) | normals | where(nz > 0 || x < 0.5) | sor"},
       {"thinned", "decimate(0.9) | voxel(0.02) | normals | voxel(0.1, keep=hash) | sor"},
       {"thinned by disks", "poisson(0.02) | neighborhood_size | poisson(0.3, radius_from=neighbor_radius) | normals"},
+      {"simplified", "knn(k=9) | normals | curvature | simplify(0.002, most=0.3) | reneighbor | normals"},
       {"thinned in sweep order", "normals | voxel(0.05)", "out.las", Order::sweep, {"finite.xyz"}},
       {"fairing of the finite points",
        "normals | splats | fair(f=9, g=9) | reneighbor | normals",

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+/// Keeping few points where the surface is flat.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration simplify_declaration();
+
+/// N f64, in length units: how far from a point a kept one may represent it.
+Attribute simplify_radius_attribute();
+
+/// Makes simplify_radius = √(2 error / k1), between `least` and `most`: within it a surface of curvature k1 leaves its
+/// tangent plane by no more than the error, to second order. A point without curvature gets `most`.
+class SimplifyRadius final : public Operator {
+ public:
+  explicit SimplifyRadius(SimplifyOptions options) : options_(options) {}
+  std::string name() const override { return "simplify_radius"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods& in, Columns& out) const override;
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  SimplifyOptions options_;
+};
+
+/// `simplify`: SimplifyRadius, and poisson with these radii.
+class Simplify final : public Operator {
+ public:
+  /// Throws UsageError unless error and most are positive and least is from 0 to most.
+  explicit Simplify(SimplifyOptions options);
+  std::string name() const override { return "simplify"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods&, Columns&) const override {}
+  std::vector<std::shared_ptr<const Operator>> parts() const override;
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  SimplifyOptions options_;
+};
+
+}  // namespace pointsweep
