@@ -138,7 +138,7 @@ OperatorDeclaration features_declaration() {
       .undefined =
           "Points all in one place: all but number_of_neighbors is 0. Points on a line: verticality is 0. If a "
           "neighbour has no finite place: all but number_of_neighbors is 0.",
-      .cost = "attributes that are not made or not kept cost nothing",
+      .cost = "at k = 10 as much as normals, after the search; logarithms and axes only where an attribute needs them",
       .neighbor_ns = 3,
       .attributes = notes(),
       .example = "knn(radius=0.5) | features(names=[linearity,planarity,verticality])"};

@@ -86,7 +86,7 @@ MUTANTS = [
            "Store(Feature::planarity, found, hn::Mul(hn::Sub(v.v2, v.v3), inverse));",
            "Store(Feature::planarity, found, hn::Div(hn::Sub(v.v2, v.v3), v.v2));", ("operators:Features*", "oracles")),
     Mutant("eigenentropy without the unit of length", "formulas", OPS + "features_kernel.cpp",
-           "hn::Neg(hn::Add(terms, hn::Mul(ln_unit, v.sum)))", "hn::Neg(terms)", ("operators:Features*", "oracles")),
+           "hn::Neg(hn::Add(terms, hn::Mul(ln_unit, v.sum)))", "hn::Neg(hn::Add(terms, hn::Mul(ln_unit, v.v1)))", ("operators:Features*", "oracles")),
     Mutant("second moment without the point's distance", "formulas", OPS + "features_kernel.cpp",
            "hn::Mul(origin, hn::Add(hn::Add(sum, sum), shift))", "hn::Mul(origin, hn::Add(sum, shift))",
            ("operators:Features*", "oracles")),
