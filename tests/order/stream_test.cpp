@@ -6,18 +6,21 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <map>
 #include <optional>
 #include <random>
+#include <thread>
 #include <tuple>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/piece_counts.h"
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/order/waiting_estimate.h"
+#include "pointsweep/prefetch.h"
 #include "pointsweep/threads.h"
 #include "tests/order/cloud_source.h"
 
@@ -443,12 +446,14 @@ template <class T>
 struct SharedSource {
   CloudSource<T> cloud;
   std::atomic<std::uint64_t> rows_read = 0;
+  std::chrono::microseconds delay{0};  ///< of each read
 
   explicit SharedSource(const std::vector<Vec3>& points) : cloud(points) {
     cloud.source.for_thread = [this](const std::vector<std::size_t>&) -> ReadRows {
       return [this](std::uint64_t row, std::span<std::byte> out) {
         const std::size_t n = cloud.source.read(row, out);
         rows_read += n;
+        if (delay.count() > 0) std::this_thread::sleep_for(delay);
         return n;
       };
     };
@@ -574,6 +579,23 @@ TEST(StreamOnDemand, GivesTheSameBytesHoweverOftenAndInWhichOrderSlabsAreRead) {
                    [&](std::size_t i, unsigned) { EXPECT_EQ(records_of_slab(*stream, any[i]), wanted[any[i]]); });
     });
   }
+}
+
+TEST(StreamOnDemand, ASlabWaitsForBlocksThatOtherThreadsDecode) {
+  SharedSource<double> shared(ordered_along_x(6000, 2000));
+  StreamOptions options = small_options(0);
+  options.slab_points = 500, options.max_slab_points = 2000;
+  OnDemandOptions how = of_blocks(250);
+  how.read_ahead = 4;
+  const auto in_order = on_demand(shared, options, how);
+  ASSERT_TRUE(in_order);
+  with_threads(4, [&] {
+    const auto stream = on_demand(shared, options, how);
+    shared.delay = std::chrono::milliseconds(2);
+    const std::size_t slabs = stream->slabs().size();
+    Prefetch<std::vector<std::byte>> ahead([&](std::size_t s) { return records_of_slab(*stream, s); }, 0, slabs, 4);
+    for (std::size_t s = 0; s < slabs; ++s) EXPECT_EQ(ahead.next(), records_of_slab(*in_order, s)) << s;
+  });
 }
 
 TEST(StreamOnDemand, IsRefusedWhereTooManyPointsWouldWait) {
