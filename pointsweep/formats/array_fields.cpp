@@ -7,26 +7,23 @@
 #include <initializer_list>
 #include <string_view>
 
+#include "pointsweep/points/lower_case.h"
+
 namespace pointsweep {
 namespace {
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return lower;
-}
 
 bool is_word_of(std::string_view name, std::initializer_list<std::string_view> names) {
   return std::ranges::find(names, name) != names.end();
 }
 
 bool has_field_named(const Schema& schema, const std::string& name) {
-  return std::ranges::any_of(schema.fields, [&](const Field& f) { return lower_case(f.name) == lower_case(name); });
+  return std::ranges::any_of(schema.fields,
+                             [&](const Field& f) { return in_lower_case(f.name) == in_lower_case(name); });
 }
 
 /// The names of the components that the library has names for; none for another array.
 std::vector<std::string> known_components(const std::string& name, Type type, std::uint32_t components) {
-  const std::string lower = lower_case(name);
+  const std::string lower = in_lower_case(name);
   const bool real = type == Type::f32 || type == Type::f64;
   if (components == 3 && real && is_word_of(lower, {"normal", "normals"})) return {"nx", "ny", "nz"};
   if (components == 3 && is_word_of(lower, {"xyz", "points", "position", "positions", "vertices", "coordinates"}))

@@ -5,13 +5,11 @@
 #include <filesystem>
 #include <string>
 
+#include "pointsweep/points/lower_case.h"
+
 namespace pointsweep {
 
 /// ".ply" for "scan.PLY", "" if there is none.
-inline std::string extension_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return extension;
-}
+inline std::string extension_of(const std::filesystem::path& path) { return in_lower_case(path.extension().string()); }
 
 }  // namespace pointsweep

@@ -24,7 +24,7 @@ using Lanes = hn::ScalableTag<double>;
 constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
 
 /// Twelve numbers per matrix, one matrix per lane: six entries come, three values and three vectors go.
-struct Group {
+struct MatrixGroup {
   HWY_ALIGN double lanes[12][kLanes];
 
   void Put(std::span<const Symmetric3> matrices) {
@@ -34,7 +34,7 @@ struct Group {
       for (std::size_t e = 0; e < 6; ++e) lanes[e][l] = entries[e];
     }
   }
-  auto Matrices() const {
+  auto InLanes() const {
     const Lanes d;
     return Symmetric3Lanes<hn::Vec<Lanes>>{hn::Load(d, lanes[0]), hn::Load(d, lanes[1]), hn::Load(d, lanes[2]),
                                            hn::Load(d, lanes[3]), hn::Load(d, lanes[4]), hn::Load(d, lanes[5])};
@@ -55,10 +55,10 @@ struct Group {
 void EigenSymmetric3Of(std::span<const Symmetric3> matrices, std::span<Eigen3> out) {
   for (std::size_t first = 0; first < matrices.size(); first += 2 * kLanes) {
     const std::size_t second = std::min(first + kLanes, matrices.size());
-    Group a, b;
+    MatrixGroup a, b;
     a.Put(matrices.subspan(first));
     b.Put(matrices.subspan(second));
-    const auto eigen = EigenSymmetric3(Lanes(), a.Matrices(), b.Matrices());
+    const auto eigen = EigenSymmetric3(Lanes(), a.InLanes(), b.InLanes());
     a.Take(eigen[0], out.subspan(first));
     b.Take(eigen[1], out.subspan(second));
   }

@@ -10,14 +10,10 @@
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/parse.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
 namespace {
-
-std::string in_lower_case(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
 
 /// Whether the input's `spelling` is a name of the made attribute `name` and of no other. "curvature" is one of the
 /// surface variation (PCL), but other programs mean other curvatures by it.

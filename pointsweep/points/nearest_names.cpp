@@ -4,16 +4,9 @@
 #include <algorithm>
 #include <numeric>
 
+#include "pointsweep/points/lower_case.h"
+
 namespace pointsweep {
-namespace {
-
-std::string without_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return lower;
-}
-
-}  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -43,12 +36,12 @@ std::string nearest_names(std::string_view word, const std::vector<std::string>&
 }
 
 std::optional<std::string> probable_name(std::string_view word, const std::vector<std::string>& known) {
-  const std::string wanted = without_case(word);
+  const std::string wanted = in_lower_case(word);
   std::optional<std::string> best;
   std::size_t least = (wanted.size() + 2) / 3 + 1;
   for (const std::string& name : known) {
-    const bool begins = wanted.size() >= 3 && without_case(name).starts_with(wanted);
-    const std::size_t distance = begins ? 0 : edit_distance(wanted, without_case(name));
+    const bool begins = wanted.size() >= 3 && in_lower_case(name).starts_with(wanted);
+    const std::size_t distance = begins ? 0 : edit_distance(wanted, in_lower_case(name));
     if (distance < least && distance < name.size()) best = name, least = distance;
   }
   return best;

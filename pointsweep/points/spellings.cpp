@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "pointsweep/points/lower_case.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -33,12 +34,6 @@ constexpr Row kRows[] = {
     {"surface_variation", "curvature", "scalar_surface_variation", "scalar_curvature"},
 };
 
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return lower;
-}
-
 }  // namespace
 
 std::vector<std::string> spellings_of(std::string_view name) {
@@ -51,7 +46,7 @@ std::vector<std::string> spellings_of(std::string_view name) {
 }
 
 std::string library_name_of(std::string_view spelling) {
-  const std::string word = lower_case(spelling);
+  const std::string word = in_lower_case(spelling);
   for (const Row& row : kRows) {
     if (!word.empty() && std::find(row.begin(), row.end(), word) != row.end()) return std::string(row.front());
   }

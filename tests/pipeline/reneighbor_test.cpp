@@ -8,6 +8,7 @@
 
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/whole_cloud.h"
+#include "tests/support/sized.h"
 
 namespace pointsweep {
 namespace {
@@ -155,6 +156,17 @@ TEST(Reneighbor, LaterSweepsReadWhatTheFileHasAndWhatEarlierOnesMade) {
     ASSERT_EQ(mark[i], marks[i]);
   }
   EXPECT_TRUE(same_bytes(values_of<float>(result, {"nx", "ny", "nz"}), n)) << "kept as made before the move";
+}
+
+TEST(Reneighbor, WhatSweepsCarryReachesItsRowsWhenItComesInManyPieces) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, sized(100'000), 28);
+  const Chain chain{{.k = 3},
+                    {normals(), thrown(0.01, 1), reneighbor(), thrown(0.01, 2), reneighbor(), graph(2, points.size())}};
+  EngineOptions spilled = tiny(20'000, true, 2), whole = tiny(1'000'000, false, 2);
+  const RunResult expected = run_in_memory(points, chain, whole);
+  const RunResult result = run_in_memory(points, chain, spilled);
+  EXPECT_EQ(result.statistics.sweeps, 3u);
+  EXPECT_TRUE(result.records == expected.records);
 }
 
 TEST(Reneighbor, WritesTheAttributesInTheOrderAndLayoutOfAChainWithoutIt) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -386,6 +387,21 @@ TEST_F(Resume, RefusesAnInputThatWasWrittenTo) {
   folder_.write("a.xyz", content_of(folder_ / "a.xyz") + "1 2 3\n");
   const std::string sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
   EXPECT_NE(sentence.find("a.xyz"), std::string::npos) << sentence;
+}
+
+TEST_F(Resume, RefusesAnInputThatHasAsManyPointsAsBeforeButOthers) {
+  const Work work = works().front();
+  const std::filesystem::path input = folder_ / "a.xyz";
+  std::string text = content_of(input);
+  EXPECT_FALSE(run_until(15, work, resuming(work)));
+  const auto digit = text.find_last_of("012345678");
+  ++text[digit];
+  const auto before = std::filesystem::last_write_time(input);
+  folder_.write("a.xyz", text);
+  std::filesystem::last_write_time(input, before + std::chrono::seconds(1));  // whatever the clock's tick
+  const std::string sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
+  EXPECT_NE(sentence.find("a.xyz"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("remove the folder"), std::string::npos) << sentence;
 }
 
 TEST_F(Resume, RefusesAFolderOfOtherThings) {

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "pointsweep/error.h"
+#include "pointsweep/operators/input_diagonal.h"
 #include "pointsweep/operators/unique.h"
 #include "pointsweep/operators/where.h"
 #include "pointsweep/pipeline/build_chain.h"
@@ -73,6 +74,31 @@ void expect_as_over(const Records& input, const std::string& pipeline, const Rec
       ASSERT_EQ(got.statistics.points_written, kept.size());
     }
   }
+}
+
+/// Makes 7 of every point once the diagonal of the input is known: its pass reads rows and searches nothing.
+class Stamp final : public Operator {
+ public:
+  std::string name() const override { return "stamp"; }
+  Contract contract() const override {
+    return {
+        .makes = {scalar("stamp", Type::f64, "1", "7")}, .alone = true, .values = {std::make_shared<InputDiagonal>()}};
+  }
+  std::shared_ptr<const Operator> with_values(std::span<const std::vector<double>>) const override {
+    return std::make_shared<Stamp>();
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    std::fill_n(out.column<double>(0).begin(), in.size(), 7.0);
+  }
+};
+
+TEST(Rows, OfPointsWithoutAPlaceGetNoValueInAPassThatSearchesNothing) {
+  std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 5000, 9);
+  points[17].x = points[4321].z = std::numeric_limits<double>::quiet_NaN();
+  const RunResult result = run_in_memory(points, {{}, {std::make_shared<Stamp>()}}, tiny(1000));
+  EXPECT_EQ(result.statistics.sweeps, 0u);
+  const std::vector<double> stamp = result.field("stamp");
+  for (std::size_t i = 0; i < points.size(); ++i) ASSERT_EQ(stamp[i], is_finite(points[i]) ? 7.0 : 0.0) << i;
 }
 
 TEST(Where, LeavesTheCloudOfTheKeptRowsForAllLaterStages) {

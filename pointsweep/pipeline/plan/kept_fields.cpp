@@ -6,17 +6,13 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
+#include "pointsweep/points/lower_case.h"
 #include "pointsweep/points/nearest_names.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
-
-std::string lower_case(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
 
 std::string list_of(const std::vector<std::string>& names) {
   std::string text;
@@ -27,7 +23,7 @@ std::string list_of(const std::vector<std::string>& names) {
 /// Whether files may call `field` so; `word` is in lower case.
 bool is_spelled(const std::string& field, const std::string& word) {
   const std::vector<std::string> spellings = spellings_of(field);
-  return lower_case(field) == word || library_name_of(field) == library_name_of(word) ||
+  return in_lower_case(field) == word || library_name_of(field) == library_name_of(word) ||
          std::ranges::find(spellings, word) != spellings.end();
 }
 
@@ -37,7 +33,7 @@ class Selection {
   Selection(const std::vector<Attribute>& made, const Schema& input) : made_(made), input_(input) {}
 
   void add(const std::string& name) {
-    const std::string word = lower_case(name);
+    const std::string word = in_lower_case(name);
     const auto is_name = [&](const std::string& field) { return field == name; };
     const auto is_spelling = [&](const std::string& field) { return is_spelled(field, word); };
     const bool found =
@@ -143,8 +139,8 @@ std::vector<std::string> without_prefix(std::vector<std::string> names, const st
     return std::nullopt;
   };
   for (std::string& name : names) {
-    if (prefix.empty() || !lower_case(name).starts_with(lower_case(prefix))) continue;
-    if (const auto own = made_name(lower_case(name.substr(prefix.size())))) name = *own;
+    if (prefix.empty() || !in_lower_case(name).starts_with(in_lower_case(prefix))) continue;
+    if (const auto own = made_name(in_lower_case(name.substr(prefix.size())))) name = *own;
   }
   return names;
 }
