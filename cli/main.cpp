@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
       "\nExample:\n"
       "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G");
   pointsweep::add_commands(app);
-  pointsweep::keep_command_line(argc, argv, POINTSWEEP_VERSION);
+  pointsweep::keep_command_line(argc, argv, pointsweep::version_number());
 
   pointsweep::catch_interrupts();
   // A reader that went away and a limit on file sizes are errors of writing, not a sudden death.

@@ -24,6 +24,8 @@ std::string compiler() {
 
 }  // namespace
 
+std::string version_number() { return POINTSWEEP_VERSION; }
+
 std::string version_text() {
   constexpr std::string_view kCommit = POINTSWEEP_COMMIT, kBuildType = POINTSWEEP_BUILD_TYPE;
   std::string text = "pointsweep " POINTSWEEP_VERSION "\n";

@@ -10,4 +10,7 @@ namespace pointsweep {
 /// set, formats.
 std::string version_text();
 
+/// "0.1.0"
+std::string version_number();
+
 }  // namespace pointsweep

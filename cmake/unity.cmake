@@ -6,12 +6,15 @@ endif()
 set(POINTSWEEP_COMPILED_ALONE "" CACHE STRING "Sources of the library and of cli/ that are compiled alone, as paths from the top")
 mark_as_advanced(POINTSWEEP_COMPILED_ALONE)
 
-# pointsweep_group_by_folder(TARGET): one group for each folder. Sources that Highway compiles once per instruction set
-# include themselves and stay alone, as do those in POINTSWEEP_COMPILED_ALONE: script/mutants changes one at a time, and
-# compiles it at -O1, which takes half the time and gives the same bytes in every result.
+# pointsweep_group_by_folder(TARGET [GROUPS]): one group for each folder, or GROUPS of them. Sources that Highway compiles
+# once per instruction set include themselves and stay alone, as do those in POINTSWEEP_COMPILED_ALONE: script/mutants
+# changes one at a time, and compiles it at -O1, which takes half the time and gives the same bytes in every result.
 function(pointsweep_group_by_folder target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
   get_target_property(sources ${target} SOURCES)
+  set(groups ${ARGN} 1)
+  list(GET groups 0 groups)
+  set(place 0)
   foreach(source ${sources})
     file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${source})
     file(STRINGS ${source} once_per_instruction_set REGEX "foreach_target.h" LIMIT_COUNT 1)
@@ -19,9 +22,11 @@ function(pointsweep_group_by_folder target)
     file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})
     string(MAKE_C_IDENTIFIER "${folder}" group)
     if(name IN_LIST POINTSWEEP_COMPILED_ALONE)
-      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS -O1)
+      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS -O1 SKIP_PRECOMPILE_HEADERS ON)
     elseif(NOT once_per_instruction_set)
-      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
+      math(EXPR part "${place} % ${groups}")
+      math(EXPR place "${place} + 1")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group}_${part})
     endif()
   endforeach()
 endfunction()
