@@ -20,7 +20,6 @@
 #include "pointsweep/order/piece_counts.h"
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/order/waiting_estimate.h"
-#include "pointsweep/prefetch.h"
 #include "pointsweep/threads.h"
 #include "tests/order/cloud_source.h"
 
@@ -589,13 +588,22 @@ TEST(StreamOnDemand, ASlabWaitsForBlocksThatOtherThreadsDecode) {
   how.read_ahead = 4;
   const auto in_order = on_demand(shared, options, how);
   ASSERT_TRUE(in_order);
-  with_threads(4, [&] {
-    const auto stream = on_demand(shared, options, how);
-    shared.delay = std::chrono::milliseconds(2);
-    const std::size_t slabs = stream->slabs().size();
-    Prefetch<std::vector<std::byte>> ahead([&](std::size_t s) { return records_of_slab(*stream, s); }, 0, slabs, 4);
-    for (std::size_t s = 0; s < slabs; ++s) EXPECT_EQ(ahead.next(), records_of_slab(*in_order, s)) << s;
-  });
+  std::vector<std::vector<std::byte>> wanted, got(in_order->slabs().size());
+  for (std::size_t slab = 0; slab < got.size(); ++slab) wanted.push_back(records_of_slab(*in_order, slab));
+  const auto stream = on_demand(shared, options, how);
+  shared.delay = std::chrono::milliseconds(2);
+  std::atomic<std::size_t> next = 0;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&] {
+      try {
+        for (std::size_t slab = next++; slab < got.size(); slab = next++) got[slab] = records_of_slab(*stream, slab);
+      } catch (const Error& error) {
+        ADD_FAILURE() << error.what();
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(got, wanted);
 }
 
 TEST(StreamOnDemand, IsRefusedWhereTooManyPointsWouldWait) {
