@@ -235,7 +235,7 @@ TEST(Pcd, WrongHeadersAreNamed) {
               HasSubstr("a whole number is missing"));
   EXPECT_THAT(
       refusal(folder,
-                  "# .PCD v0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 9999999999\nPOINTS 1\nDATA binary\n"),
+              "# .PCD v0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 9999999999\nPOINTS 1\nDATA binary\n"),
       HasSubstr("larger than 1 MB"));
   EXPECT_THAT(refusal(folder, begin + "SIZE 4 4 4\nTYPE F F F\nPOINTS 99999999999\nDATA binary\n"),
               HasSubstr("the file ends after 0"));
