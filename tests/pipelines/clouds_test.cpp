@@ -6,8 +6,10 @@
 #include <filesystem>
 #include <random>
 
+#include "pointsweep/formats/las/laz_points.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/normals.h"
+#include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/shapes/registry.h"
 #include "pointsweep/shapes/shape_reader.h"
 #include "tests/pipeline/in_memory.h"
@@ -199,6 +201,26 @@ TEST(RealScans, HaveExactNeighbors) {
     expect_exact(cloud, {.k = 64}, small(5000, 256, 2, 2ull << 30), sample);
     if (HasFatalFailure()) return;
   }
+}
+
+TEST(RealScans, CopcNodesPutInOrderOnDemandGiveTheBytesOfADistribution) {
+  const std::filesystem::path file = data_folder() / "models/potree_lion/lion_takanawa.copc.laz";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no real data in " << data_folder();
+  if (!has_laz()) GTEST_SKIP() << "built without codecs";
+  InputCloud cloud({file});
+  std::vector<RowBox> boxes;
+  EXPECT_EQ(cloud.stated_boxes(boxes), nullptr);
+  EXPECT_EQ(boxes.size(), 9u) << "those of the nodes, not that of the file";
+  const Chain chain = build_chain(parse_pipeline("knn(k=8) | normals | curvature"), cloud);
+  EngineOptions options;
+  options.slab_points = 30'000;
+  options.ordering = Ordering::distribution;
+  const RunResult wanted = run_in_memory(cloud, chain, options);
+  options.ordering = Ordering::on_demand;
+  const RunResult got = run_in_memory(cloud, chain, options);
+  EXPECT_EQ(got.statistics.ordering.substr(0, 26), "by the boxes of the inputs");
+  EXPECT_EQ(got.statistics.bytes_spilled_ordering, 0u);
+  EXPECT_TRUE(got.records == wanted.records);
 }
 
 }  // namespace
