@@ -6,6 +6,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/math/mix.h"
 
@@ -124,6 +125,7 @@ void UndecidedPoints::take_complete(double front) {
 
 void UndecidedPoints::decide_waiting(Decided& decided) {
   while (!to_decide_.empty()) {
+    stop_if_cancelled();
     const Slot slot = to_decide_.back();
     to_decide_.pop_back();
     Held& held = slots_[slot];

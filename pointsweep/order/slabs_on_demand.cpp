@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/order/block_reader.h"
 #include "pointsweep/order/slab_store.h"
@@ -172,6 +173,7 @@ class SlabsOnDemand::State {
 
   /// Appends the points of a block that are in the slabs [first, end) to lists of `store`, whose list 0 is `first`.
   void partition(const SlabBlock& block, SlabStore& store, std::size_t first, std::size_t end) {
+    stop_if_cancelled();
     std::unique_ptr<Partition> p = take_partition();
     p->rows.read(block.first_row, block.rows);
     find_slabs(block, *p);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
+#include "tests/operators/mixed_cloud.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/in_core.h"
 #include "tests/support/instruction_sets.h"
@@ -19,27 +20,6 @@ namespace pointsweep {
 namespace {
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
-
-/// Volume, plane, line, duplicates, neighbourhoods of 0 to 1000 points, in one batch.
-struct MixedCloud {
-  std::vector<Vec3> points;
-  Lists lists;
-
-  MixedCloud() {
-    std::mt19937_64 random(1729);
-    std::uniform_real_distribution<double> u(-1, 1);
-    for (int i = 0; i < 1300; ++i) {
-      const Vec3 p{u(random), u(random), u(random)};
-      points.push_back(i % 5 == 0   ? Vec3{p.x, p.y, 0.25}
-                       : i % 5 == 1 ? Vec3{p.x, 2 * p.x, 3 * p.x}
-                       : i % 5 == 2 ? Vec3{std::round(3 * p.x), std::round(3 * p.y), 0}
-                                    : 1e-7 * p + Vec3{1000, 2000, 3000});
-    }
-    const std::size_t counts[] = {8, 8, 0, 1, 2, 3, 8, 9, 7, 17, 64, 8, 1000, 16, 33};
-    for (std::uint32_t i = 0; i < points.size(); ++i)
-      lists.push_back(brute_force_neighbors_of(points, i, counts[i % std::size(counts)], 1e9));
-  }
-};
 
 /// Values of the first point, whose neighbours are all others, by name.
 std::map<std::string, double> of_first(const std::vector<Vec3>& points, const FeaturesOptions& options = {}) {
@@ -149,7 +129,7 @@ TEST(Features, OfDegenerateNeighborhoodsAreTheDocumentedValues) {
 }
 
 TEST(Features, HaveTheSameBitsOnEveryInstructionSetAndInEveryBatch) {
-  const MixedCloud cloud;
+  const MixedCloud cloud(1729);
   for (const EigenvalueScale scale : {EigenvalueScale::raw, EigenvalueScale::root, EigenvalueScale::normalized}) {
     for (const bool with_point : {true, false}) {
       const Features op({.eigenvalues = scale, .with_point = with_point});

@@ -16,6 +16,7 @@
 #include <thread>
 #include <tuple>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/order/piece_counts.h"
 #include "pointsweep/order/temp_folder.h"
@@ -651,6 +652,18 @@ TEST(StreamOnDemand, NoticesThatTheInputHasChangedSinceItWasCounted) {
       });
     }
   }
+}
+
+TEST(StreamOnDemand, StopsBetweenBlocksWhenItIsCancelled) {
+  const SharedSource<double> shared(ordered_along_x(20000, 20000));  // the first slab needs all blocks
+  const auto stream = on_demand(shared, small_options(0), of_blocks(100));
+  ASSERT_TRUE(stream);
+  const std::uint64_t counted = shared.rows_read;
+  CancellationToken token;
+  token.cancel();
+  const CancellationScope scope(&token);
+  EXPECT_THROW(records_of_slab(*stream, 0), Cancelled);
+  EXPECT_EQ(shared.rows_read, counted);
 }
 
 TEST(StreamOnDemand, CanMove) {

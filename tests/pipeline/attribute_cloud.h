@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/pipeline/build_chain.h"
 #include "tests/pipeline/in_memory.h"
 
 namespace pointsweep {
@@ -65,6 +66,12 @@ struct Records {
     return InputCloud(std::move(readers));
   }
 };
+
+inline RunResult run_text(const Records& input, const std::string& pipeline, const EngineOptions& options,
+                          const std::vector<std::string>& keep = {}) {
+  InputCloud cloud = input.cloud();
+  return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud, keep), options);
+}
 
 inline Records records_of(const RunResult& result) { return {result.schema, result.records}; }
 

@@ -12,21 +12,18 @@
 #include <set>
 #include <tuple>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "pointsweep/operators/undecided_points.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"
+#include "tests/pipeline/plain_hash.h"
 #include "tests/pipeline/refusal.h"
 #include "tests/support/sized.h"
 
 namespace pointsweep {
 namespace {
-
-RunResult run_text(const Records& input, const std::string& pipeline, const EngineOptions& options) {
-  InputCloud cloud = input.cloud();
-  return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud), options);
-}
 
 /// Threads, slabs, axes, spilling.
 std::vector<EngineOptions> ways(Order order) {
@@ -36,28 +33,14 @@ std::vector<EngineOptions> ways(Order order) {
   return all;
 }
 
-/// SplitMix64 by division and 128-bit products; tests/pipeline/thinning_test.cpp compares it with known numbers.
-std::uint64_t plain_hash(const Vec3& p) {
-  using Wide = unsigned __int128;
-  const auto times = [](std::uint64_t a, std::uint64_t b) { return static_cast<std::uint64_t>(Wide{a} * b); };
-  std::uint64_t h = 0x706f6973736f6e;
-  for (const double c : {p.x, p.y, p.z}) {
-    std::uint64_t bits = 0;
-    if (c != 0) std::memcpy(&bits, &c, sizeof bits);
-    std::uint64_t j = (h ^ bits) + 0x9e3779b97f4a7c15u;
-    j = times(j ^ (j / (1u << 30)), 0xbf58476d1ce4e5b9u);
-    j = times(j ^ (j / (1u << 27)), 0x94d049bb133111ebu);
-    h = j ^ (j / (std::uint64_t{1} << 31));
-  }
-  return h;
-}
+std::uint64_t disk_hash(const Vec3& p) { return plain_hash({p.x, p.y, p.z}, 0x706f6973736f6e); }
 
 /// The loop: one point after another, compared with all that have been kept.
 std::vector<bool> greedy(const std::vector<Vec3>& points, const std::vector<double>& radius) {
   std::vector<std::size_t> order(points.size()), kept;
   std::iota(order.begin(), order.end(), 0u);
   const auto key = [&](std::size_t i) {
-    return std::tuple(plain_hash(points[i]), points[i].x, points[i].y, points[i].z, i);
+    return std::tuple(disk_hash(points[i]), points[i].x, points[i].y, points[i].z, i);
   };
   std::vector<bool> keep(points.size(), true);
   std::erase_if(order, [&](std::size_t i) { return !is_finite(points[i]); });
@@ -127,7 +110,7 @@ TEST(Poisson, AChainThroughTheWholeCloudIsDecidedExactly) {
     std::vector<Vec3> points;
     for (double x = 0; points.size() < 400; x += 0.001) {
       const Vec3 p{x, 0, 0};
-      const double share = std::ldexp(static_cast<double>(plain_hash(p) >> 11), -53);
+      const double share = std::ldexp(static_cast<double>(disk_hash(p) >> 11), -53);
       const double least = static_cast<double>(points.size()) / 400;
       if (std::abs(share - (backwards ? 1 - least : least)) < 0.002) points.push_back(p);
     }
@@ -320,7 +303,7 @@ TEST(UndecidedPoints, HoldASliceBehindTheFront) {
     Decided decided;
     std::uint64_t most = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      held.hold({points[i], plain_hash(points[i]), i, radius * radius});
+      held.hold({points[i], disk_hash(points[i]), i, radius * radius});
       held.decide(decided);
       most = std::max(most, held.held());
     }
@@ -331,12 +314,22 @@ TEST(UndecidedPoints, HoldASliceBehindTheFront) {
     EXPECT_THROW(
         {
           for (std::size_t i = 0; i < points.size(); ++i) {
-            few.hold({points[i], plain_hash(points[i]), i, radius * radius});
+            few.hold({points[i], disk_hash(points[i]), i, radius * radius});
             few.decide(decided);
           }
         },
         Error);
   }
+}
+
+TEST(UndecidedPoints, StopWhenTheRunIsCancelled) {
+  UndecidedPoints held(0, 1, 1000);
+  for (std::uint64_t row = 0; row < 100; ++row) held.hold({{0, 0, 0.01 * static_cast<double>(row)}, row, row, 1});
+  CancellationToken token;
+  token.cancel();
+  const CancellationScope scope(&token);
+  Decided decided;
+  EXPECT_THROW(held.finish(decided), Cancelled);
 }
 
 }  // namespace

@@ -23,12 +23,6 @@
 namespace pointsweep {
 namespace {
 
-RunResult run_text(const Records& input, const std::string& pipeline, const EngineOptions& options,
-                   const std::vector<std::string>& keep = {}) {
-  InputCloud cloud = input.cloud();
-  return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud, keep), options);
-}
-
 using Keeps = std::function<bool(const Records&, std::size_t)>;
 
 /// Conditions and the same in C++.

@@ -15,16 +15,12 @@
 #include "pointsweep/pipeline/preview.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"
+#include "tests/pipeline/plain_hash.h"
 #include "tests/pipeline/refusal.h"
 #include "tests/support/sized.h"
 
 namespace pointsweep {
 namespace {
-
-RunResult run_text(const Records& input, const std::string& pipeline, const EngineOptions& options) {
-  InputCloud cloud = input.cloud();
-  return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud), options);
-}
 
 /// Threads, slabs, spilling.
 std::vector<EngineOptions> ways(Order order) {
@@ -45,22 +41,6 @@ void expect_as_over(const Records& input, const std::string& pipeline, const Rec
       ASSERT_EQ(got.statistics.points_written, kept.size());
     }
   }
-}
-
-/// SplitMix64 by division and 128-bit products.
-std::uint64_t plain_hash(const std::array<double, 3>& p, std::uint64_t seed) {
-  using Wide = unsigned __int128;
-  const auto times = [](std::uint64_t a, std::uint64_t b) { return static_cast<std::uint64_t>(Wide{a} * b); };
-  std::uint64_t h = seed;
-  for (const double c : p) {
-    std::uint64_t bits = 0;
-    if (c != 0) std::memcpy(&bits, &c, sizeof bits);
-    std::uint64_t j = (h ^ bits) + 0x9e3779b97f4a7c15u;
-    j = times(j ^ (j / (1u << 30)), 0xbf58476d1ce4e5b9u);
-    j = times(j ^ (j / (1u << 27)), 0x94d049bb133111ebu);
-    h = j ^ (j / (std::uint64_t{1} << 31));
-  }
-  return h;
 }
 
 std::array<double, 3> array_of(Vec3 p) { return {p.x, p.y, p.z}; }
