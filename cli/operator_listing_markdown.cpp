@@ -27,7 +27,8 @@ std::string cell(std::string text) {
 
 /// "1/length^2" with a raised digit.
 std::string unit_text(std::string unit) {
-  if (const std::size_t at = unit.find("^2"); at != unit.npos) unit.replace(at, 2, "²");
+  for (const auto& [power, digit] : {std::pair("^2", "²"), std::pair("^3", "³")})
+    if (const std::size_t at = unit.find(power); at != unit.npos) unit.replace(at, 2, digit);
   return unit;
 }
 

@@ -29,7 +29,7 @@ OperatorDeclaration decimate_declaration() {
       .make = [](const OptionValues& options,
                  const Facts&) { return std::make_shared<Decimate>(options.number("share"), options.whole("seed")); },
       .formula =
-          "Point i is kept if h_i / 2^64 < share.\n"
+          "Point i is kept if ⌊h_i / 2^11⌋ / 2^53 < share.\n"
           "h = m(m(m(seed ^ x) ^ y) ^ z) of the 64 bits of each coordinate as float64, 0 for -0;\n"
           "m(i): j = i + 0x9e3779b97f4a7c15; j = (j ^ j >> 30) * 0xbf58476d1ce4e5b9;\n"
           "j = (j ^ j >> 27) * 0x94d049bb133111eb; j ^ j >> 31, all modulo 2^64.",

@@ -42,7 +42,7 @@ OperatorDeclaration density_declaration() {
           .meaning = "points for each unit of area and of volume around a point",
           .options = {{.name = "radius",
                        .kind = OptionKind::number,
-                       .meaning = "R; without it, the distance to the farthest neighbour",
+                       .meaning = "R, above 0; without it, the distance to the farthest neighbour",
                        .unit = "length",
                        .sample = 0.5}},
           .make = make_density,

@@ -37,7 +37,7 @@ class Poisson final : public Operator {
 
  private:
   PoissonOptions options_;
-  std::vector<Attribute> reads_;  ///< what holds the radius of a point, if it has one of its own
+  std::vector<Attribute> reads_;  ///< the attribute that radius_from names; empty without one
   std::size_t component_ = 0;     ///< which of its components
 };
 

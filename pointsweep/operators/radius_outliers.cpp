@@ -8,6 +8,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/complete_lists.h"
 #include "pointsweep/operators/declaration.h"
+#include "pointsweep/operators/outliers.h"
 
 namespace pointsweep {
 namespace {
@@ -26,7 +27,7 @@ OperatorDeclaration ror_declaration() {
           .meaning = "radius outliers: points with fewer than min_neighbors neighbours within a radius",
           .options = {{.name = "radius",
                        .kind = OptionKind::number,
-                       .meaning = "the distance within which neighbours count, inclusive",
+                       .meaning = "the distance within which neighbours count, inclusive; above 0",
                        .least = 0,
                        .unit = "length",
                        .required = true,
@@ -58,8 +59,8 @@ RadiusOutliers::RadiusOutliers(double radius, std::uint64_t min_neighbors)
 }
 
 Contract RadiusOutliers::contract() const {
-  Attribute outlier = scalar("outlier", Type::u8, "1", "1: too few neighbours within the radius");
-  outlier.fill = std::byte{1};
+  Attribute outlier = outlier_attribute();
+  outlier.meaning = "1: too few neighbours within the radius";
   return {{}, {}, {outlier}};
 }
 

@@ -11,12 +11,11 @@
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/radius_estimate.h"
 #include "pointsweep/pipeline/row_mask.h"
+#include "pointsweep/pipeline/thinning_pass.h"
 
 namespace pointsweep {
 namespace {
 
-/// Points that a thinning takes at once (thinning_pass.cpp).
-constexpr std::uint64_t kBatchPoints = 4096;
 constexpr std::uint64_t kMovedPositionBytes = 3 * sizeof(double);
 
 bool in_memory(const MemoryPlan& plan) { return !plan.spill_stream && !plan.spill_results; }
@@ -56,7 +55,7 @@ void add_thinning(MemoryDemand& demand, const PlannedPass& pass, const Survey& s
   const Contract contract = pass.thinner().contract();
   if (contract.reach == 0) return;
   const RadiusEstimate estimate = estimate_radius(survey, demand.points, contract.reach, 2 * contract.reach);
-  demand.thinning_bytes = contract.held_bytes * std::min(demand.points, estimate.slice_points + kBatchPoints);
+  demand.thinning_bytes = contract.held_bytes * std::min(demand.points, estimate.slice_points + kThinningBatch);
 }
 
 MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand,

@@ -17,7 +17,6 @@ namespace pointsweep {
 namespace {
 
 constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
-constexpr std::size_t kBatch = 4096;
 
 /// No field of a file has a blank in its library name.
 std::string position_name(const char* axis) { return std::string("position ") + axis; }
@@ -151,9 +150,9 @@ void run_thinning(const ThinningPass& run) {
     decided.left_out.clear();
   };
   const auto take = [&](std::span<const std::byte> records) {
-    for (std::size_t at = 0; at < records.size(); at += kBatch * stride) {
+    for (std::size_t at = 0; at < records.size(); at += kThinningBatch * stride) {
       stop_if_cancelled();
-      const std::size_t n = std::min(kBatch, (records.size() - at) / stride);
+      const std::size_t n = std::min(kThinningBatch, (records.size() - at) / stride);
       thinning->add(batch.of(records.data() + at, n), decided);
       put();
     }

@@ -2,6 +2,7 @@
 /// A pass that takes all points in order to a Thinning, which decides which rows stay.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 
@@ -27,6 +28,9 @@ struct ThinningPass {
   RowStore& results;           ///< gets zeros for each row that is left out, and nothing for the others
   std::function<void(std::uint64_t points)> progress;
 };
+
+/// Points that a Thinning gets at once, at most.
+inline constexpr std::size_t kThinningBatch = 4096;
 
 void run_thinning(const ThinningPass& run);
 
