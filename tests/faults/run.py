@@ -22,6 +22,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 LARGE = 120000  # points: enough to have results spilled as well
 SPILLED = "--memory 30M --temp-dir temp"
+SPILLED_LAZ = "--memory 40M --temp-dir temp"  # its decoder takes some of it
 # Name -> what is generated, the run, its outputs. One thread: then operations come in one order.
 RUNS = {
     "normals": ("in.ply", "normals in.ply out.ply", ["out.ply"]),
@@ -32,6 +33,12 @@ RUNS = {
     "curvature, stream and results spilled": (
         "large.ply", "curvature large.ply out.ply --memory 40M --temp-dir temp", ["out.ply"]),
     "neighbors and distances": ("in.ply", "neighbors in.ply out.npy --distances d.npy", ["out.npy", "d.npy"]),
+    "LAZ to LAZ, spilled": ("in.laz", f"normals in.laz out.laz {SPILLED_LAZ}", ["out.laz"]),
+    "E57 to E57": ("in.e57", "normals in.e57 out.e57", ["out.e57"]),
+    "PCD to PCD, rows left out, spilled": (
+        "in.pcd", f"run in.pcd out.pcd --pipeline 'sor|where(outlier==0)|voxel(0.05)|features' {SPILLED}", ["out.pcd"]),
+    "tiles of LAZ, ordered by their boxes": (
+        "tiles/a.laz tiles/b.laz", f"normals tiles/ out/ {SPILLED_LAZ}", ["out/a.laz", "out/b.laz"]),
 }
 RESUMED = "--resume done --checkpoint-seconds 0 --memory 64M"
 # Of more points, so that there are several slabs; killed, given again, killed again.
@@ -44,6 +51,9 @@ RESUMED_RUNS = {
     "fairing, new neighbours": ("in.ply", "run in.ply out.ply --pipeline 'normals|splats|fair|reneighbor|normals' "
                                 f"{RESUMED}", ["out.ply"]),
     "sort": ("in.ply", f"sort in.ply out.ply {RESUMED}", ["out.ply"]),
+    "tiles of LAZ": ("tiles/a.laz tiles/b.laz", f"normals tiles/ out/ {RESUMED}", ["out/a.laz", "out/b.laz"]),
+    "rows left out": ("in.pcd", "run in.pcd out.e57 --pipeline 'sor|where(outlier==0)|poisson(0.01)|normals' "
+                      f"{RESUMED}", ["out.e57"]),
 }
 # Operations that each kind of fault can meet.
 SPACE = {"create", "mkdir", "write", "rename", "link", "truncate", "sync", "close"}
@@ -67,11 +77,16 @@ class Place:
 
     def __init__(self, options, name, runs=RUNS, points=None):
         self.options, self.name = options, name
-        self.input, self.command, self.outputs = runs[name]
+        inputs, self.command, self.outputs = runs[name]
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pointsweep-faults-", dir=options.work))
         (self.folder / "temp").mkdir()
+        self.targets = [word for word in shlex.split(self.command) if word in self.outputs or word == "out/"]
+        self.input = inputs.split()[0]
+        (self.folder / self.input).parent.mkdir(exist_ok=True)
         points = points or (LARGE if self.input.startswith("large") else options.points)
-        self.tool(f"generate statue {self.input} -n {points} --noise 0.002")
+        for number, file in enumerate(inputs.split()):  # side by side, as tiles are
+            self.tool(f"generate statue {file} -n {points} --noise 0.002 --origin {4 * number},0,0" if number
+                      else f"generate statue {file} -n {points} --noise 0.002")
         self.before = self.files()
         log = self.folder.with_suffix(".log")
         status, error = self.run(FAULTS_LOG=log)
@@ -102,17 +117,26 @@ class Place:
         self.clear()
         return seconds
 
+    def words_with(self, other):
+        """The words of the command, some of them replaced."""
+        return [other.get(word, word) for word in shlex.split(self.command)]
+
+    def folders_of_outputs(self, folder):
+        """Of complete outputs below a folder: a run makes them, and leaves them when an output in them is complete."""
+        return {str(pathlib.Path(output).parent) for output in self.outputs if (folder / output).exists()}
+
     def files(self):
-        return {str(path.relative_to(self.folder)) for path in self.folder.rglob("*")}
+        names = {str(path.relative_to(self.folder)) for path in self.folder.rglob("*")}
+        return names - self.folders_of_outputs(self.folder)
 
     def content(self, name):
         data = (self.folder / name).read_bytes()
         return b"" if name.endswith(".json") else data  # statistics hold times
 
     def clear(self):
-        for name in self.files() - self.before:
-            path = self.folder / name
-            shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
+        for path in sorted(self.folder.rglob("*"), reverse=True):  # what is in a folder before the folder
+            if str(path.relative_to(self.folder)) not in self.before:
+                path.rmdir() if path.is_dir() else path.unlink(missing_ok=True)
         (self.folder / "temp").mkdir(exist_ok=True)
 
     def require_outputs_whole(self, all_of_them):
@@ -289,7 +313,7 @@ def full_disk(place):
     outcomes = collections.Counter()
     disk = place.folder / "disk"
     disk.mkdir()
-    most = 4 * sum(len(data) for data in place.right.values()) // 1024
+    most = 4 * sum(len(data) for data in place.right.values()) // 1024 + 2048  # kB; the second for what is spilled
     sizes = range(16, most, max(64, most // 40))
     try:
         for size in sizes:
@@ -297,10 +321,9 @@ def full_disk(place):
             if mounted.returncode != 0:
                 return "not mounted here"
             try:
-                words = [f"disk/{w}" if w in place.outputs else w for w in place.command.split()]
-                words = ["disk" if w == "temp" else w for w in words]
+                words = place.words_with({word: f"disk/{word}" for word in place.targets} | {"temp": "disk"})
                 done = subprocess.run([place.options.tool, *words, "--quiet"], cwd=place.folder, capture_output=True, text=True)
-                left = {path.name for path in disk.iterdir()}
+                left = {str(path.relative_to(disk)) for path in disk.rglob("*")} - place.folders_of_outputs(disk)
                 if done.returncode == 0:
                     require(left == set(place.outputs), f"on a disk of {size}k: {left}")
                     require(all((disk / o).read_bytes() == d for o, d in place.right.items() if d), f"wrong on {size}k")
@@ -325,8 +348,8 @@ def read_only_folders(place):
         closed.rmdir()
         return "not mounted here"
     try:
-        for closed_word in [*place.outputs, *(["temp"] if "temp" in place.command else [])]:
-            words = [f"closed/{w}" if w == closed_word else w for w in place.command.split()]
+        for closed_word in [*place.targets, *(["temp"] if "temp" in place.command else [])]:
+            words = place.words_with({closed_word: f"closed/{closed_word}"})
             done = subprocess.run([place.options.tool, *words, "--quiet"], cwd=place.folder, capture_output=True, text=True)
             require(done.returncode == 1 and len(done.stderr.strip().splitlines()) == 1, f"{closed_word}: {done.stderr}")
             left = place.files() - place.before - {"closed"}
