@@ -6,6 +6,7 @@ it fails at once, and by a chain of three steps (normals, splats, fair); `verify
 user + system of the whole process, `normals` or the chain, the least of --repeat; ratios are to those of a clean cloud."""
 import argparse
 import array
+import dataclasses
 import datetime
 import json
 import os
@@ -28,6 +29,7 @@ def arguments():
     parser.add_argument("--sample", default="10000", help="points compared with brute force, in addition to odd ones (default 10000)")
     parser.add_argument("--repeat", type=int, default=2, help="timed runs of each cloud (default 2)")
     parser.add_argument("--only", nargs="+", metavar="TEXT", help="clouds of this name, or whose names contain this")
+    parser.add_argument("--chain", metavar="PIPELINE", help="run this one instead of the chain of three steps of each cloud")
     parser.add_argument("--work", type=pathlib.Path, default=bench.ROOT / "build/hostile", help="folder for clouds and outputs")
     parser.add_argument("--build", type=pathlib.Path, default=bench.ROOT / "build/release")
     parser.add_argument("--output", type=pathlib.Path, help="JSON file for the result; what it has of other clouds is kept")
@@ -82,7 +84,7 @@ class Bench:
         if name not in self.clean_runs:
             cloud = next(c for c in CLEAN if c.name == name)
             self.clean_runs[name] = (self.least(cloud, self.options.work / "normals.ply"),
-                                     self.least(cloud, self.options.work / "deep.ply", "run", ("--pipeline", cloud.chain)))
+                                     self.least(cloud, self.options.work / "deep.ply", "run", ("--pipeline", self.options.chain or cloud.chain)))
         return self.clean_runs[name]
 
     def special_rows(self, cloud, file):
@@ -197,6 +199,8 @@ def main():
     names = {c.name for c in HOSTILE}
     chosen = [c for c in HOSTILE if not options.only or
               any(text == c.name if text in names else text in c.name for text in options.only)]
+    if options.chain:
+        chosen = [dataclasses.replace(c, chain=options.chain) for c in chosen]
     kept = json.loads(options.output.read_text()) if options.output and options.output.exists() else {}
     rows = {row["cloud"]: row for row in kept.get("rows", [])}
     print(f"{tried.points} points, --memory {tried.memory}M, hard limit {tried.limit >> 20} MiB")
@@ -209,6 +213,8 @@ def main():
     result = {"date": datetime.date.today().isoformat(), "commit": bench.commit(),
               "machine": bench.machine(), "points": tried.points, "memory_mib": tried.memory, "hard_limit_mib": tried.limit >> 20,
               "same_where_shifted": kept.get("same_where_shifted")}
+    if options.chain:
+        result["chain"] = options.chain
     if any(c.name == "millimetres-at-5e6" for c in chosen):
         result["same_where_shifted"] = tried.same_where_shifted()
         print("the same neighbours and normals at 5e6 as at the origin:", result["same_where_shifted"])

@@ -107,6 +107,20 @@ TEST_F(FolderOutputs, HaveNoSeamsAndKeepWhatEachInputHas) {
   EXPECT_TRUE(las.schema.find("weight"));
 }
 
+TEST_F(FolderOutputs, OfPcdAndE57FilesHaveNoSeamsEither) {
+  make_tiles("pcd");
+  made("sort b.xyz tiles/b.e57 --axis y --no-provenance");
+  std::filesystem::remove(folder_ / "tiles/b.pcd");
+  tiles_ = {"a.pcd", "b.e57", "c.pcd"};
+  for (const char* options : {"--memory 100M --threads 3", ""}) {
+    made(std::string("curvature tiles merged.e57 -k 12 --prefix p_ --force ") + options);
+    made(std::string("curvature tiles out/ -k 12 --prefix p_ --force ") + options);
+    expect_seamless("out", "merged.e57", {"p_nx", "p_ny", "p_nz", "p_k1", "p_k2"});
+    expect_inputs_kept("out");
+  }
+  EXPECT_EQ(tool("verify tiles out").status, 0);
+}
+
 TEST_F(FolderOutputs, SayThatTheyAreTilesAndKeepNoNoticeOfAttributesThatOthersHave) {
   make_mixed_tiles();
   const Result run = tool("normals tiles out/ --recursive");

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <random>
+#include <set>
 #include <string>
 
 #include "pointsweep/error.h"
@@ -129,6 +130,9 @@ TEST_F(E57Writing, MakesNamesThatXmlAllows) {
   OutputPlan all = plan(1);
   for (const char* name : {"a b", "a_b", "cartesianX", "9", "rowIndex", "scan"}) all.schema.append(name, Type::u8);
   all.schema.append("list", Type::u8, 3);
+  std::set<std::string> stored;
+  for (const E57Column& column : e57_columns(all.schema)) stored.insert(column.attribute.name);
+  EXPECT_TRUE(stored.contains("ps:a_b") && stored.contains("ps:a_b_2")) << "a file that has one name twice is none";
   const auto reader = written(all, std::vector<std::byte>(all.schema.stride, std::byte{7}));
   EXPECT_EQ(field_names(reader->info().schema),
             (std::vector<std::string>{"x", "y", "z", "invalid_state", "a_b", "a_b_2", "_cartesianX", "_9", "_rowIndex",

@@ -79,7 +79,7 @@ MUTANTS = [
     Mutant("the estimate hands over twice as many points", "order", ORDER + "waiting_estimate.cpp",
            "decoded - std::min(decoded, handed_over)", "decoded - std::min(decoded, 2 * handed_over)", ("order:EstimateWaiting*",)),
     Mutant("records of two blocks become one run", "order", ORDER + "slabs_on_demand.cpp",
-           "if (row < begin || row >= end) {", "if (row < begin || runs.empty()) {", ("order:StreamOnDemand*", "pipeline:OnDemandOrder*")),
+           "if (row < begin || row >= end) {", "if (row < begin || (runs.empty() && row >= end)) {", ("order:StreamOnDemand*", "pipeline:OnDemandOrder*")),
     # Survey
     Mutant("bounds and axis are those of the sample, although exact ones were asked for", "order", ORDER + "survey.cpp",
            "if (is_finite(p)) bounds_.include(p);\n      }\n      for",

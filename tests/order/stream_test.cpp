@@ -706,6 +706,11 @@ TEST(EstimateWaiting, IsAboutABoxForBoxesInARowAndAllForBoxesThatAllOverlap) {
   EXPECT_EQ(estimate_waiting(one_on_another, 0, sample, 16000, 100, 1), 16000u);
   EXPECT_EQ(estimate_waiting(row, 1, sample, 16000, 100, 1), 16000u);  // across the row
   EXPECT_EQ(estimate_waiting(row, 0, {}, 16000, 100, 1), 16000u);
+  // One box for the second half of the row: when the front is there, the points of the first half have been handed
+  // over.
+  row.resize(8);
+  row.push_back({8000, 8000, {{0, -2, -1}, {3, 2, 1}}});
+  EXPECT_NEAR(static_cast<double>(estimate_waiting(row, 0, sample, 16000, 100, 1)), 8000, 300);
 }
 
 }  // namespace
