@@ -13,13 +13,17 @@
 namespace pointsweep {
 namespace {
 
+/// The largest radius, in errors, unless it is given: that of a surface with a radius of curvature of 512 errors.
+constexpr double kMostOfErrors = 32;
+
 Options all_options(const SimplifyOptions& options) {
   return {{"error", options.error}, {"most", options.most}, {"least", options.least}};
 }
 
 std::shared_ptr<Operator> make_simplify(const OptionValues& options, const Facts&) {
-  return std::make_shared<Simplify>(SimplifyOptions{
-      .error = options.number("error"), .most = options.number("most"), .least = options.number("least")});
+  const double error = options.number("error");
+  const double most = options.given("most") ? options.number("most") : kMostOfErrors * error;
+  return std::make_shared<Simplify>(SimplifyOptions{.error = error, .most = most, .least = options.number("least")});
 }
 
 }  // namespace
@@ -37,11 +41,9 @@ OperatorDeclaration simplify_declaration() {
                        .sample = 0.01},
                       {.name = "most",
                        .kind = OptionKind::number,
-                       .meaning = "the largest radius, on flat parts",
+                       .meaning = "the largest radius, on flat parts; without it, 32 error",
                        .least = 1e-9,
-                       .unit = "length",
-                       .required = true,
-                       .sample = 0.5},
+                       .unit = "length"},
                       {.name = "least",
                        .kind = OptionKind::number,
                        .preset = 0.0,
@@ -55,7 +57,7 @@ OperatorDeclaration simplify_declaration() {
           .cost = "that of poisson with the radius `most`",
           .attributes = {{.name = "simplify_radius",
                           .meaning = "distance within which a kept point represents this one; `least` to `most`"}},
-          .example = "knn(k=24) | normals | curvature | simplify(0.01, most=0.5)"};
+          .example = "knn(k=24) | normals | curvature | simplify(error=0.01)"};
 }
 
 Attribute simplify_radius_attribute() {

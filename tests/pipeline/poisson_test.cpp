@@ -284,13 +284,23 @@ TEST(Simplify, KeepsFewPointsOnFlatParts) {
   EXPECT_NEAR(on_sphere, 0.7 * 0.5 / (0.028 * 0.028), 150) << "about 0.7 disks to a square of the radius";
 }
 
+TEST(Simplify, HasRadiiOf32ErrorsOnFlatPartsUnlessTheyAreGiven) {
+  std::vector<Vec3> points;
+  for (const Vec3& p : make_cloud(hostile_shapes()[1].second, 4000, 63)) points.push_back({p.x, p.y, 0});
+  const std::string text = "normals | curvature | simplify(error=0.005";
+  const RunResult without = run_in_memory(points, chain_of(text + ")"), tiny(1000));
+  EXPECT_TRUE(without.records == run_in_memory(points, chain_of(text + ", most=0.16)"), tiny(1000)).records);
+  EXPECT_FALSE(without.records == run_in_memory(points, chain_of(text + ", most=0.15)"), tiny(1000)).records);
+}
+
 TEST(Simplify, TellsWhatIsWrong) {
   const Records input = with_attributes({{0, 0, 0}, {1, 1, 1}});
   EXPECT_NE(refusal([&] { run_text(input, "normals | simplify(0.1, most=1)", tiny(100)); }).find("needs 'k1'"),
             std::string::npos);
   EXPECT_NE(refusal([&] { chain_of("normals | curvature | simplify(0.1, most=1, least=2)"); }).find("least 2"),
             std::string::npos);
-  for (const char* wrong : {"simplify", "simplify(0.1)", "simplify(0, most=1)", "simplify(0.1, most=-1)"})
+  for (const char* wrong :
+       {"simplify", "simplify(most=1)", "simplify(0)", "simplify(0, most=1)", "simplify(0.1, most=-1)"})
     EXPECT_NE(refusal([&] { chain_of(wrong); }), "") << wrong;
 }
 
