@@ -1,4 +1,4 @@
-# cmake -D ROOT=<tree> -P check_layers.cmake: fails when an include of the library or of cli/ points up.
+# cmake -D ROOT=<tree> -P check_layers.cmake: fails when an include of the library, of cli/ or of python/ points up.
 # A layer is a folder with sources, named by its path without `pointsweep/`; a folder that is not named here is refused. A file may
 # include its own folder, the layers named for it, and pointsweep/fail.h, cancellation.h, leftovers.h, threads.h, prefetch.h.
 # A header of include/pointsweep/ belongs to the layer named for it here, and includes other public headers alone.
@@ -42,6 +42,7 @@ set(may_include_verify points math operators formats formats/files)  # not searc
 set(may_include_verify/formulas nothing_at_all)
 list(APPEND may_include_verify verify/formulas)
 set(may_include_cli points math order operators formats formats/files shapes render verify pipeline pipeline/plan report)
+set(may_include_python/binding points math order operators formats formats/files shapes pipeline)
 # The one file that knows all formats.
 set(pointsweep/formats/registry.cpp_may_include formats/e57 formats/kitti formats/las formats/mesh formats/npy
   formats/pcd formats/ply formats/ptx formats/qsplat formats/text formats/vtk)
@@ -72,7 +73,8 @@ function(layer_of file variable)
 endfunction()
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/include/*.h ${ROOT}/pointsweep/*.h ${ROOT}/pointsweep/*.cpp ${ROOT}/reference/*.h
-  ${ROOT}/reference/*.cpp ${ROOT}/cli/*.h ${ROOT}/cli/*.cpp)
+  ${ROOT}/reference/*.cpp ${ROOT}/cli/*.h ${ROOT}/cli/*.cpp
+  ${ROOT}/python/*.h ${ROOT}/python/*.cpp)
 set(wrong "")
 foreach(file ${files})
   layer_of(${file} layer)

@@ -27,7 +27,7 @@ def types(path):
 def main():
     root = pathlib.Path(sys.argv[1])
     places = {}
-    for folder in ("include", "pointsweep", "reference", "cli"):
+    for folder in ("include", "pointsweep", "reference", "cli", "python"):
         for path in sorted((root / folder).rglob("*")):
             if path.suffix in (".h", ".cpp"):
                 for name, line in types(path):

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+/// Arrays of Python as columns of a cloud, without a copy.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pointsweep/attribute.h"
+
+namespace pointsweep {
+
+/// An N×m array, borrowed until this object is destroyed, on any thread.
+struct ArrayColumn {
+  std::vector<std::string> names;  ///< of the m values of a row
+  Type type = Type::f64;
+  const std::byte* first = nullptr;
+  std::ptrdiff_t row_stride = 0;    ///< bytes from row to row; may be negative
+  std::ptrdiff_t value_stride = 0;  ///< bytes from value to value of one row
+  std::size_t rows = 0;
+  std::shared_ptr<const void> owner;
+};
+
+/// Holds the buffer of `array`, N×names.size() numbers in the byte order of the machine. Throws UsageError for another
+/// shape and for values that are not numbers of at most 64 bits.
+ArrayColumn borrow_array(nanobind::handle array, std::vector<std::string> names);
+
+}  // namespace pointsweep

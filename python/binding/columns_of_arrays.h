@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+/// A cloud whose attributes are arrays of Python.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "pointsweep/reader.h"
+#include "python/binding/array_columns.h"
+
+namespace pointsweep {
+
+/// The name of the field that holds the number of each row.
+inline constexpr const char* kRowField = "row";
+
+/// Any range of rows is a chunk, decoded by all threads. The arrays are read where they are: strided or memory-mapped.
+class ColumnsOfArrays final : public Reader {
+ public:
+  /// `with_rows`: one more field, kRowField, i64. Throws UsageError if the arrays differ in length.
+  ColumnsOfArrays(std::vector<ArrayColumn> columns, bool with_rows);
+
+  Chunk chunk_of(std::uint64_t row) const override;
+  bool has_decoders() const override { return true; }
+  bool decodes_any_range() const override { return true; }
+  std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const override;
+
+ private:
+  class Decoder;
+  /// Bytes of a row that are together in an array and in a record.
+  struct Piece {
+    const std::byte* first;  ///< of row 0; null: the number of the row itself
+    std::ptrdiff_t stride;
+    std::uint32_t offset, bytes;  ///< in a record
+  };
+
+  void add(const ArrayColumn& column);
+
+  std::vector<ArrayColumn> columns_;  ///< keep the arrays alive
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+/// What the module knows of point files, and clouds that it generates.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace pointsweep {
+
+/// list_files and describe.
+void bind_files(nanobind::module_& module);
+
+}  // namespace pointsweep

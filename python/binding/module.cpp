@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+/// The extension module pointsweep._core: what the Python layer in pointsweep/ calls. It checks types; the layer above
+/// makes arguments complete and explains them.
+#include <nanobind/nanobind.h>
+
+#include "python/binding/errors.h"
+#include "python/binding/files.h"
+#include "python/binding/generated.h"
+#include "python/binding/point_batch.h"
+#include "python/binding/runs.h"
+
+NB_MODULE(_core, module) {
+  module.doc() = "The library behind the package pointsweep. Use the functions of the package.";
+  module.attr("version") = POINTSWEEP_VERSION;
+  pointsweep::translate_errors();
+  pointsweep::bind_point_batch(module);
+  pointsweep::bind_runs(module);
+  pointsweep::bind_files(module);
+  pointsweep::bind_generate(module);
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+/// A batch of points with their neighbours as an operator in Python gets it.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "pointsweep/attribute.h"
+#include "pointsweep/neighborhood.h"
+
+namespace pointsweep {
+
+/// The points [first, first + size) of a batch. Every function makes an array of its own, so that arrays may be kept;
+/// the object itself belongs to Python, but borrows the points: after end() every function throws UsageError. Lists are
+/// padded to width(), the length of the longest: with NaN, or 0 in integers.
+class PointBatch {
+ public:
+  PointBatch(const Neighborhoods& in, std::span<const Attribute> reads, std::span<const Attribute> reads_neighbors,
+             std::size_t first, std::size_t size);
+  void end() { in_ = nullptr; }
+
+  std::size_t size() const { return size_; }
+  std::size_t width() const { return width_; }
+  nanobind::object positions() const;                  ///< N×3 f64
+  nanobind::object rows() const;                       ///< N i64
+  nanobind::object counts() const;                     ///< N i64
+  nanobind::object neighbor_positions() const;         ///< N×width×3 f64
+  nanobind::object neighbor_rows() const;              ///< N×width i64; missing: -1
+  nanobind::object own(std::size_t a) const;           ///< attribute a of `reads`, N or N×m
+  nanobind::object of_neighbors(std::size_t a) const;  ///< of `reads_neighbors`, N×width or N×width×m
+
+ private:
+  const Neighborhoods& in() const;
+
+  const Neighborhoods* in_;
+  std::span<const Attribute> reads_, reads_neighbors_;
+  std::size_t first_, size_, width_ = 0;
+};
+
+void bind_point_batch(nanobind::module_& module);
+
+}  // namespace pointsweep

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "python/binding/python_operator.h"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <exception>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <variant>
+
+#include "pointsweep/fail.h"
+#include "python/binding/array_columns.h"
+#include "python/binding/point_batch.h"
+
+namespace nb = nanobind;
+
+namespace pointsweep {
+namespace {
+
+/// Places in the padded lists that Python gets at once; one point may have more.
+constexpr std::size_t kMostPlaces = 1u << 18;
+
+/// The function of Python, and the first exception it raised. Used with the interpreter lock, destroyed without.
+class PythonFunction {
+ public:
+  explicit PythonFunction(nb::object op) : op_(std::move(op)) {}
+
+  nb::object call(PointBatch points) {
+    require_success();
+    const nb::object owned = nb::cast(std::move(points));  // Python may keep it for longer than this call
+    PointBatch& batch = nb::cast<PointBatch&>(owned);
+    try {
+      nb::object results = op_.attr("_call")(owned);
+      batch.end();
+      return results;
+    } catch (const nb::python_error&) {
+      batch.end();
+      if (!raised_) raised_ = std::current_exception();
+      failed_ = true;
+    }
+    require_success();
+    return {};
+  }
+  void rethrow() const {
+    if (raised_) std::rethrow_exception(raised_);
+  }
+
+ private:
+  void require_success() const {
+    if (failed_) fail("an operator in Python raised an exception.");
+  }
+
+  nb::object op_;
+  std::exception_ptr raised_;
+  std::atomic<bool> failed_ = false;
+};
+
+std::shared_ptr<PythonFunction> function_of(nb::handle op) {
+  return {new PythonFunction(nb::borrow(op)), [](PythonFunction* function) {
+            const nb::gil_scoped_acquire interpreter;
+            delete function;
+          }};
+}
+
+bool is_64_bits(Type type) { return type == Type::i64 || type == Type::u64; }
+
+/// What `name` stands for where it is read: what was made last, else fields of the input, as conditions read them.
+Attribute resolved(const std::string& name, const Schema& input, std::span<const Attribute> made) {
+  for (std::size_t m = made.size(); m-- > 0;)
+    if (made[m].name == name && name != position_attribute().name) return made[m];
+  if (const auto at = input.find(name)) {
+    const Field& field = input.fields[*at];
+    if (field.count != 1)
+      fail_usage("'{}' is an array of {} values, which operators in Python cannot read.", name, field.count);
+    return scalar(field.name, field.is_plain() && is_64_bits(field.type) ? field.type : Type::f64, "", "");
+  }
+  if (name == normal_attribute().name) return normal_attribute();
+  Attribute list = scalar(name, Type::f64, "", "");
+  list.fields.clear();
+  while (input.find(name + "_" + std::to_string(list.fields.size())))
+    list.fields.push_back(name + "_" + std::to_string(list.fields.size()));
+  return list.fields.empty() ? scalar(name, Type::f64, "", "") : list;
+}
+
+std::vector<Attribute> all_resolved(const std::vector<std::string>& names, const Schema& input,
+                                    std::span<const Attribute> made) {
+  std::vector<Attribute> attributes;
+  for (const std::string& name : names) attributes.push_back(resolved(name, input, made));
+  return attributes;
+}
+
+Type type_named(const std::string& name) {
+  for (int t = 0; t <= static_cast<int>(Type::f64); ++t)
+    if (name_of(static_cast<Type>(t)) == name) return static_cast<Type>(t);
+  fail_usage("'{}' is not the name of a type.", name);
+}
+
+/// From (name, type, values of a point; 0: one that is no list).
+Attribute made_attribute(const std::tuple<std::string, std::string, std::size_t>& made) {
+  const auto& [name, type_name, values] = made;
+  if (name == position_attribute().name) return position_attribute();
+  if (name == normal_attribute().name) return normal_attribute();
+  const Type type = type_named(type_name);
+  Attribute attribute = scalar(name, type, "", "made by an operator in Python");
+  if (values > 0) attribute.fields.clear();
+  for (std::size_t v = 0; v < values; ++v) attribute.fields.push_back(name + "_" + std::to_string(v));
+  if (type == Type::f32 || type == Type::f64) attribute.fill = std::byte{0xFF};  // NaN
+  return attribute;
+}
+
+class PythonOperator final : public Operator {
+ public:
+  explicit PythonOperator(nb::handle op)
+      : name_(nb::cast<std::string>(op.attr("name"))),
+        identity_(nb::cast<std::string>(op.attr("_identity"))),
+        reads_(nb::cast<std::vector<std::string>>(op.attr("reads"))),
+        reads_neighbors_(nb::cast<std::vector<std::string>>(op.attr("reads_neighbors"))),
+        function_(function_of(op)) {
+    using Made = std::vector<std::tuple<std::string, std::string, std::size_t>>;
+    for (const auto& made : nb::cast<Made>(op.attr("_makes"))) contract_.makes.push_back(made_attribute(made));
+    contract_.reads = all_resolved(reads_, {}, {});
+    contract_.reads_neighbors = all_resolved(reads_neighbors_, {}, {});
+  }
+
+  std::string name() const override { return name_; }
+  Contract contract() const override { return contract_; }
+  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override {
+    auto bound = std::make_shared<PythonOperator>(*this);
+    bound->contract_.reads = all_resolved(reads_, input, made);
+    bound->contract_.reads_neighbors = all_resolved(reads_neighbors_, input, made);
+    return bound;
+  }
+
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const nb::gil_scoped_acquire interpreter;
+    for (std::size_t first = 0, size = 0; first < in.size(); first += size) {
+      size = size_at(in, first);
+      const nb::object results =
+          function_->call(PointBatch(in, contract_.reads, contract_.reads_neighbors, first, size));
+      for (std::size_t m = 0; m < contract_.makes.size(); ++m) {
+        const std::size_t bytes = contract_.makes[m].bytes();
+        const ArrayColumn made = borrow_array(results[m], contract_.makes[m].fields);
+        std::memcpy(out.column<std::byte>(m).data() + first * bytes, made.first, size * bytes);
+      }
+    }
+  }
+
+  void rethrow() const { function_->rethrow(); }
+
+ private:
+  /// Points from `first` on, so that the padded lists have at most kMostPlaces.
+  static std::size_t size_at(const Neighborhoods& in, std::size_t first) {
+    std::size_t width = 1, size = 0;
+    for (; first + size < in.size(); ++size) {
+      width = std::max(width, in.count(first + size));
+      if (size > 0 && (size + 1) * width > kMostPlaces) break;
+    }
+    return size;
+  }
+
+  Options own_options() const override { return {{"python", identity_}}; }
+
+  std::string name_, identity_;
+  std::vector<std::string> reads_, reads_neighbors_;
+  Contract contract_;
+  std::shared_ptr<PythonFunction> function_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Operator> python_operator(nb::handle op) { return std::make_shared<PythonOperator>(op); }
+
+void rethrow_python_exception(const Chain& chain) {
+  for (const ChainStage& stage : chain.stages) {
+    const auto* op = std::get_if<std::shared_ptr<const Operator>>(&stage);
+    const auto* python = op != nullptr ? dynamic_cast<const PythonOperator*>(op->get()) : nullptr;
+    if (python != nullptr) python->rethrow();
+  }
+}
+
+}  // namespace pointsweep

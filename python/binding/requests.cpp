@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "python/binding/requests.h"
+
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "python/binding/columns_of_arrays.h"
+#include "python/binding/python_operator.h"
+
+namespace nb = nanobind;
+
+namespace pointsweep {
+namespace {
+
+template <class T>
+T option(const nb::dict& options, const char* name) {
+  return nb::cast<T>(options[name]);
+}
+
+/// Whether `holds` for the contract of an operator, or of one that it is short for.
+template <class Holds>
+bool any_contract(const Operator& op, Holds holds) {
+  if (holds(op.contract())) return true;
+  return std::ranges::any_of(op.parts(), [&](const auto& part) { return any_contract(*part, holds); });
+}
+
+template <class Holds>
+bool any_contract(const Chain& chain, Holds holds) {
+  return std::ranges::any_of(chain.stages, [&](const ChainStage& stage) {
+    const auto* op = std::get_if<std::shared_ptr<const Operator>>(&stage);
+    return op != nullptr && any_contract(**op, holds);
+  });
+}
+
+bool is_path(nb::handle item) { return nb::isinstance<nb::str>(item); }
+
+}  // namespace
+
+Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options) {
+  if (is_path(source[0])) {
+    const CloudOptions how{.ignore_crs = option<bool>(options, "ignore_crs"),
+                           .format = option<std::string>(options, "format")};
+    return Cloud(nb::cast<std::vector<std::filesystem::path>>(source), how);
+  }
+  std::vector<ArrayColumn> columns;
+  for (const nb::handle pair : source)
+    columns.push_back(borrow_array(pair[1], nb::cast<std::vector<std::string>>(pair[0])));
+  return Cloud(std::make_unique<ColumnsOfArrays>(std::move(columns), with_rows));
+}
+
+Chain chain_of(const nb::list& pipeline, const Cloud& cloud) {
+  Chain chain;
+  bool first = true;
+  for (const nb::handle item : pipeline) {
+    if (!nb::isinstance<nb::str>(item)) {
+      chain.stages.emplace_back(python_operator(item));
+    } else if (first) {
+      chain = parse_chain(nb::cast<std::string>(item), cloud);
+    } else {
+      append_stages(chain, nb::cast<std::string>(item), cloud);
+    }
+    first = false;
+  }
+  return chain;
+}
+
+bool changes_rows(const Chain& chain, const RunOptions& options) {
+  if (options.order != Order::input || options.nonfinite == Nonfinite::drop) return true;
+  return any_contract(chain, [](const Contract& contract) { return contract.selects != Selects::nothing; });
+}
+
+bool moves_points(const Chain& chain) {
+  const auto moves = [](const Attribute& made) { return made.name == position_attribute().name; };
+  return any_contract(chain, [&](const Contract& contract) { return std::ranges::any_of(contract.makes, moves); });
+}
+
+RunOptions run_options(const nb::dict& given) {
+  RunOptions options;
+  options.order = option<std::string>(given, "order") == "sweep" ? Order::sweep : Order::input;
+  options.axis = option<std::optional<int>>(given, "axis");
+  const auto nonfinite = option<std::string>(given, "nonfinite");
+  options.nonfinite = nonfinite == "keep"     ? Nonfinite::keep
+                      : nonfinite == "drop"   ? Nonfinite::drop
+                      : nonfinite == "refuse" ? Nonfinite::refuse
+                                              : Nonfinite::by_format;
+  options.overwrite = option<bool>(given, "overwrite");
+  options.replace = option<std::vector<std::string>>(given, "replace");
+  options.prefix = option<std::string>(given, "prefix");
+  options.resources.memory_bytes = option<std::uint64_t>(given, "memory");
+  options.resources.threads = option<unsigned>(given, "threads");
+  options.resources.temp_folder = option<std::filesystem::path>(given, "temp_folder");
+  options.resume_folder = option<std::filesystem::path>(given, "resume");
+  return options;
+}
+
+}  // namespace pointsweep

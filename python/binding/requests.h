@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+/// What the Python layer asks for, as the types of the library.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include "pointsweep/chain.h"
+#include "pointsweep/cloud.h"
+#include "pointsweep/run.h"
+
+namespace pointsweep {
+
+/// `source`: a list of paths, or of pairs (names, N×m array). `with_rows`: arrays get kRowField. Throws as Cloud.
+Cloud open_cloud(const nanobind::list& source, bool with_rows, const nanobind::dict& options);
+
+/// `pipeline`: a list of texts and of operators of Python. Throws as parse_chain().
+Chain chain_of(const nanobind::list& pipeline, const Cloud& cloud);
+
+/// Whether the rows of the output are not those of the input: some are left out, or their order is another.
+bool changes_rows(const Chain& chain, const RunOptions& options);
+
+/// Whether a stage makes positions.
+bool moves_points(const Chain& chain);
+
+/// `options` has every key that pointsweep._options.run_options() gives.
+RunOptions run_options(const nanobind::dict& options);
+
+}  // namespace pointsweep

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "python/binding/result_arrays.h"
+
+#include <nanobind/ndarray.h>
+
+#include <algorithm>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/order/fixed_copy.h"
+
+namespace nb = nanobind;
+
+namespace pointsweep {
+namespace {
+
+nb::dlpack::dtype dtype_of(Type type) {
+  using enum nb::dlpack::dtype_code;
+  const bool is_float = type == Type::f32 || type == Type::f64;
+  const bool is_signed = type == Type::i8 || type == Type::i16 || type == Type::i32 || type == Type::i64;
+  const auto code = is_float ? Float : is_signed ? Int : UInt;
+  return {static_cast<std::uint8_t>(code), static_cast<std::uint8_t>(8 * size_of(type)), 1};
+}
+
+/// The bytes of a row stand side by side in a record, in the types of the array.
+bool is_one_piece(const std::vector<Field>& fields) {
+  std::uint32_t next = fields.front().offset;
+  return std::ranges::all_of(fields, [&](const Field& field) {
+    const bool follows = field.is_plain() && field.offset == next && field.type == fields.front().type;
+    next += static_cast<std::uint32_t>(size_of(field.type)) * field.count;
+    return follows;
+  });
+}
+
+}  // namespace
+
+Type result_type(const Field& field) {
+  if (field.is_plain()) return field.type;
+  if (field.scale != 1 || field.bias != 0) return Type::f64;
+  return field.bit_width <= 8 ? Type::u8 : field.bit_width <= 16 ? Type::u16 : Type::u32;
+}
+
+nb::object numpy_array(ArrayMemory memory, const std::vector<std::size_t>& shape, Type type) {
+  std::byte* const bytes = memory.bytes.release();
+  nb::capsule owner(bytes, [](void* held) noexcept { delete[] static_cast<std::byte*>(held); });
+  return nb::cast(
+      nb::ndarray<nb::numpy>(bytes, shape.size(), shape.data(), owner, /*strides=*/nullptr, dtype_of(type)));
+}
+
+/// Copies the fields of each record to the rows of the arrays.
+class ResultArrays::Collector final : public Writer {
+ public:
+  Collector(ResultArrays& results, std::size_t stride) : results_(results), stride_(stride) {}
+
+  void write(std::span<const std::byte> records) override { write_at(next_row_, records); }
+  bool can_write_at() const override { return true; }
+  void write_at(std::uint64_t row, std::span<const std::byte> records) override {
+    const std::size_t rows = records.size() / stride_;
+    if (row > results_.rows_ || rows > results_.rows_ - row)
+      fail("more points came than the {} that were announced.", results_.rows_);
+    for (Array& array : results_.arrays_) copy(array, row, rows, records.data());
+    next_row_ = row + rows;
+    rows_written_ += rows;
+    bytes_written_ += records.size();
+  }
+  void finish() override {
+    if (rows_written_ < results_.rows_)
+      fail("only {} of the {} points that were announced came.", rows_written_, results_.rows_);
+  }
+
+ private:
+  void copy(Array& array, std::uint64_t row, std::size_t rows, const std::byte* records) const {
+    const std::size_t bytes = array.values * size_of(array.type);
+    std::byte* to = array.memory.bytes.get() + row * bytes;
+    if (!is_one_piece(array.fields)) return convert(array, rows, records, to);
+    const std::byte* from = records + array.fields.front().offset;
+    with_fixed_size(bytes, [&](auto size) {
+      for (std::size_t i = 0; i < rows; ++i, from += stride_, to += bytes) copy_bytes<size()>(to, from, bytes);
+    });
+  }
+
+  void convert(const Array& array, std::size_t rows, const std::byte* record, std::byte* to) const {
+    const Field target{.name = "", .type = array.type};
+    for (std::size_t i = 0; i < rows; ++i, record += stride_)
+      for (const Field& field : array.fields)
+        for (std::uint32_t v = 0; v < field.count; ++v, to += size_of(array.type))
+          set_value(target, to, value_of(field, record, v));
+  }
+
+  ResultArrays& results_;
+  std::size_t stride_;
+  std::uint64_t next_row_ = 0, rows_written_ = 0;
+};
+
+void ResultArrays::add(const std::string& name, const std::vector<std::string>& fields, const OutputPlan& plan) {
+  const bool all = wanted_.names.empty();
+  const bool has_name = std::ranges::find(arrays_, name, &Array::name) != arrays_.end();
+  if (has_name || (!all && !wanted_.names.contains(name))) return;
+  std::vector<Field> found;
+  std::size_t values = 0;
+  for (const std::string& field : fields) {
+    const auto known = std::ranges::find(plan.schema.fields, field, &Field::name);
+    if (known == plan.schema.fields.end() || taken_.contains(field)) return;
+    found.push_back(*known);
+    values += known->count;
+  }
+  const Type type = result_type(found.front());
+  if (!std::ranges::all_of(found, [&](const Field& field) { return result_type(field) == type; })) return;
+  if (all) taken_.insert(fields.begin(), fields.end());
+  const bool is_list = values != 1 || fields.front() != name;
+  arrays_.push_back({name, type, std::move(found), ArrayMemory(rows_ * values * size_of(type)), values, is_list});
+}
+
+void ResultArrays::require_all_wanted() const {
+  for (const std::string& name : wanted_.names)
+    if (std::ranges::find(arrays_, name, &Array::name) == arrays_.end())
+      fail_usage("keep: '{}' is not the name of an array that this run can return; write it as the input does.", name);
+}
+
+std::unique_ptr<Writer> ResultArrays::writer(const OutputPlan& plan) {
+  rows_ = plan.count;
+  if (!wanted_.made_only)
+    for (const auto& [name, fields] : wanted_.groups) add(name, fields, plan);
+  for (const Attribute& attribute : plan.made) {
+    const bool moved = attribute.name == position_attribute().name;
+    add(moved ? "xyz" : attribute.name, attribute.fields, plan);
+  }
+  if (!wanted_.made_only)
+    for (const Field& field : plan.schema.fields) add(field.name, {field.name}, plan);
+  require_all_wanted();
+  return std::make_unique<Collector>(*this, plan.schema.stride);
+}
+
+nb::dict ResultArrays::arrays() {
+  nb::dict arrays;
+  for (Array& array : arrays_) {
+    std::vector<std::size_t> shape = {rows_};
+    if (array.is_list) shape.push_back(array.values);
+    arrays[array.name.c_str()] = numpy_array(std::move(array.memory), shape, array.type);
+  }
+  arrays_.clear();
+  return arrays;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "python/binding/runs.h"
+
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/set.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/operators.h"
+#include "python/binding/columns_of_arrays.h"
+#include "python/binding/python_operator.h"
+#include "python/binding/radius_lists.h"
+#include "python/binding/requests.h"
+#include "python/binding/result_arrays.h"
+#include "python/binding/watched_run.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace pointsweep {
+namespace {
+
+/// Runs the chain; returns the statistics as JSON.
+std::string run_watched(Cloud& cloud, const Chain& chain, const Outputs& outputs, RunOptions options,
+                        const Callbacks& callbacks) {
+  std::string statistics;
+  try {
+    watch(callbacks, [&](Observer& observer) {
+      options.observer = &observer;
+      statistics = to_json(run(cloud, chain, outputs, options));
+    });
+  } catch (const Error&) {
+    rethrow_python_exception(chain);
+    throw;
+  }
+  return statistics;
+}
+
+/// The same with results as arrays.
+nb::tuple run_to_arrays(Cloud& cloud, const Chain& chain, const WantedArrays& wanted, const RunOptions& options,
+                        const Callbacks& callbacks) {
+  ResultArrays results(wanted);
+  Outputs outputs;
+  outputs.writer = [&](const OutputPlan& plan) { return results.writer(plan); };
+  const std::string statistics = run_watched(cloud, chain, outputs, options, callbacks);
+  return nb::make_tuple(results.arrays(), statistics);
+}
+
+/// Without `keep`: what is made, and everything where the rows are not those of the input.
+WantedArrays wanted_arrays(Chain& chain, const RunOptions& options, std::vector<FieldGroup> groups) {
+  WantedArrays wanted{std::move(groups), {chain.keep.begin(), chain.keep.end()}, false};
+  if (!wanted.names.empty()) {
+    std::erase(chain.keep, "xyz");  // positions always are in the records
+    for (const auto& [name, fields] : wanted.groups)
+      if (std::erase(chain.keep, name) > 0) chain.keep.insert(chain.keep.end(), fields.begin(), fields.end());
+  } else if (changes_rows(chain, options)) {
+    return wanted;
+  } else {
+    wanted.made_only = true;
+    if (moves_points(chain)) return wanted;  // "x" would then be one of what is made, and exclude the others
+  }
+  chain.keep.push_back("x");  // of the input's attributes no other
+  return wanted;
+}
+
+nb::tuple run_pipeline(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
+                       const nb::dict& given, const std::vector<FieldGroup>& groups, const nb::object& to,
+                       const nb::object& progress, const nb::object& warn) {
+  const Callbacks callbacks{progress, warn};
+  const RunOptions options = run_options(given);
+  Cloud cloud = open_cloud(source, to.is_none(), given);
+  Chain chain = chain_of(pipeline, cloud);
+  chain.keep = keep;
+  if (to.is_none()) return run_to_arrays(cloud, chain, wanted_arrays(chain, options, groups), options, callbacks);
+  Outputs outputs;
+  if (nb::isinstance<nb::list>(to))
+    outputs.tiles = nb::cast<std::vector<std::filesystem::path>>(to);
+  else
+    outputs.points = nb::cast<std::filesystem::path>(to);
+  return nb::make_tuple(nb::none(), run_watched(cloud, chain, outputs, options, callbacks));
+}
+
+nb::tuple neighbors(const nb::list& source, std::size_t k, double radius, const nb::dict& given,
+                    const nb::object& progress, const nb::object& warn) {
+  Cloud cloud = open_cloud(source, false, given);
+  const Chain chain{.neighborhood = {.k = k, .radius = radius},
+                    .stages = {operators::neighbors(k, cloud.count(), true)},
+                    .keep = {"neighbors", "distances", "x"}};
+  return run_to_arrays(cloud, chain, {{}, {"neighbors", "distances"}, false}, run_options(given), {progress, warn});
+}
+
+nb::tuple radius_neighbors(const nb::list& source, double radius, const nb::dict& given, const nb::object& progress,
+                           const nb::object& warn) {
+  Cloud cloud = open_cloud(source, false, given);
+  const auto lists = std::make_shared<RadiusLists>();
+  const Chain chain{.neighborhood = {.k = Neighborhood::kUnlimited, .radius = radius},
+                    .stages = {lists},
+                    .keep = {"neighbor_count", "x"}};
+  run_to_arrays(cloud, chain, {{}, {"neighbor_count"}, false}, run_options(given), {progress, warn});
+  return lists->arrays(cloud.count());
+}
+
+}  // namespace
+
+void bind_runs(nb::module_& module) {
+  module.def("run", &run_pipeline, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a.none(),
+             "progress"_a.none(), "warn"_a.none());
+  module.def("neighbors", &neighbors, "source"_a, "k"_a, "radius"_a, "options"_a, "progress"_a.none(), "warn"_a.none());
+  module.def("radius_neighbors", &radius_neighbors, "source"_a, "radius"_a, "options"_a, "progress"_a.none(),
+             "warn"_a.none());
+}
+
+}  // namespace pointsweep

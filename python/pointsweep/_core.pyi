@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: MIT
+"""The extension module, binding/."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+version: str
+
+class PointBatch:
+    @property
+    def size(self) -> int: ...
+    @property
+    def width(self) -> int: ...
+    def positions(self) -> np.ndarray: ...
+    def rows(self) -> np.ndarray: ...
+    def counts(self) -> np.ndarray: ...
+    def neighbor_positions(self) -> np.ndarray: ...
+    def neighbor_rows(self) -> np.ndarray: ...
+    def own(self, a: int, /) -> np.ndarray: ...
+    def of_neighbors(self, a: int, /) -> np.ndarray: ...
+
+def run(
+    source: list[Any],
+    pipeline: list[Any],
+    keep: list[str],
+    options: dict[str, Any],
+    groups: list[tuple[str, list[str]]],
+    to: str | list[str] | None,
+    progress: Callable[[str, int, int], Any] | None,
+    warn: Callable[[str], Any] | None,
+) -> tuple[dict[str, np.ndarray], str]: ...
+def neighbors(
+    source: list[Any],
+    k: int,
+    radius: float,
+    options: dict[str, Any],
+    progress: Callable[[str, int, int], Any] | None,
+    warn: Callable[[str], Any] | None,
+) -> tuple[dict[str, np.ndarray], str]: ...
+def radius_neighbors(
+    source: list[Any],
+    radius: float,
+    options: dict[str, Any],
+    progress: Callable[[str, int, int], Any] | None,
+    warn: Callable[[str], Any] | None,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
+def list_files(named: list[str], recursive: bool, format: str) -> tuple[list[tuple[str, str]], list[str]]: ...
+def describe(source: list[str], options: dict[str, Any]) -> dict[str, Any]: ...
+def generate(
+    shape: str,
+    points: int,
+    path: str,
+    options: dict[str, Any],
+    progress: Callable[[str, int, int], Any] | None,
+    warn: Callable[[str], Any] | None,
+) -> dict[str, np.ndarray]: ...
+def shape_names() -> list[str]: ...

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: MIT
+"""Clouds of known geometry, of any size."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from typing import Any, overload
+
+from . import _core
+from ._errors import UsageError, warn
+from ._files import Cloud, open
+from ._options import number, run_options, whole
+from ._results import Arrays, arrays_of
+
+
+@overload
+def generate(
+    shape: str,
+    n: int,
+    path: None = None,
+    *,
+    seed: int = ...,
+    noise: float = ...,
+    outliers: float = ...,
+    outlier_box: float = ...,
+    origin: Sequence[float] | None = ...,
+    float64: bool = ...,
+    overwrite: bool = ...,
+    threads: int | None = ...,
+    progress: Callable[[str, int, int], Any] | None = ...,
+) -> Arrays: ...
+
+
+@overload
+def generate(
+    shape: str,
+    n: int,
+    path: str | os.PathLike[str],
+    *,
+    seed: int = ...,
+    noise: float = ...,
+    outliers: float = ...,
+    outlier_box: float = ...,
+    origin: Sequence[float] | None = ...,
+    float64: bool = ...,
+    overwrite: bool = ...,
+    threads: int | None = ...,
+    progress: Callable[[str, int, int], Any] | None = ...,
+) -> Cloud: ...
+
+
+def generate(
+    shape: str,
+    n: int,
+    path: str | os.PathLike[str] | None = None,
+    *,
+    seed: int = 1,
+    noise: float = 0,
+    outliers: float = 0,
+    outlier_box: float = 20,
+    origin: Sequence[float] | None = None,
+    float64: bool = False,
+    overwrite: bool = False,
+    threads: int | None = None,
+    progress: Callable[[str, int, int], Any] | None = None,
+) -> Arrays | Cloud:
+    """Points of a shape, in random order, with its normals where it has them; the same on every machine.
+
+    Parameters
+    ----------
+    shape : 'plane', 'sphere', 'cylinder', 'torus', 'statue', 'terrain', 'tls' or 'volume'; lengths are in metres.
+    n : number of points.
+    path : a file to write, which is returned as a `Cloud`. None: arrays 'xyz' and 'normal' are returned.
+    seed : of the random sample.
+    noise : standard deviation of Gaussian noise on each coordinate.
+    outliers : share of points, 0 to 1, that lie at random in a box of `outlier_box` times the size of the shape.
+    origin : x, y, z that are added to every point; implies float64.
+    float64 : coordinates as float64 instead of float32.
+    overwrite, threads, progress : as for `run`.
+    """
+    if origin is not None and len(origin) != 3:
+        raise UsageError("origin: give three numbers, (x, y, z).")
+    count, first = whole("n", n), whole("seed", seed)
+    for name, value in (("n", count), ("seed", first)):
+        if value < 0:
+            raise UsageError(f"{name}: {value} is negative.")
+    options = {
+        "seed": first,
+        "noise": number("noise", noise),
+        "outliers": number("outliers", outliers),
+        "outlier_box": number("outlier_box", outlier_box),
+        "origin": None if origin is None else [number("origin", c) for c in origin],
+        "float64": bool(float64),
+        "overwrite": bool(overwrite),
+        "threads": run_options(threads=threads)["threads"],
+    }
+    file = os.fspath(path) if path is not None else ""
+    arrays = _core.generate(shape, count, file, options, progress, warn)
+    return open(file) if file else arrays_of(arrays, None)

@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: MIT
+"""Operators that are functions of Python over exact neighbourhoods."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._errors import UsageError
+
+if TYPE_CHECKING:
+    from ._pipeline import Pipeline, PipelineLike
+
+_TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64")
+
+
+class PointNeighbors:
+    """The neighbours of the points of a batch: m places for each point, of which `mask` says which are taken.
+
+    With ``knn(k=16)`` m is 16 and all places are taken, unless the cloud has fewer points. With a radius, points have
+    different numbers of neighbours, and m is the largest of the batch. Places that are not taken hold NaN, or 0 in
+    integers. Neighbours come nearest first; the point itself is not among them.
+    """
+
+    def __init__(self, batch: Any, names: list[str]) -> None:
+        self._batch = batch
+        self._names = names
+        self._known: dict[str, np.ndarray] = {}
+
+    def _once(self, name: str, make: Callable[[], np.ndarray]) -> np.ndarray:
+        if name not in self._known:
+            self._known[name] = make()
+        return self._known[name]
+
+    @property
+    def xyz(self) -> np.ndarray:
+        """(n, m, 3) float64: positions."""
+        return self._once("xyz", self._batch.neighbor_positions)
+
+    @property
+    def rows(self) -> np.ndarray:
+        """(n, m) int64: rows of the input; -1 in places that are not taken."""
+        return self._once(" rows", self._batch.neighbor_rows)
+
+    @property
+    def counts(self) -> np.ndarray:
+        """(n,) int64: number of neighbours."""
+        return self._once(" counts", self._batch.counts)
+
+    @property
+    def mask(self) -> np.ndarray:
+        """(n, m) bool: True where there is a neighbour."""
+        return self._once(" mask", lambda: np.arange(self._batch.width) < self.counts[:, np.newaxis])
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """(n, m) or (n, m, components): an attribute that ``reads_neighbors`` names."""
+        if name not in self._names:
+            raise UsageError(f"the operator does not read '{name}' of neighbours; name it in reads_neighbors.")
+        return self._once(name, lambda: self._batch.of_neighbors(self._names.index(name)))
+
+
+class Points:
+    """A batch of some hundred points as an operator gets it. Arrays are copies: they may be changed and kept.
+
+    The batch itself can be used during the call only.
+    """
+
+    def __init__(self, batch: Any, reads: list[str], reads_neighbors: list[str]) -> None:
+        self._batch = batch
+        self._reads = reads
+        self._own: dict[str, np.ndarray] = {}
+        #: the neighbours
+        self.neighbors = PointNeighbors(batch, reads_neighbors)
+
+    def __len__(self) -> int:
+        return int(self._batch.size)
+
+    @property
+    def xyz(self) -> np.ndarray:
+        """(n, 3) float64: positions."""
+        if "xyz" not in self._own:
+            self._own["xyz"] = self._batch.positions()
+        return self._own["xyz"]
+
+    @property
+    def rows(self) -> np.ndarray:
+        """(n,) int64: rows of the input."""
+        return self._batch.rows()
+
+    @property
+    def neighbors_xyz(self) -> np.ndarray:
+        """(n, m, 3) float64: ``neighbors.xyz``."""
+        return self.neighbors.xyz
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """(n,) or (n, components): an attribute that ``reads`` names."""
+        if name not in self._reads:
+            raise UsageError(f"the operator does not read '{name}'; name it in reads.")
+        if name not in self._own:
+            self._own[name] = self._batch.own(self._reads.index(name))
+        return self._own[name]
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        try:
+            return self[name]
+        except UsageError as error:
+            raise AttributeError(str(error)) from None
+
+    def __repr__(self) -> str:
+        return f"<pointsweep.Points: {len(self)} points, up to {self._batch.width} neighbours>"
+
+
+class Operator:
+    """A function of Python as a stage of pipelines; made with `pointsweep.operator`."""
+
+    def __init__(
+        self,
+        function: Callable[[Points], Any],
+        reads: Sequence[str],
+        reads_neighbors: Sequence[str],
+        makes: Mapping[str, Any],
+        name: str | None,
+    ) -> None:
+        self.function = function
+        #: as plans, errors and statistics call it
+        self.name: str = name or str(getattr(function, "__name__", type(function).__name__))
+        self.reads = list(reads)
+        self.reads_neighbors = list(reads_neighbors)
+        self.makes = {made: _made_type(made, kind) for made, kind in makes.items()}
+        if not self.makes:
+            raise UsageError(f"operator '{self.name}': makes nothing; name what it makes, e.g. makes={{'roughness': 'f4'}}.")
+        self._makes = [(made, t.base.name, t.shape[0] if t.shape else 0) for made, t in self.makes.items()]
+        self._identity = _identity(function, self.reads, self.reads_neighbors, self._makes)
+        self.__doc__ = getattr(function, "__doc__", None)
+
+    def __call__(self, points: Points) -> Any:
+        return self.function(points)
+
+    def __or__(self, other: PipelineLike) -> Pipeline:
+        from ._pipeline import Pipeline
+
+        return Pipeline(self, other)
+
+    def __ror__(self, other: PipelineLike) -> Pipeline:
+        from ._pipeline import Pipeline
+
+        return Pipeline(other, self)
+
+    def __repr__(self) -> str:
+        read = ", ".join(self.reads + [f"{name} of neighbours" for name in self.reads_neighbors])
+        made = ", ".join(f"{name} {kind}" for name, kind in self.makes.items())
+        return f"<pointsweep.Operator {self.name}: {read or 'positions'} -> {made}>"
+
+    def _call(self, batch: Any) -> list[np.ndarray]:
+        """For the extension module: an (n, components) array for each attribute that is made."""
+        result = self.function(Points(batch, self.reads, self.reads_neighbors))
+        return [
+            self._checked(value, made, kind, batch.size)
+            for (made, kind), value in zip(self.makes.items(), self._values(result))
+        ]
+
+    def _values(self, result: Any) -> list[Any]:
+        if isinstance(result, Mapping):
+            missing = [made for made in self.makes if made not in result]
+            if missing:
+                raise UsageError(f"operator '{self.name}': returned a dict without '{missing[0]}', which it makes.")
+            return [result[made] for made in self.makes]
+        values = list(result) if isinstance(result, (tuple, list)) and len(self.makes) > 1 else [result]
+        if len(values) != len(self.makes):
+            raise UsageError(
+                f"operator '{self.name}': makes {len(self.makes)} attributes, but returned {len(values)}; return a dict."
+            )
+        return values
+
+    def _checked(self, value: Any, made: str, kind: np.dtype[Any], n: int) -> np.ndarray:
+        array = np.asarray(value)
+        shape = (n, *kind.shape)
+        if array.shape != shape:
+            what = "nothing" if value is None else f"an array of the shape {array.shape}"
+            raise UsageError(f"operator '{self.name}': returned {what} for '{made}', but this batch needs {shape}.")
+        if array.dtype.kind == "O" or not np.can_cast(array.dtype, kind.base, "same_kind"):
+            raise UsageError(f"operator '{self.name}': returned {array.dtype} for '{made}', which makes {kind.base}.")
+        return np.ascontiguousarray(array, kind.base).reshape(n, kind.shape[0] if kind.shape else 1)
+
+
+def _made_type(name: str, kind: Any) -> np.dtype[Any]:
+    try:
+        made = np.dtype(kind)
+    except TypeError as error:
+        raise UsageError(f"makes: {kind!r} of '{name}' is not a type: {error}.") from None
+    if name in ("position", "normal") and (made.base.name, made.shape) != (_FIXED[name], (3,)):
+        raise UsageError(f"makes: '{name}' is always ('{_FIXED[name]}', 3).")
+    if made.base.name not in _TYPES or len(made.shape) > 1 or made.shape == (0,):
+        raise UsageError(f"makes: '{name}' cannot be {kind!r}; give a number such as 'f4', or ('f4', 3) for three of them.")
+    return made
+
+
+_FIXED = {"position": "float64", "normal": "float32"}
+
+
+def _identity(function: Callable[..., Any], *contract: Any) -> str:
+    """Of another function another text: a run that is resumed has to be the same run."""
+    try:
+        text = inspect.getsource(function)
+    except (OSError, TypeError):
+        code = getattr(function, "__code__", None)
+        text = repr((code.co_code, code.co_consts, code.co_names)) if code is not None else repr(type(function))
+    closure = getattr(function, "__closure__", None) or ()
+    values = [cell.cell_contents for cell in closure]
+    simple = [value for value in values if isinstance(value, (int, float, str, tuple))]
+    defaults = getattr(function, "__defaults__", None)
+    return hashlib.sha256(repr((text, simple, defaults, contract)).encode()).hexdigest()[:16]
+
+
+def operator(
+    *,
+    makes: Mapping[str, Any],
+    reads: Sequence[str] = (),
+    reads_neighbors: Sequence[str] = (),
+    name: str | None = None,
+) -> Callable[[Callable[[Points], Any]], Operator]:
+    """Makes an operator of a function over batches of points with their exact neighbours.
+
+    Parameters
+    ----------
+    makes : name -> type of what the function returns, e.g. ``{"roughness": "f4", "axis": ("f4", 3)}``.
+        ``("f8", 3)`` under the name ``position`` moves the points.
+    reads : attributes of the points: of the input, or made by earlier stages. Those of the input arrive as float64
+        (64-bit integers as they are), normals as float32.
+    reads_neighbors : attributes of the neighbours, likewise. Positions can always be read.
+    name : as errors and plans call it; by default that of the function.
+
+    The function gets a `Points` and returns an array for what it makes, or a dict of arrays. It is called from several
+    threads, on batches of any size, and may be called twice for a point: its result for a point may depend on nothing but
+    that point and its neighbours. Points with NaN or infinite coordinates are not passed to it: they get NaN, or 0 in
+    integers. An exception ends the run, which leaves nothing behind.
+
+    >>> @operator(reads=["normal"], makes={"roughness": "f4"})
+    ... def roughness(p):
+    ...     d = p.neighbors_xyz - p.xyz[:, None]
+    ...     return np.abs(np.einsum("nkj,nj->nk", d, p.normal)).mean(1)
+    """
+    for option, given in (("reads", reads), ("reads_neighbors", reads_neighbors)):
+        if isinstance(given, str):
+            raise UsageError(f"{option}: give a list of names, [{given!r}].")
+    return lambda function: Operator(function, reads, reads_neighbors, makes, name)

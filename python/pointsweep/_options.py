@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: MIT
+"""Options of runs, checked, as the extension module takes them."""
+
+from __future__ import annotations
+
+import math
+import operator
+import os
+import re
+from typing import Any
+
+from ._errors import UsageError
+
+_POWERS = {"": 0, "K": 1, "M": 2, "G": 3, "T": 4}
+
+
+def bytes_of(memory: int | str | None) -> int:
+    """800_000_000, "256M", "1.5GB" or "4GiB" in bytes; K, M, G and T are powers of 1024. None: 0."""
+    if memory is None:
+        return 0
+    if isinstance(memory, str):
+        size = re.fullmatch(r"\s*([0-9]*\.?[0-9]+)\s*([KMGT]?)(?:iB|B)?\s*", memory, re.IGNORECASE)
+        if size is None or memory.strip().isdigit():
+            raise UsageError(f"memory: '{memory}' is not a size such as '256M', '1.5G' or '4GiB'.")
+        value = int(float(size[1]) * 1024 ** _POWERS[size[2].upper()])
+    else:
+        value = whole("memory", memory)
+    if value <= 0:
+        raise UsageError(f"memory: {memory!r} is no memory; leave the option out for half of what is available.")
+    return value
+
+
+def whole(name: str, value: Any) -> int:
+    """`value` as an int."""
+    try:
+        if isinstance(value, bool):
+            raise TypeError
+        return operator.index(value)
+    except TypeError:
+        raise UsageError(f"{name}: {value!r} is not a whole number.") from None
+
+
+def number(name: str, value: Any) -> float:
+    """`value` as a finite float."""
+    try:
+        result = float(value)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name}: {value!r} is not a number.") from None
+    if not math.isfinite(result):
+        raise UsageError(f"{name}: {value!r} is not finite.")
+    return result
+
+
+def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
+    """`value` if it is one of `choices`."""
+    if value not in choices:
+        raise UsageError(f"{name}: {value!r} is not one of {', '.join(choices)}.")
+    return value
+
+
+def _axis(axis: int | str | None) -> int | None:
+    if axis is None or (isinstance(axis, int) and not isinstance(axis, bool) and axis in (0, 1, 2)):
+        return axis
+    return "xyz".index(choice("axis", axis, ("x", "y", "z")))
+
+
+def names(option: str, value: Any) -> list[str]:
+    """`value`, one name or several, as a list."""
+    if value is None:
+        return []
+    listed = [value] if isinstance(value, str) else list(value)
+    for name in listed:
+        if not isinstance(name, str):
+            raise UsageError(f"{option}: {name!r} is not the name of an attribute.")
+    return listed
+
+
+def run_options(
+    *,
+    order: str = "input",
+    axis: int | str | None = None,
+    memory: int | str | None = None,
+    threads: int | None = None,
+    temp_folder: str | os.PathLike[str] | None = None,
+    resume: str | os.PathLike[str] | None = None,
+    nonfinite: str | None = None,
+    overwrite: bool = False,
+    replace: str | list[str] | None = None,
+    prefix: str = "",
+) -> dict[str, Any]:
+    """The options of `pointsweep.run` that have the same meaning for all kinds of input and output."""
+    count = 0 if threads is None else whole("threads", threads)
+    if threads is not None and not 1 <= count <= 4096:
+        raise UsageError(f"threads: {threads} is not a number of threads from 1 to 4096.")
+    return {
+        "order": choice("order", order, ("input", "sweep")),
+        "axis": _axis(axis),
+        "memory": bytes_of(memory),
+        "threads": count,
+        "temp_folder": os.fspath(temp_folder or ""),
+        "resume": os.fspath(resume or ""),
+        "nonfinite": "" if nonfinite is None else choice("nonfinite", nonfinite, ("keep", "drop", "refuse")),
+        "overwrite": bool(overwrite),
+        "replace": names("replace", replace),
+        "prefix": str(prefix),
+    }

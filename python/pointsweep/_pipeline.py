@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: MIT
+"""Pipelines: texts and operators of Python, one after another."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any, Union
+
+from ._errors import UsageError
+from ._operator import Operator
+
+#: What `pointsweep.run` takes as a pipeline.
+PipelineLike = Union[str, Operator, "Pipeline", os.PathLike[str], Sequence[Any]]
+
+
+class Pipeline:
+    """Stages in order, made with ``|``: ``"knn(k=16) | normals" | roughness | "where(roughness < 0.1)"``.
+
+    At least one side of each ``|`` has to be an operator or a pipeline. Texts are in the language of
+    docs/pipelines.md; docs/operators.md lists the operators with their options.
+    """
+
+    def __init__(self, *stages: PipelineLike) -> None:
+        self.stages: tuple[str | Operator, ...] = tuple(stages_of(stages))
+
+    def __or__(self, other: PipelineLike) -> Pipeline:
+        return Pipeline(self, other)
+
+    def __ror__(self, other: PipelineLike) -> Pipeline:
+        return Pipeline(other, self)
+
+    def __repr__(self) -> str:
+        return f"<pointsweep.Pipeline: {' | '.join(s if isinstance(s, str) else s.name for s in self.stages)}>"
+
+
+def stages_of(pipeline: PipelineLike) -> list[str | Operator]:
+    """Texts and operators; the content of a file for its path."""
+    if isinstance(pipeline, (str, Operator)):
+        return [pipeline]
+    if isinstance(pipeline, Pipeline):
+        return list(pipeline.stages)
+    if isinstance(pipeline, os.PathLike):
+        with open(pipeline, encoding="utf-8") as file:
+            return [file.read()]
+    if isinstance(pipeline, (list, tuple)):
+        if not pipeline:
+            raise UsageError("pipeline: is empty; give one such as 'knn(k=8) | normals'.")
+        return [stage for part in pipeline for stage in stages_of(part)]
+    raise UsageError(
+        f"pipeline: {pipeline!r} is neither a text, nor an operator (made with @pointsweep.operator), nor a list of these."
+    )

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: MIT
+"""From what a caller has, arrays or files, to what the library reads. Arrays are copied only where a type has to change."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ._errors import UsageError
+
+_AXES = ("x", "y", "z")
+
+
+class Source(NamedTuple):
+    """The points of a run."""
+
+    inputs: list[Any]  #: paths as str, or pairs (names of components, (n, m) array)
+    groups: list[tuple[str, list[str]]]  #: components of the input that make one array
+    is_files: bool
+    options: dict[str, Any]  #: of opening files
+
+
+def source_of(points: Any, attributes: Mapping[str, Any] | None = None) -> Source:
+    """`points` as `pointsweep.run` takes it; `attributes`: more arrays, by name."""
+    from ._files import Cloud, open
+
+    if isinstance(points, (str, os.PathLike)) or _is_list_of_paths(points):
+        points = open(points)
+    if isinstance(points, Cloud):
+        if attributes:
+            raise UsageError("attributes: arrays cannot be added to the points of files; run on arrays instead.")
+        groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]
+        return Source(list(points.files), groups, True, points._options)
+    columns = _named_arrays(points)
+    for name, values in (attributes or {}).items():
+        if name in columns:
+            raise UsageError(f"attributes: '{name}' is among the points, too; give it once.")
+        columns[name] = values
+    return _source_of_arrays(columns)
+
+
+def _is_list_of_paths(points: Any) -> bool:
+    return (
+        isinstance(points, (list, tuple)) and len(points) > 0 and all(isinstance(p, (str, os.PathLike)) for p in points)
+    )
+
+
+def _named_arrays(points: Any) -> dict[str, Any]:
+    if isinstance(points, Mapping):
+        return dict(points)
+    names = getattr(getattr(points, "dtype", None), "names", None)
+    if names:
+        return {name: points[name] for name in names}
+    return {"xyz": points}
+
+
+def _source_of_arrays(arrays: dict[str, Any]) -> Source:
+    columns: list[tuple[list[str], np.ndarray]] = []
+    groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]
+    if "xyz" in arrays:
+        columns.append((list(_AXES), _positions(arrays["xyz"])))
+    else:
+        missing = [axis for axis in _AXES if axis not in arrays]
+        if missing:
+            raise UsageError(
+                f"the points have no '{missing[0]}'; name the coordinates 'xyz', an (n, 3) array, or 'x', 'y' and 'z'."
+            )
+        columns += [([axis], _column(axis, arrays[axis])) for axis in _AXES]
+    for name, values in arrays.items():
+        if name == "xyz" or ("xyz" not in arrays and name in _AXES):
+            continue
+        column = _column(name, values)
+        fields = _fields(name, column.shape[1], np.ndim(values) > 1)
+        columns.append((fields, column))
+        if fields != [name]:
+            groups.append((name, fields))
+    _require_equal_lengths(columns)
+    _require_different_names([field for fields, _ in columns for field in fields])
+    return Source(columns, list(dict(groups).items()), False, {"ignore_crs": False, "format": ""})
+
+
+def _fields(name: str, values: int, is_list: bool) -> list[str]:
+    if name == "normal" and values == 3:
+        return ["nx", "ny", "nz"]
+    return [f"{name}_{v}" for v in range(values)] if is_list else [name]
+
+
+def _require_equal_lengths(columns: Iterable[tuple[list[str], np.ndarray]]) -> None:
+    lengths = {fields[0]: len(column) for fields, column in columns}
+    first, n = next(iter(lengths.items()))
+    for name, length in lengths.items():
+        if length != n:
+            raise UsageError(f"'{name}' has {length} rows, but '{first}' has {n}; give one row for each point.")
+
+
+def _require_different_names(fields: list[str]) -> None:
+    if "row" in fields:
+        raise UsageError("'row' is what results call the numbers of input rows; give this attribute another name.")
+    for field in fields:
+        if fields.count(field) > 1:
+            raise UsageError(f"two arrays have components called '{field}'; give one of them another name.")
+
+
+def _positions(values: Any) -> np.ndarray:
+    xyz = numbers("xyz", values)
+    if xyz.ndim == 2 and xyz.shape[1] == 3:
+        return xyz
+    hint = "; transpose it" if xyz.ndim == 2 and xyz.shape[0] == 3 else ""
+    raise UsageError(f"xyz: has the shape {xyz.shape}, but needs (n, 3), a row for each point{hint}.")
+
+
+def _column(name: str, values: Any) -> np.ndarray:
+    column = numbers(name, values)
+    if column.ndim == 1:
+        return column[:, np.newaxis]
+    if column.ndim == 2 and column.shape[1] > 0:
+        return column
+    raise UsageError(f"{name}: has the shape {column.shape}, but needs (n,) or (n, m), a row for each point.")
+
+
+def numbers(name: str, values: Any) -> np.ndarray:
+    """`values` as an array of real numbers in the byte order of the machine, without a copy where it is one."""
+    if np.ma.isMaskedArray(values) and np.ma.is_masked(values):
+        raise UsageError(f"{name}: has masked values; fill them with NaN, or leave these rows out.")
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"{name}: {type(values).__name__} cannot be read as an array: {error}.") from error
+    kind, size = array.dtype.kind, array.dtype.itemsize
+    if kind == "O":
+        raise UsageError(f"{name}: is an array of objects, not of numbers; convert it, e.g. with .astype(float).")
+    if kind == "f" and size == 2:
+        return array.astype(np.float32)
+    if kind not in "fiub" or size > 8:
+        raise UsageError(f"{name}: has the type {array.dtype}; give integers, float32 or float64.")
+    return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: MIT
+"""Arrays in and out: layouts, types, selects, movers; normals by NumPy."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+import pointsweep as ps
+
+
+def weighted_normals(xyz: np.ndarray, k: int) -> np.ndarray:
+    """Eigenvectors of smallest eigenvalue, unsigned, of the plain covariance of k neighbours and the point."""
+    _, rows = cKDTree(xyz).query(xyz, k=k + 1)
+    d = xyz[rows] - xyz[rows].mean(1, keepdims=True)
+    return np.linalg.eigh(np.einsum("nki,nkj->nij", d, d))[1][:, :, 0]
+
+
+def test_normals_are_those_of_a_covariance_up_to_weights(surface):
+    xyz = surface[300:]  # without duplicates
+    n = ps.normals(xyz, k=20)
+    assert n.shape == (2700, 3) and n.dtype == np.float32
+    np.testing.assert_allclose(np.linalg.norm(n, axis=1), 1, rtol=1e-6)
+    cosine = np.abs(np.einsum("ni,ni->n", n, weighted_normals(xyz, 20)))
+    assert np.median(cosine) > 0.9995 and np.quantile(cosine, 0.01) > 0.97
+
+
+def test_orientations(surface):
+    assert (ps.normals(surface, orient="up")[:, 2] >= 0).all()
+    high = surface.mean(0) + [0, 0, 1000.0]
+    n = ps.normals(surface, viewpoint=high)
+    assert (np.einsum("ni,ni->n", n, high - surface) >= 0).all()
+    down = np.tile(np.float32([0, 0, -1]), (len(surface), 1))
+    n = ps.normals({"xyz": surface, "normal": down}, orient="input")
+    assert (n[:, 2] <= 0).all()
+
+
+def test_normals_have_the_bytes_of_the_tool(surface, run_tool, tmp_path):
+    np.save(tmp_path / "in.npy", surface)
+    run_tool("normals", "in.npy", "out.ply", "-k", 12)
+    assert ps.run(tmp_path / "out.ply", "decimate(1)", keep=["normal"])["normal"].tobytes() == ps.normals(surface, 12).tobytes()
+
+
+def layouts(xyz: np.ndarray, folder):
+    """The same points in other layouts."""
+    yield "fortran", np.asfortranarray(xyz)
+    wide = np.zeros((2 * len(xyz), 7), xyz.dtype)
+    wide[::2, 1:6:2] = xyz
+    yield "strided", wide[::2, 1:6:2]
+    yield "reversed", np.ascontiguousarray(xyz[::-1, ::-1])[::-1, ::-1]
+    packed = np.zeros(len(xyz), [("i", "u1"), ("x", xyz.dtype), ("y", xyz.dtype), ("z", xyz.dtype)])
+    packed["x"], packed["y"], packed["z"] = xyz.T
+    yield "packed records", packed[["x", "y", "z"]]
+    np.save(folder / "xyz.npy", xyz)
+    yield "memory-mapped", np.load(folder / "xyz.npy", mmap_mode="r")
+    yield "other byte order", xyz.astype(xyz.dtype.newbyteorder())
+    yield "columns", {"x": xyz[:, 0], "y": xyz[:, 1], "z": xyz[:, 2]}
+    fixed = xyz.copy()
+    fixed.flags.writeable = False
+    yield "read-only", fixed
+    yield "nested lists", xyz.tolist() if xyz.dtype == np.float64 else fixed
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_the_layout_of_an_array_changes_no_byte(surface, dtype, tmp_path):
+    xyz = (surface - surface.min(0)).astype(dtype)
+    expected = ps.run(xyz, "knn(k=9) | normals | features")
+    for name, points in layouts(xyz, tmp_path):
+        got = ps.run(points, "knn(k=9) | normals | features")
+        assert got.keys() == expected.keys(), name
+        for key in expected:
+            assert got[key].tobytes() == expected[key].tobytes(), (name, key)
+
+
+def test_integers_are_coordinates_too():
+    xyz = np.random.default_rng(1).integers(-1000, 1000, (500, 3))
+    for dtype in (np.int32, np.int16, np.int64):
+        got = ps.neighbors(xyz.astype(dtype), k=5)
+        assert np.array_equal(got.indices, ps.neighbors(xyz.astype(float), k=5).indices), dtype
+
+
+def test_results_hold_what_is_made(surface):
+    arrays = ps.run(surface, "knn(k=16) | normals | sor")
+    assert list(arrays) == ["normal", "mean_distance", "outlier"]
+    assert arrays["normal"].shape == (3000, 3) and arrays["outlier"].shape == (3000,)
+    assert arrays.report.points == 3000
+    assert "normal" in repr(arrays) and "3,000 points" in repr(arrays)
+    arrays["outlier"][:] = 1  # writable
+
+
+def test_keep_names_what_is_returned_in_its_order(surface):
+    arrays = ps.run(surface, "knn(k=16) | normals | sor", keep=["outlier", "nx", "xyz", "row", "normal"])
+    assert list(arrays) == ["outlier", "nx", "xyz", "row", "normal"]
+    assert np.array_equal(arrays["nx"], arrays["normal"][:, 0])
+    assert np.array_equal(arrays["xyz"], surface) and np.array_equal(arrays["row"], np.arange(3000))
+
+
+def test_selects_return_the_rows_kept(surface):
+    intensity = np.arange(3000, dtype=np.uint16)
+    text = "knn(k=8) | where(intensity < 1000) | normals"
+    arrays = ps.run(surface, text, attributes={"intensity": intensity})
+    assert np.array_equal(arrays["row"], np.arange(1000))
+    assert np.array_equal(arrays["xyz"], surface[:1000])
+    assert arrays["intensity"].dtype == np.uint16 and np.array_equal(arrays["intensity"], intensity[:1000])
+    assert arrays["normal"].tobytes() == ps.normals(surface[:1000], 8).tobytes()
+    thin = ps.run(surface, "voxel(1)")
+    cells = np.floor(surface[thin["row"]])
+    assert len(np.unique(cells, axis=0)) == len(cells) == len(np.unique(np.floor(surface), axis=0))
+
+
+def test_the_order_of_the_sweep_says_which_rows(surface):
+    arrays = ps.run(surface, "knn(k=8) | normals", order="sweep", axis="x")
+    assert np.array_equal(arrays["xyz"], surface[arrays["row"]])
+    assert (np.diff(arrays["xyz"][:, 0]) >= 0).all()
+    assert arrays["normal"].tobytes() == ps.normals(surface, 8)[arrays["row"]].tobytes()
+
+
+def test_movers_return_positions(surface):
+    arrays = ps.run(surface, "knn(k=12) | normals | splats | fair(f=0.1, g=0.1)")
+    assert arrays["xyz"].shape == (3000, 3) and arrays["xyz"].dtype == np.float64
+    assert 0 < np.abs(arrays["xyz"] - surface).max() < 1
+    assert "normal" in arrays
+
+
+def test_attributes_pass_through_and_lists_stay_together(surface):
+    color = np.random.default_rng(2).integers(0, 256, (3000, 3)).astype(np.uint8)
+    flag = np.arange(3000) % 3 == 0
+    arrays = ps.run({"xyz": surface, "color": color, "flag": flag}, "where(flag == 1)")
+    assert np.array_equal(arrays["color"], color[flag]) and arrays["color"].dtype == np.uint8
+    records = np.zeros(3000, [("x", "f8"), ("y", "f8"), ("z", "f8"), ("t", "i8"), ("c", "u2", 2)])
+    records["x"], records["y"], records["z"] = surface.T
+    records["t"] = np.arange(3000) + 2**60
+    arrays = ps.run(records, "where(t < 1152921504606847986)")
+    assert np.array_equal(arrays["t"], records["t"][:1010]) and arrays["c"].shape == (1010, 2)
+
+
+@pytest.mark.filterwarnings("ignore:k = 8 is more")
+def test_one_point_has_no_normal_and_no_points_are_an_error():
+    assert ps.normals(np.zeros((1, 3))).tolist() == [[0, 0, 0]]
+    arrays = ps.run(np.zeros((1, 3), np.float32), "voxel(1)")
+    assert arrays["xyz"].shape == (1, 3) and arrays["row"].tolist() == [0]
+    with pytest.raises(ps.Error, match="no points"):
+        ps.normals(np.zeros((0, 3)))
+
+
+def test_all_rows_may_be_left_out(surface):
+    with pytest.warns(ps.PointsweepWarning, match="No point is left"):
+        arrays = ps.run(surface, "where(z < 0)")
+    assert arrays["xyz"].shape == (0, 3) and arrays["row"].shape == (0,)
+
+
+def test_rows_that_are_not_finite_stay_without_results(surface):
+    xyz = surface.copy()
+    xyz[10] = np.nan
+    n = ps.normals(xyz, 8)
+    assert (n[10] == 0).all() and (np.delete(n, 10, 0) == ps.normals(np.delete(xyz, 10, 0), 8)).all()
+    with pytest.warns(ps.PointsweepWarning, match="Dropped 1 point"):
+        dropped = ps.run(xyz, "knn(k=8) | normals", nonfinite="drop")
+    assert 10 not in dropped["row"] and len(dropped["row"]) == 2999
+
+
+def test_a_small_budget_spills_and_changes_no_byte():
+    xyz = ps.generate("terrain", 500_000)["xyz"]
+    text = "knn(k=8) | normals"
+    expected = ps.run(xyz, text, threads=2)
+    small = ps.run(xyz, text, threads=1, memory="40M")
+    assert small.report.statistics["bytes"]["spilled"] > 0 == expected.report.statistics["bytes"]["spilled"]
+    for key in expected:
+        assert small[key].tobytes() == expected[key].tobytes()
+
+
+def test_arrays_go_to_files(surface, tmp_path):
+    report = ps.run(surface, "knn(k=8) | normals", to=tmp_path / "out.ply")
+    assert report.points_written == 3000 and "out.ply" in repr(report)
+    back = ps.run(tmp_path / "out.ply", "decimate(1)")
+    assert np.array_equal(back["xyz"], surface) and back["normal"].tobytes() == ps.normals(surface, 8).tobytes()

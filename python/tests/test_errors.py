@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: MIT
+"""Wrong requests, interruptions, warnings."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import pointsweep as ps
+
+XYZ = np.random.default_rng(3).random((1000, 3))
+
+
+@pytest.mark.parametrize(
+    ("points", "sentence"),
+    [
+        (XYZ.T, "transpose it"),
+        (XYZ[:, :2], r"needs \(n, 3\)"),
+        (XYZ.ravel(), r"has the shape \(3000,\)"),
+        (XYZ.astype(object), "array of objects"),
+        (XYZ.astype(complex), "complex128"),
+        ([["a", "b", "c"]], "give integers, float32 or float64"),
+        ([[1, 2], [1, 2, 3]], "cannot be read as an array"),
+        (np.ma.masked_greater(XYZ, 0.5), "masked values"),
+        ({"xyz": XYZ, "intensity": np.ones(5)}, "'intensity' has 5 rows, but 'x' has 1000"),
+        ({"x": XYZ[:, 0], "y": XYZ[:, 1]}, "have no 'z'"),
+        ({"xyz": XYZ, "row": np.ones(1000)}, "another name"),
+        ({"xyz": XYZ, "nx": np.ones(1000), "normal": XYZ}, "components called 'nx'"),
+    ],
+)
+def test_wrong_arrays_are_refused_with_a_sentence(points, sentence):
+    with pytest.raises(ps.UsageError, match=sentence):
+        ps.run(points, "knn(k=8) | normals")
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: ps.run(XYZ, "knn(k=8) | normal"), "normals"),
+        (lambda: ps.run(XYZ, "knn(k=0) | normals"), "k"),
+        (lambda: ps.run(XYZ, []), "empty"),
+        (lambda: ps.run(XYZ, 8), "neither a text"),
+        (lambda: ps.run(XYZ, "knn(k=8) | normals", keep="curvature"), "curvature"),
+        (lambda: ps.run(XYZ, "curvature"), "normal"),
+        (lambda: ps.run(XYZ, "normals", memory="2 apples"), "memory"),
+        (lambda: ps.run(XYZ, "normals", memory=0), "no memory"),
+        (lambda: ps.run(XYZ, "normals", threads=0), "threads"),
+        (lambda: ps.run(XYZ, "normals", order="random"), "order"),
+        (lambda: ps.run(XYZ, "normals", axis=3), "axis"),
+        (lambda: ps.run(XYZ, "normals", resume="folder"), "outputs in files"),
+        (lambda: ps.run(XYZ, "normals", resume="folder", to="out.ply"), "is for files"),
+        (lambda: ps.normals(XYZ, k="many"), "whole number"),
+        (lambda: ps.normals(XYZ, orient="viewpoint"), "position of the scanner"),
+        (lambda: ps.normals(XYZ, radius=-1), "radius"),
+        (lambda: ps.neighbors(XYZ, k=0), "1 or more"),
+        (lambda: ps.neighbors(XYZ, radius=float("nan")), "finite"),
+        (lambda: ps.generate("teapot", 10), "teapot"),
+        (lambda: ps.generate("plane", -1), "negative"),
+        (lambda: ps.open([]), "at least one"),
+        (lambda: ps.open(XYZ), "not a path"),
+    ],
+)
+def test_wrong_requests_are_usage_errors(call, sentence):
+    with pytest.raises(ps.UsageError, match=sentence):
+        call()
+
+
+def test_unknown_options_are_type_errors():
+    with pytest.raises(TypeError, match="colour"):
+        ps.run(XYZ, "normals", colour="red")
+
+
+def test_usage_errors_are_errors_and_value_errors():
+    assert issubclass(ps.UsageError, ps.Error) and issubclass(ps.UsageError, ValueError)
+
+
+def test_a_file_that_is_not_there_is_an_error(tmp_path):
+    with pytest.raises(ps.Error, match="nothing.laz"):
+        ps.open(tmp_path / "nothing.laz")
+
+
+def test_a_budget_that_is_too_small_says_what_would_do():
+    with pytest.raises(ps.Error, match="M") as caught:
+        ps.run(XYZ, "knn(k=8) | normals", memory="1M")
+    assert not isinstance(caught.value, ps.UsageError)
+
+
+def test_nan_can_be_refused():
+    xyz = XYZ.copy()
+    xyz[3, 1] = np.nan
+    with pytest.raises(ps.Error, match="3|4"):
+        ps.run(xyz, "knn(k=8) | normals", nonfinite="refuse")
+
+
+def test_outputs_are_not_overwritten_unasked(tmp_path):
+    to = tmp_path / "out.ply"
+    to.write_text("precious")
+    with pytest.raises(ps.Error, match="out.ply"):
+        ps.run(XYZ, "normals", to=to)
+    assert to.read_text() == "precious" and os.listdir(tmp_path) == ["out.ply"]
+    ps.run(XYZ, "normals", to=to, overwrite=True)
+    assert len(ps.open(to)) == 1000
+
+
+def test_progress_is_called_on_the_calling_thread_and_its_exception_ends_the_run(tmp_path):
+    xyz = ps.generate("volume", 400_000)["xyz"]
+    calls = []
+    ps.run(xyz, "knn(k=32) | normals", progress=lambda *event: calls.append((threading.get_ident(), *event)))
+    assert calls and all(thread == threading.get_ident() for thread, *_ in calls)
+    assert all(isinstance(phase, str) and 0 <= done <= total for _, phase, done, total in calls)
+
+    def fail(phase, done, total):
+        raise KeyError("enough")
+
+    with pytest.raises(KeyError, match="enough"):
+        ps.run(xyz, "knn(k=32) | normals", to=tmp_path / "out.ply", progress=fail)
+    assert os.listdir(tmp_path) == []
+
+
+def test_warnings_are_issued_at_the_line_of_the_caller():
+    normal = np.zeros((1000, 3), np.float32)
+    with pytest.warns(ps.PointsweepWarning, match="nx ny nz") as caught:
+        ps.run({"xyz": XYZ, "normal": normal}, "knn(k=8) | normals", order="sweep")
+    assert caught[0].filename == __file__
+
+
+INTERRUPTED = """
+    import os, sys, time
+    import pointsweep as ps
+    xyz = ps.generate("volume", 3_000_000)["xyz"]
+    print("started", flush=True)
+    try:
+        ps.run(xyz, "knn(k=64) | normals", to=sys.argv[1], threads=1, memory="80M", temp_folder=sys.argv[2])
+    except KeyboardInterrupt:
+        print("interrupted", flush=True)
+        print(os.listdir(os.path.dirname(sys.argv[1])), os.listdir(sys.argv[2]), flush=True)
+"""
+
+
+def test_control_c_ends_a_run_within_a_second_and_leaves_nothing(tmp_path):
+    out, temporary = tmp_path / "out", tmp_path / "temporary"
+    out.mkdir(), temporary.mkdir()
+    command = [sys.executable, "-c", textwrap.dedent(INTERRUPTED), str(out / "out.ply"), str(temporary)]
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    assert child.stdout.readline() == "started\n"
+    time.sleep(1.0)
+    start = time.monotonic()
+    child.send_signal(signal.SIGINT)
+    assert child.stdout.readline() == "interrupted\n"
+    assert time.monotonic() - start < 1.0 + float(os.environ.get("POINTSWEEP_TEST_PATIENCE", "0"))
+    assert child.stdout.readline() == "[] []\n"
+    assert child.wait() == 0
+    child.stdout.close()
+
+
+def test_two_runs_in_two_threads_do_not_disturb_each_other():
+    clouds = [ps.generate("volume", 200_000, seed=s)["xyz"] for s in (1, 2)]
+    expected = [ps.normals(xyz, 16) for xyz in clouds]
+    got = [None, None]
+
+    def work(i):
+        got[i] = ps.normals(clouds[i], 16)
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(2)]
+    [t.start() for t in threads], [t.join() for t in threads]
+    assert all(a.tobytes() == b.tobytes() for a, b in zip(expected, got))
+
+
+def test_other_threads_run_meanwhile():
+    xyz = ps.generate("volume", 400_000)["xyz"]
+    ticks = []
+    stop = threading.Event()
+
+    def tick():
+        while not stop.wait(0.01):
+            ticks.append(time.monotonic())
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    ps.run(xyz, "knn(k=64) | normals", threads=1)
+    stop.set(), thread.join()
+    assert len(ticks) > 5

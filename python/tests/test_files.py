@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: MIT
+"""Point files against the command-line tool."""
+
+import filecmp
+
+import numpy as np
+import pytest
+
+import pointsweep as ps
+
+
+@pytest.fixture
+def tiles(tmp_path):
+    """Two neighbouring tiles as LAS files."""
+    folder = tmp_path / "tiles"
+    folder.mkdir()
+    random = np.random.default_rng(5)
+    for i in range(2):
+        xyz = random.random((2000, 3)) * [10, 10, 1] + [10 * i, 0, 0]
+        intensity = random.integers(0, 1000, 2000).astype(np.uint16)
+        ps.run(
+            {"xyz": xyz, "intensity": intensity}, "decimate(1)", to=folder / f"tile_{i}.las"
+        )
+    return folder
+
+
+def test_opening_reads_headers(tiles):
+    cloud = ps.open(tiles / "*.las")
+    assert len(cloud) == 4000 and [f[-10:] for f in cloud.files] == ["tile_0.las", "tile_1.las"]
+    (x0, y0, z0), (x1, y1, z1) = cloud.bounds
+    assert 0 <= x0 < 1 and 19 < x1 <= 20 and z1 <= 1.001
+    assert cloud.crs is None
+    assert cloud.attributes["intensity"] == np.uint16 and cloud.attributes["x"] == np.float64
+    assert "2 files, 4,000 points" in repr(cloud)
+
+
+def test_a_file_has_the_bytes_of_the_tool(tiles, run_tool, tmp_path):
+    report = ps.open(tiles).run("knn(k=8) | normals", to=tmp_path / "mine.las", memory="256M", threads=2)
+    run_tool("run", "--pipeline", "knn(k=8) | normals", "tiles/tile_0.las", "tiles/tile_1.las", "-o", "its.las")
+    assert filecmp.cmp(tmp_path / "mine.las", tmp_path / "its.las", shallow=False)
+    assert report.points_written == 4000 and report.statistics["k"] == 8
+
+
+def test_a_folder_gets_a_file_for_each_input(tiles, run_tool, tmp_path):
+    ps.open(tiles).run("knn(k=8) | normals", to=str(tmp_path / "mine") + "/")
+    (tmp_path / "its").mkdir()
+    run_tool("run", "--pipeline", "knn(k=8) | normals", "tiles", "-o", "its/")
+    for i in range(2):
+        assert filecmp.cmp(tmp_path / f"mine/tile_{i}.las", tmp_path / f"its/tile_{i}.las", shallow=False)
+
+
+def test_points_of_files_come_as_arrays(tiles):
+    cloud = ps.open([tiles / "tile_0.las", tiles / "tile_1.las"])
+    everything = cloud.run("decimate(1)")
+    assert everything["xyz"].shape == (4000, 3) and everything["intensity"].dtype == np.uint16
+    kept = cloud.run("knn(k=8) | normals", keep=["xyz", "normal"])
+    assert kept["normal"].tobytes() == ps.normals(everything["xyz"], 8).tobytes()
+    assert ps.neighbors(tiles, k=3).indices.shape == (4000, 3)
+
+
+def test_a_run_of_files_is_resumed(tiles, tmp_path):
+    to, folder = tmp_path / "out.las", tmp_path / "progress"
+    whole = tmp_path / "whole.las"
+    cloud = ps.open(tiles)
+
+    def stop(phase, done, total):
+        if phase == "sweeping":
+            raise KeyboardInterrupt
+
+    try:
+        cloud.run("knn(k=8) | normals", to=to, resume=folder, progress=stop)
+    except KeyboardInterrupt:
+        assert not to.exists()
+    if not to.exists():
+        with pytest.warns(ps.PointsweepWarning, match="Went on"):
+            cloud.run("knn(k=8) | normals", to=to, resume=folder)
+    cloud.run("knn(k=8) | normals", to=whole)
+    assert filecmp.cmp(to, whole, shallow=False)
+
+
+def test_generated_files_have_the_bytes_of_the_tool(run_tool, tmp_path):
+    cloud = ps.generate("statue", 5000, tmp_path / "mine.ply", seed=3, noise=0.001)
+    run_tool("generate", "statue", "its.ply", "-n", 5000, "--seed", 3, "--noise", 0.001)
+    assert filecmp.cmp(tmp_path / "mine.ply", tmp_path / "its.ply", shallow=False)
+    arrays = ps.generate("statue", 5000, seed=3, noise=0.001)
+    assert len(cloud) == 5000 and set(arrays) == {"xyz", "normal"}
+    assert ps.run(cloud, "decimate(1)")["xyz"].tobytes() == arrays["xyz"].tobytes()
+
+
+def test_opening_does_not_keep_what_files_held_then(tmp_path):
+    path = tmp_path / "cloud.ply"
+    cloud = ps.generate("plane", 100, path)
+    ps.generate("plane", 200, path, overwrite=True)
+    assert cloud.run("normals").report.points == 200

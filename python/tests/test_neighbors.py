@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: MIT
+"""Neighbours against SciPy, and against a sort by the documented order."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+import pointsweep as ps
+
+
+def by_sorting(xyz: np.ndarray, k: int) -> np.ndarray:
+    """Rows of the k nearest by distance, then x, y, z, then row."""
+    rows = []
+    for i, p in enumerate(xyz):
+        d = xyz - p
+        d2 = (d[:, 0] * d[:, 0] + d[:, 1] * d[:, 1]) + d[:, 2] * d[:, 2]
+        order = np.lexsort((np.arange(len(xyz)), xyz[:, 2], xyz[:, 1], xyz[:, 0], d2))
+        rows.append(order[order != i][:k])
+    return np.array(rows)
+
+
+def test_rows_are_those_of_a_sort_by_distance_and_ties(surface):
+    xyz = surface[:400].copy()
+    xyz[300:] = np.round(xyz[300:])  # many equal distances
+    assert np.array_equal(ps.neighbors(xyz, k=9).indices, by_sorting(xyz, 9))
+
+
+def test_distances_are_those_of_scipy(surface):
+    expected, _ = cKDTree(surface).query(surface, k=17)
+    indices, distances = ps.neighbors(surface)  # 16 by default
+    assert indices.shape == distances.shape == (3000, 16)
+    assert indices.dtype == np.uint32 and distances.dtype == np.float64
+    np.testing.assert_allclose(distances, expected[:, 1:], rtol=1e-12, atol=0)
+
+
+def test_lists_within_a_radius_are_those_of_scipy(surface):
+    offsets, indices, distances = ps.neighbors(surface, radius=0.4)
+    expected = cKDTree(surface).query_ball_point(surface, 0.4)
+    assert offsets.dtype == np.int64 and offsets[0] == 0 and len(offsets) == len(surface) + 1
+    for i, rows in enumerate(expected):
+        mine = indices[offsets[i] : offsets[i + 1]]
+        assert sorted(mine) == sorted(set(rows) - {i})
+        d = distances[offsets[i] : offsets[i + 1]]
+        assert np.all(np.diff(d) >= 0)
+        np.testing.assert_allclose(d, np.linalg.norm(surface[mine] - surface[i], axis=1), rtol=1e-12)
+
+
+def test_k_and_radius_together_pad_what_is_missing(surface):
+    indices, distances = ps.neighbors(surface, k=12, radius=0.3)
+    expected, rows = cKDTree(surface).query(surface, k=13, distance_upper_bound=0.3)
+    missing = np.isinf(expected[:, 1:])
+    assert missing.any() and not missing.all()
+    assert np.array_equal(np.isnan(distances), missing)
+    assert np.array_equal(indices == np.iinfo(np.uint32).max, missing)
+
+
+def test_bytes_are_those_of_the_tool(surface, run_tool, tmp_path):
+    np.save(tmp_path / "in.npy", surface)
+    run_tool("neighbors", "in.npy", "out.npy", "-k", 10, "--distances", "d.npy")
+    indices, distances = ps.neighbors(surface, k=10)
+    assert np.load(tmp_path / "out.npy").tobytes() == indices.tobytes()
+    assert np.load(tmp_path / "d.npy").tobytes() == distances.tobytes()
+
+
+@pytest.mark.filterwarnings("ignore:k = 4 is more")
+@pytest.mark.parametrize("n", [1, 2, 5])
+def test_few_points_have_few_neighbors(n):
+    xyz = np.arange(3.0 * n).reshape(n, 3)
+    indices, distances = ps.neighbors(xyz, k=4)
+    assert indices.shape == distances.shape == (n, 4)
+    assert np.all((~np.isnan(distances)).sum(1) == min(4, max(0, n - 1)))
+    offsets, rows, _ = ps.neighbors(xyz, radius=100.0)
+    assert list(offsets) == [i * max(0, n - 1) for i in range(n + 1)]
+
+
+def test_points_that_are_not_finite_have_no_neighbors_and_are_none(surface):
+    xyz = surface.copy()
+    xyz[[5, 50, 500]] = np.nan
+    xyz[7, 2] = np.inf
+    bad = [5, 7, 50, 500]
+    indices, distances = ps.neighbors(xyz, k=6)
+    assert np.isnan(distances[bad]).all() and not np.isin(indices, bad).any()
+    offsets, rows, _ = ps.neighbors(xyz, radius=0.3)
+    assert all(offsets[b] == offsets[b + 1] for b in bad) and not np.isin(rows, bad).any()
+
+
+def test_threads_and_memory_change_no_byte(surface):
+    many = np.concatenate([surface + [20.0 * i, 0, 0] for i in range(100)])
+    expected = ps.neighbors(many, radius=0.2, threads=1)
+    got = ps.neighbors(many, radius=0.2, threads=2, memory="64M")
+    assert all(a.tobytes() == b.tobytes() for a, b in zip(expected, got))

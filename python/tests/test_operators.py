@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: MIT
+"""Operators in Python against NumPy on arrays in memory."""
+
+import filecmp
+import threading
+import traceback
+
+import numpy as np
+import pytest
+
+import pointsweep as ps
+
+
+@ps.operator(reads=["normal"], makes={"roughness": "f4"})
+def roughness(p):
+    d = p.neighbors_xyz - p.xyz[:, None]
+    return np.abs(np.einsum("nkj,nj->nk", d, p.normal)).mean(1)
+
+
+@ps.operator(reads=["intensity"], reads_neighbors=["intensity", "normal"], makes={"contrast": "f8", "lean": ("f4", 3)})
+def contrast(p):
+    return {
+        "contrast": (p.neighbors["intensity"] - p.intensity[:, None]).max(1),
+        "lean": p.neighbors["normal"].sum(1),
+    }
+
+
+def roughness_in_memory(xyz, k):
+    rows = ps.neighbors(xyz, k).indices
+    d = xyz[rows] - xyz[:, None]
+    return np.abs(np.einsum("nkj,nj->nk", d, ps.normals(xyz, k))).mean(1).astype(np.float32)
+
+
+def test_an_operator_gets_exact_neighborhoods(surface):
+    arrays = ps.run(surface, ["knn(k=16) | normals", roughness])
+    assert list(arrays) == ["normal", "roughness"] and arrays["roughness"].dtype == np.float32
+    assert np.array_equal(arrays["roughness"], roughness_in_memory(surface, 16))
+
+
+def test_attributes_of_neighbors_and_several_results(surface):
+    intensity = np.arange(3000, dtype=np.uint16) % 251
+    arrays = ps.run(surface, "knn(k=8) | normals" | contrast, attributes={"intensity": intensity})
+    rows = ps.neighbors(surface, 8).indices
+    values = intensity.astype(float)
+    assert np.array_equal(arrays["contrast"], (values[rows] - values[:, None]).max(1))
+    np.testing.assert_array_equal(arrays["lean"], ps.normals(surface, 8)[rows].sum(1))
+
+
+def test_later_stages_read_what_it_makes(surface):
+    kept = ps.run(surface, "knn(k=16) | normals" | roughness | "where(roughness < 0.01) | features")
+    expected = roughness_in_memory(surface, 16) < 0.01
+    assert 0 < expected.sum() < 3000
+    assert np.array_equal(kept["row"], np.flatnonzero(expected)) and "planarity" in kept
+
+
+def test_radius_neighborhoods_have_masks(surface):
+    @ps.operator(makes={"spread": "f8", "near": "i4"})
+    def spread(p):
+        assert p.neighbors.mask.shape == p.neighbors.rows.shape == p.neighbors_xyz.shape[:2]
+        assert np.array_equal(np.isnan(p.neighbors_xyz).any(2), ~p.neighbors.mask)
+        assert np.array_equal(p.neighbors.rows >= 0, p.neighbors.mask)
+        d = np.linalg.norm(p.neighbors_xyz - p.xyz[:, None], axis=2)
+        return np.where(p.neighbors.mask, d, 0).sum(1), p.neighbors.counts
+
+    arrays = ps.run(surface, ["knn(radius=0.3)", spread])
+    offsets, _, distances = ps.neighbors(surface, radius=0.3)
+    sums = np.array([distances[a:b].sum() for a, b in zip(offsets, offsets[1:])])
+    assert np.array_equal(arrays["near"], np.diff(offsets))
+    np.testing.assert_allclose(arrays["spread"], sums, rtol=1e-12)
+
+
+def test_it_moves_points(surface):
+    @ps.operator(makes={"position": ("f8", 3)})
+    def smooth(p):
+        return np.nanmean(np.concatenate([p.neighbors_xyz, p.xyz[:, None]], 1), 1)
+
+    arrays = ps.run(surface, ["knn(k=6)", smooth, "reneighbor | normals"])
+    rows = ps.neighbors(surface, 6).indices
+    expected = np.concatenate([surface[rows], surface[:, None]], 1).mean(1)
+    np.testing.assert_allclose(arrays["xyz"], expected, rtol=1e-14)
+    assert arrays["normal"].tobytes() == ps.normals(arrays["xyz"], 6).tobytes()
+
+
+def test_threads_memory_and_order_change_no_byte():
+    xyz = ps.generate("terrain", 400_000)["xyz"]
+    chain = "knn(k=8) | normals" | roughness
+    expected = ps.run(xyz, chain, threads=1)["roughness"]
+    spilled = ps.run(xyz, chain, threads=2, memory="40M")
+    assert spilled.report.statistics["bytes"]["spilled"] > 0
+    assert spilled["roughness"].tobytes() == expected.tobytes()
+    sweep = ps.run(xyz, chain, threads=2, order="sweep")
+    assert sweep["roughness"].tobytes() == expected[sweep["row"]].tobytes()
+
+
+def test_points_that_are_not_finite_are_not_passed(surface):
+    xyz = surface.copy()
+    xyz[4] = np.nan
+
+    @ps.operator(makes={"seen": "u1", "real": "f4"})
+    def seen(p):
+        assert np.isfinite(p.xyz).all() and np.isfinite(p.neighbors_xyz).all() and 4 not in p.rows
+        return np.ones(len(p)), np.ones(len(p), np.float32)
+
+    with pytest.raises(ps.UsageError, match="float64 for 'seen'"):
+        ps.run(xyz, [seen])
+
+    seen.function = lambda p: {"seen": np.ones(len(p), np.uint8), "real": p.xyz[:, 0]}
+    arrays = ps.run(xyz, [seen])
+    assert np.flatnonzero(arrays["seen"] == 0).tolist() == np.flatnonzero(np.isnan(arrays["real"])).tolist() == [4]
+
+
+def test_an_exception_ends_the_run_with_its_traceback(surface, tmp_path):
+    @ps.operator(makes={"broken": "f4"})
+    def broken(p):
+        return 1 / np.float64(len(p) * [0]).tolist()[0] if len(p) else 0
+
+    with pytest.raises(ZeroDivisionError) as caught:
+        ps.run(surface, [broken], to=tmp_path / "out.ply")
+    assert "in broken" in "".join(traceback.format_tb(caught.value.__traceback__))
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("result", "sentence"),
+    [
+        (lambda p: None, "returned nothing"),
+        (lambda p: np.zeros(3), r"shape \(3,\)"),
+        (lambda p: np.zeros((len(p), 1)), "needs"),
+        (lambda p: np.zeros(len(p), complex), "complex128"),
+        (lambda p: {"other": 1}, "without 'value'"),
+        (lambda p: p["normal"], "name it in reads"),
+        (lambda p: p.neighbors["normal"], "reads_neighbors"),
+    ],
+)
+def test_wrong_results_are_refused_with_a_sentence(surface, result, sentence):
+    op = ps.operator(makes={"value": "f4"}, name="wrong")(result)
+    with pytest.raises(ps.UsageError, match=sentence):
+        ps.run(surface, [op])
+
+
+def test_what_it_reads_has_to_be_there(surface):
+    with pytest.raises(ps.UsageError, match="roughness: needs 'normal'"):
+        ps.run(surface, ["knn(k=8)", roughness])
+    with pytest.raises(ps.UsageError, match="is not a type"):
+        ps.operator(makes={"a": "no type"})(len)
+    with pytest.raises(ps.UsageError, match="makes nothing"):
+        ps.operator(makes={})(len)
+
+
+def test_a_batch_is_of_no_use_after_the_call(surface):
+    kept = []
+
+    @ps.operator(makes={"one": "f4"})
+    def keeps(p):
+        kept.append((p, p.xyz))
+        return np.ones(len(p), np.float32)
+
+    ps.run(surface, [keeps])
+    p, xyz = kept[0]
+    assert np.isin(xyz[:, 0], surface[:, 0]).all()  # arrays may be kept
+    with pytest.raises(ps.UsageError, match="during its call only"):
+        p.neighbors_xyz
+
+
+def test_a_run_inside_of_an_operator(surface):
+    @ps.operator(makes={"inner": "f4"})
+    def inner(p):
+        return ps.normals(p.xyz, 3)[:, 0]
+
+    assert ps.run(surface, [inner])["inner"].shape == (3000,)
+
+
+def test_interrupting_while_it_runs(surface):
+    main = threading.main_thread()
+    assert threading.current_thread() is main
+
+    def stop(phase, done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ps.run(np.tile(surface, (40, 1)), ["knn(k=8) | normals", roughness], progress=stop)
+
+
+def test_it_works_on_files_and_its_source_is_part_of_a_resumed_run(tmp_path):
+    ps.generate("volume", 20000, tmp_path / "in.ply")
+    chain = "knn(k=8) | normals" | roughness
+    ps.open(tmp_path / "in.ply").run(chain, to=tmp_path / "a.ply", threads=2)
+    ps.open(tmp_path / "in.ply").run(chain, to=tmp_path / "b.ply", resume=tmp_path / "progress")
+    assert filecmp.cmp(tmp_path / "a.ply", tmp_path / "b.ply", shallow=False)
+    assert "roughness" in ps.open(tmp_path / "a.ply").attributes
+
+
+def test_reprs(surface):
+    assert repr(roughness) == "<pointsweep.Operator roughness: normal -> roughness float32>"
+    assert repr("knn(k=8) | normals" | roughness) == "<pointsweep.Pipeline: knn(k=8) | normals | roughness>"
