@@ -19,10 +19,10 @@ def bytes_of(memory: int | str | None) -> int:
     if memory is None:
         return 0
     if isinstance(memory, str):
-        size = re.fullmatch(r"\s*([0-9]*\.?[0-9]+)\s*([KMGT]?)(?:iB|B)?\s*", memory, re.IGNORECASE)
-        if size is None or memory.strip().isdigit():
-            raise UsageError(f"memory: '{memory}' is not a size such as '256M', '1.5G' or '4GiB'.")
-        value = int(float(size[1]) * 1024 ** _POWERS[size[2].upper()])
+        size = re.fullmatch(r"\s*([0-9]*\.?[0-9]+)\s*(?:([KMGT])(?:iB|B)?|B)\s*", memory, re.IGNORECASE)
+        if size is None:
+            raise UsageError(f"memory: '{memory}' is not a size with a unit, such as '256M', '1.5G' or '4GiB'.")
+        value = int(float(size[1]) * 1024 ** _POWERS[(size[2] or "").upper()])
     else:
         value = whole("memory", memory)
     if value <= 0:

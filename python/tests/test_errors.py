@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import pointsweep as ps
+from pointsweep import _options
 
 XYZ = np.random.default_rng(3).random((1000, 3))
 
@@ -69,6 +70,14 @@ def test_wrong_arrays_are_refused_with_a_sentence(points, sentence):
 def test_wrong_requests_are_usage_errors(call, sentence):
     with pytest.raises(ps.UsageError, match=sentence):
         call()
+
+
+def test_sizes_are_read_as_the_tool_reads_them():
+    sizes = {"256M": 2**28, "1.5G": 3 * 2**29, "4GiB": 2**32, "800b": 800, " 2kB ": 2048, 12345: 12345, None: 0}
+    assert {text: _options.bytes_of(text) for text in sizes} == sizes
+    for text in ("800", "1.5", "G", "-1G", "1e3M", True, 2.5):
+        with pytest.raises(ps.UsageError, match="memory"):
+            _options.bytes_of(text)
 
 
 def test_unknown_options_are_type_errors():
@@ -132,21 +141,30 @@ def test_warnings_are_issued_at_the_line_of_the_caller():
 
 INTERRUPTED = """
     import os, sys, time
+    import numpy as np
     import pointsweep as ps
+
+    @ps.operator(reads=["normal"], makes={"roughness": "f4"})
+    def roughness(p):
+        d = p.neighbors_xyz - p.xyz[:, None]
+        return np.abs(np.einsum("nkj,nj->nk", d, p.normal)).mean(1)
+
+    chain = ["knn(k=64) | normals"] + [roughness] * (sys.argv[3] == "python")
     xyz = ps.generate("volume", 3_000_000)["xyz"]
     print("started", flush=True)
     try:
-        ps.run(xyz, "knn(k=64) | normals", to=sys.argv[1], threads=1, memory="80M", temp_folder=sys.argv[2])
+        ps.run(xyz, chain, to=sys.argv[1], threads=1, memory="80M", temp_folder=sys.argv[2])
     except KeyboardInterrupt:
         print("interrupted", flush=True)
         print(os.listdir(os.path.dirname(sys.argv[1])), os.listdir(sys.argv[2]), flush=True)
 """
 
 
-def test_control_c_ends_a_run_within_a_second_and_leaves_nothing(tmp_path):
+@pytest.mark.parametrize("stages", ["built in", "python"])
+def test_control_c_ends_a_run_within_a_second_and_leaves_nothing(tmp_path, stages):
     out, temporary = tmp_path / "out", tmp_path / "temporary"
     out.mkdir(), temporary.mkdir()
-    command = [sys.executable, "-c", textwrap.dedent(INTERRUPTED), str(out / "out.ply"), str(temporary)]
+    command = [sys.executable, "-c", textwrap.dedent(INTERRUPTED), str(out / "out.ply"), str(temporary), stages]
     child = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert child.stdout.readline() == "started\n"
     time.sleep(1.0)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import pointsweep as ps
+from pointsweep import _files
 
 
 @pytest.fixture
@@ -47,6 +48,16 @@ def test_a_folder_gets_a_file_for_each_input(tiles, run_tool, tmp_path):
     run_tool("run", "--pipeline", "knn(k=8) | normals", "tiles", "-o", "its/")
     for i in range(2):
         assert filecmp.cmp(tmp_path / f"mine/tile_{i}.las", tmp_path / f"its/tile_{i}.las", shallow=False)
+
+
+def test_a_copc_file_is_written_as_a_laz_file():
+    assert _files._tile_name("north/1.copc.laz") == "north/1.laz"
+    assert _files._tile_name("1.COPC.LAZ") == "1.LAZ" and _files._tile_name("1.copc.ply") == "1.copc.ply"
+
+
+def test_a_folder_is_refused_for_arrays(tmp_path):
+    with pytest.raises(ps.UsageError, match="is a folder"):
+        ps.run(np.random.rand(9, 3), "normals", to=tmp_path)
 
 
 def test_points_of_files_come_as_arrays(tiles):

@@ -17,11 +17,11 @@ def roughness(p):
     return np.abs(np.einsum("nkj,nj->nk", d, p.normal)).mean(1)
 
 
-@ps.operator(reads=["intensity"], reads_neighbors=["intensity", "normal"], makes={"contrast": "f8", "lean": ("f4", 3)})
+@ps.operator(reads=["intensity", "normal"], reads_neighbors=["intensity", "normal"], makes={"contrast": "f8", "lean": ("f4", 3)})
 def contrast(p):
     return {
         "contrast": (p.neighbors["intensity"] - p.intensity[:, None]).max(1),
-        "lean": p.neighbors["normal"].sum(1),
+        "lean": p.neighbors["normal"].sum(1) - p.normal,
     }
 
 
@@ -43,7 +43,7 @@ def test_attributes_of_neighbors_and_several_results(surface):
     rows = ps.neighbors(surface, 8).indices
     values = intensity.astype(float)
     assert np.array_equal(arrays["contrast"], (values[rows] - values[:, None]).max(1))
-    np.testing.assert_array_equal(arrays["lean"], ps.normals(surface, 8)[rows].sum(1))
+    np.testing.assert_array_equal(arrays["lean"], ps.normals(surface, 8)[rows].sum(1) - ps.normals(surface, 8))
 
 
 def test_later_stages_read_what_it_makes(surface):
@@ -188,6 +188,35 @@ def test_it_works_on_files_and_its_source_is_part_of_a_resumed_run(tmp_path):
     ps.open(tmp_path / "in.ply").run(chain, to=tmp_path / "b.ply", resume=tmp_path / "progress")
     assert filecmp.cmp(tmp_path / "a.ply", tmp_path / "b.ply", shallow=False)
     assert "roughness" in ps.open(tmp_path / "a.ply").attributes
+
+
+def test_a_run_is_not_resumed_with_another_function(tmp_path):
+    cloud = ps.generate("volume", 20000, tmp_path / "in.ply")
+
+    def times(factor):
+        @ps.operator(makes={"scaled": "f8"})
+        def scaled(p):
+            return factor * p.xyz[:, 0]
+
+        return scaled
+
+    def stop(phase, done, total):
+        if phase != "ordering":
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        cloud.run([times(2)], to=tmp_path / "out.ply", resume=tmp_path / "progress", progress=stop)
+    with pytest.raises(ps.Error, match="progress"):
+        cloud.run([times(3)], to=tmp_path / "out.ply", resume=tmp_path / "progress")
+    with pytest.warns(ps.PointsweepWarning, match="Went on"):
+        cloud.run([times(2)], to=tmp_path / "out.ply", resume=tmp_path / "progress")
+    out = ps.run(tmp_path / "out.ply", "decimate(1)")
+    assert np.array_equal(out["scaled"], 2 * out["xyz"][:, 0].astype(float))
+
+
+def test_the_tool_verifies_the_stages_around_it(tmp_path, run_tool):
+    ps.generate("volume", 5000, tmp_path / "in.ply").run("knn(k=16) | normals" | roughness, to=tmp_path / "out.ply")
+    run_tool("verify", "in.ply", "out.ply", "-k", 16)
 
 
 def test_reprs(surface):
