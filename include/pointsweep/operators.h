@@ -91,6 +91,17 @@ struct SimplifyOptions {
   double least = 0;  ///< the smallest, where noise looks like curvature; 0 to `most`
 };
 
+/// Of SMRF (Pingel et al. 2013), with the defaults of the paper for metres.
+struct GroundOptions {
+  double cell = 1;           ///< edge of a cell of the raster, length; > 0
+  double slope = 0.15;       ///< steepest slope of the ground, rise over run
+  double window = 18;        ///< radius of the largest disk of the filter, length; at most 1,000 cells
+  double threshold = 0.5;    ///< how far a point may be off a level surface, length
+  double scalar = 1.25;      ///< what is added to that for each unit of the slope, length
+  bool all_returns = false;  ///< not only last returns take part
+  bool noise = false;        ///< points of the classes 7 and 18 take part, too
+};
+
 namespace operators {
 
 /// Makes "normal": the unit normal of the surface the points were taken from (paper Section 3.2, Equation 1).
@@ -127,6 +138,9 @@ POINTSWEEP_EXPORT std::shared_ptr<const Operator> unique();
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> decimate(double share, std::uint64_t seed = 0);
 /// Keeps one point in each cube of edge length `size` of a grid with faces at multiples of it.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> voxel(double size, VoxelKeep keep = VoxelKeep::center);
+/// Makes "classification": 2 for points of the ground, by a morphological filter of the raster of the lowest points.
+/// Throws UsageError for options outside of their ranges.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> ground(const GroundOptions& options = {});
 /// Makes features of the shape of neighbourhoods from the eigenvalues of their covariance: "linearity", "planarity",
 /// "sphericity" and more (docs/operators.md). Throws UsageError for a name that is not one of these, or is given twice.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> features(const FeaturesOptions& options = {});

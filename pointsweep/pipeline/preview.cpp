@@ -82,7 +82,9 @@ std::string passage_text(const Preview& p, std::size_t s) {
   if (pass.kind == PassKind::rows) return "reads         the rows in their order; no neighbours are searched\n";
   if (pass.kind == PassKind::order)
     return fmt::format("reads         the points in order{}; no neighbours are searched\n",
-                       pass.has_places() ? ", those of a voxel together" : ", equal ones together");
+                       pass.ordered_operator() != nullptr ? ", in rows across an axis"
+                       : pass.has_places()                ? ", those of a voxel together"
+                                                          : ", equal ones together");
   std::string text = fmt::format("neighbours    {}\n", neighborhood_text(pass.plan.neighborhood));
   if (const Effort& effort = p.memory.efforts[s]; effort.neighbors_per_point > 0)
     text += fmt::format("effort        {}\n", effort_text(effort.neighbors_per_point, effort.seconds));

@@ -49,9 +49,18 @@ Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& sur
   return {estimate.neighbors, neighbor_seconds(plan, all) / demand.threads};
 }
 
+/// The axis along which places ascend, if the sample shows the extents of the cloud.
+int axis_of_places(const Survey& survey, const EngineOptions& options) {
+  if (options.axis && *options.axis < 2) return *options.axis;
+  const Vec3 extent = survey.bounds.extent();
+  return extent.x >= extent.y ? 0 : 1;
+}
+
 /// What a thinning holds of the points within its reach behind the front and of those that wait for one of these.
-void add_thinning(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey) {
+void add_thinning(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey, const EngineOptions& options) {
   if (pass.kind != PassKind::order) return;
+  if (const OrderedOperator* op = pass.ordered_operator())
+    demand.thinning_bytes = op->least_bytes(survey.sample, axis_of_places(survey, options));
   const Contract contract = pass.thinner().contract();
   if (contract.reach == 0) return;
   const RadiusEstimate estimate = estimate_radius(survey, demand.points, contract.reach, 2 * contract.reach);
@@ -141,7 +150,7 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
     MemoryDemand needs = demand(whole ? pass.input.stride : pass.travelling_bytes(),
                                 whole ? output_bytes : stages.result_bytes, points, survey, options, codec_bytes);
     memory.efforts.push_back(add_radius(needs, stages, survey));
-    add_thinning(needs, pass, survey);
+    add_thinning(needs, pass, survey, options);
     memory.record_bytes.push_back(needs.working_record_bytes);
     if (memory.passes.size() == memory.ordered_pass) {
       needs.waiting_points = waiting_points(on_demand, survey, needs);

@@ -80,7 +80,7 @@ ReadRows placing(ReadRows read, std::shared_ptr<const Placement> placement) {
   };
 }
 
-/// What a Thinning takes, out of working records.
+/// What a Thinning or an OrderedWork takes, out of working records.
 class OrderedBatch {
  public:
   OrderedBatch(const Schema& record, const PlannedPass& pass)
@@ -123,6 +123,21 @@ class OrderedBatch {
   std::vector<double> values_;
 };
 
+/// Gives all points in order, a batch at a time.
+template <class Use>
+void for_each_batch(const ThinningPass& run, Use use) {
+  const std::size_t stride = run.stream.record_schema().stride;
+  OrderedBatch batch(run.stream.record_schema(), run.pass);
+  const auto take = [&](std::span<const std::byte> records) {
+    for (std::size_t at = 0; at < records.size(); at += kThinningBatch * stride) {
+      stop_if_cancelled();
+      const std::size_t n = std::min(kThinningBatch, (records.size() - at) / stride);
+      use(batch.of(records.data() + at, n));
+    }
+  };
+  write_in_order(run.stream, stride, take, run.progress);
+}
+
 }  // namespace
 
 PlacedSource::PlacedSource(const PointSource& from, const std::vector<std::size_t>& fields, const Operator& op) {
@@ -141,25 +156,36 @@ PlacedSource::PlacedSource(const PointSource& from, const std::vector<std::size_
 }
 
 void run_thinning(const ThinningPass& run) {
-  const std::size_t stride = run.stream.record_schema().stride;
   const std::unique_ptr<Thinning> thinning = run.pass.thinner().thinning({run.stream.axis(), run.memory_bytes});
-  OrderedBatch batch(run.stream.record_schema(), run.pass);
   Decided decided;
   const auto put = [&] {
     run.results.put(decided.left_out, std::vector<std::byte>(decided.left_out.size() * run.pass.plan.result_bytes));
     decided.left_out.clear();
   };
-  const auto take = [&](std::span<const std::byte> records) {
-    for (std::size_t at = 0; at < records.size(); at += kThinningBatch * stride) {
-      stop_if_cancelled();
-      const std::size_t n = std::min(kThinningBatch, (records.size() - at) / stride);
-      thinning->add(batch.of(records.data() + at, n), decided);
-      put();
-    }
-  };
-  write_in_order(run.stream, stride, take, run.progress);
+  for_each_batch(run, [&](const OrderedPoints& points) {
+    thinning->add(points, decided);
+    put();
+  });
   thinning->finish(decided);
   put();
+}
+
+void run_ordered_work(const ThinningPass& run, const OrderedOperator& op, const MakeScratch& make_scratch) {
+  const std::unique_ptr<OrderedWork> work = op.work({run.stream.axis(), run.memory_bytes, make_scratch});
+  MadeInOrder made;
+  const auto put = [&] {
+    run.results.put(made.rows, made.values);
+    made.rows.clear();
+    made.values.clear();
+  };
+  for (unsigned round = 0; round < work->rounds(); ++round) {
+    for_each_batch(run, [&](const OrderedPoints& points) {
+      work->add(round, points, made);
+      put();
+    });
+    work->end(round, made);
+    put();
+  }
 }
 
 }  // namespace pointsweep

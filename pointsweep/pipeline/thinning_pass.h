@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// A pass that takes all points in order to a Thinning, which decides which rows stay.
+/// A pass that takes all points in order: to a Thinning, which decides which rows stay, or to an OrderedWork, which
+/// makes an attribute.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 
+#include "pointsweep/operators/ordered_operator.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/source.h"
 #include "pointsweep/order/stream.h"
@@ -24,14 +26,17 @@ struct PlacedSource {
 struct ThinningPass {
   const Stream& stream;  ///< canonical; of a PlacedSource if the pass has places
   const PlannedPass& pass;
-  std::uint64_t memory_bytes;  ///< for the Thinning
+  std::uint64_t memory_bytes;  ///< for the Thinning, or the OrderedWork
   RowStore& results;           ///< gets zeros for each row that is left out, and nothing for the others
   std::function<void(std::uint64_t points)> progress;
 };
 
-/// Points that a Thinning gets at once, at most.
+/// Points that a Thinning or an OrderedWork gets at once, at most.
 inline constexpr std::size_t kThinningBatch = 4096;
 
 void run_thinning(const ThinningPass& run);
+
+/// The same of an OrderedOperator: `results` gets the values that its work makes.
+void run_ordered_work(const ThinningPass& run, const OrderedOperator& op, const MakeScratch& make_scratch);
 
 }  // namespace pointsweep

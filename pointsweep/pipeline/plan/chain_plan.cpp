@@ -208,6 +208,10 @@ std::uint64_t ChainPlan::most_carried_bytes() const {
   return most;
 }
 
+const OrderedOperator* PlannedPass::ordered_operator() const {
+  return kind == PassKind::order ? dynamic_cast<const OrderedOperator*>(&thinner()) : nullptr;
+}
+
 std::uint64_t PlannedPass::carried_bytes() const { return bytes_of(carried); }
 
 std::uint64_t PlannedPass::travelling_bytes() const {

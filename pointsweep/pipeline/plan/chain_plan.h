@@ -14,6 +14,7 @@
 
 #include "pointsweep/chain.h"
 #include "pointsweep/operator.h"
+#include "pointsweep/operators/ordered_operator.h"
 #include "pointsweep/pipeline/plan/chain_graph.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
 #include "pointsweep/pipeline/plan/pass_schedule.h"
@@ -57,10 +58,12 @@ struct PlannedPass {
   /// By stage, the numbers of the values it is to be given.
   std::vector<std::vector<std::size_t>> values_of_stages;
 
-  /// Of kind order: the stage whose Thinning decides.
+  /// Of kind order: the stage whose Thinning decides, or whose work makes an attribute.
   const Operator& thinner() const { return *plan.stages.front().op; }
   /// Whether the points are put in order by Operator::place_of() their positions.
   bool has_places() const { return kind == PassKind::order && thinner().contract().has_places; }
+  /// Of kind order: that stage if it has a work, else null.
+  const OrderedOperator* ordered_operator() const;
   /// Indices of the fields of `input` that must travel with the points.
   std::vector<std::size_t> payload() const;
   /// Turns the names into fields of the working record.

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/ordered_operator.h"
 
 namespace pointsweep {
 namespace {
@@ -59,7 +60,9 @@ void PassSchedule::add_stage(std::size_t node) {
   const Operator& op = *graph_.nodes[node].op;
   const Contract contract = op.contract();
   const std::size_t readable = earliest(contract), known = known_after_values(graph_.nodes[node].values);
-  const std::size_t pass = pass_for(op, contract, std::max(readable, known));
+  const std::size_t pass = dynamic_cast<const OrderedOperator*>(&op) != nullptr
+                               ? (new_pass(PassKind::order), passes_.size() - 1)
+                               : pass_for(op, contract, std::max(readable, known));
   passes_[pass].stages.push_back(node);
   note_use(contract, pass);
 }
@@ -131,11 +134,12 @@ std::size_t PassSchedule::known_after_values(const std::vector<std::size_t>& red
 std::size_t PassSchedule::pass_for(const Operator& op, const Contract& contract, std::size_t earliest) {
   const bool alone = contract.alone && contract.reads_neighbors.empty();
   for (std::size_t p = earliest; p < passes_.size(); ++p)
-    if (alone || passes_[p].kind == PassKind::sweep) {
+    if (passes_[p].kind == PassKind::sweep || (alone && passes_[p].kind == PassKind::rows)) {
       if (!alone) require_search_positions(op, p);
       return p;
     }
-  new_pass(alone && !contract.values.empty() ? PassKind::rows : PassKind::sweep);
+  const bool follows_order = passes_.size() > segment_ && passes_.back().kind == PassKind::order;
+  new_pass(alone && (follows_order || !contract.values.empty()) ? PassKind::rows : PassKind::sweep);
   if (!alone) require_search_positions(op, passes_.size() - 1);
   return passes_.size() - 1;
 }

@@ -15,7 +15,7 @@ namespace pointsweep {
 enum class PassKind : std::uint8_t {
   sweep,  ///< finds neighbourhoods
   rows,   ///< reads the rows in their order: its stages look at their own point only
-  order,  ///< puts the points in order, by position or by place, for a Thinning
+  order,  ///< puts the points in order, by position or by place, for a Thinning or an OrderedWork
 };
 
 /// A pass of which only the nodes are known.

@@ -46,7 +46,7 @@ std::unique_ptr<RowStore> results_of_pass(const RunState& run, std::size_t p) {
   const MemoryPlan& memory = run.memory.passes[p];
   const PlannedPass& pass = run.plan.passes[p];
   const std::size_t bytes = run.makes_output(p) ? run.layout->schema().stride : pass.plan.result_bytes;
-  const std::byte fill = pass.kind == PassKind::order ? selection_attribute().fill : std::byte{0};
+  const std::byte fill = pass.kind == PassKind::order ? pass.made.front().fill : std::byte{0};
   const SpillPlace spill = run.place("results", p, memory.spill_results);
   const std::uint64_t rows = run.cloud.count(), buffer = memory.result_buffer_bytes;
   if (!run.checkpoints || run.checkpoints->last().results.empty())

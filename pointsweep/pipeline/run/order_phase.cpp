@@ -102,7 +102,9 @@ void order_places(RunState& run, std::size_t p) {
   const PlannedPass& pass = run.plan.passes[p];
   const PlacedSource placed(run.source, pass.payload(), pass.thinner());
   Survey of_places;
-  if (!is_in_order(run)) of_places = survey(placed.source, run.options.axis, false);
+  const bool in_plane = pass.ordered_operator() != nullptr;  // their places have no third coordinate
+  const std::optional<int> axis = in_plane && run.options.axis == 2 ? std::nullopt : run.options.axis;
+  if (!is_in_order(run)) of_places = survey(placed.source, axis, false);
   make_stream(run, {.source = placed.source,
                     .survey = of_places,
                     .memory = run.memory.passes[p],

@@ -9,6 +9,7 @@
 #include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/result_sinks.h"
 #include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/pipeline/spilled_scratch.h"
 #include "pointsweep/pipeline/thinning_pass.h"
 #include "pointsweep/sweep/sweep.h"
 
@@ -91,12 +92,26 @@ void sweep_stages(RunState& run, std::size_t p) {
   put_nonfinite(run, p);
 }
 
-void thin(RunState& run, std::size_t p) {
-  run_thinning({.stream = *run.stream,
-                .pass = run.plan.passes[p],
-                .memory_bytes = run.memory.passes[p].thinning_bytes,
-                .results = *run.results,
-                .progress = [&run](std::uint64_t done) { run.report("updating", done, 0); }});
+/// What an OrderedWork puts aside. It has no name in the folder, so that a run that is resumed does not find it.
+MakeScratch scratch_in(const RunState& run, std::optional<TempFolder>& own) {
+  if (!run.folder) own.emplace(temp_parent(run.options.resources.temp_folder));
+  const TempFolder& folder = run.folder ? *run.folder : *own;
+  return [&folder]() -> std::unique_ptr<Scratch> { return std::make_unique<SpilledScratch>(folder); };
+}
+
+void take_in_order(RunState& run, std::size_t p) {
+  const PlannedPass& pass = run.plan.passes[p];
+  const auto start = std::chrono::steady_clock::now();
+  const ThinningPass in_order{.stream = *run.stream,
+                              .pass = pass,
+                              .memory_bytes = run.memory.passes[p].thinning_bytes,
+                              .results = *run.results,
+                              .progress = [&run](std::uint64_t done) { run.report("updating", done, 0); }};
+  const OrderedOperator* op = pass.ordered_operator();
+  if (op == nullptr) return run_thinning(in_order);
+  std::optional<TempFolder> own;
+  run_ordered_work(in_order, *op, scratch_in(run, own));
+  run.statistics.operator_seconds.emplace_back(op->name(), seconds_since(start));
 }
 
 }  // namespace
@@ -104,7 +119,7 @@ void thin(RunState& run, std::size_t p) {
 void sweep_phase(RunState& run, std::size_t p) {
   PlannedPass& pass = run.plan.passes[p];
   pass.bind(run.stream->record_schema());
-  pass.kind == PassKind::order ? thin(run, p) : sweep_stages(run, p);
+  pass.kind == PassKind::order ? take_in_order(run, p) : sweep_stages(run, p);
   run.statistics.bytes_spilled += run.stream->spilled_bytes();
   run.statistics.bytes_spilled_ordering += run.stream->spilled_bytes();
   run.stream.reset();  // nothing is read from it any more

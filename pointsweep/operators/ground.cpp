@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/ground.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declaration.h"
+#include "pointsweep/operators/ground_work.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr double kMostCells = 1000;
+
+OptionDeclaration positive_length(const char* name, double preset, const char* meaning) {
+  return {
+      .name = name, .kind = OptionKind::number, .preset = preset, .meaning = meaning, .least = 1e-9, .unit = "length"};
+}
+
+std::vector<OptionDeclaration> ground_options() {
+  return {{.name = "method",
+           .kind = OptionKind::choice,
+           .preset = std::string("smrf"),
+           .meaning = "the filter; there is one",
+           .choices = {"smrf"}},
+          positive_length("cell", 1, "edge of a cell of the raster, whose lines lie at multiples of it"),
+          {.name = "slope",
+           .kind = OptionKind::number,
+           .preset = 0.15,
+           .meaning = "steepest slope of the ground, rise over run; what is steeper is an object"},
+          {.name = "window",
+           .kind = OptionKind::number,
+           .preset = 18.0,
+           .meaning = "radius of the largest disk: about half the width of the widest object",
+           .unit = "length"},
+          {.name = "threshold",
+           .kind = OptionKind::number,
+           .preset = 0.5,
+           .meaning = "a point this far above or below the surface is still ground where that is level",
+           .unit = "length"},
+          {.name = "scalar",
+           .kind = OptionKind::number,
+           .preset = 1.25,
+           .meaning = "added to the threshold for each unit of the slope of the surface",
+           .unit = "length"},
+          {.name = "returns",
+           .kind = OptionKind::choice,
+           .preset = std::string("last"),
+           .meaning = "which returns of a pulse take part, where the cloud numbers them",
+           .choices = {"last", "all"}},
+          {.name = "noise",
+           .kind = OptionKind::choice,
+           .preset = std::string("no"),
+           .meaning = "whether points of the classes 7 and 18 take part, where the cloud has classes",
+           .choices = {"no", "yes"}}};
+}
+
+std::shared_ptr<Operator> make_ground(const OptionValues& options, const Facts&) {
+  return std::make_shared<Ground>(GroundOptions{.cell = options.number("cell"),
+                                                .slope = options.number("slope"),
+                                                .window = options.number("window"),
+                                                .threshold = options.number("threshold"),
+                                                .scalar = options.number("scalar"),
+                                                .all_returns = options.word("returns") == "all",
+                                                .noise = options.word("noise") == "yes"});
+}
+
+/// An attribute of one value that an earlier stage makes, or of the input as float64; nothing if there is none.
+std::optional<Attribute> single_value(const char* name, const Schema& input, std::span<const Attribute> made) {
+  const auto own =
+      std::ranges::find_if(made, [&](const Attribute& a) { return a.name == name && a.fields.size() == 1; });
+  if (own != made.end()) return *own;
+  const auto at = input.find(name);
+  if (!at || input.fields[*at].count != 1) return {};
+  return scalar(input.fields[*at].name, Type::f64, "1", name);
+}
+
+/// Cells in which most of the points of a sample lie, in columns.
+std::size_t columns_of(std::span<const Vec3> sample, int axis, double cell, AxisRule rule) {
+  CellAxis columns(rule);
+  for (const Vec3& p : sample) columns.add(std::floor((axis == 0 ? p.y : p.x) / cell));
+  columns.finish();
+  return columns.size();
+}
+
+}  // namespace
+
+OperatorDeclaration ground_declaration() {
+  return {.name = "ground",
+          .meaning = "finds the points of the ground by a morphological filter and makes their classification 2",
+          .options = ground_options(),
+          .make = make_ground,
+          .formula =
+              "Cell of p: (⌊x / cell⌋, ⌊y / cell⌋); R = ⌈window / cell⌉. Rasters have absent cells.\n"
+              "1. Z: the least z of the points of a cell that take part. F(Z): a cell without one becomes\n"
+              "   ((W/w + E/e) + (S/s + N/n)) / ((1/w + 1/e) + (1/s + 1/n)), W, E, S, N: the nearest\n"
+              "   values in its row and column, at most 3R + 3 cells away; w, e, s, n: their distances;\n"
+              "   missing sides count 0. Without any it is absent.\n"
+              "2. open(A, r): the greatest, over a disk dx² + dy² <= r², of the least of A over a disk;\n"
+              "   absent cells count for nothing. Pits: -F(Z) - open(-F(Z), 1) > 5 cell.\n"
+              "3. S_0 = F(Z); S_r = open(S_(r-1), r), r = 1 ... R. Objects: for some r\n"
+              "   S_(r-1) - S_r > slope (cell r).\n"
+              "4. G = F(Z without the cells of pits and objects); g = sqrt(gx² + gy²) in each cell, by\n"
+              "   central differences of G, one-sided next to absent cells.\n"
+              "5. G(p), g(p): bilinear between the centres of the four cells around p; where one of these\n"
+              "   is absent, those of the cell of p.\n"
+              "   Ground: points that take part with |z - G(p)| <= threshold + scalar g(p).",
+          .source =
+              "Pingel, Clarke and McBride, An improved simple morphological filter for the terrain classification of "
+              "airborne LIDAR data (ISPRS Journal 77, 2013). The paper fills holes by a system of springs over the "
+              "whole raster, in which every cell depends on every other; F is local, so that tiles, their order and "
+              "points far away change nothing. Its optional net for large buildings is not there",
+          .undefined =
+              "Points that do not take part, and those where G is absent, are not ground. What is not ground keeps its "
+              "class, but 1 in the place of 2, and 1 where the cloud has no classes. Points without a finite place "
+              "get 1.",
+          .cost =
+              "a pass that puts the points in order by rows of cells and reads them twice, without a search; memory "
+              "holds about 6R rows of cells for each disk, or for one disk at a time",
+          .attributes = {{.name = "classification",
+                          .meaning = "class of LAS: 2 where the point is ground; else that of the input, but 1 in the "
+                                     "place of 2, and 1 where it has none"}},
+          .example = "knn(k=8) | sor | where(outlier == 0) | ground(cell=1, window=18)"};
+}
+
+Attribute classification_attribute() {
+  Attribute a = scalar("classification", Type::u8, "1", "class of LAS: 2 for ground");
+  a.fill = std::byte{1};
+  return a;
+}
+
+Ground::Ground(const GroundOptions& options) : options_(options) {
+  const auto require = [](const char* name, double value, bool fine) {
+    if (!fine || !std::isfinite(value))
+      fail_usage("ground: {}={} is not in its range; see 'pointsweep operators ground'.", name, value);
+  };
+  require("cell", options.cell, options.cell > 0);
+  require("slope", options.slope, options.slope >= 0);
+  require("window", options.window, options.window >= 0);
+  require("threshold", options.threshold, options.threshold >= 0);
+  require("scalar", options.scalar, options.scalar >= 0);
+  if (options.window / options.cell > kMostCells)
+    fail_usage("ground: the window {} is more than {} cells of {}; choose larger cells or a smaller window.",
+               options.window, kMostCells, options.cell);
+}
+
+GroundRule Ground::rule() const {
+  return {options_.cell, options_.slope, static_cast<std::size_t>(std::ceil(options_.window / options_.cell))};
+}
+
+Contract Ground::contract() const {
+  return {.reads = reads_, .makes = {classification_attribute()}, .alone = true, .has_places = true};
+}
+
+Options Ground::own_options() const {
+  return {{"method", std::string("smrf")},
+          {"cell", options_.cell},
+          {"slope", options_.slope},
+          {"window", options_.window},
+          {"threshold", options_.threshold},
+          {"scalar", options_.scalar},
+          {"returns", std::string(options_.all_returns ? "all" : "last")},
+          {"noise", std::string(options_.noise ? "yes" : "no")}};
+}
+
+std::shared_ptr<const Operator> Ground::bound(const Schema& input, std::span<const Attribute> made) const {
+  auto bound = std::make_shared<Ground>(*this);
+  bound->reads_.clear();
+  const auto read = [&](const char* name) -> std::optional<std::size_t> {
+    const std::optional<Attribute> value = single_value(name, input, made);
+    if (!value) return {};
+    bound->reads_.push_back(*value);
+    return bound->reads_.size() - 1;
+  };
+  bound->places_.classification = read("classification");
+  if (options_.all_returns) return bound;
+  bound->places_.return_number = read("return_number");
+  bound->places_.number_of_returns = read("number_of_returns");
+  return bound;
+}
+
+Vec3 Ground::place_of(Vec3 position) const {
+  constexpr double kMost = std::numeric_limits<double>::max();
+  const auto number = [&](double c) { return std::clamp(std::floor(c / options_.cell), -kMost, kMost); };
+  return {number(position.x), number(position.y), 0};
+}
+
+std::unique_ptr<OrderedWork> Ground::work(const OrderedSetup& setup) const {
+  return std::make_unique<GroundWork>(options_, rule(), places_, reads_.size(), setup);
+}
+
+std::uint64_t Ground::least_bytes(std::span<const Vec3> sample, int axis) const {
+  const std::size_t columns = columns_of(sample, axis, options_.cell, rule().axis_rule());
+  return least_ground_bytes(rule(), columns + columns / 8);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/ground_work.h"
+
+#include <cmath>
+
+namespace pointsweep {
+namespace {
+
+constexpr double kGround = 2, kUnclassified = 1, kLowNoise = 7, kHighNoise = 18;
+/// A point needs the slopes of the cells around it, and these the cells next to them.
+constexpr std::size_t kRowsAround = 2;
+
+/// The slope along one axis, from the cell and those on both sides of it.
+double difference(double before, double here, double behind, double cell) {
+  if (before != kNoCell && behind != kNoCell) return (behind - before) / (2 * cell);
+  if (behind != kNoCell) return (behind - here) / cell;
+  return before != kNoCell ? (here - before) / cell : 0;
+}
+
+/// Where a coordinate lies between the centres of two cells.
+struct Between {
+  int first;        ///< the lower of the two, relative to the cell of the coordinate: -1 or 0
+  double fraction;  ///< of the way from it to the next, in [0, 1)
+};
+
+Between between_centers(double coordinate, double cell) {
+  const double cells = coordinate / cell, fraction = cells - std::floor(cells);
+  return fraction >= 0.5 ? Between{0, fraction - 0.5} : Between{-1, fraction + 0.5};
+}
+
+double bilinear(const double (&corners)[2][2], double x, double y) {
+  const double low = corners[0][0] * (1 - x) + corners[0][1] * x;
+  const double high = corners[1][0] * (1 - x) + corners[1][1] * x;
+  return low * (1 - y) + high * y;
+}
+
+}  // namespace
+
+GroundWork::GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::Places& places,
+                       std::size_t values, const OrderedSetup& setup)
+    : options_(options),
+      rule_(rule),
+      places_(places),
+      values_(values),
+      setup_(setup),
+      lowest_(rule.axis_rule(), setup.make_scratch()),
+      rows_(rule.axis_rule()) {}
+
+void GroundWork::add(unsigned round, const OrderedPoints& points, MadeInOrder& made) {
+  round == 0 ? add_lowest(points) : classify(points, made);
+}
+
+void GroundWork::end(unsigned round, MadeInOrder&) {
+  if (round > 0) return;
+  lowest_.finish();
+  surface_.emplace(ground_surface(lowest_, rule_, setup_.memory_bytes, setup_.make_scratch), kRowsAround);
+}
+
+bool GroundWork::takes_part(const double* values) const {
+  if (places_.classification && !options_.noise) {
+    const double c = values[*places_.classification];
+    if (c == kLowNoise || c == kHighNoise) return false;
+  }
+  if (!places_.return_number || !places_.number_of_returns) return true;
+  return !(values[*places_.return_number] < values[*places_.number_of_returns]);
+}
+
+std::uint8_t GroundWork::class_of_others(const double* values) const {
+  const double c = places_.classification ? values[*places_.classification] : kUnclassified;
+  const bool is_class = c >= 0 && c <= 255 && c != kGround;
+  return static_cast<std::uint8_t>(is_class ? c : kUnclassified);
+}
+
+void GroundWork::add_lowest(const OrderedPoints& points) {
+  for (std::size_t i = 0; i < points.rows.size(); ++i)
+    if (takes_part(points.values.data() + i * values_))
+      lowest_.add(row_number(points.places[i]), column_number(points.places[i]), points.positions[i].z);
+}
+
+void GroundWork::classify(const OrderedPoints& points, MadeInOrder& made) {
+  for (std::size_t i = 0; i < points.rows.size(); ++i) {
+    const double* values = points.values.data() + i * values_;
+    std::uint8_t result = class_of_others(values);
+    if (takes_part(values)) {
+      const Cell cell{rows_.place_of(row_number(points.places[i])),
+                      lowest_.columns().place_of(column_number(points.places[i]))};
+      surface_->move_to(cell.row);
+      if (is_ground(points.positions[i], cell)) result = static_cast<std::uint8_t>(kGround);
+    }
+    made.rows.push_back(points.rows[i]);
+    made.values.push_back(std::byte{result});
+  }
+}
+
+bool GroundWork::is_ground(Vec3 p, Cell cell) const {
+  const std::optional<Surface> surface = surface_at(p, cell);
+  return surface && std::abs(p.z - surface->z) <= options_.threshold + options_.scalar * surface->slope;
+}
+
+std::optional<GroundWork::Surface> GroundWork::surface_at(Vec3 p, Cell cell) const {
+  const Between x = between_centers(p.x, options_.cell), y = between_centers(p.y, options_.cell);
+  double z[2][2], slopes[2][2];
+  for (int j = 0; j < 2; ++j) {
+    for (int i = 0; i < 2; ++i) {
+      z[j][i] = surface(cell, x.first + i, y.first + j);
+      if (z[j][i] != kNoCell) {
+        slopes[j][i] = slope(cell, x.first + i, y.first + j);
+      } else {
+        const double own = surface(cell, 0, 0);
+        return own != kNoCell ? std::optional(Surface{own, slope(cell, 0, 0)}) : std::nullopt;
+      }
+    }
+  }
+  return Surface{bilinear(z, x.fraction, y.fraction), bilinear(slopes, x.fraction, y.fraction)};
+}
+
+/// Of the cell `dx` cells east and `dy` cells north.
+double GroundWork::surface(Cell cell, int dx, int dy) const {
+  const int rows = setup_.axis == 0 ? dx : dy, columns = setup_.axis == 0 ? dy : dx;
+  return surface_->at(cell.row + static_cast<std::uint64_t>(rows), cell.column + static_cast<std::size_t>(columns));
+}
+
+double GroundWork::slope(Cell cell, int dx, int dy) const {
+  const double here = surface(cell, dx, dy);
+  const double gx = difference(surface(cell, dx - 1, dy), here, surface(cell, dx + 1, dy), options_.cell);
+  const double gy = difference(surface(cell, dx, dy - 1), here, surface(cell, dx, dy + 1), options_.cell);
+  return std::sqrt(gx * gx + gy * gy);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+/// What Ground does while the points come in order: first it finds the lowest point of each cell, then it compares all
+/// points with the surface.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "pointsweep/operators/ground.h"
+#include "pointsweep/raster/lowest_cells.h"
+#include "pointsweep/raster/surface_window.h"
+
+namespace pointsweep {
+
+class GroundWork final : public OrderedWork {
+ public:
+  /// `values`: of each point that comes; `places` says which of them are what.
+  GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::Places& places, std::size_t values,
+             const OrderedSetup& setup);
+  unsigned rounds() const override { return 2; }
+  void add(unsigned round, const OrderedPoints& points, MadeInOrder& made) override;
+  void end(unsigned round, MadeInOrder& made) override;
+
+ private:
+  /// The surface and its slope at a point.
+  struct Surface {
+    double z, slope;
+  };
+  struct Cell {
+    std::uint64_t row;
+    std::size_t column;
+  };
+  bool takes_part(const double* values) const;
+  std::uint8_t class_of_others(const double* values) const;
+  void add_lowest(const OrderedPoints& points);
+  void classify(const OrderedPoints& points, MadeInOrder& made);
+  bool is_ground(Vec3 p, Cell cell) const;
+  std::optional<Surface> surface_at(Vec3 p, Cell cell) const;
+  double surface(Cell cell, int dx, int dy) const;
+  double slope(Cell cell, int dx, int dy) const;
+  double row_number(Vec3 place) const { return setup_.axis == 0 ? place.x : place.y; }
+  double column_number(Vec3 place) const { return setup_.axis == 0 ? place.y : place.x; }
+
+  GroundOptions options_;
+  GroundRule rule_;
+  Ground::Places places_;
+  std::size_t values_;
+  OrderedSetup setup_;
+  LowestCells lowest_;
+  std::optional<SurfaceWindow> surface_;
+  AscendingPlaces rows_;  ///< of the second round
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+/// Operators whose values come from all points in an order along an axis: rasters, searches in the plane.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pointsweep/operator.h"
+#include "pointsweep/points/scratch.h"
+
+namespace pointsweep {
+
+/// Values of the only attribute that an OrderedOperator makes, one after another, and the rows they belong to.
+struct MadeInOrder {
+  std::vector<std::uint64_t> rows;
+  std::vector<std::byte> values;
+};
+
+/// Takes all points in order, several times. Its values depend only on the set of points, not on how they are divided
+/// into calls, nor on the axis.
+class OrderedWork {
+ public:
+  virtual ~OrderedWork() = default;
+  /// How many times the points come.
+  virtual unsigned rounds() const = 0;
+  /// The next points of round `round`, which counts from 0. Appends values that are known; each row gets one, those
+  /// that get none have the fill of the attribute.
+  virtual void add(unsigned round, const OrderedPoints& points, MadeInOrder& made) = 0;
+  /// After the last point of a round.
+  virtual void end(unsigned round, MadeInOrder& made) = 0;
+};
+
+struct OrderedSetup {
+  int axis = 0;                    ///< along which places ascend: 0 or 1
+  std::uint64_t memory_bytes = 0;  ///< that it may hold
+  MakeScratch make_scratch;
+};
+
+/// An operator that is alone, has places whose z is 0, and makes one attribute of one byte or of bytes that are equal
+/// in its fill. It does not select.
+class OrderedOperator : public Operator {
+ public:
+  virtual std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const = 0;
+  /// The least memory of a work on a cloud with this sample of positions, along this axis.
+  virtual std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const = 0;
+  /// Never called.
+  void apply(const Neighborhoods&, Columns&) const override {}
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+/// Numbers of rows and columns of a raster that leaves out wide empty strips.
+///
+/// Cells of an absolute grid have numbers floor(coordinate / cell). Where no cell of a strip of rows (or columns) has a
+/// point, and the strip is wider than any filter reaches across, only `most` of its rows are kept: an outlier far away
+/// does not make the raster large.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pointsweep {
+
+struct AxisRule {
+  std::size_t margin;  ///< empty cells before the first number and behind the last
+  std::size_t most;    ///< cells from one number to the next are at most so many
+};
+
+/// Places of numbers that come in ascending order.
+class AscendingPlaces {
+ public:
+  explicit AscendingPlaces(AxisRule rule) : rule_(rule) {}
+  /// `number` is at least that of the call before.
+  std::uint64_t place_of(double number);
+  /// Places there are, with both margins. 0 without any number.
+  std::uint64_t size() const { return any_ ? place_ + rule_.margin + 1 : 0; }
+
+ private:
+  AxisRule rule_;
+  bool any_ = false;
+  double number_ = 0;
+  std::uint64_t place_ = 0;
+};
+
+/// Places of numbers that come in any order: first all numbers are added, then places are asked for.
+class CellAxis {
+ public:
+  explicit CellAxis(AxisRule rule) : rule_(rule) {}
+  void add(double number);
+  /// After the last number.
+  void finish();
+  /// Of a number that was added.
+  std::size_t place_of(double number) const;
+  /// Places there are, with both margins. 0 without any number.
+  std::size_t size() const { return size_; }
+
+ private:
+  /// Successive numbers.
+  struct Run {
+    double first, last;
+    std::size_t place = 0;
+  };
+  void merge();
+
+  AxisRule rule_;
+  std::vector<double> added_;  ///< not yet in runs_
+  std::vector<Run> runs_;      ///< ascending
+  std::size_t size_ = 0;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/raster/ground_surface.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/raster/filled_rows.h"
+#include "pointsweep/raster/opened_rows.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr double kPitSlope = 5;
+
+/// A stream that was read to its end, in scratch.
+class KeptRows final : public RowStream {
+ public:
+  KeptRows(RowStream& from, std::unique_ptr<Scratch> scratch)
+      : RowStream(from.columns()), scratch_(std::move(scratch)) {
+    for (CellRows rows; from.next(rows);) {
+      scratch_->append(std::as_bytes(std::span(rows.values)));
+      scratch_->append(std::as_bytes(std::span(rows.marks)));
+      blocks_.push_back(rows.rows);
+    }
+  }
+  bool next(CellRows& out) override {
+    out.rows = read_ == blocks_.size() ? 0 : blocks_[read_++];
+    out.values.resize(out.rows * columns());
+    out.marks.resize(out.rows * columns());
+    take(std::as_writable_bytes(std::span(out.values)));
+    take(std::as_writable_bytes(std::span(out.marks)));
+    return out.rows > 0;
+  }
+
+ private:
+  void take(std::span<std::byte> bytes) {
+    scratch_->read(at_, bytes);
+    at_ += bytes.size();
+  }
+  std::unique_ptr<Scratch> scratch_;
+  std::vector<std::size_t> blocks_;
+  std::size_t read_ = 0;
+  std::uint64_t at_ = 0;
+};
+
+/// The minima with the marks of another stream of as many rows.
+class MarkedRows final : public RowStream {
+ public:
+  MarkedRows(const LowestCells& lowest, std::unique_ptr<RowStream> marks)
+      : RowStream(lowest.columns().size()), lowest_(lowest), marks_(std::move(marks)) {}
+  bool next(CellRows& out) override {
+    if (!lowest_.next(out)) return false;
+    while (held_.size() < out.marks.size() && marks_->next(block_))
+      held_.insert(held_.end(), block_.marks.begin(), block_.marks.end());
+    const auto end = held_.begin() + static_cast<std::ptrdiff_t>(out.marks.size());
+    std::copy(held_.begin(), end, out.marks.begin());
+    held_.erase(held_.begin(), end);
+    return true;
+  }
+
+ private:
+  LowestRows lowest_;
+  std::unique_ptr<RowStream> marks_;
+  CellRows block_;
+  std::vector<std::uint8_t> held_;
+};
+
+/// What is there in any case: both rasters of minima, marks that wait, and the rows that the caller holds.
+std::size_t other_column_bytes(const GroundRule& rule) {
+  const std::size_t block = kRowsAtOnce * (sizeof(double) + 1);
+  return 2 * FilledRows::column_bytes(rule.reach()) + 6 * block + 2 * rule.radius + 4 * sizeof(double);
+}
+
+/// Filters that run together, as long as their rows fit.
+class Filters {
+ public:
+  Filters(std::unique_ptr<RowStream> first, std::uint64_t memory_bytes, const MakeScratch& make_scratch)
+      : last_(std::move(first)), memory_bytes_(memory_bytes), make_scratch_(make_scratch) {}
+
+  void add(std::size_t radius, double threshold, Opens opens) {
+    const std::uint64_t bytes = last_->columns() * OpenedRows::column_bytes(radius);
+    if (used_ > 0 && used_ + bytes > memory_bytes_) {
+      last_ = std::make_unique<KeptRows>(*last_, make_scratch_());
+      used_ = 0;
+    }
+    last_ = std::make_unique<OpenedRows>(std::move(last_), radius, threshold, opens);
+    used_ += bytes;
+  }
+  std::unique_ptr<RowStream> finish() { return std::move(last_); }
+
+ private:
+  std::unique_ptr<RowStream> last_;
+  std::uint64_t memory_bytes_, used_ = 0;
+  const MakeScratch& make_scratch_;
+};
+
+}  // namespace
+
+std::uint64_t least_ground_bytes(const GroundRule& rule, std::size_t columns) {
+  return columns * (other_column_bytes(rule) + OpenedRows::column_bytes(std::max<std::size_t>(rule.radius, 1)));
+}
+
+std::unique_ptr<RowStream> ground_surface(const LowestCells& lowest, const GroundRule& rule, std::uint64_t memory_bytes,
+                                          const MakeScratch& make_scratch) {
+  const std::size_t columns = lowest.columns().size();
+  if (const std::uint64_t least = least_ground_bytes(rule, columns); least > memory_bytes)
+    fail(
+        "ground: {} columns of cells take {} MB and {} MB are left for them: give {} MB more by --memory, or larger "
+        "cells.",
+        columns, (least >> 20) + 1, memory_bytes >> 20, ((least - memory_bytes) >> 20) + 1);
+  auto filled = std::make_unique<FilledRows>(std::make_unique<LowestRows>(lowest), rule.reach());
+  Filters filters(std::move(filled), memory_bytes - columns * other_column_bytes(rule), make_scratch);
+  filters.add(1, kPitSlope * rule.cell, Opens::pit_marks);
+  for (std::size_t r = 1; r <= rule.radius; ++r)
+    filters.add(r, rule.slope * (rule.cell * static_cast<double>(r)), Opens::surface);
+  return std::make_unique<FilledRows>(std::make_unique<MarkedRows>(lowest, filters.finish()), rule.reach());
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+/// The surface of the ground as a raster, after T. J. Pingel, K. C. Clarke and W. A. McBride, "An improved simple
+/// morphological filter for the terrain classification of airborne LIDAR data" (ISPRS Journal of Photogrammetry and
+/// Remote Sensing 77, 2013), with rows that come one after another and holes filled locally (filled_rows.h).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "pointsweep/points/scratch.h"
+#include "pointsweep/raster/cell_axis.h"
+#include "pointsweep/raster/cell_rows.h"
+#include "pointsweep/raster/lowest_cells.h"
+
+namespace pointsweep {
+
+struct GroundRule {
+  double cell;         ///< edge of a cell, length
+  double slope;        ///< steepest slope of the ground, rise over run
+  std::size_t radius;  ///< of the largest disk, in cells
+
+  /// Farthest cells from which a hole is filled: across what the largest disk erases, in any direction.
+  std::size_t reach() const { return 3 * radius + 3; }
+  /// A strip without points wider than this separates what lies on its two sides.
+  AxisRule axis_rule() const { return {reach(), 2 * reach() + radius + 2}; }
+};
+
+/// 1. The raster of minima is filled. 2. Cells that lie below the opening of the raster upside down by more than
+/// 5 * cell, with a disk of one cell, are pits. 3. With disks of 1, 2, ... `radius` cells each surface is opened; cells
+/// that lie above the opened surface by more than slope * (cell * disk) are objects, and the opened surface is opened
+/// next. 4. Minima of cells that are neither pits nor objects are filled again.
+///
+/// Filters whose rows do not fit in `memory_bytes` together run one after another, with their surfaces in scratch. The
+/// result does not depend on that. `lowest` must outlive it. Throws Error if a single filter does not fit.
+std::unique_ptr<RowStream> ground_surface(const LowestCells& lowest, const GroundRule& rule, std::uint64_t memory_bytes,
+                                          const MakeScratch& make_scratch);
+
+/// The least memory that does for so many columns.
+std::uint64_t least_ground_bytes(const GroundRule& rule, std::size_t columns);
+
+}  // namespace pointsweep

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/raster/opened_rows.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace pointsweep {
+
+OpenedRows::OpenedRows(std::unique_ptr<RowStream> from, std::size_t radius, double threshold, Opens opens)
+    : RowStream(from->columns()),
+      from_(std::move(from)),
+      threshold_(threshold),
+      upside_down_(opens == Opens::pit_marks),
+      eroded_(radius, columns()),
+      dilated_(radius, columns()) {}
+
+std::size_t OpenedRows::column_bytes(std::size_t radius) {
+  const std::size_t block = kRowsAtOnce * (sizeof(double) + 1);
+  return 2 * DiskMinima::column_bytes(radius) + (2 * radius + kRowsAtOnce) * (sizeof(double) + 1) +
+         kRowsAtOnce * sizeof(double) + 2 * block;
+}
+
+double OpenedRows::turned(double value) const { return upside_down_ && value != kNoCell ? -value : value; }
+
+bool OpenedRows::next(CellRows& out) {
+  out.rows = 0;
+  while (out.rows == 0) {
+    if (!ended_) take_rows();
+    dilate();
+    give(dilated_.complete(ended_) - given_, out);
+    if (ended_) break;
+  }
+  return out.rows > 0;
+}
+
+void OpenedRows::take_rows() {
+  ended_ = !from_->next(block_);
+  if (ended_) return;
+  turned_.resize(block_.values.size());
+  std::ranges::transform(block_.values, turned_.begin(), [this](double value) { return turned(value); });
+  eroded_.add(turned_.data(), block_.rows);
+  held_.values.insert(held_.values.end(), block_.values.begin(), block_.values.end());
+  held_.marks.insert(held_.marks.end(), block_.marks.begin(), block_.marks.end());
+  held_.rows += block_.rows;
+}
+
+/// The largest of eroded values is the negative of the least of their negatives.
+void OpenedRows::dilate() {
+  const std::size_t done = given_ + held_.rows, complete = eroded_.complete(ended_), first = dilated_.given();
+  if (complete == first) return;
+  const double* values = held_.values.data() + (held_.rows - (done - first)) * columns();
+  const double* eroded = eroded_.row(first);
+  turned_.resize((complete - first) * columns());
+  for (std::size_t i = 0; i < turned_.size(); ++i) turned_[i] = values[i] == kNoCell ? kNoCell : -eroded[i];
+  dilated_.add(turned_.data(), complete - first);
+  eroded_.drop(complete);
+}
+
+void OpenedRows::give(std::size_t rows, CellRows& out) {
+  const auto cells = static_cast<std::ptrdiff_t>(rows * columns());
+  out.rows = rows;
+  out.values.assign(held_.values.begin(), held_.values.begin() + cells);
+  out.marks.assign(held_.marks.begin(), held_.marks.begin() + cells);
+  const double* opened = rows == 0 ? nullptr : dilated_.row(given_);
+  for (std::size_t i = 0; i < out.values.size(); ++i) {
+    if (out.values[i] == kNoCell) continue;
+    if (turned(out.values[i]) + opened[i] > threshold_) out.marks[i] = 1;
+    if (!upside_down_) out.values[i] = -opened[i];
+  }
+  given_ += rows;
+  dilated_.drop(given_);
+  held_.values.erase(held_.values.begin(), held_.values.begin() + cells);
+  held_.marks.erase(held_.marks.begin(), held_.marks.begin() + cells);
+  held_.rows -= rows;
+}
+
+}  // namespace pointsweep
