@@ -18,6 +18,7 @@
 #include "pointsweep/formats/input_list.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/ordered_operator.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/finite_input.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
@@ -147,8 +148,18 @@ void keep_what_is_told(MadeBy& made) {
   if (made.keep.empty()) made.operators.clear();
 }
 
-/// What the stages of a plan make, as far as a sample of the input can tell: up to the first new neighbourhood. The
-/// selects at the beginning are not among them.
+/// Its values are those of a raster, or of a search, over the whole cloud.
+bool depends_on_all_points(const GraphNode& node) {
+  return dynamic_cast<const OrderedOperator*>(node.op.get()) != nullptr;
+}
+
+bool reads_any(const GraphNode& node, const std::set<std::size_t>& versions) {
+  const auto is_one = [&](std::size_t v) { return versions.contains(v); };
+  return std::ranges::any_of(node.reads, is_one) || std::ranges::any_of(node.reads_neighbors, is_one);
+}
+
+/// What the stages of a plan make, as far as a sample of the input can tell: up to the first new neighbourhood, and not
+/// from all points of the cloud. The selects at the beginning are not among them.
 MadeBy made_by(const ChainPlan& plan) {
   const Neighborhood& first = plan.graph.nodes.front().neighborhood;
   const bool all = first.k == Neighborhood::kUnlimited;
@@ -156,13 +167,17 @@ MadeBy made_by(const ChainPlan& plan) {
               .rule = first.rule,
               .keep = plan.chain.keep};
   bool is_told = true;
+  std::set<std::size_t> unknown;  // versions
   for (std::size_t n = 1; n < plan.graph.nodes.size(); ++n) {
     const GraphNode& node = plan.graph.nodes[n];
     is_told &= node.kind != NodeKind::neighborhood;
     if (node.kind != NodeKind::stage) continue;
-    if (is_told) made.operators.push_back(node.op);
-    for (const std::size_t v : node.makes)
-      if (!is_told) made.unchecked.push_back(plan.graph.versions[v].attribute);
+    if (is_told && !depends_on_all_points(node) && !reads_any(node, unknown)) {
+      made.operators.push_back(node.op);
+      continue;
+    }
+    for (const std::size_t v : node.makes) made.unchecked.push_back(plan.graph.versions[v].attribute);
+    unknown.insert(node.makes.begin(), node.makes.end());
   }
   if (!made.unchecked.empty()) keep_what_is_told(made);
   return made;

@@ -141,6 +141,9 @@ POINTSWEEP_EXPORT std::shared_ptr<const Operator> voxel(double size, VoxelKeep k
 /// Makes "classification": 2 for points of the ground, by a morphological filter of the raster of the lowest points.
 /// Throws UsageError for options outside of their ranges.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> ground(const GroundOptions& options = {});
+/// Makes "height": z above the mean, weighted by 1 / distance², of the k points of class 2 that are nearest in x and y.
+/// Needs "classification", of the input or of ground(). Throws UsageError unless k is 1 to 1,024.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> height(std::uint64_t k = 1);
 /// Makes features of the shape of neighbourhoods from the eigenvalues of their covariance: "linearity", "planarity",
 /// "sphericity" and more (docs/operators.md). Throws UsageError for a name that is not one of these, or is given twice.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> features(const FeaturesOptions& options = {});

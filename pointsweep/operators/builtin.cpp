@@ -6,6 +6,7 @@
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/features.h"
 #include "pointsweep/operators/ground.h"
+#include "pointsweep/operators/height.h"
 #include "pointsweep/operators/least_eigenentropy.h"
 #include "pointsweep/operators/limits_from_attributes.h"
 #include "pointsweep/operators/local_outlier_factor.h"
@@ -47,6 +48,7 @@ std::shared_ptr<const Operator> voxel(double size, VoxelKeep keep) { return std:
 std::shared_ptr<const Operator> poisson(const PoissonOptions& options) { return std::make_shared<Poisson>(options); }
 std::shared_ptr<const Operator> simplify(const SimplifyOptions& options) { return std::make_shared<Simplify>(options); }
 std::shared_ptr<const Operator> ground(const GroundOptions& options) { return std::make_shared<Ground>(options); }
+std::shared_ptr<const Operator> height(std::uint64_t k) { return std::make_shared<Height>(k); }
 std::shared_ptr<const Operator> features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
 std::shared_ptr<const Operator> neighborhood_size() { return std::make_shared<NeighborhoodSize>(); }
 std::shared_ptr<const Operator> neighbors(std::size_t k, std::uint64_t points, bool distances) {

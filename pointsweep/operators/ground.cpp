@@ -8,6 +8,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/declaration.h"
 #include "pointsweep/operators/ground_work.h"
+#include "pointsweep/operators/single_value.h"
 
 namespace pointsweep {
 namespace {
@@ -67,17 +68,7 @@ std::shared_ptr<Operator> make_ground(const OptionValues& options, const Facts&)
                                                 .noise = options.word("noise") == "yes"});
 }
 
-/// An attribute of one value that an earlier stage makes, or of the input as float64; nothing if there is none.
-std::optional<Attribute> single_value(const char* name, const Schema& input, std::span<const Attribute> made) {
-  const auto own =
-      std::ranges::find_if(made, [&](const Attribute& a) { return a.name == name && a.fields.size() == 1; });
-  if (own != made.end()) return *own;
-  const auto at = input.find(name);
-  if (!at || input.fields[*at].count != 1) return {};
-  return scalar(input.fields[*at].name, Type::f64, "1", name);
-}
-
-/// Cells in which most of the points of a sample lie, in columns.
+/// Columns of the raster of a sample.
 std::size_t columns_of(std::span<const Vec3> sample, int axis, double cell, AxisRule rule) {
   CellAxis columns(rule);
   for (const Vec3& p : sample) columns.add(std::floor((axis == 0 ? p.y : p.x) / cell));

@@ -10,6 +10,7 @@
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/features.h"
 #include "pointsweep/operators/ground.h"
+#include "pointsweep/operators/height.h"
 #include "pointsweep/operators/local_outlier_factor.h"
 #include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/operators/normals.h"
@@ -28,13 +29,13 @@ namespace pointsweep {
 
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = {
-      normals_declaration(),  curvature_declaration(), splats_declaration(),
-      fair_declaration(),     features_declaration(),  neighborhood_size_declaration(),
-      where_declaration(),    sor_declaration(),       ror_declaration(),
-      lof_declaration(),      density_declaration(),   unique_declaration(),
-      decimate_declaration(), voxel_declaration(),     poisson_declaration(),
-      simplify_declaration(), ground_declaration(),    reneighbor_declaration(),
-      resort_declaration(),
+      normals_declaration(),    curvature_declaration(), splats_declaration(),
+      fair_declaration(),       features_declaration(),  neighborhood_size_declaration(),
+      where_declaration(),      sor_declaration(),       ror_declaration(),
+      lof_declaration(),        density_declaration(),   unique_declaration(),
+      decimate_declaration(),   voxel_declaration(),     poisson_declaration(),
+      simplify_declaration(),   ground_declaration(),    height_declaration(),
+      reneighbor_declaration(), resort_declaration(),
   };
   return operators;
 }

@@ -96,7 +96,9 @@ class Verification {
         if (const auto old = in_.schema().find(name)) replaced_[*old] = true;
     }
     for (const Field& field : out_.schema().fields)
-      if (!is_of(in_.schema(), field.name) && !is_of(results, field.name)) verdict_.unknown.push_back(field.name);
+      if (!is_of(in_.schema(), field.name) && !is_of(results, field.name) &&
+          std::find(verdict_.unknown.begin(), verdict_.unknown.end(), field.name) == verdict_.unknown.end())
+        verdict_.unknown.push_back(field.name);
   }
 
   void pair_made_value(const Schema& results, std::size_t first, std::size_t width, std::size_t estimate) {

@@ -94,6 +94,16 @@ TEST_F(SelectStages, VerifyFindsAMissingRowAndAWrongOutlier) {
   refused(2, "verify all.txt kept.txt", "'where' leaves out rows after other stages");
 }
 
+/// The rest of the output is checked, and the sentence names what is not.
+TEST_F(SelectStages, VerifySaysThatGroundAndHeightAreNotChecked) {
+  write_rows("all.txt", [](int) { return true; });
+  made("run all.txt out.txt -f -q --pipeline 'normals | ground(cell=2, window=8) | height'", "out.txt");
+  const Result sound = tool("verify all.txt out.txt --pipeline 'normals | ground(cell=2, window=8) | height'");
+  EXPECT_EQ(sound.status, 0) << sound.out << sound.err;
+  EXPECT_NE(sound.out.find("not checked        classification height\n"), std::string::npos) << sound.out;
+  EXPECT_NE(sound.out.find("0 wrong: normal\n"), std::string::npos) << sound.out;
+}
+
 /// The same rows of the same points stored in text, float32 and scaled integers, and of tiles and all in one.
 TEST_F(SelectStages, ThinningKeepsTheSameRowsInEveryFormatAndTiling) {
   write_rows("all.txt", [](int) { return true; });

@@ -189,5 +189,34 @@ class GroundIsOfLastReturnsWithoutNoise(clouds.Clouds):
         np.testing.assert_array_equal(got["classification"], classes)
 
 
+def heights(points, ground, k):
+    """Height above the k nearest ground points in the plane, weighted by 1 / distance²; equal distances by x, y, z, row."""
+    rows = np.flatnonzero(ground)
+    result = np.full(len(points), np.nan)
+    for i, p in enumerate(points):
+        dx, dy = points[rows, 0] - p[0], points[rows, 1] - p[1]
+        d2 = dx * dx + dy * dy
+        x, y, z = points[rows].T
+        near = np.lexsort((rows, z, y, x, d2))[:k]
+        if len(near) and d2[near[0]] == 0:
+            result[i] = p[2] - z[near[0]]
+        elif len(near):
+            weights = 1 / d2[near]
+            result[i] = p[2] - (weights * z[near]).sum() / weights.sum()
+    return result
+
+
+class HeightIsAboveTheNearestGround(clouds.Clouds):
+    def test(self):
+        rng = np.random.default_rng(8)
+        for name, points in [(name, p) for name, p, _ in terrains(1200)] + list(clouds.clouds(500)):
+            for share in (0, 0.02, 0.6):
+                ground = rng.random(len(points)) < share
+                for k in (1, 4, 30):
+                    with self.subTest(cloud=name, share=share, k=k):
+                        got = self.run_pipeline(points, f"height(k={k})", classification=np.where(ground, 2, 5).astype("u1"))
+                        np.testing.assert_allclose(got["height"], heights(points, ground, k), rtol=1e-9, atol=1e-9)
+
+
 if __name__ == "__main__":
     clouds.main()

@@ -100,6 +100,7 @@ OptionValues changed(const OperatorDeclaration& declaration, const OptionDeclara
 TEST(Registry, EveryOptionOfEveryOperatorIsInItsCanonicalTextWhichIsReadBack) {
   for (const OperatorDeclaration& declaration : all_operators()) {
     for (const OptionDeclaration& option : declaration.options) {
+      if (option.choices.size() == 1) continue;  // there is no other value
       const auto made = make_stage(declaration, changed(declaration, option), {});
       for (const Presets presets : {Presets::left_out, Presets::spelled_out}) {
         const std::string text = canonical_text(made, presets);

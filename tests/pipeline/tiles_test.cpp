@@ -193,6 +193,8 @@ constexpr std::array kPipelines = {
     "decimate(0.8) | voxel(0.05) | normals",
     "normals | voxel(0.1, keep=hash)",
     "poisson(0.05) | normals",
+    "ground(cell=0.1, window=0.5)",
+    "ground(cell=0.2, window=1) | height(k=3)",
 };
 
 TEST_F(Tiles, HaveTheBytesOfTheMergedRunInEveryPipeline) {

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/height.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declaration.h"
+#include "pointsweep/operators/ground.h"
+#include "pointsweep/operators/plane_strips.h"
+#include "pointsweep/operators/single_value.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr double kGroundClass = 2;
+constexpr std::size_t kQueriesAtOnce = 256;
+
+double height_above(double z, const std::vector<PlaneNeighbor>& ground) {
+  if (ground.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (ground.front().distance2 == 0) return z - ground.front().position.z;
+  double sum = 0, weights = 0;
+  for (const PlaneNeighbor& g : ground) {
+    const double weight = 1 / g.distance2;
+    sum += weight * g.position.z;
+    weights += weight;
+  }
+  return z - sum / weights;
+}
+
+/// First the points of the ground are put into strips, then all points look for the nearest of them.
+class HeightWork final : public OrderedWork {
+ public:
+  HeightWork(std::size_t k, const OrderedSetup& setup)
+      : k_(k), axis_(setup.axis), ground_(setup.axis, setup.memory_bytes, setup.make_scratch()) {}
+  unsigned rounds() const override { return 2; }
+
+  void add(unsigned round, const OrderedPoints& points, MadeInOrder& made) override {
+    if (points.rows.empty()) return;
+    round == 0 ? add_ground(points) : measure(points, made);
+  }
+  void end(unsigned round, MadeInOrder&) override {
+    if (round == 0) ground_.finish();
+  }
+
+ private:
+  void add_ground(const OrderedPoints& points) {
+    for (std::size_t i = 0; i < points.rows.size(); ++i)
+      if (points.values[i] == kGroundClass) ground_.add(points.positions[i], points.rows[i]);
+  }
+
+  /// On all threads with the strips nearby; then one after another those that need others.
+  void measure(const OrderedPoints& points, MadeInOrder& made) {
+    const std::size_t n = points.rows.size();
+    const auto along = [&](std::size_t i) { return axis_ == 0 ? points.places[i].x : points.places[i].y; };
+    ground_.load(along(0), along(n - 1));
+    std::vector<double> heights(n);
+    std::vector<std::uint8_t> is_known(n);
+    parallel_for((n + kQueriesAtOnce - 1) / kQueriesAtOnce, [&](std::size_t part, unsigned) {
+      std::vector<PlaneNeighbor> found;
+      for (std::size_t i = part * kQueriesAtOnce; i < std::min(n, (part + 1) * kQueriesAtOnce); ++i) {
+        is_known[i] = ground_.find_loaded(points.positions[i], k_, found);
+        heights[i] = height_above(points.positions[i].z, found);
+      }
+    });
+    std::vector<PlaneNeighbor> found;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (is_known[i]) continue;
+      ground_.find(points.positions[i], k_, found);
+      heights[i] = height_above(points.positions[i].z, found);
+    }
+    made.rows.insert(made.rows.end(), points.rows.begin(), points.rows.end());
+    const auto bytes = std::as_bytes(std::span(heights));
+    made.values.insert(made.values.end(), bytes.begin(), bytes.end());
+  }
+
+  std::size_t k_;
+  int axis_;
+  PlaneStrips ground_;
+};
+
+}  // namespace
+
+OperatorDeclaration height_declaration() {
+  return {
+      .name = "height",
+      .meaning = "measures the height above the nearest points of the ground, in the plane of x and y",
+      .options = {{.name = "from",
+                   .kind = OptionKind::choice,
+                   .preset = std::string("ground"),
+                   .meaning = "what height is measured from: the points of class 2",
+                   .choices = {"ground"}},
+                  {.name = "k",
+                   .kind = OptionKind::whole,
+                   .preset = std::uint64_t{1},
+                   .meaning = "number of points of the ground whose mean counts",
+                   .least = 1,
+                   .most = static_cast<double>(Height::kMostNeighbors)}},
+      .make = [](const OptionValues& options, const Facts&) { return std::make_shared<Height>(options.whole("k")); },
+      .formula =
+          "h = z - Σ_j w_j z_j / Σ_j w_j, w_j = 1 / d_j², over the k points of class 2 that are nearest\n"
+          "in x and y: d_j² = dx² + dy² in float64, equal ones by x, y, z, row; summed nearest first.\n"
+          "Where d_1 = 0: h = z - z_1.",
+      .source =
+          "Inverse distance weighting: Shepard, A two-dimensional interpolation function for "
+          "irregularly-spaced data (ACM National Conference 1968)",
+      .undefined = "NaN where the cloud has no point of class 2, and for points without a finite place.",
+      .cost =
+          "a pass that puts the points in order along x or y and reads them twice; points of the ground are "
+          "kept in the temporary folder in strips, and memory holds those near the front",
+      .attributes = {{.name = "height", .meaning = "z above the nearest points of the ground; undefined: NaN"}},
+      .example = "knn(k=8) | ground | height(k=3) | where(height < 2)"};
+}
+
+Attribute height_attribute() {
+  Attribute a = scalar("height", Type::f64, "length", "z above the nearest points of the ground; NaN without any");
+  a.fill = std::byte{0xff};  // NaN
+  return a;
+}
+
+Height::Height(std::uint64_t k) : k_(k), class_(classification_attribute()) {
+  if (k < 1 || k > kMostNeighbors) fail_usage("height: k = {} is not from 1 to {}.", k, kMostNeighbors);
+}
+
+Contract Height::contract() const {
+  return {.reads = {class_}, .makes = {height_attribute()}, .alone = true, .has_places = true};
+}
+
+Options Height::own_options() const { return {{"from", std::string("ground")}, {"k", k_}}; }
+
+std::shared_ptr<const Operator> Height::bound(const Schema& input, std::span<const Attribute> made) const {
+  const std::optional<Attribute> found = single_value("classification", input, made);
+  if (!found) return nullptr;
+  auto bound = std::make_shared<Height>(*this);
+  bound->class_ = *found;
+  return bound;
+}
+
+std::unique_ptr<OrderedWork> Height::work(const OrderedSetup& setup) const {
+  return std::make_unique<HeightWork>(static_cast<std::size_t>(k_), setup);
+}
+
+std::uint64_t Height::least_bytes(std::span<const Vec3>, int) const { return 64 * PlaneStrips::strip_bytes(); }
+
+}  // namespace pointsweep

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// Height above the ground: above the nearest points of the ground in the plane.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pointsweep/operators/ordered_operator.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration height_declaration();
+
+/// N f64, in length units: z above the ground; NaN where the cloud has no ground.
+Attribute height_attribute();
+
+/// Makes height: z - Σ w_j z_j / Σ w_j over the k points of class 2 that are nearest in x and y, w_j = 1 / d_j², summed
+/// nearest first; where the nearest has d = 0, z - z_1. Equal distances go by x, y, z, row. All ground points of the
+/// cloud are searched, however far away.
+class Height final : public OrderedOperator {
+ public:
+  /// Throws UsageError unless k is 1 to kMostNeighbors.
+  explicit Height(std::uint64_t k = 1);
+  static constexpr std::uint64_t kMostNeighbors = 1024;
+
+  std::string name() const override { return "height"; }
+  Contract contract() const override;
+  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  Vec3 place_of(Vec3 position) const override { return {position.x, position.y, 0}; }
+  std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
+  std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;
+  std::uint64_t k() const { return k_; }
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  std::uint64_t k_;
+  Attribute class_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+/// height against a search through all points of the ground.
+#include "pointsweep/operators/height.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <tuple>
+
+#include "pointsweep/error.h"
+#include "pointsweep/operators/plane_strips.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "tests/pipeline/attribute_cloud.h"
+#include "tests/pipeline/moving_clouds.h"
+#include "tests/pipeline/refusal.h"
+#include "tests/support/sized.h"
+
+namespace pointsweep {
+namespace {
+
+RunResult run_height(const Records& input, const std::string& pipeline, const EngineOptions& options) {
+  InputCloud cloud = input.cloud();
+  return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud), options);
+}
+
+std::vector<EngineOptions> height_ways() {
+  std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3), tiny(700)};
+  all[1].axis = 1;
+  all[2].axis = 0;
+  all[3].axis = 2;
+  return all;
+}
+
+/// The formula, over the k least of all ground points.
+std::vector<double> heights_by_brute_force(const std::vector<Vec3>& points, const std::vector<bool>& is_ground,
+                                           std::size_t k) {
+  std::vector<double> heights;
+  for (const Vec3& p : points) {
+    using Key = std::tuple<double, double, double, double, std::size_t>;
+    std::vector<Key> ground;
+    for (std::size_t j = 0; j < points.size(); ++j) {
+      if (!is_ground[j] || !is_finite(points[j])) continue;
+      const double x = points[j].x - p.x, y = points[j].y - p.y;
+      ground.emplace_back(x * x + y * y, points[j].x, points[j].y, points[j].z, j);
+    }
+    if (ground.empty() || !is_finite(p)) {
+      heights.push_back(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    std::ranges::sort(ground);
+    ground.resize(std::min(k, ground.size()));
+    double sum = 0, weights = 0;
+    for (const auto& [d2, x, y, z, row] : ground) sum += 1 / d2 * z, weights += 1 / d2;
+    const bool above = std::get<0>(ground[0]) == 0;
+    heights.push_back(above ? p.z - std::get<3>(ground[0]) : p.z - sum / weights);
+  }
+  return heights;
+}
+
+TEST(Height, IsThatAboveTheNearestGroundOfAll) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    for (const int ground_below : {0, 1, 6}) {  // classes that count as ground
+      Records input = with_attributes(make_cloud(shape, sized(900), 71));
+      std::vector<bool> is_ground;
+      const Field field = input.schema.fields[*input.schema.find("classification")];
+      for (std::size_t i = 0; i < input.size(); ++i) {
+        const bool ground = input.value(i, "classification") < ground_below;
+        is_ground.push_back(ground);
+        input.bytes[i * input.schema.stride + field.offset] = std::byte(ground ? 2 : 5);
+      }
+      for (const std::size_t k : {1u, 3u, 100u, 1000u}) {
+        const std::vector<double> expected = heights_by_brute_force(input.positions(), is_ground, k);
+        for (const EngineOptions& options : height_ways()) {
+          const RunResult got = run_height(input, fmt::format("height(k={})", k), options);
+          ASSERT_TRUE(same_bytes(got.field("height"), expected)) << name << " " << ground_below << " " << k;
+        }
+      }
+    }
+  }
+}
+
+/// Many strips, few of them in memory, and a wide hole without ground.
+TEST(Height, FindsGroundBehindAWideHole) {
+  std::mt19937_64 random(5);
+  std::vector<Vec3> points;
+  std::vector<bool> is_ground;
+  for (int i = 0; i < 40'000; ++i) {
+    const Vec3 p{100 * uniform(random), 10 * uniform(random), uniform(random)};
+    points.push_back(p);
+    is_ground.push_back(p.x < 30 || p.x > 70);
+  }
+  for (const int axis : {0, 1}) {
+    class ScratchHere final : public Scratch {
+     public:
+      void append(std::span<const std::byte> bytes) override { all.insert(all.end(), bytes.begin(), bytes.end()); }
+      void read(std::uint64_t offset, std::span<std::byte> bytes) const override {
+        std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(), bytes.begin());
+      }
+      std::vector<std::byte> all;
+    };
+    PlaneStrips strips(axis, 0, std::make_unique<ScratchHere>());
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (is_ground[i]) order.push_back(i);
+    std::ranges::sort(order, {}, [&](std::size_t i) { return points[i][axis]; });
+    for (const std::size_t i : order) strips.add(points[i], i);
+    strips.finish();
+    std::vector<PlaneNeighbor> found;
+    EXPECT_FALSE(strips.find_loaded(points[0], 2, found));
+    for (std::size_t i = 0; i < points.size(); i += 97) {
+      std::vector<std::tuple<double, double, std::uint64_t>> expected;
+      for (const std::size_t j : order) {
+        const double x = points[j].x - points[i].x, y = points[j].y - points[i].y;
+        expected.emplace_back(x * x + y * y, points[j].x, j);
+      }
+      std::ranges::partial_sort(expected, expected.begin() + 5);
+      if (i % 2 == 0) strips.load(points[i][axis], points[i][axis]);
+      if (!strips.find_loaded(points[i], 5, found)) strips.find(points[i], 5, found);
+      ASSERT_EQ(found.size(), 5u);
+      for (std::size_t j = 0; j < 5; ++j) {
+        EXPECT_EQ(found[j].row, std::get<2>(expected[j]));
+        EXPECT_EQ(found[j].distance2, std::get<0>(expected[j]));
+      }
+    }
+  }
+}
+
+TEST(Height, ComesAfterGroundAndBeforeWhere) {
+  std::mt19937_64 random(6);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < sized(4000); ++i) {
+    const double x = 50 * uniform(random), y = 30 * uniform(random);
+    points.push_back({x, y, 0.1 * x + (uniform(random) < 0.3 ? 6 * uniform(random) : 0)});
+  }
+  const Records input = with_attributes(points);
+  const Records ground = records_of(run_height(input, "ground(window=6)", tiny(500)));
+  std::vector<bool> is_ground;
+  for (std::size_t i = 0; i < ground.size(); ++i) is_ground.push_back(ground.value(i, "classification") == 2);
+  const std::vector<double> heights = heights_by_brute_force(points, is_ground, 2);
+  std::vector<double> low;
+  for (const double h : heights)
+    if (h < 2) low.push_back(h);
+  ASSERT_LT(low.size(), points.size());
+  for (const EngineOptions& options : height_ways()) {
+    const RunResult got = run_height(input, "ground(window=6) | height(k=2) | where(height < 2)", options);
+    EXPECT_TRUE(same_bytes(got.field("height"), low));
+  }
+  EngineOptions sorted = tiny(300);
+  sorted.order = Order::sweep;
+  const Records made = records_of(run_height(input, "ground(window=6) | height(k=2)", tiny(500)));
+  EXPECT_TRUE(run_height(input, "ground(window=6) | height(k=2)", sorted).records ==
+              run_height(made, "where(x > -1)", sorted).records);
+}
+
+TEST(Height, TellsWhatIsWrong) {
+  const Records input = with_attributes({{0, 0, 0}, {1, 1, 1}});
+  for (const char* wrong : {"height(k=0)", "height(k=2000)", "height(from=surface)"})
+    EXPECT_NE(refusal([&] { run_height(input, wrong, tiny(100)); }), "") << wrong;
+  const std::vector<Vec3> bare = {{0, 0, 0}, {1, 1, 1}};
+  EXPECT_NE(refusal([&] {
+              run_in_memory(bare, {{}, {std::make_shared<Height>()}}, tiny(100));
+            }).find("needs 'classification'"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace pointsweep

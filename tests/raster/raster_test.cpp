@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: MIT
+/// Filters of rows of cells against loops over whole rasters.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <set>
+#include <vector>
+
+#include "pointsweep/error.h"
+#include "pointsweep/raster/filled_rows.h"
+#include "pointsweep/raster/ground_surface.h"
+#include "pointsweep/raster/opened_rows.h"
+#include "pointsweep/raster/surface_window.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+namespace {
+
+class ScratchInMemory final : public Scratch {
+ public:
+  void append(std::span<const std::byte> bytes) override { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
+  void read(std::uint64_t offset, std::span<std::byte> bytes) const override {
+    ASSERT_LE(offset + bytes.size(), bytes_.size());
+    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(), bytes.begin());
+  }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+/// Counts what was made.
+struct Scratches {
+  std::size_t made = 0;
+  MakeScratch make() {
+    return [this]() -> std::unique_ptr<Scratch> {
+      ++made;
+      return std::make_unique<ScratchInMemory>();
+    };
+  }
+};
+
+struct Raster {
+  std::size_t rows = 0, columns = 0;
+  std::vector<double> values;
+  std::vector<std::uint8_t> marks;
+
+  double at(std::size_t row, std::size_t column) const { return values[row * columns + column]; }
+  bool operator==(const Raster&) const = default;
+};
+
+/// Gives a raster by `at_once` rows.
+class RasterRows final : public RowStream {
+ public:
+  RasterRows(const Raster& raster, std::size_t at_once)
+      : RowStream(raster.columns), raster_(raster), at_once_(at_once) {}
+  bool next(CellRows& out) override {
+    out.rows = std::min(at_once_, raster_.rows - row_);
+    const auto first = static_cast<std::ptrdiff_t>(row_ * columns());
+    const auto cells = static_cast<std::ptrdiff_t>(out.rows * columns());
+    out.values.assign(raster_.values.begin() + first, raster_.values.begin() + first + cells);
+    out.marks.assign(raster_.marks.begin() + first, raster_.marks.begin() + first + cells);
+    row_ += out.rows;
+    return out.rows > 0;
+  }
+
+ private:
+  const Raster& raster_;
+  std::size_t at_once_, row_ = 0;
+};
+
+Raster all_of(RowStream& stream) {
+  Raster raster{.rows = 0, .columns = stream.columns(), .values = {}, .marks = {}};
+  for (CellRows rows; stream.next(rows);) {
+    raster.rows += rows.rows;
+    raster.values.insert(raster.values.end(), rows.values.begin(), rows.values.end());
+    raster.marks.insert(raster.marks.end(), rows.marks.begin(), rows.marks.end());
+  }
+  return raster;
+}
+
+/// `absent` of ten cells have no value; a tenth is marked.
+Raster random_raster(std::size_t rows, std::size_t columns, unsigned absent, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  Raster raster{rows, columns, {}, {}};
+  for (std::size_t i = 0; i < rows * columns; ++i) {
+    const double value = static_cast<double>(random() % 1000) / 8 - 60;
+    raster.values.push_back(random() % 10 < absent ? kNoCell : value);
+    raster.marks.push_back(random() % 10 == 0);
+  }
+  return raster;
+}
+
+/// The least or greatest value over disks, cell by cell.
+std::vector<double> over_disks(const Raster& raster, const std::vector<double>& values, int radius, bool least) {
+  std::vector<double> result(values.size(), kNoCell);
+  const int rows = static_cast<int>(raster.rows), columns = static_cast<int>(raster.columns);
+  const auto index = [&](int row, int column) { return static_cast<std::size_t>(row * columns + column); };
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      if (values[index(row, column)] == kNoCell) continue;
+      double& best = result[index(row, column)] = values[index(row, column)];
+      for (int r = std::max(0, row - radius); r <= std::min(rows - 1, row + radius); ++r)
+        for (int c = std::max(0, column - radius); c <= std::min(columns - 1, column + radius); ++c) {
+          const double value = values[index(r, c)];
+          if ((r - row) * (r - row) + (c - column) * (c - column) > radius * radius || value == kNoCell) continue;
+          best = least ? std::min(best, value) : std::max(best, value);
+        }
+    }
+  return result;
+}
+
+Raster opened(const Raster& raster, int radius, double threshold, bool pits) {
+  std::vector<double> turned = raster.values;
+  for (double& value : turned)
+    if (pits && value != kNoCell) value = -value;
+  const std::vector<double> low = over_disks(raster, over_disks(raster, turned, radius, true), radius, false);
+  Raster result = raster;
+  for (std::size_t i = 0; i < low.size(); ++i) {
+    if (turned[i] == kNoCell) continue;
+    if (turned[i] - low[i] > threshold) result.marks[i] = 1;
+    if (!pits) result.values[i] = low[i];
+  }
+  return result;
+}
+
+TEST(OpenedRows, AreThoseOfTheWholeRaster) {
+  std::uint64_t seed = 1;
+  for (const auto& [rows, columns] : {std::pair{1u, 1u}, {1u, 40u}, {40u, 1u}, {3u, 700u}, {90u, 37u}, {33u, 1100u}})
+    for (const int radius : {0, 1, 2, 3, 5, 12}) {
+      ++seed;
+      const Raster raster = random_raster(rows, columns, static_cast<unsigned>(seed % 10), seed);
+      for (const Opens opens : {Opens::surface, Opens::pit_marks})
+        for (const std::size_t at_once : {1u, 16u, 1000u}) {
+          OpenedRows stream(std::make_unique<RasterRows>(raster, at_once), static_cast<std::size_t>(radius), 20, opens);
+          EXPECT_TRUE(all_of(stream) == opened(raster, radius, 20, opens == Opens::pit_marks))
+              << rows << " x " << columns << ", radius " << radius;
+        }
+    }
+}
+
+/// The nearest known cell on each side, found step by step.
+Raster filled(const Raster& raster, int reach) {
+  Raster result = raster;
+  const int rows = static_cast<int>(raster.rows), columns = static_cast<int>(raster.columns);
+  const auto known = [&](int row, int column) {
+    if (row < 0 || column < 0 || row >= rows || column >= columns) return kNoCell;
+    const auto i = static_cast<std::size_t>(row * columns + column);
+    return raster.marks[i] != 0 ? kNoCell : raster.values[i];
+  };
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const auto i = static_cast<std::size_t>(row * columns + column);
+      result.marks[i] = 0;
+      result.values[i] = known(row, column);
+      if (result.values[i] != kNoCell) continue;
+      const auto side = [&](int dr, int dc) {
+        for (int d = 1; d <= reach; ++d)
+          if (const double value = known(row + d * dr, column + d * dc); value != kNoCell)
+            return std::pair(value / d, 1.0 / d);
+        return std::pair(0.0, 0.0);
+      };
+      const auto [w, ww] = side(0, -1);
+      const auto [e, we] = side(0, 1);
+      const auto [s, ws] = side(-1, 0);
+      const auto [n, wn] = side(1, 0);
+      const double weight = (ww + we) + (ws + wn);
+      if (weight > 0) result.values[i] = ((w + e) + (s + n)) / weight;
+    }
+  return result;
+}
+
+TEST(FilledRows, AreThoseOfTheWholeRaster) {
+  std::uint64_t seed = 100;
+  for (const auto& [rows, columns] : {std::pair{1u, 1u}, {1u, 60u}, {60u, 1u}, {130u, 37u}, {40u, 1100u}})
+    for (const int reach : {1, 2, 7, 40})
+      for (const unsigned absent : {0u, 5u, 9u, 10u}) {
+        const Raster raster = random_raster(rows, columns, absent, ++seed);
+        for (const std::size_t at_once : {1u, 16u, 1000u}) {
+          FilledRows stream(std::make_unique<RasterRows>(raster, at_once), static_cast<std::size_t>(reach));
+          EXPECT_TRUE(all_of(stream) == filled(raster, reach)) << rows << " x " << columns << ", reach " << reach;
+        }
+      }
+}
+
+/// Cells of islands, given row by row; `far` is added to the rows and columns of the second island.
+void add_islands(LowestCells& cells, double far) {
+  std::mt19937_64 random(7);
+  std::set<std::pair<double, double>> places;
+  for (int i = 0; i < 1500; ++i) {
+    const double row = static_cast<double>(random() % 40), column = static_cast<double>(random() % 60);
+    places.insert({row, column});
+    if (i % 2 == 0) places.insert({row + far, column + far});
+  }
+  for (const auto& [row, column] : places) {
+    const double own_row = row >= far ? row - far : row, own_column = column >= far ? column - far : column;
+    const auto place = static_cast<std::uint64_t>(own_row * 100 + own_column);
+    cells.add(row - 1e6, column - 3, static_cast<double>(place * 7919 % 257));
+    cells.add(row - 1e6, column - 3, static_cast<double>(place * 7919 % 257) + 5);
+  }
+  cells.finish();
+}
+
+/// Of the cells that have a point, row by row.
+std::vector<double> surface_of(const LowestCells& cells, const GroundRule& rule, std::uint64_t memory,
+                               Scratches& made) {
+  const std::unique_ptr<RowStream> surface = ground_surface(cells, rule, memory, made.make());
+  const Raster raster = all_of(*surface);
+  EXPECT_EQ(raster.rows, cells.rows());
+  std::vector<double> values;
+  std::vector<LowestCell> some;
+  for (std::uint64_t first = 0; first < cells.count(); first += some.size()) {
+    cells.read(first, some);
+    for (const LowestCell& cell : some)
+      values.push_back(raster.at(static_cast<std::size_t>(cell.row), cells.columns().place_of(cell.column)));
+  }
+  return values;
+}
+
+LowestCells islands(const GroundRule& rule, double far) {
+  LowestCells cells(rule.axis_rule(), std::make_unique<ScratchInMemory>());
+  add_islands(cells, far);
+  return cells;
+}
+
+TEST(GroundSurface, DoesNotDependOnMemory) {
+  const GroundRule rule{.cell = 1, .slope = 2, .radius = 6};
+  const LowestCells cells = islands(rule, 1000);
+  const std::uint64_t least = least_ground_bytes(rule, cells.columns().size());
+  Scratches all, few;
+  const std::vector<double> expected = surface_of(cells, rule, 1u << 30, all);
+  EXPECT_EQ(all.made, 0u);
+  EXPECT_EQ(surface_of(cells, rule, least, few), expected);
+  EXPECT_GE(few.made, 2u);
+  EXPECT_THROW(surface_of(cells, rule, least - 1, few), Error);
+}
+
+TEST(GroundSurface, DoesNotDependOnThreads) {
+  const GroundRule rule{.cell = 1, .slope = 2, .radius = 6};
+  const LowestCells cells = islands(rule, 70);
+  std::vector<std::vector<double>> surfaces;
+  for (const unsigned threads : {1u, 2u, 5u})
+    with_threads(threads, [&] {
+      Scratches made;
+      surfaces.push_back(surface_of(cells, rule, 1u << 30, made));
+    });
+  EXPECT_EQ(surfaces[1], surfaces[0]);
+  EXPECT_EQ(surfaces[2], surfaces[0]);
+}
+
+/// Islands farther away than filters reach change nothing, wherever they are, and the raster does not grow with them.
+TEST(GroundSurface, DoesNotDependOnWhatIsFarAway) {
+  const GroundRule rule{.cell = 1, .slope = 2, .radius = 3};
+  const std::size_t apart = 60 + rule.axis_rule().most;
+  Scratches made;
+  const std::vector<double> expected = surface_of(islands(rule, static_cast<double>(apart)), rule, 1u << 30, made);
+  const LowestCells close = islands(rule, static_cast<double>(apart));
+  for (const double far : {1e4, 1e7, 1e12}) {
+    const LowestCells cells = islands(rule, far);
+    EXPECT_EQ(surface_of(cells, rule, 1u << 30, made), expected) << far;
+    EXPECT_LE(cells.columns().size(), close.columns().size());
+    EXPECT_LE(cells.rows(), close.rows());
+  }
+}
+
+TEST(CellAxis, PlacesNumbersInAnyOrderAsInAscendingOrder) {
+  std::mt19937_64 random(3);
+  std::vector<double> numbers;
+  for (int i = 0; i < 200'000; ++i)
+    numbers.push_back(static_cast<double>(random() % 3000) * (random() % 50 == 0 ? 1e6 : 1) - 1500);
+  CellAxis axis({.margin = 4, .most = 9});
+  for (const double number : numbers) axis.add(number);
+  axis.finish();
+  std::ranges::sort(numbers);
+  AscendingPlaces places({.margin = 4, .most = 9});
+  for (const double number : numbers) ASSERT_EQ(places.place_of(number), axis.place_of(number)) << number;
+  EXPECT_EQ(places.size(), axis.size());
+}
+
+TEST(SurfaceWindow, HoldsTheRowsAroundARow) {
+  const Raster raster = random_raster(100, 5, 3, 9);
+  SurfaceWindow window(std::make_unique<RasterRows>(raster, 16), 2);
+  for (const std::uint64_t row : {3u, 3u, 4u, 17u, 60u, 61u, 97u, 99u}) {
+    window.move_to(row);
+    for (std::uint64_t r = row - 2; r <= row + 2; ++r)
+      for (std::size_t c = 0; c < 5; ++c)
+        EXPECT_EQ(window.at(r, c), r < 100 ? raster.at(static_cast<std::size_t>(r), c) : kNoCell) << row;
+    EXPECT_EQ(window.at(row, 5), kNoCell);
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep
