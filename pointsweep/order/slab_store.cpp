@@ -56,10 +56,26 @@ struct SlabStore::State {
 
   /// Takes the open buffer away and gives it a place in the file. Needs the lock of the list; write() does not.
   Outgoing close_block(SlabList& list) {
-    const Outgoing out{list.open, list.open_bytes, file->reserve(list.open_bytes)};
+    const Outgoing out{list.open, list.open_bytes, place_of(list.open_bytes)};
     list.blocks.push_back({list.count - list.open_bytes / record_bytes, nullptr, out.offset});
     list.open = nullptr;
     return out;
+  }
+
+  /// Of a full block that was released, if there is one: to punch a hole for it instead takes milliseconds once its
+  /// bytes are on the disk, and a run under a small budget has a million blocks.
+  std::uint64_t place_of(std::size_t bytes) {
+    const std::scoped_lock lock(free_mutex);
+    if (bytes < block_bytes || free_places.empty()) return file->reserve(bytes);
+    const std::uint64_t place = free_places.back();
+    free_places.pop_back();
+    return place;
+  }
+
+  void give_back(const Block& block, std::size_t bytes) {
+    if (!file) return pool.give_back(block.memory);
+    const std::scoped_lock lock(free_mutex);
+    if (bytes == block_bytes) free_places.push_back(block.offset);
   }
 
   void write(const Outgoing& out) {
@@ -71,6 +87,8 @@ struct SlabStore::State {
   std::deque<SlabList> lists;
   BlockPool pool;
   std::optional<SpillFile> file;
+  std::mutex free_mutex;
+  std::vector<std::uint64_t> free_places;  ///< in the file, of a full block each
 };
 
 SlabStore::SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& spill)
@@ -152,10 +170,7 @@ void SlabStore::release_before(std::size_t slab, std::uint64_t record) {
   SlabList& list = s.lists[slab];
   for (; list.released < list.blocks.size() && list.end_of(list.released) <= record; ++list.released) {
     const Block& block = list.blocks[list.released];
-    if (s.file)
-      s.file->discard(block.offset, (list.end_of(list.released) - block.first) * s.record_bytes);
-    else
-      s.pool.give_back(block.memory);
+    s.give_back(block, (list.end_of(list.released) - block.first) * s.record_bytes);
   }
 }
 

@@ -33,8 +33,9 @@ class SlabStore {
   /// What was appended to a kept file is in it, and all that pack() says. No thread may be appending.
   void flush();
   void pack(Packer& out) const;
-  /// Gives back the space of blocks of a finished slab that end before `record`; no thread may be reading it, or ever
-  /// read records before that one again. Others may append to other slabs.
+  /// Gives the space of blocks of a finished slab that end before `record` to blocks that will be filled, in memory as
+  /// in the file; no thread may be reading it, or ever read records before that one again. Others may append to other
+  /// slabs.
   void release_before(std::size_t slab, std::uint64_t record);
   /// Forgets the records of a slab and gives their space back. No thread may be reading it.
   void release(std::size_t slab);

@@ -97,13 +97,4 @@ void SpillFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
   }
 }
 
-void SpillFile::discard(std::uint64_t offset, std::uint64_t bytes) {
-#ifdef FALLOC_FL_PUNCH_HOLE
-  (void)::fallocate(descriptor_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset),
-                    static_cast<off_t>(bytes));
-#else
-  (void)offset, (void)bytes;
-#endif
-}
-
 }  // namespace pointsweep

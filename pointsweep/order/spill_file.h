@@ -46,8 +46,6 @@ class SpillFile {
   /// Throws Error that says what to do when no space is left.
   void write(std::uint64_t offset, std::span<const std::byte> bytes);
   void read(std::uint64_t offset, std::span<std::byte> bytes) const;
-  /// Gives the space back to the file system where it can do that; the bytes must not be read again.
-  void discard(std::uint64_t offset, std::uint64_t bytes);
 
   /// The bytes reserved so far: as much of the file as is in use.
   std::uint64_t end() const { return reserved_.load(std::memory_order_relaxed); }

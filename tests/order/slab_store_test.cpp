@@ -126,6 +126,32 @@ TEST(SlabStore, UsesTheSpaceOfReleasedSlabsAgain) {
   EXPECT_EQ(read(store, slab, 0, 100000, 16), records);
 }
 
+TEST(SlabStore, FillsTheSpaceOfReleasedBlocksInTheFileAgain) {
+  const TempFolder folder(temp());
+  const std::filesystem::path file = folder.path() / "kept";
+  SlabStore store(3, 16, 4096, SpillPlace::kept(file));
+  const auto records = numbered(0, 100000, 16), others = numbered(7, 1000, 16);
+  for (std::size_t at = 0; at < records.size(); at += 1600) {  // blocks of both slabs by turns
+    store.append(0, std::span(records).subspan(at, 1600));
+    store.append(1, std::span(others).subspan(at / 100, 16));
+  }
+  store.finish();
+  const std::uintmax_t full = std::filesystem::file_size(file);
+  const std::size_t again = store.add_slabs(2);
+  for (std::uint64_t at = 0; at < 100000; at += 1000) {
+    store.release_before(0, at);
+    const std::vector<std::byte> some = read(store, 0, at, 1000, 16);
+    store.append(again + at % 2000 / 1000, some);
+  }
+  store.release(0);
+  store.finish();
+  EXPECT_LE(std::filesystem::file_size(file), full + 8 * 4096);
+  EXPECT_EQ(read(store, 1, 0, 1000, 16), others);
+  for (std::uint64_t at = 0; at < 100000; at += 1000)
+    EXPECT_EQ(read(store, again + at % 2000 / 1000, at / 2000 * 1000, 1000, 16),
+              std::vector(records.begin() + 16 * at, records.begin() + 16 * (at + 1000)));
+}
+
 TEST(SlabStore, GivesBackWhatHasBeenReadWhileTheRestStays) {
   const TempFolder folder(temp());
   for (const TempFolder* spill : {static_cast<const TempFolder*>(nullptr), &folder}) {

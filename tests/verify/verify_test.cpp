@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "pointsweep/formats/npy/npy_reader.h"
 #include "pointsweep/operators/neighbor_rows.h"
@@ -257,6 +259,18 @@ TEST_F(Verify, RowsInNoOrderAreFound) {
   const auto output = made(kPipelines[0], "out.ply");
   change(output, [](auto& records, const Schema& schema) {
     std::swap_ranges(records.begin(), records.begin() + schema.stride, records.begin() + 700 * schema.stride);
+  });
+  different(check(kPipelines[0], output), "ascend neither");
+}
+
+TEST_F(Verify, PointsThatAreNotFiniteStandBehindAllOthersInASweep) {
+  std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, kPoints, 4);
+  points[40].y = std::numeric_limits<double>::quiet_NaN();
+  write_cloud(points);
+  const auto output = made(kPipelines[0], "out.ply", in_order(Order::sweep));
+  EXPECT_TRUE(check(kPipelines[0], output).same());
+  change(output, [](auto& records, const Schema& schema) {
+    std::rotate(records.begin(), records.end() - schema.stride, records.end());
   });
   different(check(kPipelines[0], output), "ascend neither");
 }
