@@ -48,7 +48,8 @@ OperatorDeclaration simplify_declaration() {
                        .kind = OptionKind::number,
                        .preset = 0.0,
                        .meaning = "the smallest radius, where noise looks like curvature; at most `most`",
-                       .unit = "length"}},
+                       .unit = "length",
+                       .sample = 0.125}},
           .make = make_simplify,
           .formula =
               "r_i = √(2 error / k1_i), at least `least`, at most `most`; then poisson(most, radius_from=r).\n"
