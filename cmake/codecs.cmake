@@ -8,6 +8,36 @@ if(NOT POINTSWEEP_CODECS)
 endif()
 
 set(codecs ${PROJECT_SOURCE_DIR}/codecs)
+set(crates ${PROJECT_BINARY_DIR}/codecs/crates)
+set(POINTSWEEP_CARGO_OPTIONS --locked --offline --config source.crates-io.replace-with="crates" --config source.crates.directory="${crates}"
+  --manifest-path ${codecs}/Cargo.toml --target-dir ${PROJECT_BINARY_DIR}/codecs)
+
+# Copies the crates into the build folder and patches one of them there (patch_laz.cmake).
+function(pointsweep_fetch_crates why)
+  set(${why} "" PARENT_SCOPE)
+  file(SHA256 ${codecs}/Cargo.lock lock)
+  file(SHA256 ${PROJECT_SOURCE_DIR}/cmake/patch_laz.cmake patch)
+  if(EXISTS ${crates}/made_of)
+    file(READ ${crates}/made_of made_of)
+    if(made_of STREQUAL "${lock}${patch}")
+      return()
+    endif()
+  endif()
+  foreach(where --offline "")
+    file(REMOVE_RECURSE ${crates})
+    execute_process(COMMAND ${POINTSWEEP_CARGO} vendor --quiet --locked ${where} --manifest-path ${codecs}/Cargo.toml ${crates}
+      RESULT_VARIABLE failed ERROR_VARIABLE told OUTPUT_QUIET)
+    if(NOT failed)
+      execute_process(COMMAND ${CMAKE_COMMAND} -D VENDOR=${crates} -P ${PROJECT_SOURCE_DIR}/cmake/patch_laz.cmake
+        RESULT_VARIABLE failed ERROR_VARIABLE told)
+    endif()
+    if(NOT failed)
+      file(WRITE ${crates}/made_of "${lock}${patch}")
+      return()
+    endif()
+  endforeach()
+  set(${why} "${told}" PARENT_SCOPE)
+endfunction()
 function(pointsweep_find_cargo why)
   find_program(POINTSWEEP_CARGO cargo HINTS $ENV{CARGO_HOME}/bin $ENV{HOME}/.cargo/bin)
   if(NOT POINTSWEEP_CARGO)
@@ -20,15 +50,12 @@ function(pointsweep_find_cargo why)
     set(${why} "${POINTSWEEP_CARGO} is older than 1.87" PARENT_SCOPE)
     return()
   endif()
-  foreach(where --offline "")
-    execute_process(COMMAND ${POINTSWEEP_CARGO} fetch --quiet --locked ${where} --manifest-path ${codecs}/Cargo.toml
-      RESULT_VARIABLE failed ERROR_VARIABLE told)
-    if(NOT failed)
-      set(${why} "" PARENT_SCOPE)
-      return()
-    endif()
-  endforeach()
-  set(${why} "the crates cannot be fetched: ${told}" PARENT_SCOPE)
+  pointsweep_fetch_crates(told)
+  if(told)
+    set(${why} "the crates cannot be fetched: ${told}" PARENT_SCOPE)
+  else()
+    set(${why} "" PARENT_SCOPE)
+  endif()
 endfunction()
 
 pointsweep_find_cargo(codecs_missing)
@@ -43,9 +70,8 @@ set(POINTSWEEP_HAS_CODECS ON)
 set(codecs_library ${PROJECT_BINARY_DIR}/codecs/release/${CMAKE_STATIC_LIBRARY_PREFIX}pointsweep_codecs${CMAKE_STATIC_LIBRARY_SUFFIX})
 file(GLOB codecs_sources CONFIGURE_DEPENDS ${codecs}/src/*.rs)
 add_custom_command(OUTPUT ${codecs_library}
-  COMMAND ${CMAKE_COMMAND} -E env --unset=CARGO_TARGET_DIR ${POINTSWEEP_CARGO} build --quiet --release --locked --offline
-    --lib --manifest-path ${codecs}/Cargo.toml --target-dir ${PROJECT_BINARY_DIR}/codecs
-  DEPENDS ${codecs_sources} ${codecs}/Cargo.toml ${codecs}/Cargo.lock
+  COMMAND ${CMAKE_COMMAND} -E env --unset=CARGO_TARGET_DIR ${POINTSWEEP_CARGO} build --quiet --release --lib ${POINTSWEEP_CARGO_OPTIONS}
+  DEPENDS ${codecs_sources} ${codecs}/Cargo.toml ${codecs}/Cargo.lock ${crates}/made_of
   COMMENT "Building the codecs with cargo" VERBATIM)
 add_custom_target(pointsweep_build_codecs DEPENDS ${codecs_library})
 add_library(pointsweep_codecs STATIC IMPORTED GLOBAL)
