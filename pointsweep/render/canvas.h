@@ -5,14 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "pointsweep/colors/rgb.h"
 #include "pointsweep/geometry.h"
 
 namespace pointsweep {
-
-struct Rgb {
-  std::uint8_t red = 0, green = 0, blue = 0;
-  friend bool operator==(const Rgb&, const Rgb&) = default;
-};
 
 /// width×height pixels of three bytes, rows from the top.
 struct Picture {

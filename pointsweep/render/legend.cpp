@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pointsweep/render/color_map.h"
+#include "pointsweep/colors/color_map.h"
 
 namespace pointsweep {
 namespace {

@@ -8,8 +8,8 @@
 #include <tuple>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/render/class_colors.h"
-#include "pointsweep/render/color_map.h"
+#include "pointsweep/colors/class_colors.h"
+#include "pointsweep/colors/color_map.h"
 
 namespace pointsweep {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "pointsweep/error.h"
-#include "pointsweep/render/color_map.h"
+#include "pointsweep/colors/color_map.h"
 #include "pointsweep/render/point_color.h"
 
 namespace pointsweep {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "pointsweep/render/attribute_unit.h"
-#include "pointsweep/render/color_map.h"
+#include "pointsweep/colors/color_map.h"
 
 namespace pointsweep {
 namespace {

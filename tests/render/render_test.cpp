@@ -11,7 +11,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/reader.h"
-#include "pointsweep/render/color_map.h"
+#include "pointsweep/colors/color_map.h"
 #include "pointsweep/render/png.h"
 #include "pointsweep/writer.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/render/class_colors.h"
+#include "pointsweep/colors/class_colors.h"
 
 #include <array>
 

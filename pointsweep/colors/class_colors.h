@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "pointsweep/render/canvas.h"
+#include "pointsweep/colors/rgb.h"
 
 namespace pointsweep {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/render/color_map.h"
+#include "pointsweep/colors/color_map.h"
 
 #include <algorithm>
 #include <array>
@@ -23,7 +23,31 @@ std::uint8_t between(std::uint8_t a, std::uint8_t b, double t) {
   return static_cast<std::uint8_t>(a + (static_cast<double>(b) - a) * t + 0.5);
 }
 
+/// Coefficients from the constant up.
+constexpr double kTurbo[3][6] = {{0.13572138, 4.61539260, -42.66032258, 132.13108234, -152.94239396, 59.28637943},
+                                 {0.09140261, 2.19418839, 4.84296658, -14.18503333, 4.27729857, 2.82956604},
+                                 {0.10667330, 12.64194608, -60.58204836, 110.36276771, -89.90310912, 27.34824973}};
+
+std::uint8_t byte_of_share(double share) { return static_cast<std::uint8_t>(255 * std::clamp(share, 0.0, 1.0) + 0.5); }
+
 }  // namespace
+
+Rgb no_value_color() { return kNoValue; }
+
+Rgb turbo(double value) {
+  if (!(value == value)) return kNoValue;
+  const double x = std::clamp(value, 0.0, 1.0);
+  const auto channel = [x](const double(&a)[6]) {
+    return byte_of_share(((((a[5] * x + a[4]) * x + a[3]) * x + a[2]) * x + a[1]) * x + a[0]);
+  };
+  return {channel(kTurbo[0]), channel(kTurbo[1]), channel(kTurbo[2])};
+}
+
+Rgb gray(double value) {
+  if (!(value == value)) return kNoValue;
+  const std::uint8_t level = byte_of_share(value);
+  return {level, level, level};
+}
 
 Rgb viridis(double value) {
   if (!(value == value)) return kNoValue;
