@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// Whether points lie in polygons.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/polygons/orientation.h"
+
+namespace pointsweep {
+
+/// Without the repeated first point at its end; at least three points, all finite.
+using Ring = std::vector<Point2>;
+
+/// By the even-odd rule over all its rings: a ring inside another one is a hole, whichever way it runs.
+struct Polygon {
+  std::vector<Ring> rings;
+  friend bool operator==(const Polygon&, const Polygon&) = default;
+};
+
+/// The union of closed polygons: a point that lies exactly on an edge, of a hole too, is covered. All decisions are
+/// exact. The edges are held by strips of y, so that a point is compared with few of them.
+class PolygonIndex {
+ public:
+  explicit PolygonIndex(const std::vector<Polygon>& polygons);
+  /// False for a point that is not finite.
+  bool covers(Point2 p) const;
+
+ private:
+  struct Edge {
+    Point2 low, high;  ///< low.y <= high.y
+    std::uint32_t polygon = 0;
+  };
+  std::size_t strip_of(double y) const;
+  std::size_t entries(std::size_t strips);
+  void fill_strips();
+
+  Point2 least_, most_;  ///< corners of the box around all edges
+  double scale_ = 0;     ///< strips for each unit of y
+  std::size_t strips_ = 1;
+  std::vector<Edge> edges_;              ///< those of a polygon follow one another
+  std::vector<std::size_t> first_;       ///< by strip, in in_strip_; one more at the end
+  std::vector<std::uint32_t> in_strip_;  ///< indices of edges, ascending in each strip
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/polygons/polygon_text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+
+#include "pointsweep/fail.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\n";
+
+char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+bool is_letter(char c) { return upper(c) >= 'A' && upper(c) <= 'Z'; }
+
+/// Recursive descent through
+///   text = {["SRID=" digits ";"] geometry}     geometry = ("POLYGON" | "MULTIPOLYGON") ["Z" | "M" | "ZM"] shape
+///   shape of a polygon = "EMPTY" | "(" ring {"," ring} ")"     ring = "(" point {"," point} ")"
+///   shape of a multipolygon = "EMPTY" | "(" shape of a polygon {"," shape of a polygon} ")"
+class WktParser {
+ public:
+  WktParser(std::string_view text, std::string_view name) : text_(text), name_(name) {}
+
+  std::vector<Polygon> polygons() {
+    while (skip_blanks(), at_ < text_.size()) geometry();
+    return std::move(polygons_);
+  }
+
+ private:
+  void geometry() {
+    std::string word = this->word();
+    if (word == "SRID" && take('=')) {
+      number();
+      if (!take(';')) expected("';'");
+      word = this->word();
+    }
+    for (const char* dimensions : {"ZM", "Z", "M"})
+      if ((word == std::string("POLYGON") + dimensions || word == std::string("MULTIPOLYGON") + dimensions))
+        word.resize(word.size() - std::string_view(dimensions).size());
+    if (word != "POLYGON" && word != "MULTIPOLYGON") {
+      at_ -= word.size();
+      expected("POLYGON or MULTIPOLYGON");
+    }
+    if (word == "POLYGON") return shape();
+    if (is_empty()) return;
+    list([&] { shape(); });
+  }
+
+  void shape() {
+    if (is_empty()) return;
+    Polygon polygon;
+    list([&] { polygon.rings.push_back(ring()); });
+    polygons_.push_back(std::move(polygon));
+  }
+
+  Ring ring() {
+    skip_blanks();
+    const std::string where = fmt::format("{}: byte {}", name_, at_ + 1);
+    std::vector<Point2> points;
+    list([&] {
+      const double x = number(), y = number();
+      points.push_back({x, y});
+      for (int more = 0; more < 2 && begins_number(); ++more) number();
+    });
+    return closed_ring(std::move(points), where);
+  }
+
+  template <class Part>
+  void list(Part part) {
+    if (!take('(')) expected("'('");
+    do {
+      part();
+    } while (take(','));
+    if (!take(')')) expected("',' or ')'");
+  }
+
+  /// Passes over the dimensions that may stand before a shape.
+  bool is_empty() {
+    std::string word = this->word();
+    if (word == "Z" || word == "M" || word == "ZM") word = this->word();
+    if (!word.empty() && word != "EMPTY") {
+      at_ -= word.size();
+      expected("'('");
+    }
+    return word == "EMPTY";
+  }
+
+  std::string word() {
+    skip_blanks();
+    std::string word;
+    while (at_ < text_.size() && is_letter(text_[at_])) word += upper(text_[at_++]);
+    return word;
+  }
+
+  bool begins_number() {
+    skip_blanks();
+    return at_ < text_.size() && text_[at_] != ',' && text_[at_] != ')';
+  }
+
+  double number() {
+    skip_blanks();
+    double value = 0;
+    if (at_ < text_.size() && text_[at_] == '+') ++at_;
+    const auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
+    if (error != std::errc() || !std::isfinite(value)) expected("a number");
+    at_ = static_cast<std::size_t>(end - text_.data());
+    return value;
+  }
+
+  bool take(char c) {
+    skip_blanks();
+    if (at_ >= text_.size() || text_[at_] != c) return false;
+    ++at_;
+    return true;
+  }
+  void skip_blanks() { at_ = std::min(text_.find_first_not_of(kBlanks, at_), text_.size()); }
+
+  [[noreturn]] void expected(std::string_view what) const {
+    if (at_ >= text_.size()) fail("{}: {} is expected, but the text ends.", name_, what);
+    fail("{}: byte {}: {} is expected, not '{}'; a polygon looks like POLYGON ((0 0, 9 0, 9 9, 0 0)).", name_, at_ + 1,
+         what, text_[at_]);
+  }
+
+  std::string_view text_, name_;
+  std::size_t at_ = 0;
+  std::vector<Polygon> polygons_;
+};
+
+std::string_view without_leading_blanks(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  return text.substr(std::min(text.find_first_not_of(kBlanks), text.size()));
+}
+
+}  // namespace
+
+std::vector<Polygon> polygons_of_wkt(std::string_view text, std::string_view name) {
+  return WktParser(text, name).polygons();
+}
+
+Ring closed_ring(std::vector<Point2> points, std::string_view where) {
+  if (points.size() < 4)
+    fail("{}: a ring has {} points; one has at least four, of which the last is the first again.", where,
+         points.size());
+  if (points.front() != points.back())
+    fail("{}: a ring ends at {} {}, not where it begins, at {} {}.", where, points.back().x, points.back().y,
+         points.front().x, points.front().y);
+  points.pop_back();
+  return points;
+}
+
+bool is_polygon_text(std::string_view text) {
+  text = without_leading_blanks(text);
+  if (text.starts_with('{')) return true;
+  std::string letters;
+  while (!text.empty() && text.front() != '(' &&
+         (is_letter(text.front()) || kBlanks.find(text.front()) != kBlanks.npos))
+    letters += upper(text.front()), text.remove_prefix(1);
+  return text.starts_with('(') && (letters.starts_with("POLYGON") || letters.starts_with("MULTIPOLYGON"));
+}
+
+std::vector<Polygon> polygons_of_text(std::string_view text, std::string_view name) {
+  text = without_leading_blanks(text);
+  std::vector<Polygon> polygons = text.starts_with('{') ? polygons_of_geojson(text, name) : polygons_of_wkt(text, name);
+  if (polygons.empty()) fail("{}: holds no polygon.", name);
+  return polygons;
+}
+
+}  // namespace pointsweep
