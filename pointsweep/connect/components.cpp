@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/connect/components.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/connect/row_table.h"
+#include "pointsweep/connect/sorted_records.h"
+#include "pointsweep/connect/spanning_forest.h"
+
+namespace pointsweep {
+namespace {
+
+/// Each time edges are joined, all candidates are looked at.
+constexpr std::size_t kEdgesAtOnce = 1 << 16;
+
+/// A component that is to be numbered, in the order of the first points.
+struct FirstOfComponent {
+  PointKey first;
+  std::uint64_t component;
+};
+struct ByFirst {
+  bool operator()(const FirstOfComponent& a, const FirstOfComponent& b) const { return a.first < b.first; }
+};
+
+/// The number of a component, in the order in which the log is read.
+struct ComponentNumber {
+  std::uint64_t component, number;
+};
+struct FromTheLast {
+  bool operator()(const ComponentNumber& a, const ComponentNumber& b) const { return a.component > b.component; }
+};
+using Numbers = SortedRecords<ComponentNumber, FromTheLast>;
+
+FinishedComponent component_in(const std::byte* record) {
+  FinishedComponent component;
+  std::memcpy(&component, record, sizeof component);
+  return component;
+}
+
+/// Numbers of those that count.
+Numbers numbers_of(const ScratchRecords& components, const ComponentsSetup& setup) {
+  SortedRecords<FirstOfComponent, ByFirst> sorted(setup.make_scratch, setup.memory_bytes / 2);
+  std::uint64_t component = components.count();
+  components.for_each_backwards([&](const std::byte* record) {
+    --component;
+    if (setup.votes == nullptr || setup.votes->counts(record + sizeof(FinishedComponent)))
+      sorted.add({component_in(record).first, component});
+  });
+  sorted.finish();
+  Numbers numbers(setup.make_scratch, setup.memory_bytes / 2);
+  std::uint64_t next = 0;
+  while (const auto first = sorted.next()) numbers.add({first->component, next++});
+  numbers.finish();
+  return numbers;
+}
+
+}  // namespace
+
+Components::Components(const EdgeBuckets& buckets, const ComponentsSetup& setup)
+    : setup_(setup), log_(setup.make_scratch, setup.votes != nullptr ? setup.votes->bytes() : 0) {
+  grow(buckets);
+  log_.finish();
+  count_ = log_.components().count();
+}
+
+/// Bucket by bucket: its points, then its edges, then the points close that have no edges in later buckets.
+void Components::grow(const EdgeBuckets& buckets) {
+  SpanningForest forest(buckets.weighted(), setup_.votes, log_);
+  EdgeBuckets::Chunk chunk;
+  std::vector<ForestEdge> edges;
+  const auto join = [&] {
+    forest.join(edges);
+    edges.clear();
+  };
+  std::map<std::uint64_t, std::vector<std::uint64_t>> closing;  // rows by bucket
+  for (std::size_t b = 0; b < buckets.buckets(); ++b) {
+    RowTable<std::uint64_t> last;
+    std::vector<std::uint64_t> rows;
+    const auto for_each_chunk = [&](auto use) {
+      for (std::size_t c = 0; c < buckets.chunks(b); ++c) {
+        stop_if_cancelled();
+        buckets.read(b, c, chunk);
+        use();
+      }
+    };
+    for_each_chunk([&] {
+      forest.open(chunk.points, chunk.ballots, rows);
+      for (const OpenUntil& mark : chunk.marks) {
+        std::uint64_t& until = *last.add(mark.row).first;
+        until = std::max(until, mark.last);
+      }
+    });
+    for_each_chunk([&] {
+      edges.insert(edges.end(), chunk.edges.begin(), chunk.edges.end());
+      if (edges.size() >= kEdgesAtOnce) join();
+    });
+    join();
+    points_ += rows.size();
+    if (setup_.progress) setup_.progress(points_);
+    std::erase_if(rows, [&](std::uint64_t row) {
+      const std::uint64_t* until = last.find(row);
+      if (until != nullptr) closing[*until].push_back(row);
+      return until != nullptr;
+    });
+    if (const auto now = closing.extract(b)) rows.insert(rows.end(), now.mapped().begin(), now.mapped().end());
+    forest.close(rows);
+  }
+  peak_supernodes_ = forest.slots();
+}
+
+bool Components::turns(const std::byte* component) const {
+  return setup_.votes != nullptr && setup_.votes->turns(component + sizeof(FinishedComponent));
+}
+
+void Components::for_each_point(const std::function<void(std::uint64_t, const ComponentLabel&)>& use) const {
+  Numbers numbers = numbers_of(log_.components(), setup_);
+  auto next = numbers.next();
+  const auto label_of = [&](std::uint64_t component, const std::byte* record) {
+    ComponentLabel label{
+        .number = ComponentLabel::kNone, .points = component_in(record).points, .flips = turns(record)};
+    if (next && next->component == component) {
+      label.number = next->number;
+      next = numbers.next();
+    }
+    return label;
+  };
+  std::uint64_t done = 0;
+  log_.for_each_point(label_of, [&](std::uint64_t row, const ComponentLabel& label) {
+    use(row, label);
+    if (setup_.progress && ++done % (1 << 16) == 0) setup_.progress(done);
+  });
+}
+
+}  // namespace pointsweep

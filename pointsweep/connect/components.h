@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// Components of the points and edges in buckets: their numbers, sizes and signs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+
+#include "pointsweep/connect/edge_buckets.h"
+#include "pointsweep/connect/forest_log.h"
+#include "pointsweep/connect/vote_rule.h"
+#include "pointsweep/points/scratch.h"
+
+namespace pointsweep {
+
+struct ComponentsSetup {
+  const VoteRule* votes = nullptr;  ///< may be null; must outlive the components
+  MakeScratch make_scratch;
+  std::uint64_t memory_bytes = 0;  ///< to sort components in
+  /// Called with the points that are known, of all of them twice; may throw to end the work.
+  std::function<void(std::uint64_t points)> progress;
+};
+
+class Components {
+ public:
+  Components(const EdgeBuckets& buckets, const ComponentsSetup& setup);
+
+  /// Calls use(row, label) once for each point. Components are numbered from 0 by their first point.
+  void for_each_point(const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
+  std::uint64_t count() const { return count_; }
+  /// Of what was put aside for the forest.
+  std::uint64_t log_bytes() const { return log_.bytes(); }
+  /// The most supernodes in memory at once.
+  std::size_t peak_supernodes() const { return peak_supernodes_; }
+
+ private:
+  void grow(const EdgeBuckets& buckets);
+  bool turns(const std::byte* component) const;
+
+  const ComponentsSetup& setup_;
+  ForestLog log_;
+  std::uint64_t points_ = 0, count_ = 0;
+  std::size_t peak_supernodes_ = 0;
+};
+
+}  // namespace pointsweep

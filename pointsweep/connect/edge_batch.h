@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+/// Edges that some points emit together, without those that cannot be in a spanning forest.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/connect/forest_edge.h"
+#include "pointsweep/connect/row_table.h"
+
+namespace pointsweep {
+
+/// Points are numbered as they come. An edge that is the largest of a cycle among the edges of a batch is the largest
+/// of one among all edges: a batch of m points passes on fewer than m edges, however long the lists of neighbours are.
+class EdgeBatch {
+ public:
+  struct Edge {
+    std::uint32_t a, b;
+    double weight;
+    bool flips;
+  };
+
+  void clear();
+  /// The number of a point; a new one if it has none.
+  std::uint32_t number_of(const PointKey& point);
+  void add(std::uint32_t a, std::uint32_t b, double weight, bool flips) { edges_.push_back({a, b, weight, flips}); }
+  /// Leaves a minimum spanning forest of the edges; not `weighted`: any.
+  void reduce(bool weighted);
+
+  const std::vector<PointKey>& points() const { return points_; }
+  const std::vector<Edge>& edges() const { return edges_; }
+  ForestEdge forest_edge(const Edge& edge) const;
+
+ private:
+  void sort_edges();
+
+  RowTable<std::uint32_t> numbers_;
+  std::vector<PointKey> points_;
+  std::vector<Edge> edges_, sorted_;
+  std::vector<std::pair<double, double>> order_;  ///< weight and index of an edge
+  std::vector<std::uint32_t> parents_;
+};
+
+}  // namespace pointsweep

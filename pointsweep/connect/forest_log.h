@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+/// What a spanning forest leaves behind: which supernode became part of which, and the components that are complete. It
+/// is written forwards, and read backwards: the end of a supernode's way is known before its parts come.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pointsweep/connect/forest_edge.h"
+#include "pointsweep/points/scratch.h"
+
+namespace pointsweep {
+
+/// A component without edges to anything else. Its votes follow in the log of components.
+struct FinishedComponent {
+  PointKey first;  ///< the least of its points
+  std::uint64_t points = 0;
+};
+
+/// Records of one size, appended one by one and read back in both directions.
+class ScratchRecords {
+ public:
+  ScratchRecords(std::unique_ptr<Scratch> scratch, std::size_t record_bytes);
+  void append(const void* record);
+  /// After the last record.
+  void finish();
+  std::uint64_t count() const { return count_; }
+  std::size_t record_bytes() const { return bytes_; }
+  /// Records [first, first + out.size() / record_bytes()).
+  void read(std::uint64_t first, std::span<std::byte> out) const { scratch_->read(first * bytes_, out); }
+  /// Calls use(record) from the last to the first.
+  void for_each_backwards(const std::function<void(const std::byte* record)>& use) const;
+  /// Gives them from the last to the first.
+  class Backwards {
+   public:
+    explicit Backwards(const ScratchRecords& records) : records_(records), first_(records.count()) {}
+    /// The next one; null before the first.
+    const std::byte* next();
+
+   private:
+    const ScratchRecords& records_;
+    std::uint64_t first_;  ///< of the block
+    std::uint64_t left_ = 0;
+    std::vector<std::byte> block_;
+  };
+
+ private:
+  std::unique_ptr<Scratch> scratch_;
+  std::size_t bytes_;
+  std::uint64_t count_ = 0;
+  std::vector<std::byte> block_;
+};
+
+/// What is known of the component of a point, and of the point in it.
+struct ComponentLabel {
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  std::uint64_t number = kNone;  ///< kNone: it does not count
+  std::uint64_t points = 0;
+  bool flips = false;  ///< of the component: its signs are to be turned; of a point: its sign is
+};
+
+/// Supernodes have slots, which are used again when they are free.
+class ForestLog {
+ public:
+  ForestLog(const MakeScratch& make_scratch, std::size_t vote_bytes);
+  /// The supernode of the point `row`, in `slot`, became part of that in `to`.
+  void merged(std::uint64_t row, std::uint32_t slot, std::uint32_t to, bool flips);
+  /// It is a component of its own.
+  void finished(std::uint64_t row, std::uint32_t slot, const FinishedComponent& component, const std::byte* votes);
+  /// After the last of both.
+  void finish();
+
+  std::uint64_t bytes() const;
+  /// Records of a FinishedComponent and its votes.
+  const ScratchRecords& components() const { return components_; }
+  /// Calls use(row, label) for each point. Components come from the last to the first, each once, before its points:
+  /// label_of(number in components(), its record).
+  void for_each_point(const std::function<ComponentLabel(std::uint64_t component, const std::byte* record)>& label_of,
+                      const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
+
+ private:
+  ScratchRecords merges_, components_;
+  std::uint32_t slots_ = 0;
+  std::vector<std::byte> record_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/connect/spanning_forest.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "pointsweep/connect/disjoint_sets.h"
+
+namespace pointsweep {
+
+SpanningForest::SpanningForest(bool weighted, const VoteRule* votes, ForestLog& log)
+    : weighted_(weighted), rule_(votes), vote_bytes_(votes != nullptr ? votes->bytes() : 0), log_(log) {}
+
+std::uint32_t SpanningForest::new_slot() {
+  if (free_.empty()) {
+    supernodes_.emplace_back();
+    if (supernodes_.size() > kPageSlots * votes_.size()) votes_.emplace_back(kPageSlots * vote_bytes_);
+    return static_cast<std::uint32_t>(supernodes_.size() - 1);
+  }
+  const std::uint32_t slot = free_.back();
+  free_.pop_back();
+  return slot;
+}
+
+void SpanningForest::open(std::span<const PointKey> points, std::span<const std::byte> ballots,
+                          std::vector<std::uint64_t>& opened) {
+  const std::size_t ballot_bytes = rule_ != nullptr ? rule_->ballot_bytes() : 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto [point, is_new] = open_.add(points[i].row);
+    if (!is_new) continue;
+    const std::uint32_t slot = new_slot();
+    *point = {slot, false};
+    supernodes_[slot] = {points[i].row, {points[i], 1}, 1, slot, false};
+    if (rule_ != nullptr) rule_->start(votes_of(slot), points[i], ballots.data() + i * ballot_bytes);
+    live_.push_back(slot);
+    opened.push_back(points[i].row);
+  }
+}
+
+SpanningForest::Root SpanningForest::root_of(std::uint32_t slot) {
+  std::uint32_t root = slot;
+  bool flips = false;
+  for (; supernodes_[root].parent != root; root = supernodes_[root].parent) flips ^= supernodes_[root].flips;
+  for (bool rest = flips; slot != root;) {
+    Supernode& s = supernodes_[slot];
+    const bool own = s.flips;
+    slot = std::exchange(s.parent, root);
+    s.flips = rest;
+    rest ^= own;
+  }
+  return {root, flips};
+}
+
+/// The smaller one becomes part of the larger, so that paths stay short.
+void SpanningForest::merge(Root a, Root b, bool flips) {
+  if (supernodes_[a.slot].sums.points < supernodes_[b.slot].sums.points) std::swap(a, b);
+  Supernode &to = supernodes_[a.slot], &from = supernodes_[b.slot];
+  const bool differs = flips ^ a.flips ^ b.flips;
+  from.parent = a.slot;
+  from.flips = differs;
+  to.open += from.open;
+  to.sums.points += from.sums.points;
+  to.sums.first = std::min(to.sums.first, from.sums.first);
+  if (rule_ != nullptr) rule_->merge(votes_of(a.slot), votes_of(b.slot), differs);
+  log_.merged(from.row, b.slot, a.slot, differs);
+}
+
+/// Kruskal over the candidates and the new edges. Without weights every edge is as good as any: it is taken at once.
+void SpanningForest::join(std::span<const ForestEdge> edges) {
+  const std::size_t before = candidates_.size();
+  for (const ForestEdge& edge : edges) {
+    const OpenPoint *a = open_.find(edge.a.row), *b = open_.find(edge.b.row);
+    assert(a != nullptr && b != nullptr);
+    if (!weighted_) {
+      const Root to_a = root_of(a->slot), to_b = root_of(b->slot);
+      if (to_a.slot != to_b.slot) merge(to_a, to_b, false);
+    } else if (a->slot != b->slot) {
+      candidates_.push_back({edge, a->slot, b->slot, edge.flips != (a->flips != b->flips)});
+    }
+  }
+  if (!weighted_ || candidates_.size() == before) return;
+  const auto less = [](const Candidate& a, const Candidate& b) { return a.edge < b.edge; };
+  const auto middle = candidates_.begin() + static_cast<std::ptrdiff_t>(before);
+  std::sort(middle, candidates_.end(), less);
+  std::inplace_merge(candidates_.begin(), middle, candidates_.end(), less);
+  joined_.resize(supernodes_.size());
+  for (const std::uint32_t slot : live_) joined_[slot] = slot;
+  std::erase_if(candidates_, [this](const Candidate& c) {
+    const std::uint32_t a = set_of(joined_, c.a), b = set_of(joined_, c.b);
+    joined_[a] = b;
+    return a == b;
+  });
+}
+
+void SpanningForest::close(std::span<const std::uint64_t> rows) {
+  for (const std::uint64_t row : rows) {
+    const OpenPoint* point = open_.find(row);
+    assert(point != nullptr);
+    --supernodes_[root_of(point->slot).slot].open;
+    open_.erase(row);
+  }
+  contract();
+  let_go();
+}
+
+/// From the least candidate to the largest. An end without open points has no lesser candidate: had there been one, it
+/// would have been taken, or both of its ends had open points, as their unions still would.
+void SpanningForest::contract() {
+  std::erase_if(candidates_, [this](const Candidate& c) {
+    const Root a = root_of(c.a), b = root_of(c.b);
+    if (supernodes_[a.slot].open > 0 && supernodes_[b.slot].open > 0) return false;
+    merge(a, b, c.flips);
+    return true;
+  });
+}
+
+/// Gives back the slots of supernodes that are part of others now, or complete.
+void SpanningForest::let_go() {
+  for (Candidate& c : candidates_) {
+    const Root a = root_of(c.a), b = root_of(c.b);
+    c.a = a.slot, c.b = b.slot;
+    c.flips ^= a.flips != b.flips;
+  }
+  open_.for_each([this](std::uint64_t, OpenPoint& point) {
+    const Root root = root_of(point.slot);
+    point = {root.slot, point.flips != root.flips};
+  });
+  std::erase_if(live_, [this](std::uint32_t slot) {
+    const Supernode& s = supernodes_[slot];
+    if (s.parent == slot && s.open > 0) return false;
+    if (s.parent == slot) log_.finished(s.row, slot, s.sums, votes_of(slot));
+    free_.push_back(slot);
+    return true;
+  });
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/// What decides about a component: sums over its points, some of which change with the sign of a point.
+#pragma once
+
+#include <cstddef>
+
+#include "pointsweep/connect/forest_edge.h"
+
+namespace pointsweep {
+
+/// Votes are bytes that can be copied. They depend on the set of points and on their signs, not on the order in which
+/// they are merged. A ballot is what one point gives to them besides its key.
+class VoteRule {
+ public:
+  virtual ~VoteRule() = default;
+  virtual std::size_t ballot_bytes() const = 0;
+  virtual std::size_t bytes() const = 0;
+  /// Sets the votes of one point.
+  virtual void start(std::byte* votes, const PointKey& point, const std::byte* ballot) const = 0;
+  /// Adds the votes `from` to `into`; `flips`: with the opposite signs.
+  virtual void merge(std::byte* into, const std::byte* from, bool flips) const = 0;
+  /// Whether the component gets a number.
+  virtual bool counts(const std::byte* votes) const {
+    (void)votes;
+    return true;
+  }
+  /// Whether its signs are to be turned.
+  virtual bool turns(const std::byte* votes) const {
+    (void)votes;
+    return false;
+  }
+};
+
+}  // namespace pointsweep
