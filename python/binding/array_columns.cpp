@@ -28,9 +28,9 @@ std::optional<Type> type_of_format(std::string_view format, std::ptrdiff_t bytes
 }
 
 /// Gives the buffer back where the last column that refers to it is destroyed, which needs the interpreter.
-std::shared_ptr<Py_buffer> buffer_of(nb::handle array) {
+std::shared_ptr<Py_buffer> buffer_of(nb::handle array, int flags) {
   auto view = std::make_unique<Py_buffer>();
-  if (PyObject_GetBuffer(array.ptr(), view.get(), PyBUF_STRIDES | PyBUF_FORMAT) != 0) throw nb::python_error();
+  if (PyObject_GetBuffer(array.ptr(), view.get(), flags | PyBUF_FORMAT) != 0) throw nb::python_error();
   return {view.release(), [](Py_buffer* held) {
             const nb::gil_scoped_acquire interpreter;
             PyBuffer_Release(held);
@@ -41,7 +41,7 @@ std::shared_ptr<Py_buffer> buffer_of(nb::handle array) {
 }  // namespace
 
 ArrayColumn borrow_array(nb::handle array, std::vector<std::string> names) {
-  const std::shared_ptr<Py_buffer> view = buffer_of(array);
+  const std::shared_ptr<Py_buffer> view = buffer_of(array, PyBUF_STRIDES);
   const auto type = type_of_format(view->format != nullptr ? view->format : "B", view->itemsize);
   if (!type) fail_usage("the array for '{}' does not hold numbers of at most 64 bits.", names.front());
   if (view->ndim != 2 || view->shape[1] != static_cast<Py_ssize_t>(names.size()))
@@ -52,6 +52,17 @@ ArrayColumn borrow_array(nb::handle array, std::vector<std::string> names) {
           .row_stride = view->strides[0],
           .value_stride = view->strides[1],
           .rows = static_cast<std::size_t>(view->shape[0]),
+          .owner = view};
+}
+
+WritableArray borrow_writable(nb::handle array, const std::string& name) {
+  const std::shared_ptr<Py_buffer> view = buffer_of(array, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE);
+  const auto type = type_of_format(view->format != nullptr ? view->format : "B", view->itemsize);
+  if (!type || view->ndim != 2) fail_usage("out: the array for '{}' does not hold numbers of at most 64 bits.", name);
+  return {.type = *type,
+          .first = static_cast<std::byte*>(view->buf),
+          .rows = static_cast<std::size_t>(view->shape[0]),
+          .values = static_cast<std::size_t>(view->shape[1]),
           .owner = view};
 }
 

@@ -29,4 +29,16 @@ struct ArrayColumn {
 /// shape and for values that are not numbers of at most 64 bits.
 ArrayColumn borrow_array(nanobind::handle array, std::vector<std::string> names);
 
+/// An N×values array to be written, one row after another without gaps.
+struct WritableArray {
+  Type type = Type::f64;
+  std::byte* first = nullptr;
+  std::size_t rows = 0, values = 0;
+  std::shared_ptr<const void> owner;
+};
+
+/// Holds the buffer of `array`, N×m numbers that are contiguous. Throws as borrow_array(), and BufferError of Python
+/// where it cannot be written.
+WritableArray borrow_writable(nanobind::handle array, const std::string& name);
+
 }  // namespace pointsweep

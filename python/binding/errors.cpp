@@ -11,8 +11,9 @@ namespace pointsweep {
 namespace {
 
 void raise(const char* name, const std::exception& error) {
-  const nb::object type = nb::module_::import_("pointsweep._errors").attr(name);
-  PyErr_SetString(type.ptr(), error.what());
+  const nb::module_ errors = nb::module_::import_("pointsweep._errors");
+  const nb::object sentence = errors.attr("with_names_of_python")(error.what());
+  PyErr_SetObject(errors.attr(name).ptr(), sentence.ptr());
 }
 
 }  // namespace

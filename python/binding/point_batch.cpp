@@ -37,9 +37,14 @@ std::vector<std::byte> missing_value(const Attribute& attribute) {
 
 }  // namespace
 
-PointBatch::PointBatch(const Neighborhoods& in, std::span<const Attribute> reads,
-                       std::span<const Attribute> reads_neighbors, std::size_t first, std::size_t size)
-    : in_(&in), reads_(reads), reads_neighbors_(reads_neighbors), first_(first), size_(size) {
+PointBatch::PointBatch(const Neighborhoods& in, const Contract& contract, std::size_t first, std::size_t size)
+    : in_(&in),
+      alone_(contract.alone),
+      reads_(contract.reads),
+      reads_neighbors_(contract.reads_neighbors),
+      first_(first),
+      size_(size) {
+  if (alone_) return;
   for (std::size_t i = first; i < first + size; ++i) width_ = std::max(width_, in.count(i));
 }
 
@@ -47,6 +52,11 @@ const Neighborhoods& PointBatch::in() const {
   if (in_ == nullptr)
     fail_usage("the points of an operator can be used during its call only; copy what is needed later.");
   return *in_;
+}
+
+const Neighborhoods& PointBatch::in_with_neighbors() const {
+  if (alone_) fail_usage("this operator sees no neighbours; make it with neighbors=True.");
+  return in();
 }
 
 nb::object PointBatch::positions() const {
@@ -63,12 +73,12 @@ nb::object PointBatch::rows() const {
 
 nb::object PointBatch::counts() const {
   return filled<std::int64_t>({size_}, Type::i64, [&](std::int64_t* to) {
-    for (std::size_t i = 0; i < size_; ++i) to[i] = static_cast<std::int64_t>(in().count(first_ + i));
+    for (std::size_t i = 0; i < size_; ++i) to[i] = static_cast<std::int64_t>(in_with_neighbors().count(first_ + i));
   });
 }
 
 nb::object PointBatch::neighbor_positions() const {
-  const Neighborhoods& points = in();
+  const Neighborhoods& points = in_with_neighbors();
   return filled<double>({size_, width_, 3}, Type::f64, [&](double* to) {
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     for (std::size_t i = first_; i < first_ + size_; ++i) {
@@ -80,7 +90,7 @@ nb::object PointBatch::neighbor_positions() const {
 }
 
 nb::object PointBatch::neighbor_rows() const {
-  const Neighborhoods& points = in();
+  const Neighborhoods& points = in_with_neighbors();
   return filled<std::int64_t>({size_, width_}, Type::i64, [&](std::int64_t* to) {
     for (std::size_t i = first_; i < first_ + size_; ++i)
       for (std::size_t j = 0; j < width_; ++j)
@@ -100,7 +110,7 @@ nb::object PointBatch::own(std::size_t a) const {
 }
 
 nb::object PointBatch::of_neighbors(std::size_t a) const {
-  const Neighborhoods& points = in();
+  const Neighborhoods& points = in_with_neighbors();
   const Attribute& attribute = reads_neighbors_[a];
   const std::vector<std::byte> missing = missing_value(attribute);
   ArrayMemory memory(size_ * width_ * attribute.bytes());

@@ -10,6 +10,7 @@
 
 #include "pointsweep/attribute.h"
 #include "pointsweep/neighborhood.h"
+#include "pointsweep/operator.h"
 
 namespace pointsweep {
 
@@ -18,8 +19,8 @@ namespace pointsweep {
 /// padded to width(), the length of the longest: with NaN, or 0 in integers.
 class PointBatch {
  public:
-  PointBatch(const Neighborhoods& in, std::span<const Attribute> reads, std::span<const Attribute> reads_neighbors,
-             std::size_t first, std::size_t size);
+  /// `contract` of the operator, which outlives this object's use.
+  PointBatch(const Neighborhoods& in, const Contract& contract, std::size_t first, std::size_t size);
   void end() { in_ = nullptr; }
 
   std::size_t size() const { return size_; }
@@ -34,8 +35,11 @@ class PointBatch {
 
  private:
   const Neighborhoods& in() const;
+  /// The same, for what an operator that is alone must not look at.
+  const Neighborhoods& in_with_neighbors() const;
 
   const Neighborhoods* in_;
+  bool alone_;
   std::span<const Attribute> reads_, reads_neighbors_;
   std::size_t first_, size_, width_ = 0;
 };

@@ -23,9 +23,6 @@ namespace nb = nanobind;
 namespace pointsweep {
 namespace {
 
-/// Places in the padded lists that Python gets at once; one point may have more.
-constexpr std::size_t kMostPlaces = 1u << 18;
-
 /// The function of Python, and the first exception it raised. Used with the interpreter lock, destroyed without.
 class PythonFunction {
  public:
@@ -121,9 +118,15 @@ class PythonOperator final : public Operator {
         identity_(nb::cast<std::string>(op.attr("_identity"))),
         reads_(nb::cast<std::vector<std::string>>(op.attr("reads"))),
         reads_neighbors_(nb::cast<std::vector<std::string>>(op.attr("reads_neighbors"))),
+        most_places_(nb::cast<std::size_t>(op.attr("_most_places"))),
         function_(function_of(op)) {
     using Made = std::vector<std::tuple<std::string, std::string, std::size_t>>;
     for (const auto& made : nb::cast<Made>(op.attr("_makes"))) contract_.makes.push_back(made_attribute(made));
+    contract_.alone = !nb::cast<bool>(op.attr("sees_neighbors"));
+    if (contract_.makes.empty()) {
+      contract_.makes = {selection_attribute()};
+      contract_.selects = Selects::by_value;
+    }
     contract_.reads = all_resolved(reads_, {}, {});
     contract_.reads_neighbors = all_resolved(reads_neighbors_, {}, {});
   }
@@ -141,8 +144,7 @@ class PythonOperator final : public Operator {
     const nb::gil_scoped_acquire interpreter;
     for (std::size_t first = 0, size = 0; first < in.size(); first += size) {
       size = size_at(in, first);
-      const nb::object results =
-          function_->call(PointBatch(in, contract_.reads, contract_.reads_neighbors, first, size));
+      const nb::object results = function_->call(PointBatch(in, contract_, first, size));
       for (std::size_t m = 0; m < contract_.makes.size(); ++m) {
         const std::size_t bytes = contract_.makes[m].bytes();
         const ArrayColumn made = borrow_array(results[m], contract_.makes[m].fields);
@@ -154,12 +156,12 @@ class PythonOperator final : public Operator {
   void rethrow() const { function_->rethrow(); }
 
  private:
-  /// Points from `first` on, so that the padded lists have at most kMostPlaces.
-  static std::size_t size_at(const Neighborhoods& in, std::size_t first) {
+  /// Points from `first` on, so that the padded lists have at most most_places_.
+  std::size_t size_at(const Neighborhoods& in, std::size_t first) const {
     std::size_t width = 1, size = 0;
     for (; first + size < in.size(); ++size) {
-      width = std::max(width, in.count(first + size));
-      if (size > 0 && (size + 1) * width > kMostPlaces) break;
+      if (!contract_.alone) width = std::max(width, in.count(first + size));
+      if (size > 0 && (size + 1) * width > most_places_) break;
     }
     return size;
   }
@@ -168,6 +170,7 @@ class PythonOperator final : public Operator {
 
   std::string name_, identity_;
   std::vector<std::string> reads_, reads_neighbors_;
+  std::size_t most_places_;  ///< in the padded lists that Python gets at once; one point may have more
   Contract contract_;
   std::shared_ptr<PythonFunction> function_;
 };

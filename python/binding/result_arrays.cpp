@@ -2,11 +2,14 @@
 #include "python/binding/result_arrays.h"
 
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/fixed_copy.h"
+#include "pointsweep/order/temp_folder.h"
 
 namespace nb = nanobind;
 
@@ -57,7 +60,16 @@ class ResultArrays::Collector final : public Writer {
     const std::size_t rows = records.size() / stride_;
     if (row > results_.rows_ || rows > results_.rows_ - row)
       fail("more points came than the {} that were announced.", results_.rows_);
-    for (Array& array : results_.arrays_) copy(array, row, rows, records.data());
+    for (Array& array : results_.arrays_) {
+      const std::size_t bytes = array.row_bytes();
+      if (array.first != nullptr) {
+        copy(array, rows, records.data(), array.first + row * bytes);
+        continue;
+      }
+      block_.resize(std::max(block_.size(), rows * bytes));
+      copy(array, rows, records.data(), block_.data());
+      results_.file_->write(array.offset + row * bytes, std::span(block_).first(rows * bytes));
+    }
     next_row_ = row + rows;
     rows_written_ += rows;
     bytes_written_ += records.size();
@@ -68,9 +80,8 @@ class ResultArrays::Collector final : public Writer {
   }
 
  private:
-  void copy(Array& array, std::uint64_t row, std::size_t rows, const std::byte* records) const {
-    const std::size_t bytes = array.values * size_of(array.type);
-    std::byte* to = array.memory.bytes.get() + row * bytes;
+  void copy(const Array& array, std::size_t rows, const std::byte* records, std::byte* to) const {
+    const std::size_t bytes = array.row_bytes();
     if (!is_one_piece(array.fields)) return convert(array, rows, records, to);
     const std::byte* from = records + array.fields.front().offset;
     with_fixed_size(bytes, [&](auto size) {
@@ -88,8 +99,28 @@ class ResultArrays::Collector final : public Writer {
 
   ResultArrays& results_;
   std::size_t stride_;
+  std::vector<std::byte> block_;  ///< of one array, on its way to the file
   std::uint64_t next_row_ = 0, rows_written_ = 0;
 };
+
+ResultArrays::ResultArrays(WantedArrays wanted, const std::filesystem::path& folder) : wanted_(std::move(wanted)) {
+  const TempFolder made(temp_parent(folder));  // the file has no name, and outlives it
+  file_.emplace(SpillPlace(&made));
+}
+
+std::vector<std::string> ResultArrays::Array::components() const {
+  std::vector<std::string> names;
+  for (const Field& field : fields)
+    for (std::uint32_t v = 0; v < field.count; ++v)
+      names.push_back(field.count == 1 ? field.name : field.name + "_" + std::to_string(v));
+  return names;
+}
+
+nb::tuple ResultArrays::Array::with_names(ArrayMemory held, std::size_t rows) const {
+  std::vector<std::size_t> shape = {rows};
+  if (is_list) shape.push_back(values);
+  return nb::make_tuple(numpy_array(std::move(held), shape, type), components());
+}
 
 void ResultArrays::add(const std::string& name, const std::vector<std::string>& fields, const OutputPlan& plan) {
   const bool all = wanted_.names.empty();
@@ -107,7 +138,22 @@ void ResultArrays::add(const std::string& name, const std::vector<std::string>& 
   if (!std::ranges::all_of(found, [&](const Field& field) { return result_type(field) == type; })) return;
   if (all) taken_.insert(fields.begin(), fields.end());
   const bool is_list = values != 1 || fields.front() != name;
-  arrays_.push_back({name, type, std::move(found), ArrayMemory(rows_ * values * size_of(type)), values, is_list});
+  const std::size_t bytes = rows_ * values * size_of(type);
+  std::byte* first = place_in(name, type, values);
+  ArrayMemory memory(file_ || first != nullptr ? 0 : bytes);
+  if (!file_ && first == nullptr) first = memory.bytes.get();
+  const std::uint64_t offset = file_ ? file_->reserve(bytes) : 0;
+  arrays_.push_back({name, type, std::move(found), std::move(memory), first, values, is_list, offset});
+}
+
+std::byte* ResultArrays::place_in(const std::string& name, Type type, std::size_t values) const {
+  const auto there = wanted_.into.find(name);
+  if (there == wanted_.into.end()) return nullptr;
+  const WritableArray& array = there->second;
+  if (array.type != type || array.rows != rows_ || array.values != values)
+    fail_usage("out: the array for '{}' has {} rows of {} {}, but the result has {} rows of {} {}.", name, array.rows,
+               array.values, name_of(array.type), rows_, values, name_of(type));
+  return array.first;
 }
 
 void ResultArrays::require_all_wanted() const {
@@ -132,12 +178,24 @@ std::unique_ptr<Writer> ResultArrays::writer(const OutputPlan& plan) {
 
 nb::dict ResultArrays::arrays() {
   nb::dict arrays;
-  for (Array& array : arrays_) {
-    std::vector<std::size_t> shape = {rows_};
-    if (array.is_list) shape.push_back(array.values);
-    arrays[array.name.c_str()] = numpy_array(std::move(array.memory), shape, array.type);
-  }
+  for (Array& array : arrays_)
+    arrays[array.name.c_str()] = wanted_.into.contains(array.name) ? nb::make_tuple(nb::none(), array.components())
+                                                                   : array.with_names(std::move(array.memory), rows_);
   arrays_.clear();
+  wanted_.into.clear();
+  return arrays;
+}
+
+nb::dict ResultArrays::read(std::size_t first, std::size_t rows) const {
+  first = std::min(first, rows_);
+  rows = std::min(rows, rows_ - first);
+  nb::dict arrays;
+  for (const Array& array : arrays_) {
+    const std::size_t bytes = array.row_bytes();
+    ArrayMemory block(rows * bytes);
+    file_->read(array.offset + first * bytes, {block.bytes.get(), rows * bytes});
+    arrays[array.name.c_str()] = array.with_names(std::move(block), rows);
+  }
   return arrays;
 }
 

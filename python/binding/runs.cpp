@@ -5,9 +5,12 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/set.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <filesystem>
 #include <limits>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,13 +45,18 @@ std::string run_watched(Cloud& cloud, const Chain& chain, const Outputs& outputs
   return statistics;
 }
 
+std::string run_into(ResultArrays& results, Cloud& cloud, const Chain& chain, const RunOptions& options,
+                     const Callbacks& callbacks) {
+  Outputs outputs;
+  outputs.writer = [&](const OutputPlan& plan) { return results.writer(plan); };
+  return run_watched(cloud, chain, outputs, options, callbacks);
+}
+
 /// The same with results as arrays.
 nb::tuple run_to_arrays(Cloud& cloud, const Chain& chain, const WantedArrays& wanted, const RunOptions& options,
                         const Callbacks& callbacks) {
   ResultArrays results(wanted);
-  Outputs outputs;
-  outputs.writer = [&](const OutputPlan& plan) { return results.writer(plan); };
-  const std::string statistics = run_watched(cloud, chain, outputs, options, callbacks);
+  const std::string statistics = run_into(results, cloud, chain, options, callbacks);
   return nb::make_tuple(results.arrays(), statistics);
 }
 
@@ -71,19 +79,54 @@ WantedArrays wanted_arrays(Chain& chain, const RunOptions& options, std::vector<
 
 nb::tuple run_pipeline(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                        const nb::dict& given, const std::vector<FieldGroup>& groups, const nb::object& to,
-                       const nb::object& progress, const nb::object& warn) {
+                       const nb::dict& into, const nb::object& progress, const nb::object& warn) {
   const Callbacks callbacks{progress, warn};
   const RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, to.is_none(), given);
   Chain chain = chain_of(pipeline, cloud);
   chain.keep = keep;
-  if (to.is_none()) return run_to_arrays(cloud, chain, wanted_arrays(chain, options, groups), options, callbacks);
+  if (to.is_none()) {
+    WantedArrays wanted = wanted_arrays(chain, options, groups);
+    for (const auto [name, array] : into) {
+      const auto known = nb::cast<std::string>(name);
+      wanted.into[known] = borrow_writable(array, known);
+    }
+    return run_to_arrays(cloud, chain, wanted, options, callbacks);
+  }
   Outputs outputs;
   if (nb::isinstance<nb::list>(to))
     outputs.tiles = nb::cast<std::vector<std::filesystem::path>>(to);
   else
     outputs.points = nb::cast<std::filesystem::path>(to);
   return nb::make_tuple(nb::none(), run_watched(cloud, chain, outputs, options, callbacks));
+}
+
+/// What a run would do, in lines for people.
+std::string plan(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
+                 const nb::dict& given, const std::vector<FieldGroup>& groups, const std::filesystem::path& to) {
+  const RunOptions options = run_options(given);
+  Cloud cloud = open_cloud(source, to.empty(), given);
+  Chain chain = chain_of(pipeline, cloud);
+  chain.keep = keep;
+  if (to.empty()) wanted_arrays(chain, options, groups);
+  return plan_text(cloud, chain, to, options);
+}
+
+/// The same as run_pipeline() with results in a temporary file: (SpilledArrays, whether it has kRowField since its rows
+/// are not those of the input, statistics). `numbers`: an operator of Python that makes kRowField of points in files.
+nb::tuple run_to_blocks(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
+                        const nb::dict& given, const std::vector<FieldGroup>& groups, const nb::object& numbers,
+                        const nb::object& progress, const nb::object& warn) {
+  const RunOptions options = run_options(given);
+  Cloud cloud = open_cloud(source, true, given);
+  Chain chain = chain_of(pipeline, cloud);
+  const bool changed = changes_rows(chain, options);
+  chain.keep = keep;
+  if (changed && !keep.empty()) chain.keep.emplace_back(kRowField);
+  if (changed && !numbers.is_none()) chain.stages.insert(chain.stages.begin(), python_operator(numbers));
+  auto results = std::make_unique<ResultArrays>(wanted_arrays(chain, options, groups), options.resources.temp_folder);
+  const std::string statistics = run_into(*results, cloud, chain, options, {progress, warn});
+  return nb::make_tuple(nb::cast(std::move(results)), changed, statistics);
 }
 
 nb::tuple neighbors(const nb::list& source, std::size_t k, double radius, const nb::dict& given,
@@ -109,8 +152,14 @@ nb::tuple radius_neighbors(const nb::list& source, double radius, const nb::dict
 }  // namespace
 
 void bind_runs(nb::module_& module) {
-  module.def("run", &run_pipeline, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a.none(),
+  module.def("run", &run_pipeline, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a.none(), "into"_a,
              "progress"_a.none(), "warn"_a.none());
+  module.def("plan", &plan, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a);
+  nb::class_<ResultArrays>(module, "SpilledArrays")
+      .def("__len__", &ResultArrays::rows)
+      .def("read", &ResultArrays::read, "first"_a, "rows"_a);
+  module.def("run_to_blocks", &run_to_blocks, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a,
+             "numbers"_a.none(), "progress"_a.none(), "warn"_a.none());
   module.def("neighbors", &neighbors, "source"_a, "k"_a, "radius"_a, "options"_a, "progress"_a.none(), "warn"_a.none());
   module.def("radius_neighbors", &radius_neighbors, "source"_a, "radius"_a, "options"_a, "progress"_a.none(),
              "warn"_a.none());

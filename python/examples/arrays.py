@@ -15,5 +15,5 @@ print(f"median angle to the sphere's normals: {np.degrees(np.arccos(np.median(co
 indices, distances = ps.neighbors(xyz, k=16)
 print(f"mean distance to the nearest point: {distances[:, 0].mean():.5f}")
 
-kept = ps.run(xyz, "knn(k=16) | sor | where(outlier == 0)")
+kept = ps.run(xyz, ps.knn(16) | ps.sor() | ps.where("outlier == 0"))
 print(f"{len(kept['row'])} of {len(xyz)} points are no outliers")

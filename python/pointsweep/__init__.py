@@ -6,22 +6,31 @@
 >>> t = ps.run(xyz, "knn(k=16) | normals | sor", keep=["normal", "outlier"])
 >>> ps.open("tiles/*.laz").run("knn(k=8) | normals", to="out/", memory="2G")
 
-`run` is the heart: points in arrays or files, through a pipeline, to arrays or files. `normals` and `neighbors` are
-short for the two most wanted runs, `operator` makes a stage of a function, `generate` makes points to try things with.
+`run` is the heart: points in arrays or files, through a pipeline, to arrays or files; `chunks` gives its results block by
+block. `normals` and `neighbors` are short for the two most wanted runs. `knn`, `where`, `sor` and the other built-in
+operators are stages of pipelines, and `operator` and `select` make such of functions. `generate` makes points to try
+things with.
 """
 
-from . import _core
+from . import _core, _stages
+from ._check import Check, check
+from ._chunks import Chunks, chunks
 from ._errors import Error, PointsweepWarning, UsageError
 from ._files import Cloud, Crs, open
 from ._generate import generate
-from ._operator import Operator, PointNeighbors, Points, operator
+from ._operator import Operator, PointNeighbors, Points, Select, operator, select
 from ._pipeline import Pipeline
+from ._plan import Plan, plan
+from ._reduce import Reduction, reduce
 from ._results import Arrays, Neighbors, RadiusNeighbors, Report
 from ._runs import neighbors, normals, run
+from ._stage import Stage
+from ._stages import *  # noqa: F403
 
 __version__: str = _core.version
 __all__ = [
-    "Arrays", "Cloud", "Crs", "Error", "Neighbors", "Operator", "Pipeline", "PointNeighbors", "Points",
-    "PointsweepWarning", "RadiusNeighbors", "Report", "UsageError", "generate", "neighbors", "normals", "open",
-    "operator", "run",
+    "Arrays", "Check", "Chunks", "Cloud", "Crs", "Error", "Neighbors", "Operator", "Pipeline", "Plan", "PointNeighbors",
+    "Points", "PointsweepWarning", "RadiusNeighbors", "Reduction", "Report", "Select", "Stage", "UsageError", "check",
+    "chunks", "generate", "neighbors", "normals", "open", "operator", "plan", "reduce", "run", "select",
 ]  # fmt: skip
+__all__ += _stages.__all__

@@ -8,6 +8,10 @@ import numpy as np
 
 version: str
 
+Known = dict[str, tuple[np.ndarray, list[str]]]  # arrays, with the names of their components; None: one that was given
+Progress = Callable[[str, int, int], Any] | None
+Warn = Callable[[str], Any] | None
+
 class PointBatch:
     @property
     def size(self) -> int: ...
@@ -28,23 +32,48 @@ def run(
     options: dict[str, Any],
     groups: list[tuple[str, list[str]]],
     to: str | list[str] | None,
-    progress: Callable[[str, int, int], Any] | None,
-    warn: Callable[[str], Any] | None,
-) -> tuple[dict[str, np.ndarray], str]: ...
+    into: dict[str, np.ndarray],
+    progress: Progress,
+    warn: Warn,
+) -> tuple[Known | None, str]: ...
+
+def plan(
+    source: list[Any],
+    pipeline: list[Any],
+    keep: list[str],
+    options: dict[str, Any],
+    groups: list[tuple[str, list[str]]],
+    to: str,
+) -> str: ...
+
+class SpilledArrays:
+    def __len__(self) -> int: ...
+    def read(self, first: int, rows: int) -> Known: ...
+
+def run_to_blocks(
+    source: list[Any],
+    pipeline: list[Any],
+    keep: list[str],
+    options: dict[str, Any],
+    groups: list[tuple[str, list[str]]],
+    numbers: Any,
+    progress: Progress,
+    warn: Warn,
+) -> tuple[SpilledArrays, bool, str]: ...
 def neighbors(
     source: list[Any],
     k: int,
     radius: float,
     options: dict[str, Any],
-    progress: Callable[[str, int, int], Any] | None,
-    warn: Callable[[str], Any] | None,
-) -> tuple[dict[str, np.ndarray], str]: ...
+    progress: Progress,
+    warn: Warn,
+) -> tuple[Known, str]: ...
 def radius_neighbors(
     source: list[Any],
     radius: float,
     options: dict[str, Any],
-    progress: Callable[[str, int, int], Any] | None,
-    warn: Callable[[str], Any] | None,
+    progress: Progress,
+    warn: Warn,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
 def list_files(named: list[str], recursive: bool, format: str) -> tuple[list[tuple[str, str]], list[str]]: ...
 def describe(source: list[str], options: dict[str, Any]) -> dict[str, Any]: ...
@@ -53,7 +82,7 @@ def generate(
     points: int,
     path: str,
     options: dict[str, Any],
-    progress: Callable[[str, int, int], Any] | None,
-    warn: Callable[[str], Any] | None,
-) -> dict[str, np.ndarray]: ...
+    progress: Progress,
+    warn: Warn,
+) -> Known | None: ...
 def shape_names() -> list[str]: ...

@@ -23,11 +23,33 @@ class PointsweepWarning(UserWarning):
     """Something about the input, the request or the output that is worth knowing but does no harm."""
 
 
+_OTHER_NAMES = {"temp-dir": "temp_folder", "force": "overwrite=True", "recursive": "recursive=True"}
+_SAME_NAMES = ("axis", "format", "ignore_crs", "keep", "memory", "nonfinite", "order", "prefix", "replace", "resume", "threads")
+
+
+def with_names_of_python(sentence: str) -> str:
+    """A sentence of the library, which names options as the command-line tool does, with those of this package."""
+    if "--" not in sentence:
+        return sentence
+    import re
+
+    def named(option: re.Match[str]) -> str:
+        text, name, value = option[0], option[1], option[2]
+        if name in _OTHER_NAMES:
+            return _OTHER_NAMES[name] + (f" {value}" if value else "")
+        if name.replace("-", "_") not in _SAME_NAMES:
+            return text
+        return f"{name.replace('-', '_')}={value!r}" if value else name.replace("-", "_")
+
+    return re.sub(r"--([a-z][a-z-]*)(?: (keep|drop|refuse|input|sweep|[0-9][0-9.]*[KMGT]?B?)\b)?", named, sentence)
+
+
 _PACKAGE = os.path.dirname(os.path.abspath(__file__)) + os.sep
 
 
 def warn(sentence: str) -> None:
     """Warns at the line outside of the package that called it."""
+    sentence = with_names_of_python(sentence)
     frame, level = sys._getframe(), 1
     while frame.f_back is not None and os.path.abspath(frame.f_code.co_filename).startswith(_PACKAGE):
         frame, level = frame.f_back, level + 1

@@ -5,13 +5,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _core
 from ._errors import UsageError, warn
 from ._results import Arrays, Report
+from ._tables import html_table
+
+if TYPE_CHECKING:
+    from ._chunks import Chunks
 
 Path = str | os.PathLike[str]
 
@@ -74,6 +78,12 @@ class Cloud:
         result: Arrays | Report = run(self, pipeline, **options)
         return result
 
+    def chunks(self, rows: int, pipeline: Any = None, **options: Any) -> Chunks:
+        """`pointsweep.chunks` of these files: the results of a run, block by block."""
+        from ._chunks import chunks
+
+        return chunks(self, rows, pipeline, **options)
+
     def __repr__(self) -> str:
         files = self.files[0] if len(self.files) == 1 else f"{len(self.files)} files"
         crs = self.crs
@@ -83,6 +93,17 @@ class Cloud:
             lines.append("  " + ", ".join(spans))
         lines.append("  " + ", ".join(f"{name} {kind}" for name, kind in self.attributes.items()))
         return "\n".join(lines) + ">"
+
+    def _repr_html_(self) -> str:
+        rows = [("files", self.files[0] if len(self.files) == 1 else f"{len(self.files):,}")]
+        rows.append(("points", f"{len(self):,}"))
+        if self.bounds is not None:
+            rows += [(axis, f"{low:.10g} to {high:.10g}") for axis, low, high in zip("xyz", *self.bounds)]
+        crs = self.crs
+        if crs is not None:
+            rows.append(("coordinate system", crs._text))
+        rows.append(("attributes", ", ".join(f"{name} {kind}" for name, kind in self.attributes.items())))
+        return html_table("Cloud", None, rows)
 
 
 def open(

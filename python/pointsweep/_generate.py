@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
-from typing import Any, overload
+from collections.abc import Sequence
+from typing import overload
 
 from . import _core
 from ._errors import UsageError, warn
 from ._files import Cloud, open
 from ._options import number, run_options, whole
+from ._progress import ProgressCallback, called
 from ._results import Arrays, arrays_of
 
 
@@ -28,7 +29,7 @@ def generate(
     float64: bool = ...,
     overwrite: bool = ...,
     threads: int | None = ...,
-    progress: Callable[[str, int, int], Any] | None = ...,
+    progress: ProgressCallback | bool | None = ...,
 ) -> Arrays: ...
 
 
@@ -46,7 +47,7 @@ def generate(
     float64: bool = ...,
     overwrite: bool = ...,
     threads: int | None = ...,
-    progress: Callable[[str, int, int], Any] | None = ...,
+    progress: ProgressCallback | bool | None = ...,
 ) -> Cloud: ...
 
 
@@ -63,7 +64,7 @@ def generate(
     float64: bool = False,
     overwrite: bool = False,
     threads: int | None = None,
-    progress: Callable[[str, int, int], Any] | None = None,
+    progress: ProgressCallback | bool | None = None,
 ) -> Arrays | Cloud:
     """Points of a shape, in random order, with its normals where it has them; the same on every machine.
 
@@ -96,5 +97,6 @@ def generate(
         "threads": run_options(threads=threads)["threads"],
     }
     file = os.fspath(path) if path is not None else ""
-    arrays = _core.generate(shape, count, file, options, progress, warn)
-    return open(file) if file else arrays_of(arrays, None)
+    with called(progress) as shown:
+        known = _core.generate(shape, count, file, options, shown, warn)
+    return open(file) if known is None else arrays_of(known, None)

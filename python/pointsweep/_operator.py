@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import inspect
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -119,6 +117,9 @@ class Points:
 class Operator:
     """A function of Python as a stage of pipelines; made with `pointsweep.operator`."""
 
+    #: places in the padded lists of a batch; one point may have more
+    _most_places = 1 << 18
+
     def __init__(
         self,
         function: Callable[[Points], Any],
@@ -126,17 +127,20 @@ class Operator:
         reads_neighbors: Sequence[str],
         makes: Mapping[str, Any],
         name: str | None,
+        sees_neighbors: bool = True,
     ) -> None:
         self.function = function
         #: as plans, errors and statistics call it
         self.name: str = name or str(getattr(function, "__name__", type(function).__name__))
         self.reads = list(reads)
         self.reads_neighbors = list(reads_neighbors)
+        #: False: positions and attributes of the points alone, which needs no search
+        self.sees_neighbors = bool(sees_neighbors)
+        if self.reads_neighbors and not self.sees_neighbors:
+            raise UsageError(f"operator '{self.name}': reads_neighbors needs neighbors=True.")
         self.makes = {made: _made_type(made, kind) for made, kind in makes.items()}
-        if not self.makes:
-            raise UsageError(f"operator '{self.name}': makes nothing; name what it makes, e.g. makes={{'roughness': 'f4'}}.")
         self._makes = [(made, t.base.name, t.shape[0] if t.shape else 0) for made, t in self.makes.items()]
-        self._identity = _identity(function, self.reads, self.reads_neighbors, self._makes)
+        self._identity = _identity(function, self.reads, self.reads_neighbors, self._makes, self.sees_neighbors)
         self.__doc__ = getattr(function, "__doc__", None)
 
     def __call__(self, points: Points) -> Any:
@@ -206,6 +210,9 @@ _FIXED = {"position": "float64", "normal": "float32"}
 
 def _identity(function: Callable[..., Any], *contract: Any) -> str:
     """Of another function another text: a run that is resumed has to be the same run."""
+    import hashlib
+    import inspect
+
     try:
         text = inspect.getsource(function)
     except (OSError, TypeError):
@@ -218,12 +225,32 @@ def _identity(function: Callable[..., Any], *contract: Any) -> str:
     return hashlib.sha256(repr((text, simple, defaults, contract)).encode()).hexdigest()[:16]
 
 
+class Select(Operator):
+    """A function of Python that says which points stay; made with `pointsweep.select`."""
+
+    def __init__(self, function: Callable[[Points], Any], reads: Sequence[str], name: str | None) -> None:
+        super().__init__(function, reads, (), {}, name, sees_neighbors=False)
+
+    def __repr__(self) -> str:
+        return f"<pointsweep.Select {self.name}: {', '.join(self.reads) or 'positions'}>"
+
+    def _call(self, batch: Any) -> list[np.ndarray]:
+        mask = np.asarray(self.function(Points(batch, self.reads, [])))
+        if mask.shape != (batch.size,) or mask.dtype != np.bool_:
+            raise UsageError(
+                f"select '{self.name}': returned {mask.dtype} of the shape {mask.shape}, "
+                f"but this batch needs a mask, bool of the shape ({batch.size},)."
+            )
+        return [mask.astype(np.uint8)[:, np.newaxis]]
+
+
 def operator(
     *,
     makes: Mapping[str, Any],
     reads: Sequence[str] = (),
     reads_neighbors: Sequence[str] = (),
     name: str | None = None,
+    neighbors: bool = True,
 ) -> Callable[[Callable[[Points], Any]], Operator]:
     """Makes an operator of a function over batches of points with their exact neighbours.
 
@@ -235,6 +262,7 @@ def operator(
         (64-bit integers as they are), normals as float32.
     reads_neighbors : attributes of the neighbours, likewise. Positions can always be read.
     name : as errors and plans call it; by default that of the function.
+    neighbors : False for a function of the points alone, which then costs no search.
 
     The function gets a `Points` and returns an array for what it makes, or a dict of arrays. It is called from several
     threads, on batches of any size, and may be called twice for a point: its result for a point may depend on nothing but
@@ -246,7 +274,37 @@ def operator(
     ...     d = p.neighbors_xyz - p.xyz[:, None]
     ...     return np.abs(np.einsum("nkj,nj->nk", d, p.normal)).mean(1)
     """
-    for option, given in (("reads", reads), ("reads_neighbors", reads_neighbors)):
+    _require_lists(reads=reads, reads_neighbors=reads_neighbors)
+
+    def made(function: Callable[[Points], Any]) -> Operator:
+        result = Operator(function, reads, reads_neighbors, makes, name, neighbors)
+        if not result.makes:
+            raise UsageError(f"operator '{result.name}': makes nothing; name what it makes, e.g. makes={{'roughness': 'f4'}}.")
+        return result
+
+    return made
+
+
+def select(*, reads: Sequence[str] = (), name: str | None = None) -> Callable[[Callable[[Points], Any]], Select]:
+    """Makes a stage of a function that says which points stay; later stages see neighbours among these.
+
+    Parameters
+    ----------
+    reads : attributes of the points, as for `operator`.
+    name : as errors and plans call it; by default that of the function.
+
+    The function gets a `Points` without neighbours and returns a mask, (n,) bool. Points with NaN or infinite
+    coordinates are asked, too.
+
+    >>> @select(reads=["normal"])
+    ... def flat(p):
+    ...     return np.abs(p.normal[:, 2]) > 0.9
+    """
+    _require_lists(reads=reads)
+    return lambda function: Select(function, reads, name)
+
+
+def _require_lists(**options: Any) -> None:
+    for option, given in options.items():
         if isinstance(given, str):
             raise UsageError(f"{option}: give a list of names, [{given!r}].")
-    return lambda function: Operator(function, reads, reads_neighbors, makes, name)

@@ -9,15 +9,16 @@ from typing import Any, Union
 
 from ._errors import UsageError
 from ._operator import Operator
+from ._stage import Stage
 
 #: What `pointsweep.run` takes as a pipeline.
-PipelineLike = Union[str, Operator, "Pipeline", os.PathLike[str], Sequence[Any]]
+PipelineLike = Union[str, Operator, Stage, "Pipeline", os.PathLike[str], Sequence[Any]]
 
 
 class Pipeline:
-    """Stages in order, made with ``|``: ``"knn(k=16) | normals" | roughness | "where(roughness < 0.1)"``.
+    """Stages in order, made with ``|``: ``ps.knn(16) | ps.normals() | roughness | "where(roughness < 0.1)"``.
 
-    At least one side of each ``|`` has to be an operator or a pipeline. Texts are in the language of
+    At least one side of each ``|`` has to be a stage, an operator or a pipeline. Texts are in the language of
     docs/pipelines.md; docs/operators.md lists the operators with their options.
     """
 
@@ -38,6 +39,8 @@ def stages_of(pipeline: PipelineLike) -> list[str | Operator]:
     """Texts and operators; the content of a file for its path."""
     if isinstance(pipeline, (str, Operator)):
         return [pipeline]
+    if isinstance(pipeline, Stage):
+        return [str(pipeline)]
     if isinstance(pipeline, Pipeline):
         return list(pipeline.stages)
     if isinstance(pipeline, os.PathLike):
@@ -47,6 +50,10 @@ def stages_of(pipeline: PipelineLike) -> list[str | Operator]:
         if not pipeline:
             raise UsageError("pipeline: is empty; give one such as 'knn(k=8) | normals'.")
         return [stage for part in pipeline for stage in stages_of(part)]
+    name = getattr(pipeline, "__name__", None)
+    if callable(pipeline) and name is not None:
+        raise UsageError(f"pipeline: {name} is a function; write {name}(), or make it an operator with @pointsweep.operator.")
     raise UsageError(
-        f"pipeline: {pipeline!r} is neither a text, nor an operator (made with @pointsweep.operator), nor a list of these."
+        f"pipeline: {pipeline!r} is neither a text, nor a stage (made with pointsweep.knn() or the like), nor an operator "
+        "(made with @pointsweep.operator), nor a list of these."
     )

@@ -3,10 +3,16 @@
 
 from __future__ import annotations
 
-import json
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+
+from ._tables import html_table
+
+if TYPE_CHECKING:
+    import pandas
+    import pyarrow
 
 
 class Neighbors(NamedTuple):
@@ -29,6 +35,8 @@ class Report:
     """What a run did."""
 
     def __init__(self, statistics: str, to: str | None = None) -> None:
+        import json
+
         #: everything the library counts and measures, as `pointsweep run --stats` writes it
         self.statistics: dict[str, Any] = json.loads(statistics)
         #: the file or folder that was written; None: arrays were returned
@@ -60,12 +68,50 @@ class Report:
             rows = f"{self.points_written:,} of {self.points:,} points"
         return f"<pointsweep.Report: {self.to or 'arrays'}, {rows} in {self.seconds:.2f} s>"
 
+    def _repr_html_(self) -> str:
+        rows = [("output", self.to or "arrays"), ("points", f"{self.points:,}"), ("written", f"{self.points_written:,}")]
+        return html_table("Report", None, [*rows, ("seconds", f"{self.seconds:.2f}")])
+
 
 class Arrays(dict):
     """The arrays of a run by name, each with a row for each point: a dict that shows itself as a table."""
 
     #: what the run did; None of generated points
     report: Report | None = None
+    _components: Mapping[str, list[str]] = {}  # names of the components of arrays, as files have them
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """An (n,) array for each component, under the name that it has in files: x, y, z, nx, ny, nz, outlier, ..."""
+        flat: dict[str, np.ndarray] = {}
+        for name, values in self.items():
+            if values.ndim == 1:
+                flat[name] = values
+                continue
+            known = self._components.get(name)
+            components = known or [f"{name}_{i}" for i in range(values.shape[1])]
+            flat.update((component, values[:, i]) for i, component in enumerate(components))
+        return flat
+
+    def to_structured(self) -> np.ndarray:
+        """A structured array with a field for each of `columns()`. A copy."""
+        flat = self.columns()
+        n = len(next(iter(flat.values()), ()))
+        rows = np.empty(n, [(name, values.dtype) for name, values in flat.items()])
+        for name, values in flat.items():
+            rows[name] = values
+        return rows
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A pandas.DataFrame with a column for each of `columns()`."""
+        import pandas
+
+        return pandas.DataFrame(self.columns(), copy=False)
+
+    def to_arrow(self) -> pyarrow.Table:
+        """A pyarrow.Table with a column for each of `columns()`."""
+        import pyarrow
+
+        return pyarrow.table({name: np.ascontiguousarray(values) for name, values in self.columns().items()})
 
     def __repr__(self) -> str:
         n = len(next(iter(self.values()), ()))
@@ -73,10 +119,29 @@ class Arrays(dict):
         lines += [f"  {name:<20} {values.dtype!s:<8} {values.shape}" for name, values in self.items()]
         return "\n".join(lines) + ">"
 
+    def _repr_html_(self) -> str:
+        n = len(next(iter(self.values()), ()))
+        rows = [(name, str(a.dtype), str(a.shape), *_least_and_greatest(a)) for name, a in self.items()]
+        return html_table(f"{n:,} points", ("array", "type", "shape", "least", "greatest"), rows)
 
-def arrays_of(arrays: dict[str, np.ndarray], statistics: str | None, keep: list[str] | None = None) -> Arrays:
-    """The arrays in the order of `keep`, else in their own."""
-    result = Arrays({name: arrays[name] for name in keep} if keep else arrays)
+
+def _least_and_greatest(values: np.ndarray) -> tuple[str, str]:
+    """Of what is a number."""
+    import warnings
+
+    if values.size == 0:
+        return "", ""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # all NaN
+        return f"{np.nanmin(values):.6g}", f"{np.nanmax(values):.6g}"
+
+
+def arrays_of(
+    known: dict[str, tuple[np.ndarray, list[str]]], statistics: str | None, keep: list[str] | None = None
+) -> Arrays:
+    """The arrays, known with the names of their components, in the order of `keep`, else in their own."""
+    result = Arrays({name: known[name][0] for name in keep or known})
+    result._components = {name: components for name, (_, components) in known.items()}
     if statistics is not None:
         result.report = Report(statistics)
     return result

@@ -5,21 +5,22 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, overload
 
 import numpy as np
 
-from . import _core
+from . import _core, _stages
 from ._errors import UsageError, warn
 from ._files import outputs_of
 from ._options import choice, names, number, run_options, whole
 from ._pipeline import PipelineLike, stages_of
+from ._outputs import outputs_to
+from ._progress import ProgressCallback, called
 from ._results import Arrays, Neighbors, RadiusNeighbors, Report, arrays_of
 from ._sources import Source, source_of
+from ._stage import Stage
 
-#: (phase, points done, points in all)
-ProgressCallback = Callable[[str, int, int], Any]
 Path = str | os.PathLike[str]
 
 
@@ -30,6 +31,7 @@ def run(
     *,
     to: None = None,
     keep: Sequence[str] | str | None = None,
+    out: Mapping[str, np.ndarray] | None = None,
     attributes: Mapping[str, Any] | None = None,
     order: str = "input",
     axis: int | str | None = None,
@@ -41,7 +43,7 @@ def run(
     overwrite: bool = False,
     replace: Sequence[str] | str | None = None,
     prefix: str = "",
-    progress: ProgressCallback | None = None,
+    progress: ProgressCallback | bool | None = None,
 ) -> Arrays: ...
 
 
@@ -63,7 +65,7 @@ def run(
     overwrite: bool = False,
     replace: Sequence[str] | str | None = None,
     prefix: str = "",
-    progress: ProgressCallback | None = None,
+    progress: ProgressCallback | bool | None = None,
 ) -> Report: ...
 
 
@@ -73,8 +75,9 @@ def run(
     *,
     to: Path | Sequence[Path] | None = None,
     keep: Sequence[str] | str | None = None,
+    out: Mapping[str, np.ndarray] | None = None,
     attributes: Mapping[str, Any] | None = None,
-    progress: ProgressCallback | None = None,
+    progress: ProgressCallback | bool | None = None,
     **options: Any,
 ) -> Arrays | Report:
     """Runs a pipeline over points, in arrays or files, and returns arrays or writes files.
@@ -82,13 +85,17 @@ def run(
     Parameters
     ----------
     points : an (n, 3) array of any strides, also memory-mapped; a dict of arrays with 'xyz' (or 'x', 'y', 'z') and more
-        attributes; a structured array with fields x, y, z; a `Cloud`; or paths as `open` takes them.
-    pipeline : a text such as ``"knn(k=16) | normals | sor"`` (docs/pipelines.md), an operator of your own, or both in a
-        list or joined by ``|``; or the path of a text file.
+        attributes; a structured array, a table of pandas or pyarrow with columns x, y, z; a laspy.LasData; a point cloud
+        of Open3D; an array on the CPU of any library with DLPack; an iterator of blocks of these, which are put in
+        temporary files first; a `Cloud`; or paths as `open` takes them.
+    pipeline : a text such as ``"knn(k=16) | normals | sor"`` (docs/pipelines.md), stages such as ``ps.knn(16)``, operators
+        of your own, or these in a list or joined by ``|``; or the path of a text file.
     to : the file to write, whose name says the format; a folder, with a file for each input file; None: arrays.
     keep : names of the attributes wanted. Without it arrays are returned of all that is made; where the pipeline leaves
         rows out, or the order is another one, also of everything that the input has, and of 'row', the number of the
         input row (of points in arrays).
+    out : arrays that the results of these names are written to, of the type and shape that they have, contiguous, e.g. a
+        `numpy.memmap` for what does not fit in memory. They are what is kept where `keep` does not say.
     attributes : more attributes of points in arrays, by name.
     order : of the result's rows: 'input', or 'sweep', along the axis of the largest extent.
     axis : of the sweep: 'x', 'y' or 'z'.
@@ -103,48 +110,66 @@ def run(
     replace : attributes of the input that made ones of the same name may replace.
     prefix : before the names of made attributes in files.
     progress : called with (phase, points done, points in all), a few times a second. An exception in it ends the run.
+        True shows it, by tqdm if that is installed.
 
     Returns
     -------
     `Arrays`, a dict of arrays, or a `Report` where files are written. Raises `UsageError` and `Error`. Ctrl-C ends a run
     within a second, and nothing of it remains. Other threads run meanwhile.
     """
-    source = source_of(points, attributes)
     stages = stages_of(pipeline)
-    kept = names("keep", keep)
-    given = {**run_options(**options), **source.options}
+    into = outputs_to(out)
+    kept = names("keep", list(out) if keep is None and out else keep)
+    checked = run_options(**options)
+    source = source_of(points, attributes, checked["temp_folder"])
+    given = {**checked, **source.options}
     if to is None:
         for option in ("prefix", "resume"):
             if given[option]:
                 raise UsageError(f"{option}: is for outputs in files; name one with to=, or leave the option out.")
-        arrays, statistics = _core.run(source.inputs, stages, kept, given, source.groups, None, progress, warn)
-        return arrays_of(arrays, statistics, kept)
+        missing = [name for name in into if kept and name not in kept]
+        if missing:
+            raise UsageError(f"out: '{missing[0]}' is not among what keep names; name it there, too.")
+        with called(progress) as shown:
+            known, statistics = _core.run(source.inputs, stages, kept, given, source.groups, None, into, shown, warn)
+        return arrays_of({**(known or {}), **{n: (out[n], known[n][1]) for n in into if known}}, statistics, kept)  # type: ignore[index]
+    if into:
+        raise UsageError("out: is for results in arrays; leave it out, or to=.")
     if given["resume"] and not source.is_files:
         raise UsageError("resume: is for files; arrays are gone when this process ends.")
     files = outputs_of(to, source, points)
-    _, statistics = _core.run(source.inputs, stages, kept, given, source.groups, files, progress, warn)
+    with called(progress) as shown:
+        _, statistics = _core.run(source.inputs, stages, kept, given, source.groups, files, {}, shown, warn)
     return Report(statistics, os.fspath(to) if isinstance(to, (str, os.PathLike)) else f"{len(files)} files")
 
 
-def _knn(k: int | None, radius: float | None) -> str:
-    options = []
-    if k is not None:
-        options.append(f"k={whole('k', k)}")
-    if radius is not None:
-        options.append(f"radius={number('radius', radius)!r}")
-    return f"knn({', '.join(options)})"
+@overload
+def normals(*, orient: str = ..., viewpoint: Sequence[float] | None = ...) -> Stage: ...
+
+
+@overload
+def normals(
+    points: Any,
+    k: int | None = ...,
+    *,
+    radius: float | None = ...,
+    orient: str = ...,
+    viewpoint: Sequence[float] | None = ...,
+    **options: Any,
+) -> np.ndarray: ...
 
 
 def normals(
-    points: Any,
+    points: Any = None,
     k: int | None = None,
     *,
     radius: float | None = None,
     orient: str = "none",
     viewpoint: Sequence[float] | None = None,
     **options: Any,
-) -> np.ndarray:
-    """Unit normals of the surface that the points were taken from, (n, 3) float32; 0 where none can be computed.
+) -> np.ndarray | Stage:
+    """Unit normals of the surface that the points were taken from, (n, 3) float32; without points, a stage that makes
+    them: ``ps.knn(16) | ps.normals(orient="up")``.
 
     Parameters
     ----------
@@ -154,23 +179,29 @@ def normals(
     orient : 'none' (the component of largest magnitude is positive), 'up' (nz >= 0), 'viewpoint', or 'input' (as the
         attribute 'normal' that the points have).
     viewpoint : the position of the scanner, x, y, z; implies orient='viewpoint'.
-    options : of `run`: attributes, memory, threads, progress, ...
-
-    The normal is the eigenvector of the smallest eigenvalue of the covariance of the neighbours, weighted by distance
-    (Equation 1 in R. Pajarola, Stream-Processing Points, IEEE Visualization 2005; docs/operators.md).
+    options : of `run`: attributes, out (an array), memory, threads, progress, ...
     """
     if viewpoint is not None and orient == "none":
         orient = "viewpoint"
-    stage = f"orient={choice('orient', orient, ('none', 'up', 'viewpoint', 'input'))}"
-    if orient == "viewpoint":
-        if viewpoint is None or len(viewpoint) != 3:
-            raise UsageError("viewpoint: give the position of the scanner, (x, y, z).")
-        stage += f", viewpoint=[{','.join(repr(number('viewpoint', c)) for c in viewpoint)}]"
-    elif viewpoint is not None:
+    choice("orient", orient, ("none", "up", "viewpoint", "input"))
+    if orient == "viewpoint" and (viewpoint is None or len(viewpoint) != 3):
+        raise UsageError("viewpoint: give the position of the scanner, (x, y, z).")
+    if orient != "viewpoint" and viewpoint is not None:
         raise UsageError(f"viewpoint: is not used with orient={orient!r}; leave one of them out.")
+    stage = _stages.normals(orient, viewpoint=viewpoint)  # type: ignore[arg-type]
+    if points is None:
+        if k is not None or radius is not None or options:
+            raise UsageError("normals: without points it is a stage; give k and radius to knn(), and options to run().")
+        return stage
     k = 8 if k is None and radius is None else k
-    result: np.ndarray = run(points, f"{_knn(k, radius)} | normals({stage})", keep=["normal"], **options)["normal"]
+    if isinstance(options.get("out"), np.ndarray):
+        options["out"] = {"normal": options["out"]}
+    result: np.ndarray = run(points, _stages.knn(k, radius=radius) | stage, keep=["normal"], **options)["normal"]
     return result
+
+
+# What the declaration of the operator says beyond its options.
+normals.__doc__ = f"{normals.__doc__ or ''}\n    Makes\n{(_stages.normals.__doc__ or '').partition('Makes')[2].lstrip(chr(10))}"
 
 
 @overload
@@ -203,17 +234,21 @@ def neighbors(
     coordinates have no neighbours and are neighbours of no point.
     """
     progress = options.pop("progress", None)
-    source: Source = source_of(points, options.pop("attributes", None))
-    given = {**run_options(**options), **source.options}
+    attributes = options.pop("attributes", None)
+    checked = run_options(**options)
+    source: Source = source_of(points, attributes, checked["temp_folder"])
+    given = {**checked, **source.options}
     for option, plain in (("order", "input"), ("prefix", ""), ("resume", "")):
         if given[option] != plain:
             raise UsageError(f"{option}: is not an option of neighbors.")
     if k is None and radius is not None:
-        lists = _core.radius_neighbors(source.inputs, number("radius", radius), given, progress, warn)
+        with called(progress) as shown:
+            lists = _core.radius_neighbors(source.inputs, number("radius", radius), given, shown, warn)
         return RadiusNeighbors(*lists)
     count = 16 if k is None else whole("k", k)
     if count < 1:
         raise UsageError(f"k: {count} is not a number of neighbours; choose 1 or more.")
     limit = math.inf if radius is None else number("radius", radius)
-    arrays, _ = _core.neighbors(source.inputs, count, limit, given, progress, warn)
-    return Neighbors(arrays["neighbors"], arrays["distances"])
+    with called(progress) as shown:
+        known, _ = _core.neighbors(source.inputs, count, limit, given, shown, warn)
+    return Neighbors(known["neighbors"][0], known["distances"][0])

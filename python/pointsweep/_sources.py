@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ._adapters import arrays_by_name, from_dlpack
 from ._errors import UsageError
 
 _AXES = ("x", "y", "z")
@@ -22,9 +23,17 @@ class Source(NamedTuple):
     is_files: bool
     options: dict[str, Any]  #: of opening files
 
+    def field_names(self) -> list[str]:
+        """Names of the components that the points have."""
+        if not self.is_files:
+            return [name for fields, _ in self.inputs for name in fields]
+        from . import _core
 
-def source_of(points: Any, attributes: Mapping[str, Any] | None = None) -> Source:
-    """`points` as `pointsweep.run` takes it; `attributes`: more arrays, by name."""
+        return [name for name, _, _ in _core.describe(self.inputs, self.options)["attributes"]]
+
+
+def source_of(points: Any, attributes: Mapping[str, Any] | None = None, temp_folder: str = "") -> Source:
+    """`points` as `pointsweep.run` takes it; `attributes`: more arrays, by name. An iterator is spilled."""
     from ._files import Cloud, open
 
     if isinstance(points, (str, os.PathLike)) or _is_list_of_paths(points):
@@ -34,7 +43,12 @@ def source_of(points: Any, attributes: Mapping[str, Any] | None = None) -> Sourc
             raise UsageError("attributes: arrays cannot be added to the points of files; run on arrays instead.")
         groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]
         return Source(list(points.files), groups, True, points._options)
-    columns = _named_arrays(points)
+    if isinstance(points, Iterator):
+        from ._blocks import spilled
+
+        columns = spilled(points, _checked_arrays, temp_folder or None)
+    else:
+        columns = arrays_by_name(points)
     for name, values in (attributes or {}).items():
         if name in columns:
             raise UsageError(f"attributes: '{name}' is among the points, too; give it once.")
@@ -48,13 +62,11 @@ def _is_list_of_paths(points: Any) -> bool:
     )
 
 
-def _named_arrays(points: Any) -> dict[str, Any]:
-    if isinstance(points, Mapping):
-        return dict(points)
-    names = getattr(getattr(points, "dtype", None), "names", None)
-    if names:
-        return {name: points[name] for name in names}
-    return {"xyz": points}
+def _checked_arrays(block: Any) -> dict[str, np.ndarray]:
+    """Of one block, whose columns have one length."""
+    arrays = {name: numbers(name, values) for name, values in arrays_by_name(block).items()}
+    _source_of_arrays(dict(arrays))
+    return arrays
 
 
 def _source_of_arrays(arrays: dict[str, Any]) -> Source:
@@ -126,7 +138,10 @@ def numbers(name: str, values: Any) -> np.ndarray:
     if np.ma.isMaskedArray(values) and np.ma.is_masked(values):
         raise UsageError(f"{name}: has masked values; fill them with NaN, or leave these rows out.")
     try:
-        array = np.asarray(values)
+        is_foreign = hasattr(values, "__dlpack__") and not hasattr(values, "__array_interface__")
+        array = from_dlpack(name, values) if is_foreign else np.asarray(values)
+    except UsageError:
+        raise
     except (TypeError, ValueError) as error:
         raise UsageError(f"{name}: {type(values).__name__} cannot be read as an array: {error}.") from error
     kind, size = array.dtype.kind, array.dtype.itemsize

@@ -173,3 +173,47 @@ def test_arrays_go_to_files(surface, tmp_path):
     assert report.points_written == 3000 and "out.ply" in repr(report)
     back = ps.run(tmp_path / "out.ply", "decimate(1)")
     assert np.array_equal(back["xyz"], surface) and back["normal"].tobytes() == ps.normals(surface, 8).tobytes()
+
+
+def test_results_are_written_to_arrays_that_are_there(surface, tmp_path):
+    expected = ps.normals(surface, 8)
+    mapped = np.lib.format.open_memmap(tmp_path / "normals.npy", "w+", np.float32, (3000, 3))
+    k1 = np.empty(3000, np.float32)
+    t = ps.run(surface, "knn(k=8) | normals | curvature", out={"normal": mapped, "k1": k1})
+    assert t["normal"] is mapped and t["k1"] is k1 and set(t) == {"normal", "k1"}
+    assert mapped.tobytes() == expected.tobytes() and k1.max() > 0
+    assert list(t.columns()) == ["nx", "ny", "nz", "k1"]
+    mapped.flush()
+    assert np.load(tmp_path / "normals.npy").tobytes() == expected.tobytes()
+    into = np.empty((3000, 3), np.float32)
+    assert ps.normals(surface, 8, out=into) is into and into.tobytes() == expected.tobytes()
+    both = ps.run(surface, "knn(k=8) | normals", keep=["xyz", "normal"], out={"normal": into})
+    assert both["normal"] is into and both["xyz"].tobytes() == surface.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("array", "sentence"),
+    [
+        (np.empty((3000, 3)), "3000 rows of 3 float64, but the result has 3000 rows of 3 float32"),
+        (np.empty((2999, 3), "f4"), "2999 rows"),
+        (np.empty(9000, "f4"), "9000 rows"),
+        (np.empty((3000, 4), "f4")[:, :3], "not contiguous"),
+        (np.broadcast_to(np.float32(0), (3000, 3)), "read-only"),
+        (np.empty((3000, 3), ">f4"), "which no result is"),
+        (np.empty((3000, 3), object), "which no result is"),
+        ([[0.0, 0.0, 0.0]] * 3000, "give an array of NumPy"),
+    ],
+)
+def test_arrays_that_results_do_not_fit_are_refused(surface, array, sentence):
+    with pytest.raises(ps.UsageError, match=sentence):
+        ps.run(surface, "knn(k=8) | normals", out={"normal": array})
+
+
+def test_out_is_for_arrays_of_the_result(surface, tmp_path):
+    normal = np.empty((3000, 3), np.float32)
+    with pytest.raises(ps.UsageError, match="leave it out"):
+        ps.run(surface, "knn(k=8) | normals", to=tmp_path / "a.ply", out={"normal": normal})
+    with pytest.raises(ps.UsageError, match="among what keep names"):
+        ps.run(surface, "knn(k=8) | normals", keep="xyz", out={"normal": normal})
+    with pytest.raises(ps.UsageError, match="is no dict"):
+        ps.run(surface, "knn(k=8) | normals", out=normal)

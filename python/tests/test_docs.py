@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Every block of code in docs/python.md, and the examples."""
 
+import json
 import re
 import runpy
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import pointsweep as ps
@@ -23,7 +26,7 @@ def test_the_blocks_of_the_documentation_run(tmp_path, monkeypatch):
     except ps.Error as error:
         pytest.skip(str(error))
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs/python.md").read_text(), re.DOTALL)
-    assert len(blocks) == 3
+    assert len(blocks) == 6
     names: dict = {}
     for block in blocks:
         exec(compile(block, "docs/python.md", "exec"), names)
@@ -41,3 +44,30 @@ def test_the_example_of_an_operator_runs(tmp_path):
     command = [sys.executable, ROOT / "python/examples/own_operator.py", tmp_path / "in.ply", tmp_path / "out.ply"]
     subprocess.run(command, check=True, capture_output=True)
     assert "roughness" in ps.open(tmp_path / "out.ply").attributes
+
+
+def test_the_notebook_runs_and_has_its_pictures():
+    pytest.importorskip("matplotlib")
+    from notebook import run_notebook
+
+    path = ROOT / "examples/tour.ipynb"
+    kept = json.loads(path.read_text())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ps.PointsweepWarning)
+        made = run_notebook(path)
+    kinds = [[output["output_type"] for output in cell.get("outputs", [])] for cell in made["cells"]]
+    assert kinds == [[output["output_type"] for output in cell.get("outputs", [])] for cell in kept["cells"]]
+    assert sum(kind == ["display_data"] for kind in kinds) == 2
+    assert "text/html" in made["cells"][2]["outputs"][0]["data"]
+
+
+def test_the_example_with_numba_runs(tmp_path):
+    pytest.importorskip("numba")
+    cloud = ps.generate("terrain", 5000, tmp_path / "in.ply")
+    command = [sys.executable, ROOT / "python/examples/with_numba.py", tmp_path / "in.ply", tmp_path / "out.ply"]
+    subprocess.run(command, check=True, capture_output=True)
+    made = ps.run(tmp_path / "out.ply", "decimate(1)", keep=["prominence"])["prominence"]
+    xyz = ps.run(cloud, "decimate(1)")["xyz"].astype(float)
+    d = xyz[ps.neighbors(xyz, 16).indices] - xyz[:, None]
+    within = d[:, :, 2] ** 2 <= d[:, :, 0] ** 2 + d[:, :, 1] ** 2
+    assert np.allclose(made, np.where(within, -d[:, :, 2], 0).max(1).clip(0), atol=1e-6)

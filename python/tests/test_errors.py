@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import pointsweep as ps
-from pointsweep import _options
+from pointsweep import _errors, _options
 
 XYZ = np.random.default_rng(3).random((1000, 3))
 
@@ -100,6 +100,14 @@ def test_a_budget_that_is_too_small_says_what_would_do():
     assert not isinstance(caught.value, ps.UsageError)
 
 
+def test_sentences_of_the_tool_name_the_options_of_the_package():
+    named = _errors.with_names_of_python
+    assert named("give --memory 29M or more.") == "give memory='29M' or more."
+    assert named("--nonfinite drop leaves out; --prefix NAME keeps") == "nonfinite='drop' leaves out; prefix NAME keeps"
+    assert named("a folder with --temp-dir.") == "a folder with temp_folder." and named("a--b") == "a--b"
+    assert named("or allow it (--force), --size: 3") == "or allow it (overwrite=True), --size: 3"
+
+
 def test_nan_can_be_refused():
     xyz = XYZ.copy()
     xyz[3, 1] = np.nan
@@ -140,9 +148,11 @@ def test_warnings_are_issued_at_the_line_of_the_caller():
 
 
 INTERRUPTED = """
-    import os, sys, time
+    import os, signal, sys
     import numpy as np
     import pointsweep as ps
+
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs of a shell in the background ignore it
 
     @ps.operator(reads=["normal"], makes={"roughness": "f4"})
     def roughness(p):

@@ -22,6 +22,16 @@ def broken(p):
     raise KeyError("broken")
 
 
+@ps.select()
+def upper(p):
+    return p.xyz[:, 2] > 0.5
+
+
+@ps.reduce(start=0)
+def count(n, block):
+    return n + len(block["row"])
+
+
 def fails(error, *arguments):
     try:
         ps.run(*arguments, threads=1)
@@ -37,8 +47,13 @@ def fails(error, *arguments):
         lambda: ps.neighbors(XYZ, radius=0.05, threads=1),
         lambda: fails(KeyError, XYZ, [broken]),
         lambda: fails(ps.UsageError, XYZ, "nonsense"),
+        lambda: ps.run(XYZ, ps.knn(8) | ps.normals() | upper, threads=1).to_structured(),
+        lambda: next(ps.chunks(XYZ, 100, "knn(k=8) | normals", threads=1)),
+        lambda: count(XYZ, "knn(k=8) | normals", rows=100, threads=1),
+        lambda: ps.normals(iter([XYZ, XYZ]), threads=1),
+        lambda: ps.generate("plane", 100, threads=1)._repr_html_(),
     ],
-    ids=["operator", "radius", "exception", "usage error"],
+    ids=["operator", "radius", "exception", "usage error", "select", "chunks", "reduce", "blocks", "generate"],
 )
 def test_many_runs_leave_nothing_behind(call):
     def held():
@@ -50,8 +65,8 @@ def test_many_runs_leave_nothing_behind(call):
     for _ in range(60):
         call()
     before = held()
-    for _ in range(250):
+    for _ in range(300):
         call()
     after = held()
-    assert after[0] - before[0] < 250 * 4096  # a page for each run would be a leak
+    assert after[0] - before[0] < 300 * 4096  # a page for each run would be a leak
     assert after[1] - before[1] < 50 and after[2] <= before[2]

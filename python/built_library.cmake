@@ -1,0 +1,18 @@
+# The targets pointsweep_whole and pointsweep_flags of the repository, with the static library in POINTSWEEP_BUILT.
+cmake_path(GET CMAKE_CURRENT_SOURCE_DIR PARENT_PATH repository)
+include(${repository}/cmake/flags.cmake)
+foreach(package TBB fmt hwy PNG Threads)
+  find_package(${package} REQUIRED)
+endforeach()
+add_library(pointsweep STATIC IMPORTED)
+set_target_properties(pointsweep PROPERTIES IMPORTED_LOCATION ${POINTSWEEP_BUILT}/libpointsweep.a
+  INTERFACE_INCLUDE_DIRECTORIES ${repository}/include)
+set(codecs ${POINTSWEEP_BUILT}/codecs/release/libpointsweep_codecs.a)
+if(NOT EXISTS ${codecs})
+  set(codecs "")
+endif()
+target_link_libraries(pointsweep INTERFACE fmt::fmt TBB::tbb hwy::hwy hwy::hwy_contrib PNG::PNG ${codecs} Threads::Threads ${CMAKE_DL_LIBS})
+add_library(pointsweep_whole INTERFACE)
+target_link_libraries(pointsweep_whole INTERFACE pointsweep)
+target_include_directories(pointsweep_whole INTERFACE ${repository})
+add_custom_target(pointsweep_cli)

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""Point clouds of other libraries as arrays by name. They are known by what they have; none of them is imported."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ._errors import UsageError
+
+_SCAN_ANGLE_STEP = 0.006  # degrees, from point format 6 on
+_CPU_DEVICES = (1, 3, 11)  # of DLPack: plain memory, and memory that CUDA or ROCm has pinned
+
+
+def arrays_by_name(points: Any) -> dict[str, Any]:
+    """The arrays of a dict, a structured array, a table or a cloud of another library; anything else is 'xyz'."""
+    if isinstance(points, Mapping):
+        return dict(points)
+    fields = getattr(getattr(points, "dtype", None), "names", None)
+    if fields:
+        return {name: points[name] for name in fields}
+    if hasattr(points, "point_format") and hasattr(points, "header"):
+        return _las_data(points)
+    if hasattr(points, "has_normals") and hasattr(points, "points"):
+        return _open3d_legacy(points)
+    if "positions" in getattr(points, "point", ()):
+        return _open3d_tensors(points)
+    if hasattr(points, "column_names") and hasattr(points, "column"):
+        return {name: _arrow_column(name, points.column(name)) for name in points.column_names}
+    if hasattr(points, "columns") and hasattr(points, "__getitem__"):
+        return {str(name): _table_column(name, points[name]) for name in points.columns}
+    return {"xyz": points}
+
+
+def from_dlpack(name: str, values: Any) -> Any:
+    """An array of what has `__dlpack__` and is no array of NumPy, where its memory is that of the CPU."""
+    device = values.__dlpack_device__()
+    if int(getattr(device[0], "value", device[0])) not in _CPU_DEVICES:  # Open3D has an enum
+        raise UsageError(f"{name}: is on another device, {device}; copy it to the CPU first.")
+    try:
+        return np.from_dlpack(values)
+    except (BufferError, RuntimeError, TypeError, ValueError) as error:
+        raise UsageError(f"{name}: {type(values).__name__} cannot be read through DLPack: {error}.") from error
+
+
+def _las_data(las: Any) -> dict[str, Any]:
+    """Of a laspy.LasData, under the names that pointsweep gives the fields of LAS files."""
+    arrays = {axis: np.asarray(getattr(las, axis)) for axis in "xyz"}
+    for name in las.point_format.dimension_names:
+        if name in ("X", "Y", "Z"):
+            continue
+        values = np.asarray(las[name])
+        if name == "scan_angle":
+            values = values * _SCAN_ANGLE_STEP
+        arrays["scan_angle" if name == "scan_angle_rank" else name] = values
+    return arrays
+
+
+def _open3d_legacy(cloud: Any) -> dict[str, Any]:
+    arrays = {"xyz": np.asarray(cloud.points)}
+    if cloud.has_normals():
+        arrays["normal"] = np.asarray(cloud.normals)
+    if cloud.has_colors():
+        arrays["colors"] = np.asarray(cloud.colors)
+    return arrays
+
+
+def _open3d_tensors(cloud: Any) -> dict[str, Any]:
+    renamed = {"positions": "xyz", "normals": "normal"}
+    arrays = {}
+    for name in cloud.point:
+        values = from_dlpack(name, cloud.point[name])
+        is_column = values.ndim == 2 and values.shape[1] == 1
+        arrays[renamed.get(name, name)] = values[:, 0] if is_column else values
+    return arrays
+
+
+def _table_column(name: Any, column: Any) -> Any:
+    """Of a data frame; missing values of columns that can have some become NaN."""
+    values = column.to_numpy()
+    if values.dtype.kind != "O":
+        return values
+    try:
+        return column.to_numpy(dtype=np.float64, na_value=np.nan)
+    except (TypeError, ValueError):
+        raise UsageError(
+            f"{name}: is a column of {column.dtype}, not of numbers; leave it out, e.g. with .drop(columns=...)."
+        ) from None
+
+
+def _arrow_column(name: str, column: Any) -> Any:
+    if hasattr(column, "combine_chunks"):
+        column = column.combine_chunks()
+    width = getattr(column.type, "list_size", None)
+    if width is not None:
+        return _arrow_column(name, column.flatten()).reshape(-1, width)
+    values = column.to_numpy(zero_copy_only=False)
+    if values.dtype.kind == "O":
+        raise UsageError(f"{name}: is a column of {column.type}, not of numbers; leave it out, e.g. with .drop_columns().")
+    return values

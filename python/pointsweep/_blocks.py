@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: MIT
+"""Points that come in blocks, of which the number is not known before the last."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from typing import IO, Any
+
+import numpy as np
+
+from ._errors import Error, UsageError
+
+
+class _Column:
+    """The blocks of one attribute, one after another, in a file without a name."""
+
+    def __init__(self, name: str, first: np.ndarray, folder: str | None) -> None:
+        self.name = name
+        self._dtype = first.dtype
+        self._shape = first.shape[1:]
+        self._rows = 0
+        self._file: IO[bytes] = tempfile.TemporaryFile(dir=folder)
+
+    def append(self, block: np.ndarray) -> None:
+        if block.shape[1:] != self._shape:
+            expected = ("n", *self._shape)
+            raise UsageError(f"{self.name}: a block has the shape {block.shape}, but the first one {expected}.")
+        if not np.can_cast(block.dtype, self._dtype, "safe"):
+            raise UsageError(
+                f"{self.name}: a block has the type {block.dtype}, which the {self._dtype} of the first one does not hold."
+            )
+        self._file.write(np.ascontiguousarray(block, self._dtype).data)
+        self._rows += len(block)
+
+    def array(self) -> np.ndarray:
+        """All of them, mapped; the file vanishes with the array."""
+        shape = (self._rows, *self._shape)
+        self._file.flush()
+        if self._rows == 0:
+            return np.empty(shape, self._dtype)
+        return np.memmap(self._file, self._dtype, "r", shape=shape)
+
+    def close(self) -> None:
+        """Leaves the file to its array, if there is one."""
+        self._file.close()
+
+
+def spilled(blocks: Iterator[Any], named: Callable[[Any], dict[str, np.ndarray]], folder: str | None) -> dict[str, Any]:
+    """The arrays of all `blocks`, in temporary files in `folder`; `named` makes arrays by name of a block."""
+    columns: dict[str, _Column] = {}
+    try:
+        for number, block in enumerate(blocks):
+            arrays = named(block)
+            if number == 0:
+                columns = {name: _Column(name, values, folder) for name, values in arrays.items()}
+            if arrays.keys() != columns.keys():
+                raise UsageError(f"block {number} has {', '.join(arrays)}, but the first one has {', '.join(columns)}.")
+            for name, values in arrays.items():
+                columns[name].append(values)
+        if not columns:
+            raise UsageError("the iterator gave no block; without one the attributes are not known.")
+        return {name: column.array() for name, column in columns.items()}
+    except OSError as error:
+        where = folder or tempfile.gettempdir()
+        raise Error(f"cannot write to the temporary folder '{where}': {error.strerror}; name another with temp_folder.") from error
+    finally:
+        for column in columns.values():
+            column.close()

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""Whether an operator is a pure function of a point and its neighbours."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ._errors import UsageError
+from ._generate import generate
+from ._operator import Operator, Select
+from ._pipeline import Pipeline, PipelineLike
+from ._runs import run
+
+
+class Difference(NamedTuple):
+    """What came out differently."""
+
+    run: str  #: what was different in this run
+    attribute: str  #: 'row': other points were kept
+    rows: np.ndarray  #: where the values differ; where the number of rows does, empty
+
+
+class Check:
+    """What `check` found. True where nothing differs."""
+
+    def __init__(self, name: str, points: int, runs: list[str], differences: list[Difference]) -> None:
+        self.name, self.points, self.runs, self.differences = name, points, runs, differences
+
+    def __bool__(self) -> bool:
+        return not self.differences
+
+    def __repr__(self) -> str:
+        head = f"{self.name}: {len(self.runs)} runs over {self.points:,} points"
+        if self:
+            return f"<pointsweep.Check: {head}, all with the same bytes>"
+        lines = [f"  {d.run}: {d.attribute} differs in {len(d.rows):,} rows" + _first(d.rows) for d in self.differences]
+        return "\n".join([f"<pointsweep.Check: {head}: not a pure function of a point and its neighbours", *lines]) + ">"
+
+
+def _first(rows: np.ndarray) -> str:
+    return f", the first of them {rows[0]}" if len(rows) else ""
+
+
+def check(
+    operator: Operator, points: Any = None, before: PipelineLike = "knn(k=8) | normals", **options: Any
+) -> Check:
+    """Runs an operator in different batches, orders, threads and memory, and compares the bytes of its results.
+
+    Parameters
+    ----------
+    operator : made with `operator` or `select`.
+    points : as for `run`, but no iterator; by default 5,000 points of a surface with some outliers.
+    before : the pipeline before it, which makes what it reads.
+    options : of `run`, e.g. attributes.
+
+    Equal results do not prove that a function is pure. They show that it does not depend on what varies between runs.
+    """
+    if not isinstance(operator, Operator):
+        raise UsageError("check: give an operator, made with @pointsweep.operator or @pointsweep.select.")
+    if points is None:
+        points = generate("statue", 5000, noise=0.001, outliers=0.01)["xyz"]
+    keep = ["xyz"] if isinstance(operator, Select) else list(operator.makes)
+    variants: list[tuple[str, int, dict[str, Any]]] = [
+        ("the same again", operator._most_places, {"threads": 1}),
+        ("batches of one point", 1, {"threads": 1}),
+        ("batches of some points", 500, {"threads": 1}),
+        ("four threads", operator._most_places, {"threads": 4}),
+        ("four threads, batches of some points", 333, {"threads": 4}),
+        ("order='sweep'", operator._most_places, {"order": "sweep"}),
+    ]
+
+    def results(places: int, given: dict[str, Any]) -> dict[str, np.ndarray]:
+        varied = copy.copy(operator)
+        varied._most_places = places
+        asked = {**options, **given}
+        found = run(points, Pipeline(before, varied), keep=[*keep, *_row_name(points, operator, asked)], **asked)
+        if "row" in found and asked.get("order") == "sweep":
+            by_row = np.argsort(found["row"], kind="stable")
+            return {name: values[by_row] for name, values in found.items()}
+        return dict(found)
+
+    expected = results(operator._most_places, {"threads": 1})
+    differences = []
+    done = []
+    for text, places, given in variants:
+        if given.get("order") == "sweep" and not _has_rows(points):
+            continue
+        done.append(text)
+        found = results(places, given)
+        differences += [Difference(text, *d) for d in _differences(expected, found)]
+    n = len(next(iter(expected.values())))
+    return Check(operator.name, n, done, differences)
+
+
+def _has_rows(points: Any) -> bool:
+    from ._sources import source_of
+
+    return not source_of(points).is_files
+
+
+def _row_name(points: Any, operator: Operator, given: dict[str, Any]) -> list[str]:
+    """Numbers of rows, where they are needed to compare and there are any."""
+    needed = isinstance(operator, Select) or given.get("order") == "sweep"
+    return ["row"] if needed and _has_rows(points) else []
+
+
+def _differences(expected: dict[str, np.ndarray], found: dict[str, np.ndarray]) -> list[tuple[str, np.ndarray]]:
+    result = []
+    for name, values in expected.items():
+        other = found[name]
+        if other.shape != values.shape:
+            return [("row", np.empty(0, np.int64))]
+        rows = np.ascontiguousarray(values).view(np.uint8).reshape(len(values), -1)
+        others = np.ascontiguousarray(other).view(np.uint8).reshape(len(values), -1)
+        differing = np.flatnonzero((rows != others).any(1))
+        if len(differing):
+            result.append((name, differing))
+    return result

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: MIT
+"""Results block by block, in bounded memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._errors import UsageError, warn
+from ._operator import Operator, Points, operator
+from ._options import names, run_options, whole
+from ._pipeline import PipelineLike, stages_of
+from ._progress import ProgressCallback, called
+from ._results import Arrays, Report, arrays_of
+from ._sources import source_of
+
+
+def _row() -> Operator:
+    """Makes the numbers of the rows."""
+
+    @operator(makes={"row": "i8"}, neighbors=False)
+    def row(p: Points) -> np.ndarray:
+        return p.rows
+
+    return row
+
+
+class Chunks(Iterator[Arrays]):
+    """The results of a run as blocks of rows; made with `chunks`.
+
+    They are in a temporary file without a name, which vanishes with this object, when it is closed, or when the process
+    ends.
+    """
+
+    def __init__(self, results: Any, has_rows: bool, statistics: str, kept: list[str], rows: int) -> None:
+        self.report = Report(statistics)  #: what the run did
+        self._results: Any = results
+        self._has_rows = has_rows
+        self._kept = kept
+        self._rows = rows
+        self._next = 0
+
+    def __next__(self) -> Arrays:
+        if self._results is None or self._next >= len(self._results):
+            self.close()
+            raise StopIteration
+        block = arrays_of(self._results.read(self._next, self._rows), None, self._kept)
+        n = min(self._rows, len(self._results) - self._next)
+        if not self._has_rows and "row" not in block:
+            block["row"] = np.arange(self._next, self._next + n)
+        self._next += n
+        return block
+
+    def close(self) -> None:
+        """Removes the temporary file. The iterator ends."""
+        self._results = None
+
+    def __enter__(self) -> Chunks:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+def chunks(
+    points: Any,
+    rows: int,
+    pipeline: PipelineLike | None = None,
+    *,
+    keep: Sequence[str] | str | None = None,
+    attributes: Mapping[str, Any] | None = None,
+    progress: ProgressCallback | bool | None = None,
+    **options: Any,
+) -> Chunks:
+    """Runs a pipeline and gives its results as blocks of `rows` rows, in the order of the input.
+
+    Each is a dict of the arrays that `run` returns, and 'row', the number of the input row. The run ends before the first
+    block: its results are in a temporary file in `temp_folder`, so that memory holds a block and what `memory` allows.
+    Without a pipeline the blocks hold the points themselves, with all they have or what `keep` names.
+
+    Parameters
+    ----------
+    points, pipeline, keep, attributes, progress, options : as for `run`.
+    rows : of a block; the last one may have fewer.
+
+    >>> for part in chunks("tiles/*.laz", 1_000_000, "knn(k=8) | normals", keep=["xyz", "normal"]):
+    ...     part["xyz"], part["normal"], part["row"]
+    """
+    count = whole("rows", rows)
+    if count < 1:
+        raise UsageError(f"rows: {count} is not a number of rows; choose 1 or more.")
+    kept = names("keep", keep)
+    checked = run_options(**options)
+    for option in ("prefix", "resume"):
+        if checked[option]:
+            raise UsageError(f"{option}: is for outputs in files; leave the option out.")
+    source = source_of(points, attributes, checked["temp_folder"])
+    stages = [_row()] if pipeline is None else stages_of(pipeline)
+    if pipeline is None and not kept:
+        kept = _all_names(source.field_names(), source.groups)
+    given = {**checked, **source.options}
+    numbers = _row() if source.is_files else None
+    with called(progress) as shown:
+        results, has_rows, statistics = _core.run_to_blocks(
+            source.inputs, stages, kept, given, source.groups, numbers, shown, warn
+        )
+    if kept and has_rows and "row" not in kept:
+        kept.append("row")
+    return Chunks(results, has_rows, statistics, kept, count)
+
+
+def _all_names(fields: list[str], groups: list[tuple[str, list[str]]]) -> list[str]:
+    """The groups that are there, and the fields that are in none."""
+    there = {name: parts for name, parts in groups if set(parts) <= set(fields)}
+    grouped = {part for parts in there.values() for part in parts}
+    return [*there, *(field for field in fields if field not in grouped)]

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: MIT
+"""Arrays of the caller that results are written to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ._errors import UsageError
+
+
+def outputs_to(out: Mapping[str, np.ndarray] | None) -> dict[str, np.ndarray]:
+    """The arrays of `out` as (n, m) views, checked as far as they can be before the run."""
+    if out is None:
+        return {}
+    if not isinstance(out, Mapping):
+        raise UsageError(f"out: {type(out).__name__} is no dict; give one from names of results to arrays.")
+    return {name: _writable(name, array) for name, array in out.items()}
+
+
+def _writable(name: str, array: np.ndarray) -> np.ndarray:
+    if not isinstance(array, np.ndarray):
+        raise UsageError(f"out: '{name}' is {type(array).__name__}; give an array of NumPy.")
+    if not array.flags.writeable:
+        raise UsageError(f"out: '{name}' is read-only; give an array that can be written, or open the file with mode='r+'.")
+    if not array.flags.c_contiguous:
+        raise UsageError(f"out: '{name}' is not contiguous; give an array whose rows follow one another.")
+    if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8 or not array.dtype.isnative or array.ndim not in (1, 2):
+        raise UsageError(f"out: '{name}' is {array.dtype} of the shape {array.shape}, which no result is.")
+    return array.reshape(len(array), -1) if len(array) else array.reshape(0, array.shape[1] if array.ndim == 2 else 1)

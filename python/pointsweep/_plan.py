@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: MIT
+"""What a run would do."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from . import _core
+from ._errors import UsageError
+from ._options import names, run_options
+from ._pipeline import PipelineLike, stages_of
+from ._sources import source_of
+
+
+class Plan(str):
+    """The passes of a run with their stages, columns and memory, in lines for people."""
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        import html
+
+        return f"<pre>{html.escape(self)}</pre>"
+
+
+def plan(
+    points: Any,
+    pipeline: PipelineLike,
+    *,
+    to: str | os.PathLike[str] | None = None,
+    keep: Sequence[str] | str | None = None,
+    attributes: Mapping[str, Any] | None = None,
+    **options: Any,
+) -> Plan:
+    """What `run` would do with the same arguments: passes, stages with their buffers, columns, slabs and memory.
+
+    Looks at a sample of the cloud and writes nothing. Raises what the run would raise before its work. `to` is a file.
+    """
+    stages = stages_of(pipeline)
+    checked = run_options(**options)
+    file = "" if to is None else os.fspath(to)
+    if file.endswith(os.sep) or os.path.isdir(file or os.devnull):
+        raise UsageError(f"to: {file} is a folder; a plan is that of a run to one file.")
+    source = source_of(points, attributes, checked["temp_folder"])
+    text = _core.plan(source.inputs, stages, names("keep", keep), {**checked, **source.options}, source.groups, file)
+    return Plan(text)

@@ -1,0 +1,1386 @@
+# SPDX-License-Identifier: MIT
+# Made by script/docs from the declarations of the operators; a test compares it with them.
+"""The built-in operators as stages of pipelines: ``ps.knn(16) | ps.normals(orient="up") | ps.sor()``."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
+
+from ._stage import Stage, made_stage
+
+if TYPE_CHECKING:
+    from ._files import Cloud
+
+__all__ = [
+    "color", "components", "crop", "curvature", "dbscan", "decimate", "density", "distance_to", "drop", "fair",
+    "features", "ground", "height", "knn", "lof", "m3c2", "neighborhood_size", "orient", "poisson", "reneighbor",
+    "resort", "ror", "segments", "set", "simplify", "sor", "splats", "unique", "voxel", "where",
+]  # fmt: skip
+
+
+def knn(
+    k: int | None = None,
+    *,
+    radius: float | None = None,
+    k_from: str | None = None,
+    radius_from: str | None = None,
+    adaptive: Literal["none", "eigenentropy"] | None = None,
+    k_min: int | None = None,
+) -> Stage:
+    """Neighbourhood for all stages: the k nearest points, all points within a radius, or the k nearest of these; the
+    first stage of a pipeline, or left out.
+
+    Parameters
+    ----------
+    k : number of neighbours, excluding the point; a radius without k means all points within it; 1 or more;
+        default: 8.
+    radius : maximum distance of a neighbour, in the unit of the coordinates; 0 or more; unit: length.
+    k_from : attribute of the input that holds the number of neighbours of each point, at most k; requires k.
+    radius_from : attribute of the input that holds the maximum distance for each point; requires k or radius as a
+        limit.
+    adaptive : eigenentropy chooses for each point the number from k_min to k with the least eigenentropy (Weinmann
+        2014); requires k; default: "none".
+    k_min : smallest number that adaptive=eigenentropy may choose; 3 or more; default: 10.
+
+    Formula
+    -------
+    N_i: the k points of the cloud nearest to p_i without p_i itself, or all within the radius, or the k
+    nearest of these. Distances are ((dx² + dy²) + dz²) in double of the coordinates of the input; equal
+    ones are ordered by x, y, z, then by input row.
+    k_from, radius_from: point i keeps the first neighbours that its own k or radius allows.
+    adaptive=eigenentropy: the k from k_min on for which E = -Σ e_j ln e_j is least; e_1, e_2, e_3 are
+    the eigenvalues of the covariance of p_i and its k nearest neighbours, divided by their sum.
+
+    Source
+    ------
+    Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 4.2.2; here exact. eigenentropy: Weinmann,
+    Jutzi and Mallet, ISPRS Annals II-3 (2014).
+
+    Cost
+    ----
+    12 ns per neighbour up to k = 64, 15 ns beyond it; adaptive: 0.1 µs more for each k tried.
+
+    In a text
+    ---------
+    knn(k=100, adaptive=eigenentropy, k_min=10) | normals
+    """
+    return made_stage("knn", [
+        ("k", "whole", k, None),
+        ("radius", "number", radius, None),
+        ("k_from", "attribute", k_from, None),
+        ("radius_from", "attribute", radius_from, None),
+        ("adaptive", "choice", adaptive, None),
+        ("k_min", "whole", k_min, None),
+    ])
+
+
+def normals(
+    orient: Literal["none", "up", "viewpoint", "input"] = "none",
+    *,
+    viewpoint: Sequence[float] | None = None,
+) -> Stage:
+    """Unit normals, from the weighted covariance of the neighbours (Equation 1 of the paper).
+
+    Parameters
+    ----------
+    orient : how to orient normals: none, up (towards +z), towards the viewpoint, or to the side of the normals in
+        the input.
+    viewpoint : position of the scanner, in the coordinates of the cloud; requires orient=viewpoint; unit: length.
+
+    Makes
+    -----
+    normal : (n, 3) float32; unit surface normal; 0 where undefined.
+
+    Formula
+    -------
+    n_i: eigenvector of the smallest eigenvalue of
+    M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)^T θ(|p_j - p_i|)
+    θ(r) = exp(-r² / 2σ²), σ² = π max_j |p_j - p_i|² / |N_i|; |N_i| does not count p_i.
+    orient=none: the first of the largest components is positive.
+    orient=up, viewpoint, input: the dot product with +z, the direction to the viewpoint or the
+    normal of the input is positive; where it is 0, as for none.
+
+    Undefined
+    ---------
+    (0, 0, 0) where the neighbours define no plane: fewer than two, all on the point, or all on a line.
+
+    Source
+    ------
+    Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 3.2, Equation 1.
+
+    Cost
+    ----
+    At k = 8 about 190 cycles per point with AVX2, after the search.
+
+    In a text
+    ---------
+    knn(k=12) | normals(orient=viewpoint, viewpoint=[0,0,1.7])
+    """
+    return made_stage("normals", [
+        ("orient", "choice", orient, "none"),
+        ("viewpoint", "point", viewpoint, None),
+    ])
+
+
+def curvature() -> Stage:
+    """Principal curvatures and derived curvatures, from the covariance of the neighbours' normals (Equation 2).
+
+    Makes
+    -----
+    k1 : (n,) float32, 1/length; larger principal curvature, without sign.
+    k2 : (n,) float32, 1/length; smaller principal curvature, without sign.
+    k1_direction : (n, 3) float32; unit tangent along which k1 is.
+    mean_curvature : (n,) float32, 1/length; (k1 + k2) / 2, without sign.
+    gaussian_curvature : (n,) float32, 1/length^2; k1 k2, without sign.
+    rms_curvature : (n,) float32, 1/length; square root of (k1^2 + k2^2) / 2.
+    absolute_curvature : (n,) float32, 1/length; k1 + k2.
+    surface_variation : (n,) float32; smallest eigenvalue of M_i over the sum of all, [0, 1/3].
+    normal_eigenvalues : (n, 3) float32; eigenvalues of C_i, ascending.
+
+    Reads
+    -----
+    normal, normal of neighbours
+
+    Formula
+    -------
+    Over the m neighbours that have a normal, u_j = n_j / |n_j|:
+    S = 1/m Σ_j u_j u_j^T, eigenvalues μ0 <= μ1 <= μ2, eigenvectors e0, e1, e2
+    D = 1/m Σ_j (p_j - p̄)(p_j - p̄)^T, p̄ their mean
+    t1: e1 in the tangent plane of n_i; t2 = n_i × t1
+    Curvatures along t1 and t2: √(μ1 / t1^T D t1) and √(μ0 / t2^T D t2); k1 is the larger.
+    C_i = 1/|N_i| Σ_j n_j n_j^T θ(|p_j - p_i|), θ and M_i as in normals.
+
+    Undefined
+    ---------
+    All values are 0 where the point has no normal, fewer than three neighbours have one, or these lie on a line.
+
+    Source
+    ------
+    Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 4.3.2, Equation 2; the step from variances
+    to curvatures is ours (docs/paper.md).
+
+    Cost
+    ----
+    At k = 8 about 510 cycles per point with AVX2, after the search; attributes that are not kept cost nothing.
+
+    In a text
+    ---------
+    knn(k=64) | normals | curvature
+    """
+    return made_stage("curvature", [])
+
+
+def splats(axes: Literal["auto", "positions", "curvature"] = "auto") -> Stage:
+    """Elliptical splats that together cover the surface.
+
+    Parameters
+    ----------
+    axes : what determines direction and ratio of the ellipses; auto is curvature if an earlier stage makes it, else
+        positions.
+
+    Makes
+    -----
+    splat_axis : (n, 3) float32; unit major axis of the splat.
+    splat_length : (n,) float32, length; major semi-axis of the splat.
+    splat_ratio : (n,) float32; minor over major semi-axis of the splat, in [1/8, 1]; 0: none.
+
+    Reads
+    -----
+    normal
+
+    Formula
+    -------
+    An ellipse around p_i in the tangent plane of n_i, grown until it holds eight neighbours; with m < 8
+    neighbours, √(8/m) times as long as one that holds all.
+    axes=positions: major axis along the largest eigenvector of M_i (Equation 1), ratio √(λ1/λ2).
+    axes=curvature: major axis along the direction of k2, ratio √(k2/k1).
+    Ratios are at least 1/8.
+
+    Undefined
+    ---------
+    All values are 0 where the point has no normal or no neighbour off the point.
+
+    Source
+    ------
+    Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 4.3.3; the size is ours (docs/paper.md).
+
+    Cost
+    ----
+    At k = 8 about 150 cycles per point with AVX2, after the search.
+
+    In a text
+    ---------
+    knn(k=12) | normals | splats(axes=positions)
+    """
+    return made_stage("splats", [
+        ("axes", "choice", axes, "auto"),
+    ])
+
+
+def fair(f: float = 0.5, *, g: float = 0.5) -> Stage:
+    """Edge-preserving smoothing: moves points towards the tangent planes of their neighbours (Equation 3).
+
+    Parameters
+    ----------
+    f : standard deviation of the Gaussian of the distance to a neighbour, in % of the diagonal of the input's
+        bounding box; 1e-06 to 100; unit: % of the diagonal.
+    g : standard deviation of the Gaussian of the distance to its tangent plane, in % of the same diagonal; 1e-06 to
+        100; unit: % of the diagonal.
+
+    Makes
+    -----
+    position : (n, 3) float64, length; moved position.
+
+    Reads
+    -----
+    splat_length, splat_ratio, normal of neighbours, splat_length of neighbours, splat_ratio of neighbours
+
+    Formula
+    -------
+    p_i' = 1/w_i Σ_j Π_j(p_i) a_j f(|p_j - p_i|) g(|Π_j(p_i) - p_i|), j over N_i and i
+    Π_j(p_i): projection of p_i onto the tangent plane of p_j; w_i: sum of the weights;
+    a_j = π length² ratio of the splat of p_j; f and g: Gaussians exp(-r² / 2 width²).
+
+    Undefined
+    ---------
+    A point stays where it is if no neighbour with a normal and a splat has a weight above 0.
+
+    Source
+    ------
+    Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 4.3.4, Equation 3; Π_j as in Jones, Durand
+    and Desbrun, Non-iterative, feature-preserving mesh smoothing (2003).
+
+    Cost
+    ----
+    One reading of the input for the diagonal.
+
+    In a text
+    ---------
+    knn(k=64) | normals | splats | fair(f=0.3, g=0.3) | normals
+    """
+    return made_stage("fair", [
+        ("f", "number", f, 0.5),
+        ("g", "number", g, 0.5),
+    ])
+
+
+def features(
+    names: Sequence[Literal["linearity", "planarity", "sphericity", "omnivariance", "anisotropy", "eigenentropy", "eigenvalue_sum", "surface_variation", "verticality", "moment1_axis1", "moment1_axis2", "moment2_axis1", "moment2_axis2", "height_range", "number_of_neighbors"]] | None = None,
+    *,
+    eigenvalues: Literal["raw", "sqrt", "normalized"] = "raw",
+    with_point: bool = True,
+) -> Stage:
+    """Features of the shape of neighbourhoods, from the eigenvalues of their covariance: like a line, a plane or a
+    volume.
+
+    Parameters
+    ----------
+    names : the attributes to make, as in [linearity,planarity]; without it, all.
+    eigenvalues : eigenvalues, their square roots, or eigenvalues over their sum.
+    with_point : whether the point itself is one of the points P.
+
+    Makes
+    -----
+    linearity : (n,) float32; (λ1 - λ2) / λ1, in [0, 1].
+    planarity : (n,) float32; (λ2 - λ3) / λ1, in [0, 1].
+    sphericity : (n,) float32; λ3 / λ1, in [0, 1].
+    omnivariance : (n,) float32, length^2; ∛(λ1 λ2 λ3).
+    anisotropy : (n,) float32; (λ1 - λ3) / λ1, in [0, 1].
+    eigenentropy : (n,) float32, length^2; -Σ λ ln λ.
+    eigenvalue_sum : (n,) float32, length^2; λ1 + λ2 + λ3.
+    surface_variation : (n,) float32; λ3 / (λ1 + λ2 + λ3), in [0, 1/3].
+    verticality : (n,) float32; 1 - |e3 · z|, in [0, 1]: 0 for a horizontal plane, 1 for a vertical one.
+    moment1_axis1 : (n,) float32, length; |Σ (p - p_i) · e1|.
+    moment1_axis2 : (n,) float32, length; |Σ (p - p_i) · e2|.
+    moment2_axis1 : (n,) float32, length^2; Σ ((p - p_i) · e1)².
+    moment2_axis2 : (n,) float32, length^2; Σ ((p - p_i) · e2)².
+    height_range : (n,) float32, length; max z - min z.
+    number_of_neighbors : (n,) uint32; n, the number of points.
+
+    Formula
+    -------
+    P: the neighbours, and p_i with with_point=yes; n = |P|, p̄ their mean
+    Σ = 1/n Σ_P (p - p̄)(p - p̄)^T, eigenvalues l1 >= l2 >= l3, eigenvectors e1, e2, e3
+    eigenvalues=raw: λ = l, in length²; sqrt: λ = √l, in length;
+    eigenvalues=normalized: λ = l / (l1 + l2 + l3)
+    Moments are sums over P. In eigenentropy 0 ln 0 is 0; of raw values and roots it
+    depends on the unit of length.
+    CloudCompare: raw, with_point=yes; its '1st order moment' is
+    moment1_axis2² / moment2_axis2.
+    jakteristics: the same with n - 1 for n, which changes omnivariance, eigenentropy and
+    eigenvalue_sum alone.
+    PDAL: sqrt, with_point=yes, n - 1 for n; its Scattering is sphericity, its
+    DemantkeVerticality verticality; its Verticality (Guinard and Landrieu 2017) is another.
+
+    Undefined
+    ---------
+    Points all in one place: all but number_of_neighbors is 0. Points on a line: verticality is 0. If a neighbour
+    has no finite place: all but number_of_neighbors is 0.
+
+    Source
+    ------
+    Weinmann et al., Semantic point cloud interpretation based on optimal neighborhoods, relevant features and
+    efficient classifiers (ISPRS Journal 105, 2015); Hackel, Wegner, Schindler, Fast semantic segmentation of 3D
+    point clouds with strongly varying density (2016), whose first moments have an arbitrary sign that is left out
+    here.
+
+    Cost
+    ----
+    At k = 10 as much as normals, after the search; logarithms and axes only where an attribute needs them.
+
+    In a text
+    ---------
+    knn(radius=0.5) | features(names=[linearity,planarity,verticality])
+    """
+    return made_stage("features", [
+        ("names", "names", names, None),
+        ("eigenvalues", "choice", eigenvalues, "raw"),
+        ("with_point", "no|yes", with_point, True),
+    ])
+
+
+def neighborhood_size() -> Stage:
+    """Number of neighbours and distance of the farthest.
+
+    Makes
+    -----
+    neighbor_count : (n,) uint32; number of neighbours.
+    neighbor_radius : (n,) float64, length; distance to the farthest neighbour; 0 without any.
+
+    Formula
+    -------
+    |N_i| without p_i, and max_j |p_j - p_i|
+
+    Source
+    ------
+    PDAL keeps the same as OptimalKNN and OptimalRadius.
+
+    In a text
+    ---------
+    knn(radius=0.1) | neighborhood_size
+    """
+    return made_stage("neighborhood_size", [])
+
+
+def where(condition: str) -> Stage:
+    """Keeps the points for which a condition on attributes holds; later stages see neighbours among these.
+
+    Parameters
+    ----------
+    condition : attributes of the input or made before, numbers, + - * /, == != < <= > >=, && || !, and parentheses;
+        'condition=' may be left out.
+
+    Undefined
+    ---------
+    Points without a finite place are asked like all others: their coordinates are NaN or infinite.
+
+    Cost
+    ----
+    A pass over the rows, without a search; one more sweep if a later stage needs neighbours again.
+
+    In a text
+    ---------
+    knn(k=12) | where(z > 0 && z < 100) | normals
+    """
+    return made_stage("where", [
+        ("condition", "condition", condition, None),
+    ])
+
+
+def crop(
+    bounds: Sequence[float] | None = None,
+    *,
+    polygon: str | os.PathLike[str] | Cloud | None = None,
+    outside: bool = False,
+    checksum: str | None = None,
+) -> Stage:
+    """Keeps the points inside a box or polygons; later stages see neighbours among these.
+
+    Parameters
+    ----------
+    bounds : corners of a box: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, or XMIN,YMIN,XMAX,YMAX for any z; 'bounds=' may be
+        left out; unit: length.
+    polygon : file with polygons, or a polygon itself, as WKT or GeoJSON in the coordinates of the cloud; with
+        bounds a point has to lie in both.
+    outside : keep the points that are not inside instead.
+    checksum : of the file with polygons, as records of runs have it; a file of another content is refused.
+
+    Formula
+    -------
+    In the box: XMIN <= x <= XMAX and YMIN <= y <= YMAX (and ZMIN <= z <= ZMAX).
+    In a polygon: (x, y) lies on one of its edges, or a ray from it crosses its edges an odd number of times
+    (even-odd rule over all its rings). Of several polygons: in any of them. Decided without rounding.
+
+    Undefined
+    ---------
+    A point whose coordinates, of those that are compared, are not finite is not inside; outside=true keeps it.
+
+    Source
+    ------
+    Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates (1997).
+
+    Cost
+    ----
+    A pass over the rows, without a search; about 50 ns for each point near many edges.
+
+    In a text
+    ---------
+    knn(k=12) | crop([0,0,100,100]) | normals
+    """
+    return made_stage("crop", [
+        ("bounds", "numbers", bounds, None),
+        ("polygon", "file", polygon, None),
+        ("outside", "false|true", outside, False),
+        ("checksum", "word", checksum, None),
+    ])
+
+
+def set(
+    assign: str,
+    *,
+    as_: Literal["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"] | None = None,
+) -> Stage:
+    """Assigns numbers to attributes, of all points or of those for which a condition holds.
+
+    Parameters
+    ----------
+    assign : NAME = NUMBER or NAME = NUMBER where CONDITION, several with commas between, done one after another;
+        numbers and conditions are those of where; 'assign=' may be left out.
+    as_ : the type of attributes that are new; without it float64, or the type that LAS has for the name, such as
+        uint8 for classification.
+
+    Formula
+    -------
+    The value in float64, as where evaluates numbers; of a type of whole numbers the nearest, halves to even.
+    An attribute that is there keeps its type, and its value where the condition does not hold; a new one is 0
+    there. x, y and z move the points.
+
+    Undefined
+    ---------
+    A value that the type cannot hold ends the run, naming the row. Points without a finite place get 0, and keep
+    their place.
+
+    Cost
+    ----
+    A pass over the rows, without a search; none where other stages search anyway.
+
+    In a text
+    ---------
+    knn(k=12) | sor | set(classification = 7 where outlier == 1)
+    """
+    return made_stage("set", [
+        ("assign", "assignments", assign, None),
+        ("as", "choice", as_, None),
+    ])
+
+
+def drop(attributes: str | Sequence[str]) -> Stage:
+    """Leaves attributes out of the output; later stages cannot read them.
+
+    Parameters
+    ----------
+    attributes : of the input, or made before, with commas between; 'attributes=' may be left out.
+
+    Undefined
+    ---------
+    X, y and z are never dropped.
+
+    Cost
+    ----
+    None: what is dropped is not computed either, unless a stage before reads it.
+
+    In a text
+    ---------
+    knn(k=12) | normals | set(facing = nz * nz) | drop(normal)
+    """
+    return made_stage("drop", [
+        ("attributes", "attributes", attributes, None),
+    ])
+
+
+def sor(
+    multiplier: float = 2,
+    *,
+    definition: Literal["pointsweep", "pdal", "pcl", "open3d", "cloudcompare"] = "pointsweep",
+) -> Stage:
+    """Statistical outliers: points whose mean distance to their neighbours exceeds mean + multiplier * deviation of
+    the cloud.
+
+    Parameters
+    ----------
+    multiplier : standard deviations above the mean; 0 or more.
+    definition : the program whose rule counts; see the formula.
+
+    Makes
+    -----
+    mean_distance : (n,) float64, length; mean distance to the neighbours; NaN without any.
+    outlier : (n,) uint8; 1: farther from its neighbours than mean + multiplier * deviation.
+
+    Formula
+    -------
+    d_i = 1/|N_i| Σ_j |p_j - p_i| (mean_distance); m and s: mean and standard deviation of
+    all n finite d; t = m + multiplier * s. N_i never holds p_i.
+    pointsweep:   s divides by n - 1; outlier: d > t
+    pdal:         s divides by n - 1; outlier: d >= t. mean_k is our k
+    pcl:          as pointsweep. mean_k is our k (before PCL 1.7: k + 1)
+    open3d:       d_i = 1/(|N_i| + 1) Σ_j |p_j - p_i|, for the point itself counts, at
+                  distance 0. Terms of s with d = 0 are left out, but count in n;
+                  s divides by n - 1; outlier: d >= t or d = 0. nb_neighbors is k + 1
+    cloudcompare: s divides by n; outlier: d > t. Its number of points is k + 1
+
+    Undefined
+    ---------
+    Without neighbours, or if one has no finite place: mean_distance is NaN and outlier 1.
+
+    Source
+    ------
+    Rusu, Semantic 3D object maps (2009); the sources of PDAL 2 (filters.outlier), PCL 1.13
+    (StatisticalOutlierRemoval), Open3D 0.18 (RemoveStatisticalOutliers) and CloudCompare 2.11 (sorFilter). PCL and
+    CloudCompare round d to float32; here it is float64.
+
+    Cost
+    ----
+    One more reading of the rows, or the writing of the output, in which the outliers are marked.
+
+    In a text
+    ---------
+    knn(k=8) | sor(multiplier=2) | where(outlier == 0)
+    """
+    return made_stage("sor", [
+        ("multiplier", "number", multiplier, 2),
+        ("definition", "choice", definition, "pointsweep"),
+    ])
+
+
+def ror(radius: float, *, min_neighbors: int = 2) -> Stage:
+    """Radius outliers: points with fewer than min_neighbors neighbours within a radius.
+
+    Parameters
+    ----------
+    radius : the distance within which neighbours count, inclusive; above 0; 0 or more; unit: length.
+    min_neighbors : how many neighbours a point needs, itself not counted; knn needs k of at least this; 1 or more.
+
+    Makes
+    -----
+    outlier : (n,) uint8; 1: too few neighbours within the radius.
+
+    Formula
+    -------
+    outlier = 1 where |{j in N_i : |p_j - p_i| <= radius}| < min_neighbors, N_i without p_i.
+    The min_neighbors nearest neighbours are enough to know, so that knn(k=min_neighbors) before it
+    makes the same as knn(radius=...) in less time.
+    PDAL (min_k), PCL (setMinNeighborsInRadius) and Open3D (nb_points) keep the same points, but
+    that PDAL and Open3D do not count a neighbour at exactly the radius.
+
+    Undefined
+    ---------
+    A neighbour that has no finite place is not within the radius.
+
+    Source
+    ------
+    PDAL filters.outlier, method radius; PCL RadiusOutlierRemoval; Open3D remove_radius_outlier.
+
+    In a text
+    ---------
+    knn(k=4) | ror(radius=0.5, min_neighbors=4) | where(outlier == 0)
+    """
+    return made_stage("ror", [
+        ("radius", "number", radius, None),
+        ("min_neighbors", "whole", min_neighbors, 2),
+    ])
+
+
+def lof() -> Stage:
+    """Local outlier factor: how many times sparser a point lies than its neighbours do; about 1 inside a cloud.
+
+    Makes
+    -----
+    k_distance : (n,) float64, length; distance to the farthest neighbour.
+    reachability_density : (n,) float64, 1/length; inverse of the mean reachability distance.
+    lof : (n,) float64; local outlier factor.
+
+    Formula
+    -------
+    k_distance_i = max_j |p_j - p_i| over N_i, which does not hold p_i
+    reachability_density: r_i = |N_i| / Σ_j max(k_distance_j, |p_j - p_i|)
+    lof_i = 1/|N_i| Σ_j r_j / r_i
+    Exactly k neighbours count, as in scikit-learn and PDAL (filters.lof, minpts is k); in the
+    publication more, where several are as far as the k-th. scikit-learn adds 1e-10 to the mean
+    reachability; here r is infinite where that is 0, and the quotient of two of them is 1.
+
+    Undefined
+    ---------
+    NaN without neighbours, or if the point, a neighbour or a neighbour of one has no finite place or no neighbours.
+
+    Source
+    ------
+    Breunig, Kriegel, Ng, Sander, LOF: identifying density-based local outliers (SIGMOD 2000), Definitions 3 to 7.
+
+    Cost
+    ----
+    Three steps: points stay in memory until the neighbours of their neighbours are known.
+
+    In a text
+    ---------
+    knn(k=20) | lof | where(lof < 1.5)
+    """
+    return made_stage("lof", [])
+
+
+def density(radius: float | None = None) -> Stage:
+    """Points for each unit of area and of volume around a point.
+
+    Parameters
+    ----------
+    radius : R, above 0; without it, the distance to the farthest neighbour; 0 or more; unit: length.
+
+    Makes
+    -----
+    surface_density : (n,) float32, 1/length^2; points for each unit of area.
+    volume_density : (n,) float32, 1/length^3; points for each unit of volume.
+
+    Formula
+    -------
+    surface_density = m / (π R²), volume_density = m / (4/3 π R³)
+    Without radius: R = max_j |p_j - p_i|, m = |N_i| without p_i.
+    With radius R: m = 1 + |{j : |p_j - p_i| <= R}|, as CloudCompare counts; needs knn(radius=R).
+    A plane through p_i cuts a disc of area π R² out of the ball.
+
+    Undefined
+    ---------
+    0 without neighbours, where all lie on the point, and where one has no finite place; with radius, never.
+
+    Source
+    ------
+    CloudCompare, Compute geometric features: surface and volume density; PDAL filters.radialdensity makes the
+    volume density with radius.
+
+    In a text
+    ---------
+    knn(k=16) | density
+    """
+    return made_stage("density", [
+        ("radius", "number", radius, None),
+    ])
+
+
+def unique() -> Stage:
+    """Keeps of points with equal coordinates the first; later stages see neighbours among those kept.
+
+    Undefined
+    ---------
+    Points without a finite place are all kept.
+
+    Cost
+    ----
+    A pass that puts the points in order, without a search.
+
+    In a text
+    ---------
+    unique
+    """
+    return made_stage("unique", [])
+
+
+def decimate(share: float, *, seed: int = 0) -> Stage:
+    """Keeps a share of the points, chosen by a hash of their coordinates.
+
+    Parameters
+    ----------
+    share : of the places to keep; the number of points kept varies around it by chance; 0 to 1.
+    seed : another number chooses other points; with the same one, a smaller share is a part of a larger one; 0 or
+        more.
+
+    Formula
+    -------
+    Point i is kept if ⌊h_i / 2^11⌋ / 2^53 < share.
+    h = m(m(m(seed ^ x) ^ y) ^ z) of the 64 bits of each coordinate as float64, 0 for -0;
+    m(i): j = i + 0x9e3779b97f4a7c15; j = (j ^ j >> 30) * 0xbf58476d1ce4e5b9;
+    j = (j ^ j >> 27) * 0x94d049bb133111eb; j ^ j >> 31, all modulo 2^64.
+
+    Undefined
+    ---------
+    Points of equal coordinates stay together or go together. Points without a finite place stay.
+
+    Source
+    ------
+    M: Steele, Lea and Flood, Fast splittable pseudorandom number generators (OOPSLA 2014).
+
+    Cost
+    ----
+    A pass over the rows, without a search.
+
+    In a text
+    ---------
+    decimate(0.1)
+    """
+    return made_stage("decimate", [
+        ("share", "number", share, None),
+        ("seed", "whole", seed, 0),
+    ])
+
+
+def voxel(size: float, *, keep: Literal["center", "hash", "centroid"] = "center") -> Stage:
+    """Keeps one point in each cube of a grid; later stages see neighbours among those kept.
+
+    Parameters
+    ----------
+    size : length of the edges of the cubes, whose faces lie at multiples of it; 1e-09 or more; unit: length.
+    keep : the point nearest to the centre of the cube, the one whose coordinates have the smallest hash, or the
+        first of these with means of the cube.
+
+    Formula
+    -------
+    Voxel of p: (⌊x / size⌋, ⌊y / size⌋, ⌊z / size⌋), quotients rounded to float64: a point on a
+    face belongs to the voxel above it. The grid does not depend on the cloud.
+    keep=center: the least |p - c|², ((dx² + dy²) + dz²) in float64, c = (voxel + 0.5) * size.
+    keep=hash: the least hash of decimate, with the seed 0x766f78656c.
+    Of equal ones the point of the least x, then y, then z, then input row.
+    keep=centroid: the row of keep=center, at the mean of the points of the voxel. Floating-point numbers,
+    intensity and colours become means too, m = (Σ v) / n of the n finite values, at least the least, at
+    most the greatest; Σ is exact, rounded once to float64; intensity and colours then to whole numbers.
+    Normals: the mean, divided by its length; 0 where that is 0. All else is that of the row: whole
+    numbers (classification, return number, ids), directions without a sign, arrays, scaled fields.
+
+    Undefined
+    ---------
+    Points without a finite place all stay; with keep=centroid the averaged attributes are 0 there. The mean of
+    values none of which is finite is NaN.
+
+    Cost
+    ----
+    A pass that puts the points in order by voxel, without a search; memory does not depend on the size.
+    keep=centroid: the averaged attributes travel with the points, and one more reading of the rows.
+
+    In a text
+    ---------
+    knn(k=12) | voxel(0.5) | normals
+    """
+    return made_stage("voxel", [
+        ("size", "number", size, None),
+        ("keep", "choice", keep, "center"),
+    ])
+
+
+def poisson(radius: float, *, radius_from: str | None = None) -> Stage:
+    """Keeps points that are farther than a radius from each other and leave no gap wider than it.
+
+    Parameters
+    ----------
+    radius : within which a kept point leaves out others; with radius_from the most it can be; 1e-09 or more; unit:
+        length.
+    radius_from : attribute of the input, or made before, that holds the radius of each point.
+
+    Formula
+    -------
+    In ascending order of h_i (ties by x, y, z, then row) a point is kept unless a kept point j has
+    |p_i - p_j|² <= r_i², ((dx² + dy²) + dz²) in float64.
+    h: the hash of decimate with the seed 0x706f6973736f6e.
+    r_i = radius, or min(radius_from, radius); 0 where radius_from is NaN or negative.
+
+    Undefined
+    ---------
+    Points without a finite place all stay.
+
+    Source
+    ------
+    The greedy maximal independent set, the same in any order of evaluation: Blelloch, Fineman and Shun (SPAA 2012).
+
+    Cost
+    ----
+    A pass that puts the points in order, without a search; memory holds the points of a slice about two radii
+    thick.
+
+    In a text
+    ---------
+    knn(k=12) | poisson(0.2) | normals
+    """
+    return made_stage("poisson", [
+        ("radius", "number", radius, None),
+        ("radius_from", "attribute", radius_from, None),
+    ])
+
+
+def simplify(error: float, *, most: float | None = None, least: float = 0) -> Stage:
+    """Keeps few points on flat parts and many on curved ones: poisson with a radius from the curvature.
+
+    Parameters
+    ----------
+    error : how far a kept point may be off the tangent plane of a point that it represents; 1e-12 or more; unit:
+        length.
+    most : the largest radius, on flat parts; without it, 32 error; 1e-09 or more; unit: length.
+    least : the smallest radius, where noise looks like curvature; at most `most`; 0 or more; unit: length.
+
+    Makes
+    -----
+    simplify_radius : (n,) float64, length; distance within which a kept point represents this one.
+
+    Reads
+    -----
+    k1
+
+    Formula
+    -------
+    r_i = √(2 error / k1_i), at least `least`, at most `most`; then poisson(most, radius_from=r).
+    A surface of curvature k1 leaves its tangent plane by k1 r² / 2 at the distance r.
+
+    Undefined
+    ---------
+    A point without curvature (k1 = 0) gets the largest radius.
+
+    Cost
+    ----
+    That of poisson with the radius `most`.
+
+    In a text
+    ---------
+    knn(k=24) | normals | curvature | simplify(error=0.01)
+    """
+    return made_stage("simplify", [
+        ("error", "number", error, None),
+        ("most", "number", most, None),
+        ("least", "number", least, 0),
+    ])
+
+
+def ground(
+    method: Literal["smrf"] = "smrf",
+    *,
+    cell: float = 1,
+    slope: float = 0.15,
+    window: float = 18,
+    threshold: float = 0.5,
+    scalar: float = 1.25,
+    returns: Literal["last", "all"] = "last",
+    noise: bool = False,
+) -> Stage:
+    """Finds the points of the ground by a morphological filter and makes their classification 2.
+
+    Parameters
+    ----------
+    method : the filter; there is one.
+    cell : edge of a cell of the raster, whose lines lie at multiples of it; 1e-09 or more; unit: length.
+    slope : steepest slope of the ground, rise over run; what is steeper is an object; 0 or more.
+    window : radius of the largest disk: about half the width of the widest object; 0 or more; unit: length.
+    threshold : a point this far above or below the surface is still ground where that is level; 0 or more; unit:
+        length.
+    scalar : added to the threshold for each unit of the slope of the surface; 0 or more; unit: length.
+    returns : which returns of a pulse take part, where the cloud numbers them.
+    noise : whether points of the classes 7 and 18 take part, where the cloud has classes.
+
+    Makes
+    -----
+    classification : (n,) uint8; class of LAS: 2 for ground.
+
+    Formula
+    -------
+    Cell of p: (⌊x / cell⌋, ⌊y / cell⌋); R = ⌈window / cell⌉. Rasters have absent cells.
+    1. Z: the least z of the points of a cell that take part. F(Z): a cell without one becomes
+       ((W/w + E/e) + (S/s + N/n)) / ((1/w + 1/e) + (1/s + 1/n)), W, E, S, N: the nearest
+       values in its row and column, at most 3R + 3 cells away; w, e, s, n: their distances;
+       missing sides count 0. Without any it is absent.
+    2. open(A, r): the greatest, over a disk dx² + dy² <= r², of the least of A over a disk;
+       absent cells count for nothing. Pits: -F(Z) - open(-F(Z), 1) > 5 cell.
+    3. S_0 = F(Z); S_r = open(S_(r-1), r), r = 1 ... R. Objects: for some r
+       S_(r-1) - S_r > slope (cell r).
+    4. G = F(Z without the cells of pits and objects); g = sqrt(gx² + gy²) in each cell, by
+       central differences of G, one-sided next to absent cells.
+    5. G(p), g(p): bilinear between the centres of the four cells around p; where one of these
+       is absent, those of the cell of p.
+       Ground: points that take part with |z - G(p)| <= threshold + scalar g(p).
+
+    Undefined
+    ---------
+    Points that do not take part, and those where G is absent, are not ground. What is not ground keeps its class,
+    but 1 in the place of 2, and 1 where the cloud has no classes. Points without a finite place get 1.
+
+    Source
+    ------
+    Pingel, Clarke and McBride, An improved simple morphological filter for the terrain classification of airborne
+    LIDAR data (ISPRS Journal 77, 2013). The paper fills holes by a system of springs over the whole raster, in
+    which every cell depends on every other; F is local, so that tiles, their order and points far away change
+    nothing. Its optional net for large buildings is not there.
+
+    Cost
+    ----
+    A pass that puts the points in order by rows of cells and reads them twice, without a search; memory holds about
+    6R rows of cells for each disk, or for one disk at a time.
+
+    In a text
+    ---------
+    knn(k=8) | sor | where(outlier == 0) | ground(cell=1, window=18)
+    """
+    return made_stage("ground", [
+        ("method", "choice", method, "smrf"),
+        ("cell", "number", cell, 1),
+        ("slope", "number", slope, 0.15),
+        ("window", "number", window, 18),
+        ("threshold", "number", threshold, 0.5),
+        ("scalar", "number", scalar, 1.25),
+        ("returns", "choice", returns, "last"),
+        ("noise", "no|yes", noise, False),
+    ])
+
+
+def height(from_: Literal["ground"] = "ground", *, k: int = 1) -> Stage:
+    """Measures the height above the nearest points of the ground, in the plane of x and y.
+
+    Parameters
+    ----------
+    from_ : what height is measured from: the points of class 2.
+    k : number of points of the ground whose mean counts; 1 to 1024.
+
+    Makes
+    -----
+    height : (n,) float64, length; z above the nearest points of the ground; NaN without any.
+
+    Reads
+    -----
+    classification
+
+    Formula
+    -------
+    h = z - Σ_j w_j z_j / Σ_j w_j, w_j = 1 / d_j², over the k points of class 2 that are nearest
+    in x and y: d_j² = dx² + dy² in float64, equal ones by x, y, z, row; summed nearest first.
+    Where d_1 = 0: h = z - z_1.
+
+    Undefined
+    ---------
+    NaN where the cloud has no point of class 2, and for points without a finite place.
+
+    Source
+    ------
+    Inverse distance weighting: Shepard, A two-dimensional interpolation function for irregularly-spaced data (ACM
+    National Conference 1968).
+
+    Cost
+    ----
+    A pass that puts the points in order along x or y and reads them twice; points of the ground are kept in the
+    temporary folder in cells, and memory holds those near the front.
+
+    In a text
+    ---------
+    knn(k=8) | ground | height(k=3) | where(height < 2)
+    """
+    return made_stage("height", [
+        ("from", "choice", from_, "ground"),
+        ("k", "whole", k, 1),
+    ])
+
+
+def color(
+    by: str,
+    *,
+    map: Literal["viridis", "turbo", "gray", "classes"] = "viridis",
+    range: Sequence[float] | None = None,
+    bits: Literal["auto", "8", "16"] = "auto",
+) -> Stage:
+    """Makes colours from the values of an attribute.
+
+    Parameters
+    ----------
+    by : attribute of the input, or component of one made before, or x, y or z; 'by=' may be left out.
+    map : colours for numbers, or those of the classes of LAS.
+    range : values at the ends of the map; without it the least and the greatest of the cloud.
+    bits : of a channel: 8, or 16 as LAS has it; auto: 16 where the input has colours of 16 bits, or fields of LAS.
+
+    Makes
+    -----
+    color : (n, 3) uint8; colour of an attribute's value.
+
+    Formula
+    -------
+    t = (v - lo) / (hi - lo), at least 0, at most 1; 0 if lo = hi. Channels of 8 bits, halves upwards:
+    viridis: linear between ten colours; turbo: a polynomial of degree 5; gray: 255 t.
+    classes: the colour of class v, rounded, as render draws it. Of 16 bits: 257 times that.
+
+    Undefined
+    ---------
+    NaN is grey (128). Points without a finite place are black.
+
+    Source
+    ------
+    Viridis: van der Walt and Smith 2015. Turbo: Mikhailov 2019.
+
+    Cost
+    ----
+    Without a range one more reading of the rows, or the writing of the output.
+
+    In a text
+    ---------
+    knn(k=12) | normals | curvature | color(k1, map=turbo, range=[0,5])
+    """
+    return made_stage("color", [
+        ("by", "attribute", by, None),
+        ("map", "choice", map, "viridis"),
+        ("range", "numbers", range, None),
+        ("bits", "choice", bits, "auto"),
+    ])
+
+
+def distance_to(cloud: str | os.PathLike[str] | Cloud, *, most: float | None = None) -> Stage:
+    """Measures the distance to the nearest point of another cloud.
+
+    Parameters
+    ----------
+    cloud : the other cloud: a point file, a folder of them or a pattern.
+    most : farthest that the nearest point is looked for; by default as far as it is; more than 0; unit: length.
+
+    Makes
+    -----
+    cloud_distance : (n,) float64, length; distance to the nearest point of another cloud.
+
+    Formula
+    -------
+    d = min_j sqrt((dx² + dy²) + dz²) over the points j of the other cloud, in float64
+
+    Undefined
+    ---------
+    NaN where no point of the other cloud is within `most`, and for points without a finite place.
+
+    Source
+    ------
+    Cloud-to-cloud distance: Girardeau-Montaut, Roux, Marc and Thibault, Change detection on points cloud data
+    acquired with a ground laser scanner (ISPRS 2005).
+
+    Cost
+    ----
+    A pass that puts the points in order along x or y; the other cloud is put in the same order in the temporary
+    folder (32 bytes a point, and as much while it is ordered), and memory holds what is near the front.
+
+    In a text
+    ---------
+    distance_to(before.las, most=5) | where(cloud_distance > 0.1)
+    """
+    return made_stage("distance_to", [
+        ("cloud", "file", cloud, None),
+        ("most", "number", most, None),
+    ])
+
+
+def m3c2(cloud: str | os.PathLike[str] | Cloud, cylinder: float, depth: float, *, registration: float = 0) -> Stage:
+    """Measures the change to another cloud along the normals, with its level of detection (M3C2).
+
+    Parameters
+    ----------
+    cloud : the other cloud, measured later: a point file, a folder of them or a pattern.
+    cylinder : diameter of the cylinder along the normal (projection scale); more than 0; unit: length.
+    depth : how far the cylinder reaches to each side of the point; more than 0; unit: length.
+    registration : error of the registration of the two clouds; 0 or more; unit: length.
+
+    Makes
+    -----
+    m3c2_distance : (n,) float64, length; change to another cloud along the normal.
+    m3c2_lod : (n,) float64, length; level of detection at 95 %.
+    m3c2_spread1 : (n,) float64, length; deviation along the normal, this cloud.
+    m3c2_spread2 : (n,) float64, length; deviation along the normal, other cloud.
+    m3c2_samples1 : (n,) float64; points in the cylinder, this cloud.
+    m3c2_samples2 : (n,) float64; points in the cylinder, other cloud.
+
+    Reads
+    -----
+    normal
+
+    Formula
+    -------
+    Points of each cloud within cylinder / 2 of the line through p_i along n_i, and within depth of p_i along
+    it, have places a_j = (p_j - p_i) . n_i. With their mean m, their standard deviation s (of n - 1) and their
+    number n: distance m_2 - m_1; level of detection 1.96 (sqrt(s_1² / n_1 + s_2² / n_2) + registration).
+
+    Undefined
+    ---------
+    NaN for a point without a normal or a finite place; the distance where a cylinder has no point of the other
+    cloud, spread and level of detection where it has fewer than two of a cloud.
+
+    Source
+    ------
+    Lague, Brodu and Leroux, Accurate 3D comparison of complex topography with terrestrial laser scanner (ISPRS
+    Journal of Photogrammetry and Remote Sensing 82, 2013), Section 3. Normals are those of the stages before, at
+    their scale; every point that is left is a core point.
+
+    Cost
+    ----
+    A pass that puts the points in order along x or y and reads them twice; both clouds are kept in the temporary
+    folder (32 bytes a point), and memory holds what is near the front; time grows with the points in a cylinder,
+    and each thread needs 8 bytes for each of them, which --memory does not count.
+
+    In a text
+    ---------
+    knn(radius=1) | normals(orient=up) | m3c2(after.las, cylinder=0.5, depth=2)
+    """
+    return made_stage("m3c2", [
+        ("cloud", "file", cloud, None),
+        ("cylinder", "number", cylinder, None),
+        ("depth", "number", depth, None),
+        ("registration", "number", registration, 0),
+    ])
+
+
+def components(distance: float | None = None) -> Stage:
+    """Connected components of the graph of neighbours, with their sizes.
+
+    Parameters
+    ----------
+    distance : points farther from each other are not joined; needs knn(radius=...) of at least it; 0 or more; unit:
+        length.
+
+    Makes
+    -----
+    component : (n,) int64; number of the connected component; -1 without a place.
+    component_size : (n,) uint64; points of the connected component.
+
+    Formula
+    -------
+    Points i and j are joined if j is in N_i or i is in N_j; with distance D: if |p_j - p_i| <= D.
+    component: numbered from 0 by the first point, that of the least x, then y, then z, then row.
+
+    Undefined
+    ---------
+    -1, of size 0, for points without a finite place.
+
+    Source
+    ------
+    Exact minimum spanning forest of the open points, docs/adr/0014.
+
+    Cost
+    ----
+    A sweep that ends a pass; about 60 bytes a point in the temporary folder.
+
+    In a text
+    ---------
+    knn(k=8) | components | where(component_size > 100)
+    """
+    return made_stage("components", [
+        ("distance", "number", distance, None),
+    ])
+
+
+def dbscan(eps: float, *, min_points: int = 5) -> Stage:
+    """Density-based clusters (DBSCAN): points around core points, which have many neighbours.
+
+    Parameters
+    ----------
+    eps : the distance within which points are neighbours, inclusive; needs knn(radius=...) of at least it; 0 or
+        more; unit: length.
+    min_points : points within eps that make a core point, itself included; 1 or more.
+
+    Makes
+    -----
+    core : (n,) uint8; 1: at least min_points points within eps.
+    cluster : (n,) int64; number of the cluster; -1: noise.
+    cluster_size : (n,) uint64; points of the cluster; 0: noise.
+
+    Formula
+    -------
+    core_i = 1 where |{j : |p_j - p_i| <= eps}| >= min_points, i itself counted, as in scikit-learn.
+    Core points within eps of each other are in one cluster. Another point is in that of the nearest
+    core point within eps, equal distances by x, y, z, row; without one it is noise, cluster = -1.
+    Clusters are numbered from 0 by their first point, that of the least x, then y, then z, then row.
+    In scikit-learn and in the publication a border point belongs to the cluster that comes to it
+    first, so that its cluster depends on the order of the points.
+
+    Undefined
+    ---------
+    Core 0, cluster -1 and cluster_size 0 for points without a finite place.
+
+    Source
+    ------
+    Ester, Kriegel, Sander, Xu, A density-based algorithm for discovering clusters in large spatial databases with
+    noise (KDD 1996).
+
+    Cost
+    ----
+    A sweep of two steps that ends a pass; about 60 bytes a point in the temporary folder.
+
+    In a text
+    ---------
+    knn(radius=0.5) | dbscan(eps=0.5, min_points=10) | where(cluster >= 0)
+    """
+    return made_stage("dbscan", [
+        ("eps", "number", eps, None),
+        ("min_points", "whole", min_points, 5),
+    ])
+
+
+def segments(angle: float = 5, *, distance: float | None = None) -> Stage:
+    """Smooth segments: neighbours whose normals differ by less than an angle, with their sizes.
+
+    Parameters
+    ----------
+    angle : normals of neighbours in one segment differ by less; above 0; 0 to 90; unit: degrees.
+    distance : points farther from each other are not joined; 0 or more; unit: length.
+
+    Makes
+    -----
+    segment : (n,) int64; number of the smooth segment; -1 without a place.
+    segment_size : (n,) uint64; points of the segment.
+
+    Reads
+    -----
+    normal, normal of neighbours
+
+    Formula
+    -------
+    Points i and j are joined if j is in N_i or i is in N_j, |n_i . n_j| > cos(angle), and with
+    distance D |p_j - p_i| <= D. segment: components of these, numbered from 0 by the first point,
+    that of the least x, then y, then z, then row. Normals are unit vectors or 0; a normal of 0 is
+    joined with none.
+
+    Undefined
+    ---------
+    -1, of size 0, for points without a finite place.
+
+    Source
+    ------
+    After Rabbani, van den Heuvel, Vosselman, Segmentation of point clouds using smoothness constraint (ISPRS
+    Archives XXXVI-5, 2006): its condition, without seeds and their order.
+
+    Cost
+    ----
+    A sweep that ends a pass; about 60 bytes a point in the temporary folder.
+
+    In a text
+    ---------
+    knn(k=12) | normals | segments(angle=5) | where(segment_size > 1000)
+    """
+    return made_stage("segments", [
+        ("angle", "number", angle, 5),
+        ("distance", "number", distance, None),
+    ])
+
+
+def orient(
+    method: Literal["mst", "trajectory"] = "mst",
+    *,
+    viewpoint: Sequence[float] | None = None,
+    trajectory: str | os.PathLike[str] | Cloud | None = None,
+    checksum: str | None = None,
+) -> Stage:
+    """Gives the normals of each connected surface consistent signs, by a minimum spanning forest.
+
+    Parameters
+    ----------
+    method : how signs are found: mst, by the minimum spanning forest of the graph of neighbours; trajectory, by
+        where the sensor was at the gps_time of the point.
+    viewpoint : most normals of each component face this point, in the coordinates of the cloud; unit: length.
+    trajectory : file with lines of time, x, y, z: where the sensor was, in the coordinates of the cloud and the
+        times of gps_time.
+    checksum : of the trajectory, as records of runs have it; a file of another content is refused.
+
+    Makes
+    -----
+    normal_turned : (n,) uint8; 1: orient has turned the normal.
+    normal : (n, 3) float32; unit surface normal; 0 where undefined.
+
+    Reads
+    -----
+    normal
+
+    Formula
+    -------
+    Edges join i and j if j is in N_i or i is in N_j, weight 1 - |n_i . n_j|; equal ones by the two
+    points, each by x, y, z, row. Along an edge of the minimum spanning forest signs s agree with the
+    sign of n_i . n_j, where 0 counts as +.
+    The signs of a component are turned together so that the larger in absolute value of
+    Σ s n_z and Σ s n . (p - c) / e is positive, c its centroid, e its mean extent: up for open
+    surfaces, outwards for closed ones. With viewpoint v: Σ sign(s n . (v - p)). If that is 0, the
+    normal of the highest point points up.
+    trajectory: n . (s(t) - p) >= 0, s(t) on the straight line between the places before and after t.
+
+    Undefined
+    ---------
+    Normals of 0 stay 0; with a trajectory points without a time keep their normal. Times more than 1 s outside of
+    the trajectory end the run.
+
+    Source
+    ------
+    Hoppe, DeRose, Duchamp, McDonald, Stuetzle, Surface reconstruction from unorganized points (SIGGRAPH 1992),
+    Section 3.3; there the highest point alone decides.
+
+    Cost
+    ----
+    A sweep that ends a pass; about 150 bytes a point in the temporary folder.
+
+    In a text
+    ---------
+    knn(k=12) | normals | orient
+    """
+    return made_stage("orient", [
+        ("method", "choice", method, "mst"),
+        ("viewpoint", "point", viewpoint, None),
+        ("trajectory", "file", trajectory, None),
+        ("checksum", "word", checksum, None),
+    ])
+
+
+def reneighbor(
+    k: int | None = None,
+    *,
+    radius: float | None = None,
+    k_from: str | None = None,
+    radius_from: str | None = None,
+    adaptive: Literal["none", "eigenentropy"] | None = None,
+    k_min: int | None = None,
+) -> Stage:
+    """Finds new neighbours at the moved positions, for all later stages; options as for knn (default: those in effect
+    so far).
+
+    Parameters
+    ----------
+    k : number of neighbours, excluding the point; a radius without k means all points within it; 1 or more.
+    radius : maximum distance of a neighbour, in the unit of the coordinates; 0 or more; unit: length.
+    k_from : attribute of the input that holds the number of neighbours of each point, at most k; requires k.
+    radius_from : attribute of the input that holds the maximum distance for each point; requires k or radius as a
+        limit.
+    adaptive : eigenentropy chooses for each point the number from k_min to k with the least eigenentropy (Weinmann
+        2014); requires k.
+    k_min : smallest number that adaptive=eigenentropy may choose; 3 or more.
+
+    Formula
+    -------
+    N_i from here on is that of a file that holds the positions of now.
+
+    Undefined
+    ---------
+    A point that was moved to a position that is not finite has no neighbours from here on.
+
+    Source
+    ------
+    Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 8.
+
+    Cost
+    ----
+    One more sweep, and one temporary record for each point.
+
+    In a text
+    ---------
+    knn(k=64) | normals | splats | fair | reneighbor(k=12) | normals
+    """
+    return made_stage("reneighbor", [
+        ("k", "whole", k, None),
+        ("radius", "number", radius, None),
+        ("k_from", "attribute", k_from, None),
+        ("radius_from", "attribute", radius_from, None),
+        ("adaptive", "choice", adaptive, None),
+        ("k_min", "whole", k_min, None),
+    ])
+
+
+def resort() -> Stage:
+    """Makes --order sweep write the points in the order of the moved positions; changes no value.
+
+    Source
+    ------
+    Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 8.
+
+    Cost
+    ----
+    One more ordering of the output, with --order sweep.
+
+    In a text
+    ---------
+    knn(k=64) | normals | splats | fair | resort | normals
+    """
+    return made_stage("resort", [])

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: MIT
+"""Small tables for notebooks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+
+def html_table(caption: str, header: Sequence[str] | None, rows: Iterable[Sequence[str]]) -> str:
+    """A table of text; the first column is in bold."""
+
+    import html
+
+    def cells(tag: str, texts: Sequence[str]) -> str:
+        return "".join(f"<{tag}>{html.escape(text)}</{tag}>" for text in texts)
+
+    lines = [f"<table><caption>{html.escape(caption)}</caption>"]
+    if header is not None:
+        lines.append(f"<thead><tr>{cells('th', header)}</tr></thead>")
+    lines += [f"<tr>{cells('th', row[:1])}{cells('td', row[1:])}</tr>" for row in rows]
+    return "\n".join([*lines, "</table>"])

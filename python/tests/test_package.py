@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: MIT
+"""The package as a whole: what importing it costs, processes, notebooks."""
+
+import html
+import multiprocessing
+import os
+import subprocess
+import sys
+import threading
+import types
+
+import numpy as np
+import pytest
+
+import pointsweep as ps
+
+XYZ = np.random.default_rng(11).random((4000, 3))
+
+
+def test_importing_it_imports_little_beside_numpy():
+    code = """
+import sys, time
+import numpy
+before, start = set(sys.modules), time.perf_counter()
+import pointsweep
+seconds = time.perf_counter() - start
+print(seconds, *sorted(m for m in set(sys.modules) - before if not m.startswith("pointsweep")))
+"""
+    runs = [subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True) for _ in range(3)]
+    lines = [run.stdout.split() for run in runs]
+    assert min(float(line[0]) for line in lines) < 0.1 + float(os.environ.get("POINTSWEEP_TEST_PATIENCE", "0"))
+    assert set(lines[0][1:]) <= {"__future__", "atexit", "copy"}, "import these where they are needed"
+
+
+def normals_of(xyz):
+    return ps.normals(xyz, 8)
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
+def test_processes_run_for_themselves(method):
+    expected = ps.normals(XYZ, 8)  # the parent has run before it forks
+    with multiprocessing.get_context(method).Pool(2) as pool:
+        for found in pool.map(normals_of, [XYZ] * 4):
+            assert found.tobytes() == expected.tobytes()
+
+
+def test_many_threads_run_at_once():
+    @ps.operator(reads=["normal"], makes={"tilt": "f4"})
+    def tilt(p):
+        return np.abs(p.normal[:, 2])
+
+    expected = ps.run(XYZ, "knn(k=8) | normals" | tilt)["tilt"].tobytes()
+    found = [None] * 8
+
+    def work(i):
+        found[i] = ps.run(XYZ, "knn(k=8) | normals" | tilt, threads=1 + i % 3)["tilt"].tobytes()
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(8)]
+    [t.start() for t in threads], [t.join() for t in threads]
+    assert found == [expected] * 8
+
+
+def test_a_plan_says_what_a_run_would_do(tmp_path):
+    plan = ps.plan(XYZ, ps.knn(16) | ps.normals() | ps.where("nz > 0.5"), memory="100M")
+    assert repr(plan) == str(plan) and "normals" in plan and "pass 1 of 2" in plan
+    assert plan._repr_html_().startswith("<pre>")
+    cloud = ps.generate("plane", 1000, tmp_path / "in.ply")
+    assert "normals" in ps.plan(cloud, "knn(k=8) | normals", to=tmp_path / "out.las", order="sweep")
+    assert os.listdir(tmp_path) == ["in.ply"]
+    with pytest.raises(ps.UsageError, match="is a folder"):
+        ps.plan(cloud, "normals", to=tmp_path)
+    with pytest.raises(ps.Error, match="memory="):
+        ps.plan(XYZ, "normals", memory="1M")
+
+
+def test_progress_is_shown(monkeypatch, capsys):
+    bars = []
+
+    class Bar:
+        def __init__(self, total, desc, unit, unit_scale):
+            self.total, self.desc, self.n, self.closed = total, desc, 0, False
+            bars.append(self)
+
+        def update(self, n):
+            self.n += n
+
+        def close(self):
+            self.closed = True
+
+    module = types.ModuleType("tqdm.auto")
+    module.tqdm = Bar
+    monkeypatch.setitem(sys.modules, "tqdm", types.ModuleType("tqdm"))
+    monkeypatch.setitem(sys.modules, "tqdm.auto", module)
+    xyz = ps.generate("volume", 300_000, progress=True)["xyz"]
+    ps.run(xyz, "knn(k=32) | normals", progress=True)
+    assert bars and all(bar.closed and bar.n <= bar.total for bar in bars)
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    ps.normals(xyz, progress=True)
+    assert "of 300,000 points" in capsys.readouterr().err
+    with pytest.raises(ps.UsageError, match="neither a function"):
+        ps.normals(xyz, progress=3)
+
+
+def test_tables_of_notebooks(tmp_path):
+    cloud = ps.generate("plane", 100, tmp_path / "a&b.ply")
+    table = cloud._repr_html_()
+    assert "100" in table and html.escape("a&b.ply") in table and "nx float32" in table
+    t = ps.run(XYZ, "knn(k=8) | normals", keep=["xyz", "normal"])
+    assert "<th>normal</th><td>float32</td><td>(4000, 3)</td>" in t._repr_html_() and "4,000 points" in t._repr_html_()
+    assert "4,000" in t.report._repr_html_()
+    with pytest.warns(ps.PointsweepWarning, match="No point is left"):
+        empty = ps.run(XYZ, "where(x > 2)")
+    assert "0 points" in empty._repr_html_()

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: MIT
+"""Pipelines as objects, made of the declarations of the operators."""
+
+import inspect
+import json
+import keyword
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pointsweep as ps
+
+PYTHON = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="module")
+def declarations(tool):
+    return subprocess.run([tool, "operators", "--json"], check=True, capture_output=True, text=True).stdout
+
+
+def test_the_functions_are_those_of_the_declarations(declarations):
+    command = [sys.executable, PYTHON / "make_stages.py"]
+    made = subprocess.run(command, input=declarations, check=True, capture_output=True, text=True).stdout
+    assert (PYTHON / "pointsweep/_stages.py").read_text() == made, "run script/docs"
+
+
+def test_every_operator_is_a_function_that_says_what_it_is(declarations):
+    for operator in json.loads(declarations):
+        function = getattr(ps, operator["name"])
+        for text in (operator["formula"].splitlines() or [""])[:1] + [m["name"] for m in operator["makes"]]:
+            assert text in function.__doc__, operator["name"]
+        options = {o["name"] + "_" * keyword.iskeyword(o["name"]) for o in operator["options"]}
+        assert options <= set(inspect.signature(function).parameters)
+
+
+def test_help_on_normals_has_formula_and_source():
+    text = inspect.getdoc(ps.normals)
+    for part in ("Parameters", "eigenvector of the smallest eigenvalue", "Pajarola", "190 cycles", "(n, 3) float32"):
+        assert part in text
+
+
+def test_stages_are_texts():
+    assert str(ps.knn(16)) == "knn(k=16)" and str(ps.knn()) == "knn" and str(ps.normals()) == "normals"
+    assert str(ps.knn(radius=0.5)) == "knn(radius=0.5)"
+    assert str(ps.normals(orient="up")) == "normals(orient=up)"
+    assert str(ps.normals(viewpoint=(1, 2, 3.5))) == "normals(orient=viewpoint, viewpoint=[1.0,2.0,3.5])"
+    assert str(ps.features(["planarity", "linearity"])) == "features(names=[planarity,linearity])"
+    assert str(ps.where("z > 1 && nx < 2")) == 'where(condition="z > 1 && nx < 2")'
+    assert str(ps.drop(["intensity", "gps_time"])) == "drop(attributes=[intensity,gps_time])"
+    assert str(ps.set("a = 1 where z > 2", as_="uint8")) == 'set(assign="a = 1 where z > 2", as=uint8)'
+    assert str(ps.crop([0, 0, 2.5, 1], outside=True)) == "crop(bounds=[0.0,0.0,2.5,1.0], outside=true)"
+    assert str(ps.features(with_point=False)) == "features(with_point=no)" and str(ps.ground(noise=False)) == "ground"
+    assert str(ps.crop(polygon=PYTHON / "a b.geojson")).endswith('a b.geojson")')
+    assert str(ps.height(k=3)) == "height(k=3)" and str(ps.voxel(2)) == "voxel(size=2.0)"
+    assert repr(ps.knn(16) | ps.sor()) == "<pointsweep.Pipeline: knn(k=16) | sor>"
+
+
+def test_pipelines_of_objects_are_those_of_texts(surface):
+    @ps.operator(reads=["normal"], makes={"steep": "u1"})
+    def steep(p):
+        return (np.abs(p.normal[:, 2]) < 0.7).astype("u1")
+
+    objects = ps.knn(16) | ps.normals(orient="up") | steep | ps.sor(3, definition="pcl") | ps.where("outlier == 0")
+    texts = "knn(k=16) | normals(orient=up)" | steep | "sor(multiplier=3, definition=pcl) | where(outlier == 0)"
+    a, b = ps.run(surface, objects), ps.run(surface, texts)
+    assert set(a) == set(b) and all(a[name].tobytes() == b[name].tobytes() for name in a)
+    mixed = "knn(k=16)" | ps.normals(orient="up") | [steep, ps.sor(3, definition="pcl")] | ps.where("outlier == 0")
+    assert ps.run(surface, mixed)["row"].tobytes() == a["row"].tobytes()
+    assert ps.run(surface, ps.knn(8) | ps.normals())["normal"].tobytes() == ps.normals(surface, 8).tobytes()
+    alone = ps.run(surface, ps.normals())
+    assert alone["normal"].tobytes() == ps.normals(surface, 8).tobytes()
+
+
+def test_another_cloud_is_a_path_or_a_cloud(surface, tmp_path):
+    other = tmp_path / "a b.ply"
+    ps.run(surface + [0, 0, 0.25], ps.unique(), to=other)
+    by_path = ps.run(surface, ps.distance_to(other))["cloud_distance"]
+    assert ps.run(surface, ps.distance_to(ps.open(other)))["cloud_distance"].tobytes() == by_path.tobytes()
+    assert 0 < by_path.max() <= 0.25 + 1e-9
+    with pytest.raises(ps.UsageError, match="cloud of 2 files"):
+        ps.distance_to(ps.open([other, other]))
+    with pytest.raises(ps.UsageError, match="is not a path"):
+        ps.distance_to(surface)
+
+
+def test_an_operator_before_the_first_text(surface):
+    @ps.operator(makes={"z2": "f8"}, neighbors=False)
+    def z2(p):
+        return p.xyz[:, 2] ** 2
+
+    assert ps.run(surface, z2 | ps.where("z2 > 90000"))["row"].size < 3000
+
+
+def test_conditions_with_names_of_any_spelling(surface):
+    t = ps.run({"xyz": surface, "intensity": np.arange(3000)}, ps.where("(intensity < 10 || intensity == 20) && z > 0"))
+    assert list(t["row"]) == [*range(10), 20]
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: ps.knn("many"), "knn: k: 'many' is not a whole number"),
+        (lambda: ps.voxel(float("nan")), "voxel: size: .* not finite"),
+        (lambda: ps.normals(orient="down"), "orient: 'down'"),
+        (lambda: ps.normals(k=3), "give k and radius to knn"),
+        (lambda: ps.where(3), "not a text"),
+        (lambda: ps.crop("0,0,1,1"), "a list of numbers"),
+        (lambda: ps.crop([0, 0, 1, 1], outside="yes"), "neither True nor False"),
+        (lambda: ps.run(np.zeros((9, 3)), ps.knn), "write knn()"),
+        (lambda: ps.run(np.zeros((9, 3)), ps.sor(definition="mine")), "definition"),
+    ],
+)
+def test_wrong_options_are_refused(call, sentence):
+    with pytest.raises(ps.UsageError, match=sentence):
+        call()
+
+
+def test_missing_and_unknown_options_are_type_errors():
+    with pytest.raises(TypeError):
+        ps.voxel()
+    with pytest.raises(TypeError):
+        ps.knn(kk=8)
