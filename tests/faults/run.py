@@ -39,6 +39,12 @@ RUNS = {
         "in.pcd", f"run in.pcd out.pcd --pipeline 'sor|where(outlier==0)|voxel(0.05)|features' {SPILLED}", ["out.pcd"]),
     "tiles of LAZ, ordered by their boxes": (
         "tiles/a.laz tiles/b.laz", f"normals tiles/ out/ {SPILLED_LAZ}", ["out/a.laz", "out/b.laz"]),
+    "connected points, spilled": (
+        "in.ply", "run in.ply out.ply --pipeline 'normals|orient|components|where(component_size>10)|set(intensity=7 where z>0)' "
+                  "--memory 64M --temp-dir temp", ["out.ply"]),
+    "compared with another cloud, spilled": (
+        "in.las other.las", "run in.las out.las --pipeline 'normals|distance_to(other.las)|m3c2(other.las, cylinder=0.2, depth=0.2)' "
+                            "--memory 80M --temp-dir temp", ["out.las"]),
 }
 RESUMED = "--resume done --checkpoint-seconds 0 --memory 64M"
 # Of more points, so that there are several slabs; killed, given again, killed again.
@@ -54,6 +60,9 @@ RESUMED_RUNS = {
     "tiles of LAZ": ("tiles/a.laz tiles/b.laz", f"normals tiles/ out/ {RESUMED}", ["out/a.laz", "out/b.laz"]),
     "rows left out": ("in.pcd", "run in.pcd out.e57 --pipeline 'sor|where(outlier==0)|poisson(0.01)|normals' "
                       f"{RESUMED}", ["out.e57"]),
+    "connected points": ("in.ply", f"run in.ply out.ply --pipeline 'normals|orient|segments|voxel(0.02, keep=centroid)' {RESUMED}", ["out.ply"]),
+    "compared with another cloud": ("in.las other.las", "run in.las out.las --pipeline 'distance_to(other.las)|where(cloud_distance>1)|normals' "
+                                    "--resume done --checkpoint-seconds 0 --memory 96M", ["out.las"]),
 }
 # Operations that each kind of fault can meet.
 SPACE = {"create", "mkdir", "write", "rename", "link", "truncate", "sync", "close"}
@@ -381,6 +390,8 @@ def arguments():
 
 
 def main():
+    # The shell starts what runs in its background with SIGINT ignored, and the tool would inherit that.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     options = arguments()
     options.tool, options.shim = options.tool.resolve(), options.shim.resolve()
     names = [name for name in RUNS if not options.only or name in options.only]
