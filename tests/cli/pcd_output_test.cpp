@@ -78,5 +78,18 @@ TEST_F(PcdOutput, OfLasKeepsAllValuesAndSaysThatTheCoordinateSystemIsLost) {
   made("verify points.las out.pcd --order sweep --axis x");
 }
 
+TEST_F(PcdOutput, PackedColorsAndAlphaReachOtherFormatsAsBytes) {
+  write("in.pcd",
+        "VERSION 0.7\nFIELDS x y z rgba\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"
+        "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n0 0 0 4278190335\n1 0 0 2130772225\n");
+  made("sort in.pcd out.las --axis x");
+  made("sort out.las out.csv --axis x");
+  EXPECT_THAT(contents(folder_ / "out.csv"), HasSubstr("alpha"));
+  EXPECT_THAT(made("info out.las", ".out"), HasSubstr("alpha uint8"));
+  made("verify in.pcd out.las --order sweep --axis x");
+  made("sort in.pcd out.ply --axis x");
+  EXPECT_THAT(contents(folder_ / "out.ply"), HasSubstr("property uchar alpha\n"));
+}
+
 }  // namespace
 }  // namespace pointsweep

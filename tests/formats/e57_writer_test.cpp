@@ -128,7 +128,7 @@ TEST_F(E57Writing, MakesNamesThatXmlAllows) {
   EXPECT_EQ(e57_name("cartesianX"), "_cartesianX");
   EXPECT_EQ(e57_name("größe"), "gr____e");
   OutputPlan all = plan(1);
-  for (const char* name : {"a b", "a_b", "cartesianX", "9", "rowIndex", "scan"}) all.schema.append(name, Type::u8);
+  for (const char* name : {"a+b", "a_b", "cartesianX", "9", "rowIndex", "scan"}) all.schema.append(name, Type::u8);
   all.schema.append("list", Type::u8, 3);
   std::set<std::string> stored;
   for (const E57Column& column : e57_columns(all.schema)) stored.insert(column.attribute.name);

@@ -144,7 +144,7 @@ std::vector<E57Column> e57_columns(const Schema& schema) {
     }
   }
   const auto is_position = [](const E57Column& c) { return c.attribute.name.starts_with("cartesian"); };
-  std::ranges::stable_partition(columns, is_position);
+  std::stable_partition(columns.begin(), columns.end(), is_position);
   return columns;
 }
 

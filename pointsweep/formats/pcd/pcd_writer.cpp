@@ -11,6 +11,7 @@
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/pcd/pcd_header.h"
 #include "pointsweep/formats/record_writer.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {
@@ -24,11 +25,7 @@ bool is_byte(const Field& field) {
 /// Scaled values are float64, parts of a word are the smallest integers that hold them.
 Type pcd_type(const Field& field) {
   if (field.scale != 1 || field.bias != 0) return Type::f64;
-  if (field.bit_width == 0) return field.type;
-  return field.bit_width <= 8    ? Type::u8
-         : field.bit_width <= 16 ? Type::u16
-         : field.bit_width <= 32 ? Type::u32
-                                 : Type::u64;
+  return unpacked_type(field);
 }
 
 char pcd_kind(Type type) {

@@ -11,6 +11,7 @@
 #include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/record_writer.h"
+#include "pointsweep/points/schema.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {
@@ -42,17 +43,12 @@ std::string_view ply_name_of(Type type) {
   return "uint64";
 }
 
-bool is_wide(const Field& field) { return field.type == Type::i64 || field.type == Type::u64; }
+bool is_wide(Type type) { return type == Type::i64 || type == Type::u64; }
 
 Type stored_type(const Field& field, bool keeps_wide) {
   if (field.scale != 1 || field.bias != 0) return Type::f64;
-  if (field.bit_width != 0) {
-    return field.bit_width <= 8    ? Type::u8
-           : field.bit_width <= 16 ? Type::u16
-           : field.bit_width <= 32 ? Type::u32
-                                   : Type::f64;
-  }
-  return is_wide(field) && !keeps_wide ? Type::f64 : field.type;
+  const Type type = unpacked_type(field);
+  return is_wide(type) && !keeps_wide ? Type::f64 : type;
 }
 
 const PlyExtras* ply_extras(const OutputPlan& plan) { return dynamic_cast<const PlyExtras*>(plan.extras.get()); }
@@ -93,7 +89,7 @@ class PlyWriter final : public RecordWriter {
  public:
   explicit PlyWriter(const OutputPlan& plan) : RecordWriter(plan, ply_header_text(plan), ply_schema(plan)) {
     for (const Field& field : plan.schema.fields) {
-      if (field.is_plain() && is_wide(field) && stored_type(field, ply_extras(plan) != nullptr) == Type::f64) {
+      if (field.is_plain() && is_wide(field.type) && stored_type(field, ply_extras(plan) != nullptr) == Type::f64) {
         narrowed_.push_back(field);
       }
     }
