@@ -5,6 +5,8 @@ namespace pointsweep {
 
 void add_commands(CLI::App& app) {
   add_pipeline_commands(app);
+  add_thin_command(app);
+  add_ground_command(app);
   add_neighbors_command(app);
   add_sort_command(app);
   add_run_command(app);

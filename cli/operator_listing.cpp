@@ -82,7 +82,7 @@ ListedOperator listed(const OperatorDeclaration& declaration) {
 
 Contract contract_of(const OperatorDeclaration& declaration) {
   Contract contract = contract_of(make_stage(declaration, sample_values(declaration), {}));
-  if (contract.selects != Selects::nothing) contract.makes.clear();
+  if (contract.selects != Selects::nothing || declaration.makes_named) contract.makes.clear();
   return contract;
 }
 

@@ -9,7 +9,8 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr const char* kKindsOfOptions[] = {"whole", "number", "choice", "names", "point", "attribute", "condition"};
+constexpr const char* kKindsOfOptions[] = {"whole",     "number",  "choice", "names", "point",      "attribute",
+                                           "condition", "numbers", "file",   "word",  "attributes", "assignments"};
 constexpr const char* kKindsOfAttributes[] = {"position", "vector", "normal", "scalar", "index", "color"};
 
 OrderedJson json_of(const OptionValue& value) {

@@ -42,6 +42,10 @@ Outputs outputs_of(const ResolvedFiles& files) {
 
 void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
   add_stage_options(verb, declaration_of("normals")->options, run.orientation);
+  add_output_options(verb, run);
+}
+
+void add_output_options(CLI::App& verb, PipelineRun& run) {
   add_output_format_option(verb, run.paths.output_format);
   add_keep_option(verb, run.common.keep, kKeepMeaning);
   add_order_option(verb, run.common);

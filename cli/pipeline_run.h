@@ -19,6 +19,9 @@ struct PipelineRun {
 /// the parsing.
 void add_pipeline_options(CLI::App& verb, PipelineRun& run);
 
+/// The same without the options of normals.
+void add_output_options(CLI::App& verb, PipelineRun& run);
+
 /// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or one that has its own.
 void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation);
 

@@ -23,6 +23,16 @@ std::string value_name(const OptionDeclaration& option) {
       return "NAME";
     case OptionKind::condition:
       return "CONDITION";
+    case OptionKind::numbers:
+      return "NUMBER,...";
+    case OptionKind::file:
+      return "FILE";
+    case OptionKind::attributes:
+      return "NAME,...";
+    case OptionKind::assignments:
+      return "ASSIGNMENTS";
+    case OptionKind::word:
+      return "WORD";
     case OptionKind::choice:
       break;
   }
@@ -61,6 +71,11 @@ std::string flag_of(std::string name) {
 void add_stage_options(CLI::App& verb, const std::vector<OptionDeclaration>& options, std::vector<OptionText>& into) {
   for (const OptionDeclaration& option : options)
     add_option(verb, flag_of(option.name), option, text_of_value(option.preset), into);
+}
+
+void add_stage_option(CLI::App& verb, const std::string& flag, const OptionDeclaration& option,
+                      std::vector<OptionText>& into) {
+  add_option(verb, flag, option, text_of_value(option.preset), into);
 }
 
 void add_neighborhood_options(CLI::App& verb, const std::string& k, std::vector<OptionText>& into) {

@@ -14,6 +14,10 @@ namespace pointsweep {
 /// parsing.
 void add_stage_options(CLI::App& verb, const std::vector<OptionDeclaration>& options, std::vector<OptionText>& into);
 
+/// Adds one option under the given flag.
+void add_stage_option(CLI::App& verb, const std::string& flag, const OptionDeclaration& option,
+                      std::vector<OptionText>& into);
+
 /// -k, --radius and what else says which points are neighbours; `k` is the verb's default.
 void add_neighborhood_options(CLI::App& verb, const std::string& k, std::vector<OptionText>& into);
 

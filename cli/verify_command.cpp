@@ -17,8 +17,11 @@
 #include "pointsweep/formats/cloud_reader.h"
 #include "pointsweep/formats/input_list.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/operators/connecting_operator.h"
+#include "pointsweep/operators/drop.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/ordered_operator.h"
+#include "pointsweep/operators/voxel_centroid.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/finite_input.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
@@ -148,9 +151,10 @@ void keep_what_is_told(MadeBy& made) {
   if (made.keep.empty()) made.operators.clear();
 }
 
-/// Its values are those of a raster, or of a search, over the whole cloud.
+/// Its values are those of a raster, of a search, or of a graph over the whole cloud.
 bool depends_on_all_points(const GraphNode& node) {
-  return dynamic_cast<const OrderedOperator*>(node.op.get()) != nullptr;
+  return dynamic_cast<const OrderedOperator*>(node.op.get()) != nullptr ||
+         dynamic_cast<const ConnectingOperator*>(node.op.get()) != nullptr;
 }
 
 bool reads_any(const GraphNode& node, const std::set<std::size_t>& versions) {
@@ -198,6 +202,9 @@ void select_rows(const VerifyOptions& options, InputCloud& cloud, const ChainGra
   bool others = false;
   for (std::size_t n = 1; n < graph.nodes.size(); ++n) {
     const GraphNode& node = graph.nodes[n];
+    if (dynamic_cast<const AllRows*>(node.op.get()) != nullptr) continue;
+    if (dynamic_cast<const KeepVoxelMeans*>(node.op.get()) != nullptr)
+      fail_usage("verify: 'voxel' with keep=centroid is not checked; verify the output of the stages before it.");
     if (node.kind == NodeKind::select && others)
       fail_usage(
           "verify: the stage '{}' leaves out rows after other stages, and a sample of the input does not tell which; "
@@ -279,9 +286,11 @@ MadeBy made_by_pipeline(const VerifyCommand& command, const VerifyOptions& optio
   if (!knn) stages.insert(stages.begin(), knn_of(command));
   ChainPlan plan = plan_chain(build_chain(stages, cloud, command.keep, command.common.prefix), cloud.schema());
   refuse_resorted(command, plan.graph);
-  if (!command.keep.empty()) plan.chain.keep = plan.kept.attributes;
+  const bool all_are_dropped = plan.graph.drops && plan.made.empty();
+  if (!command.keep.empty() || plan.graph.drops) plan.chain.keep = plan.kept.attributes;
   select_rows(options, cloud, plan.graph);
   MadeBy made = made_by(plan);
+  if (all_are_dropped) made.operators.clear();
   leave_out(plan.kept, command.common.prefix, cloud.schema(), made);
   // Outliers are compared with the mean distances in the output, which are compared with the input.
   made.outlier_threshold = outlier_threshold(out, made.operators, options.prefix, options.progress);

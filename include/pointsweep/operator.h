@@ -108,7 +108,8 @@ struct Contract {
   std::vector<std::shared_ptr<const Reduction>> values = {};  ///< of the whole cloud, given by with_values()
   bool has_places = false;                                    ///< of a select in order: place_of() is not the position
   double reach = 0;  ///< of a select in order: it may hold points so far behind the newest, and as far again
-  std::uint64_t held_bytes = 0;  ///< of memory for each point it holds
+  std::uint64_t held_bytes = 0;         ///< of memory for each point it holds
+  std::vector<std::string> drops = {};  ///< attributes that later stages do not see and that are not written
 };
 
 /// What a selecting operator makes. Never written.

@@ -5,10 +5,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/export.h"
@@ -77,6 +79,8 @@ struct AttributeLimits {
 enum class VoxelKeep {
   center,  ///< the one nearest to the centre of the voxel
   hash,    ///< the one whose coordinates have the smallest hash: a random choice
+  /// The one nearest to the centre, moved to the mean of the points; other attributes become means, too, by their kind.
+  centroid,
 };
 
 struct PoissonOptions {
@@ -89,6 +93,39 @@ struct SimplifyOptions {
   double error = 0;  ///< how far a kept point may be off the tangent plane of a point that it represents; > 0
   double most = 0;   ///< the largest distance between these two, on flat parts; > 0
   double least = 0;  ///< the smallest, where noise looks like curvature; 0 to `most`
+};
+
+/// What is inside for crop(). At least one of the first two.
+struct CropOptions {
+  std::vector<double> bounds = {};  ///< corners of a box: xmin, ymin, zmin, xmax, ymax, zmax, or without z
+  std::string polygon = {};         ///< name of a file with polygons, WKT or GeoJSON, or such a text itself
+  bool outside = false;             ///< keep what is not inside
+  std::string checksum = {};        ///< that the file has to have; empty: any
+};
+
+/// Of M3C2 (Lague et al. 2013). The first three have to be set.
+struct M3c2Options {
+  std::string cloud = {};   ///< the other cloud: a file, a folder or a pattern
+  double cylinder = 0;      ///< diameter of the cylinder along the normal, length; > 0
+  double depth = 0;         ///< how far it reaches to each side of the point, length; > 0
+  double registration = 0;  ///< error of the registration of the two clouds, length; >= 0
+};
+
+/// How color() shows numbers.
+enum class ColorMap { viridis, turbo, gray, classes /**< of LAS */ };
+
+/// Of a channel of color().
+enum class ColorBits {
+  automatic,  ///< 16 where the input has colours of 16 bits or fields of LAS, else 8
+  eight,
+  sixteen,
+};
+
+struct ColorOptions {
+  std::string by = {};  ///< an attribute of the input, a component of one made before, or x, y or z
+  ColorMap map = ColorMap::viridis;
+  std::optional<std::pair<double, double>> range = {};  ///< ends of the map; absent: those of the values of the cloud
+  ColorBits bits = ColorBits::automatic;
 };
 
 /// Of SMRF (Pingel et al. 2013), with the defaults of the paper for metres.
@@ -132,6 +169,16 @@ POINTSWEEP_EXPORT std::shared_ptr<const Operator> density(std::optional<double> 
 /// Keeps the rows for which a condition on attributes holds, e.g. "classification == 2 && z < 100"
 /// (docs/pipelines.md). Throws UsageError for a text that is no condition.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> where(std::string_view condition);
+/// Assigns numbers to attributes, e.g. "classification = 7 where outlier == 1", several with commas between. `type`: of
+/// new attributes; absent: that of LAS for the name, else float64. Throws UsageError for a text that assigns nothing.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> set(std::string_view assignments,
+                                                      std::optional<Type> type = std::nullopt);
+/// Makes "color", red, green and blue, from the values of an attribute.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> color(const ColorOptions& options);
+/// Leaves attributes out of the output; later stages do not see them.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> drop(const std::vector<std::string>& attributes);
+/// Keeps the points inside a box, polygons, or both. Throws Error for a file that cannot be read.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> crop(const CropOptions& options);
 /// Keeps, of all points with equal coordinates, the one of the first row.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> unique();
 /// Keeps a share, in [0, 1], of the points, chosen by a hash of their coordinates; another seed chooses others.
@@ -144,6 +191,33 @@ POINTSWEEP_EXPORT std::shared_ptr<const Operator> ground(const GroundOptions& op
 /// Makes "height": z above the mean, weighted by 1 / distance², of the k points of class 2 that are nearest in x and y.
 /// Needs "classification", of the input or of ground(). Throws UsageError unless k is 1 to 1,024.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> height(std::uint64_t k = 1);
+/// Makes "component" and "component_size": connected components of the graph in which points are joined to their
+/// neighbours, or, with a distance, to all points within it, which the neighbourhoods have to hold.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> components(std::optional<double> distance = std::nullopt);
+/// Makes "core", "cluster" and "cluster_size": DBSCAN, with border points in the cluster of the nearest core point.
+/// Neighbourhoods have to hold all points within eps. Throws UsageError unless eps is above 0 and min_points at
+/// least 1.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> dbscan(double eps, std::uint64_t min_points = 5);
+/// Makes "segment" and "segment_size": components of neighbours whose normals differ by less than an angle in degrees,
+/// and that are not farther from each other than a distance. Needs "normal". Throws UsageError for an angle that is not
+/// above 0 and at most 90.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> segments(double angle = 5,
+                                                           std::optional<double> distance = std::nullopt);
+/// Makes "normal_turned" and "normal": normals with signs that are consistent over each component of the graph of
+/// neighbours, by its minimum spanning forest (Hoppe et al. 1992); most of them face the viewpoint, if there is one,
+/// and else point out of closed surfaces and up from open ones. Needs "normal".
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> orient(std::optional<Vec3> viewpoint = std::nullopt);
+/// Makes "normal": normals that face the sensor, by a file with lines of time, x, y, z. Needs "normal" and "gps_time".
+/// Throws Error for a file that cannot be read.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> orient_by_trajectory(const std::string& file);
+/// Makes "cloud_distance": the distance to the nearest point of another cloud, a file, a folder or a pattern, or NaN
+/// where that is farther than `most`. Throws UsageError unless `most` is above 0.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> distance_to(const std::string& cloud,
+                                                              double most = std::numeric_limits<double>::infinity());
+/// Makes "m3c2_distance", the change to another cloud along the normal, and "m3c2_lod", its level of detection, with
+/// the spreads and numbers of points that these come from. Needs "normal". Throws UsageError for options outside of
+/// their ranges.
+POINTSWEEP_EXPORT std::shared_ptr<const Operator> m3c2(const M3c2Options& options);
 /// Makes features of the shape of neighbourhoods from the eigenvalues of their covariance: "linearity", "planarity",
 /// "sphericity" and more (docs/operators.md). Throws UsageError for a name that is not one of these, or is given twice.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> features(const FeaturesOptions& options = {});

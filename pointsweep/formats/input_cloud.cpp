@@ -52,7 +52,8 @@ InputCloud::InputCloud(std::vector<std::unique_ptr<Reader>> readers, CloudOption
 
 void InputCloud::begin(CloudOptions options) {
   if (readers_.empty()) fail_usage("no input was given; name at least one point file.");
-  CommonCrs crs = common_crs(readers_, options.ignore_crs);
+  ignores_crs_ = options.ignore_crs;
+  CommonCrs crs = common_crs(readers_, ignores_crs_);
   crs_ = std::move(crs.crs);
   warnings_ = std::move(crs.warnings);
   std::optional<LasOrigin> las = common_las_origin(readers_, warnings_);

@@ -40,6 +40,8 @@ class InputCloud {
   std::vector<std::shared_ptr<const FormatExtras>> other_extras() const;
   /// Coordinate reference system of the first input that states one.
   const std::optional<Crs>& crs() const { return crs_; }
+  /// Whether inputs may have different systems.
+  bool ignores_crs() const { return ignores_crs_; }
   /// What inputs that are LAS, or were, mean by their coordinates and times; none if none was.
   const std::shared_ptr<const LasOrigin>& las() const { return las_; }
   /// Which values each field can have, as far as the types of the inputs tell.
@@ -111,6 +113,7 @@ class InputCloud {
   std::size_t last_input_ = 0;  ///< that read() read
   Schema schema_;
   std::optional<Crs> crs_;
+  bool ignores_crs_ = false;
   std::shared_ptr<const LasOrigin> las_;
   std::vector<ValueRange> ranges_;
   std::vector<std::string> warnings_, missing_attributes_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/math/exact_sum.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -128,6 +129,13 @@ double ExactSum::rounded() const {
   }
   const double value = std::ldexp(static_cast<double>(mantissa), exponent + dropped);
   return negative ? -value : value;
+}
+
+int ExactSum::sign() const {
+  ExactSum sum = *this;
+  sum.carry();
+  if (sum.digits_[kDigits - 1] < 0) return -1;
+  return std::ranges::any_of(sum.digits_, [](std::int64_t digit) { return digit != 0; }) ? 1 : 0;
 }
 
 std::array<double, 3> ExactSum::expansion() const {

@@ -23,6 +23,8 @@ class ExactSum {
 
   /// The sum, rounded to nearest, ties to even.
   double rounded() const;
+  /// -1, 0 or 1, also where the sum is too small for a double. The terms are finite.
+  int sign() const;
   /// The sum as s[0] + s[1] + s[2], each the rounded rest of what those before it leave: 159 bits of it. The second and
   /// third are 0 where the first is not finite.
   std::array<double, 3> expansion() const;

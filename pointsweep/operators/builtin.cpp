@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: MIT
 /// The typed functions of operators.h.
+#include "pointsweep/operators/color.h"
+#include "pointsweep/operators/connected_components.h"
+#include "pointsweep/operators/crop.h"
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/decimate.h"
 #include "pointsweep/operators/density.h"
+#include "pointsweep/operators/density_clusters.h"
+#include "pointsweep/operators/distance_to.h"
+#include "pointsweep/operators/drop.h"
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/features.h"
 #include "pointsweep/operators/ground.h"
@@ -10,12 +16,16 @@
 #include "pointsweep/operators/least_eigenentropy.h"
 #include "pointsweep/operators/limits_from_attributes.h"
 #include "pointsweep/operators/local_outlier_factor.h"
+#include "pointsweep/operators/m3c2.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/orient.h"
 #include "pointsweep/operators/outliers.h"
 #include "pointsweep/operators/poisson.h"
 #include "pointsweep/operators/radius_outliers.h"
+#include "pointsweep/operators/segments.h"
+#include "pointsweep/operators/set.h"
 #include "pointsweep/operators/simplify.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/operators/unique.h"
@@ -40,6 +50,14 @@ std::shared_ptr<const Operator> ror(double radius, std::uint64_t min_neighbors) 
 std::shared_ptr<const Operator> lof() { return std::make_shared<LocalOutlierFactor>(); }
 std::shared_ptr<const Operator> density(std::optional<double> radius) { return std::make_shared<Density>(radius); }
 std::shared_ptr<const Operator> where(std::string_view condition) { return std::make_shared<Where>(condition); }
+std::shared_ptr<const Operator> set(std::string_view assignments, std::optional<Type> type) {
+  return std::make_shared<Set>(assignments, type);
+}
+std::shared_ptr<const Operator> color(const ColorOptions& options) { return std::make_shared<Color>(options); }
+std::shared_ptr<const Operator> drop(const std::vector<std::string>& attributes) {
+  return std::make_shared<Drop>(attributes);
+}
+std::shared_ptr<const Operator> crop(const CropOptions& options) { return std::make_shared<Crop>(options); }
 std::shared_ptr<const Operator> unique() { return std::make_shared<Unique>(); }
 std::shared_ptr<const Operator> decimate(double share, std::uint64_t seed) {
   return std::make_shared<Decimate>(share, seed);
@@ -49,6 +67,25 @@ std::shared_ptr<const Operator> poisson(const PoissonOptions& options) { return 
 std::shared_ptr<const Operator> simplify(const SimplifyOptions& options) { return std::make_shared<Simplify>(options); }
 std::shared_ptr<const Operator> ground(const GroundOptions& options) { return std::make_shared<Ground>(options); }
 std::shared_ptr<const Operator> height(std::uint64_t k) { return std::make_shared<Height>(k); }
+std::shared_ptr<const Operator> components(std::optional<double> distance) {
+  return std::make_shared<ConnectedComponents>(distance);
+}
+std::shared_ptr<const Operator> dbscan(double eps, std::uint64_t min_points) {
+  return std::make_shared<DensityClusters>(eps, min_points);
+}
+std::shared_ptr<const Operator> segments(double angle, std::optional<double> distance) {
+  return std::make_shared<Segments>(angle, distance);
+}
+std::shared_ptr<const Operator> orient(std::optional<Vec3> viewpoint) {
+  return std::make_shared<OrientedNormals>(viewpoint);
+}
+std::shared_ptr<const Operator> orient_by_trajectory(const std::string& file) {
+  return std::make_shared<OrientedNormals>(file, "");
+}
+std::shared_ptr<const Operator> distance_to(const std::string& cloud, double most) {
+  return std::make_shared<DistanceTo>(cloud, most);
+}
+std::shared_ptr<const Operator> m3c2(const M3c2Options& options) { return std::make_shared<M3c2>(options); }
 std::shared_ptr<const Operator> features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
 std::shared_ptr<const Operator> neighborhood_size() { return std::make_shared<NeighborhoodSize>(); }
 std::shared_ptr<const Operator> neighbors(std::size_t k, std::uint64_t points, bool distances) {

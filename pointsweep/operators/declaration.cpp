@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -23,6 +24,8 @@ std::string choices_text(const std::vector<std::string>& choices, const char* la
     text += (i == 0 ? "" : i + 1 == choices.size() ? last : ", ") + choices[i];
   return text;
 }
+
+bool is_letter_or_digit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 bool are_some_of(const std::vector<std::string>& words, const std::vector<std::string>& choices) {
   const std::set<std::string> distinct(words.begin(), words.end());
@@ -46,6 +49,16 @@ std::string OptionDeclaration::allowed() const {
       return "[X,Y,Z]";
     case OptionKind::attribute:
       return "the name of an attribute";
+    case OptionKind::numbers:
+      return "a list of numbers, [A,B,...]";
+    case OptionKind::file:
+      return "the name of a file";
+    case OptionKind::word:
+      return "a word of letters and digits";
+    case OptionKind::attributes:
+      return "names of attributes with commas between";
+    case OptionKind::assignments:
+      return "assignments such as classification = 7 where outlier == 1";
     case OptionKind::condition:
       break;
   }
@@ -68,8 +81,16 @@ bool OptionDeclaration::allows(const OptionValue& value) const {
       return word != nullptr && are_some_of(words_of(*word), choices);
     case OptionKind::point:
       return point != nullptr && is_finite(*point);
+    case OptionKind::numbers:
+      return word != nullptr && !numbers_of(*word).empty();
+    case OptionKind::word:
+      return word != nullptr && !word->empty() && std::ranges::all_of(*word, is_letter_or_digit);
+    case OptionKind::attributes:
+      return word != nullptr && std::ranges::none_of(words_of(*word), &std::string::empty);
     case OptionKind::attribute:
     case OptionKind::condition:
+    case OptionKind::file:
+    case OptionKind::assignments:
       break;
   }
   return word != nullptr && !word->empty();
@@ -115,6 +136,17 @@ std::vector<std::string> words_of(std::string_view list) {
   return words;
 }
 
+std::vector<double> numbers_of(std::string_view list) {
+  std::vector<double> numbers;
+  for (const std::string& word : words_of(list)) {
+    double number = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(number)) return {};
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
 ChainStage make_stage(const OperatorDeclaration& declaration, const OptionValues& values, const Facts& facts) {
   const MadeStage made = declaration.make(values, facts);
   if (const auto* op = std::get_if<std::shared_ptr<Operator>>(&made)) (*op)->declare_options(values.all());
@@ -124,7 +156,7 @@ ChainStage make_stage(const OperatorDeclaration& declaration, const OptionValues
 OptionValues sample_values(const OperatorDeclaration& declaration) {
   OptionValues values(declaration.options, declaration.name);
   for (const OptionDeclaration& option : declaration.options)
-    if (option.required) values.give(option.name, option.sample);
+    if (option.required || (option.positional && has_value(option.sample))) values.give(option.name, option.sample);
   return values;
 }
 

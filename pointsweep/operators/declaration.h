@@ -23,13 +23,18 @@
 namespace pointsweep {
 
 enum class OptionKind : std::uint8_t {
-  whole,      ///< std::uint64_t from `least` to `most`
-  number,     ///< finite double from `least` to `most`
-  choice,     ///< std::string, one of `choices`
-  names,      ///< std::string, some of `choices`, each once, with commas between
-  point,      ///< Vec3, finite
-  attribute,  ///< std::string, the name of an attribute; not empty
-  condition,  ///< std::string, a condition on attributes; not empty
+  whole,        ///< std::uint64_t from `least` to `most`
+  number,       ///< finite double from `least` to `most`
+  choice,       ///< std::string, one of `choices`
+  names,        ///< std::string, some of `choices`, each once, with commas between
+  point,        ///< Vec3, finite
+  attribute,    ///< std::string, the name of an attribute; not empty
+  condition,    ///< std::string, a condition on attributes; not empty
+  numbers,      ///< std::string, finite numbers with commas between, each in its shortest form
+  file,         ///< std::string, the name of a file, or what it would hold; not empty
+  word,         ///< std::string, letters and digits
+  attributes,   ///< std::string, names of attributes with commas between; none empty
+  assignments,  ///< std::string, NAME = NUMBER or NAME = NUMBER where CONDITION, with commas between; not empty
 };
 
 struct OptionDeclaration {
@@ -113,17 +118,21 @@ struct OperatorDeclaration {
   std::string undefined = {};  ///< which points get no value, and what they get
   std::string cost = {};       ///< in addition to the time of `neighbor_ns`
   double neighbor_ns = 10;     ///< CPU time for each neighbour, of about 1,000; measured with `script/bench radius`
+  bool makes_named = false;    ///< its options name the attributes that it makes
   std::vector<AttributeNote> attributes = {};  ///< about what it makes
   std::string example = {};                    ///< a whole pipeline as one writes it
 };
 
 /// "a,b" as {"a", "b"}: the words of an option of the kind `names`.
 std::vector<std::string> words_of(std::string_view list);
+/// "1,2.5" as {1, 2.5}: an option of the kind `numbers`. Empty where a word is no finite number.
+std::vector<double> numbers_of(std::string_view list);
 
 /// Made by the declaration; an operator knows the values as its options.
 ChainStage make_stage(const OperatorDeclaration& declaration, const OptionValues& values, const Facts& facts);
 
-/// The values of examples: presets, and samples of what is required. For docs and checks of a declaration.
+/// The values of examples: presets, and samples of what is required or needs no name. For docs and checks of a
+/// declaration.
 OptionValues sample_values(const OperatorDeclaration& declaration);
 
 }  // namespace pointsweep

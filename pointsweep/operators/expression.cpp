@@ -27,11 +27,12 @@ class ExpressionParser {
   ExpressionParser(std::string_view text, std::string_view where, std::vector<Expression::Name>& names)
       : text_(text), where_(where), names_(names) {}
 
-  Node whole_text() {
+  Node whole_text(Expression::Form form) {
+    const bool is_condition = form == Expression::Form::condition;
     Node root = either();
     skip_blanks();
-    if (at_ < text_.size()) unexpected("an operator such as && or the end");
-    return condition(std::move(root), 0);
+    if (at_ < text_.size()) unexpected(is_condition ? "an operator such as && or the end" : "an operator or the end");
+    return is_condition ? condition(std::move(root), 0) : number(std::move(root), 0);
   }
 
   std::string canonical() && { return std::move(canonical_); }
@@ -231,10 +232,12 @@ std::string_view without_outer_blanks(std::string_view text) {
 
 }  // namespace
 
-Expression::Expression(std::string_view text, std::string_view where) : text_(without_outer_blanks(text)) {
+Expression::Expression(std::string_view text, std::string_view where, Form form) : text_(without_outer_blanks(text)) {
+  if (text_.empty() && form == Form::number)
+    fail_usage("{}: a number is missing; write one such as intensity * 2.", where);
   if (text_.empty()) fail_usage("{}: the condition is empty; write one such as classification == 2 && z < 100.", where);
   ExpressionParser parser(text_, where, names_);
-  root_ = std::make_shared<const Node>(parser.whole_text());
+  root_ = std::make_shared<const Node>(parser.whole_text(form));
   canonical_ = std::move(parser).canonical();
 }
 

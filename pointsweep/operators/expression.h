@@ -20,7 +20,10 @@ struct ExpressionValues {
   bool is_signed = false;
 };
 
-/// A condition. Grammar, loosest first; blanks count only between words:
+/// Every value of 64 bits, signed or not.
+__extension__ typedef __int128 WholeNumber;
+
+/// A condition, or a number. Grammar, loosest first; blanks count only between words:
 ///   condition = both {"||" both}         both = test {"&&" test}
 ///   test = "!" test | "(" condition ")" | sum ("==" | "!=" | "<" | "<=" | ">" | ">=") sum
 ///   sum = product {("+" | "-") product}  product = factor {("*" | "/") factor}
@@ -30,8 +33,9 @@ struct ExpressionValues {
 /// in float64, to which such attributes are then rounded.
 class Expression {
  public:
+  enum class Form : std::uint8_t { condition, number /**< a sum of the grammar */ };
   /// Throws UsageError that begins with `where` and names the column, from 1 on, and what is expected there.
-  explicit Expression(std::string_view text, std::string_view where = "where");
+  explicit Expression(std::string_view text, std::string_view where = "where", Form form = Form::condition);
 
   struct Name {
     std::string text;
@@ -45,6 +49,12 @@ class Expression {
 
   /// Sets kept[i] to 1 where the condition holds for point i, else to 0. `values`: by number in names().
   void evaluate(std::span<const ExpressionValues> values, std::span<std::uint8_t> kept) const;
+
+  /// Of a number: sets values_of_points[i] to it for point i.
+  void evaluate_number(std::span<const ExpressionValues> values, std::span<double> values_of_points) const;
+  /// Whether it is a name of 64-bit integers, or a whole number, alone: then evaluate_whole() loses nothing.
+  bool is_whole(std::span<const ExpressionValues> values) const;
+  void evaluate_whole(std::span<const ExpressionValues> values, std::span<WholeNumber> values_of_points) const;
 
   struct Node;
 

@@ -9,7 +9,7 @@ namespace {
 
 using Node = Expression::Node;
 
-__extension__ typedef __int128 Whole;  ///< holds every value of 64 bits, signed or not
+using Whole = WholeNumber;
 
 /// Evaluates the nodes for one batch.
 class ExpressionEvaluator {
@@ -39,8 +39,6 @@ class ExpressionEvaluator {
     return compared(node.operation, reals(node.parts[0]), reals(node.parts[1]));
   }
 
- private:
-  static bool is_literal(const Node& node) { return node.operation == Operation::number; }
   bool is_whole(const Node& node) const {
     if (node.operation == Operation::name) return values_[node.name].whole != nullptr;
     return is_literal(node) && (node.whole || node.large);
@@ -76,6 +74,8 @@ class ExpressionEvaluator {
     return out;
   }
 
+ private:
+  static bool is_literal(const Node& node) { return node.operation == Operation::number; }
   static double combined(Operation operation, double a, double b) {
     switch (operation) {
       case Operation::add:
@@ -122,6 +122,19 @@ class ExpressionEvaluator {
 };
 
 }  // namespace
+
+void Expression::evaluate_number(std::span<const ExpressionValues> values, std::span<double> values_of_points) const {
+  std::ranges::copy(ExpressionEvaluator(values, values_of_points.size()).reals(*root_), values_of_points.begin());
+}
+
+bool Expression::is_whole(std::span<const ExpressionValues> values) const {
+  return ExpressionEvaluator(values, 0).is_whole(*root_);
+}
+
+void Expression::evaluate_whole(std::span<const ExpressionValues> values,
+                                std::span<WholeNumber> values_of_points) const {
+  std::ranges::copy(ExpressionEvaluator(values, values_of_points.size()).wholes(*root_), values_of_points.begin());
+}
 
 void Expression::evaluate(std::span<const ExpressionValues> values, std::span<std::uint8_t> kept) const {
   std::ranges::copy(ExpressionEvaluator(values, kept.size()).condition(*root_), kept.begin());

@@ -8,21 +8,19 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/declaration.h"
 #include "pointsweep/operators/ground.h"
-#include "pointsweep/operators/plane_strips.h"
+#include "pointsweep/operators/point_cells.h"
 #include "pointsweep/operators/single_value.h"
-#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr double kGroundClass = 2;
-constexpr std::size_t kQueriesAtOnce = 256;
 
-double height_above(double z, const std::vector<PlaneNeighbor>& ground) {
+double height_above(double z, const std::vector<CellNeighbor>& ground) {
   if (ground.empty()) return std::numeric_limits<double>::quiet_NaN();
   if (ground.front().distance2 == 0) return z - ground.front().position.z;
   double sum = 0, weights = 0;
-  for (const PlaneNeighbor& g : ground) {
+  for (const CellNeighbor& g : ground) {
     const double weight = 1 / g.distance2;
     sum += weight * g.position.z;
     weights += weight;
@@ -30,11 +28,11 @@ double height_above(double z, const std::vector<PlaneNeighbor>& ground) {
   return z - sum / weights;
 }
 
-/// First the points of the ground are put into strips, then all points look for the nearest of them.
+/// First the points of the ground are put into cells, then all points look for the nearest of them.
 class HeightWork final : public OrderedWork {
  public:
   HeightWork(std::size_t k, const OrderedSetup& setup)
-      : k_(k), axis_(setup.axis), ground_(setup.axis, setup.memory_bytes, setup.make_scratch()) {}
+      : k_(k), ground_(PointCells::Space::plane, setup.axis, setup.memory_bytes, setup.make_scratch()) {}
   unsigned rounds() const override { return 2; }
 
   void add(unsigned round, const OrderedPoints& points, MadeInOrder& made) override {
@@ -51,34 +49,22 @@ class HeightWork final : public OrderedWork {
       if (points.values[i] == kGroundClass) ground_.add(points.positions[i], points.rows[i]);
   }
 
-  /// On all threads with the strips nearby; then one after another those that need others.
   void measure(const OrderedPoints& points, MadeInOrder& made) {
     const std::size_t n = points.rows.size();
-    const auto along = [&](std::size_t i) { return axis_ == 0 ? points.places[i].x : points.places[i].y; };
-    ground_.load(along(0), along(n - 1));
     std::vector<double> heights(n);
-    std::vector<std::uint8_t> is_known(n);
-    parallel_for((n + kQueriesAtOnce - 1) / kQueriesAtOnce, [&](std::size_t part, unsigned) {
-      std::vector<PlaneNeighbor> found;
-      for (std::size_t i = part * kQueriesAtOnce; i < std::min(n, (part + 1) * kQueriesAtOnce); ++i) {
-        is_known[i] = ground_.find_loaded(points.positions[i], k_, found);
-        heights[i] = height_above(points.positions[i].z, found);
-      }
+    const auto place = [&](std::size_t i) { return points.positions[i]; };
+    ground_.answer_all(n, place, [&](std::size_t i, PointCells::View& view) {
+      const auto* const ground = view.nearest(place(i), k_, std::numeric_limits<double>::infinity());
+      if (ground != nullptr) heights[i] = height_above(place(i).z, *ground);
+      return ground != nullptr;
     });
-    std::vector<PlaneNeighbor> found;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (is_known[i]) continue;
-      ground_.find(points.positions[i], k_, found);
-      heights[i] = height_above(points.positions[i].z, found);
-    }
     made.rows.insert(made.rows.end(), points.rows.begin(), points.rows.end());
     const auto bytes = std::as_bytes(std::span(heights));
     made.values.insert(made.values.end(), bytes.begin(), bytes.end());
   }
 
   std::size_t k_;
-  int axis_;
-  PlaneStrips ground_;
+  PointCells ground_;
 };
 
 }  // namespace
@@ -109,7 +95,7 @@ OperatorDeclaration height_declaration() {
       .undefined = "NaN where the cloud has no point of class 2, and for points without a finite place.",
       .cost =
           "a pass that puts the points in order along x or y and reads them twice; points of the ground are "
-          "kept in the temporary folder in strips, and memory holds those near the front",
+          "kept in the temporary folder in cells, and memory holds those near the front",
       .attributes = {{.name = "height", .meaning = "z above the nearest points of the ground; undefined: NaN"}},
       .example = "knn(k=8) | ground | height(k=3) | where(height < 2)"};
 }
@@ -142,6 +128,6 @@ std::unique_ptr<OrderedWork> Height::work(const OrderedSetup& setup) const {
   return std::make_unique<HeightWork>(static_cast<std::size_t>(k_), setup);
 }
 
-std::uint64_t Height::least_bytes(std::span<const Vec3>, int) const { return 64 * PlaneStrips::strip_bytes(); }
+std::uint64_t Height::least_bytes(std::span<const Vec3>, int) const { return PointCells::least_bytes(); }
 
 }  // namespace pointsweep

@@ -4,8 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pointsweep/operator.h"
@@ -13,7 +15,7 @@
 
 namespace pointsweep {
 
-/// Values of the only attribute that an OrderedOperator makes, one after another, and the rows they belong to.
+/// Values of what an OrderedOperator makes, those of one row after those of another, and the rows they belong to.
 struct MadeInOrder {
   std::vector<std::uint64_t> rows;
   std::vector<std::byte> values;
@@ -33,17 +35,24 @@ class OrderedWork {
   virtual void end(unsigned round, MadeInOrder& made) = 0;
 };
 
+/// Gives all finite points of another cloud, in ascending order along the axis.
+using OtherPoints = std::function<void(
+    const std::function<void(std::span<const Vec3> positions, std::span<const std::uint64_t> rows)>& take)>;
+
 struct OrderedSetup {
   int axis = 0;                    ///< along which places ascend: 0 or 1
   std::uint64_t memory_bytes = 0;  ///< that it may hold
   MakeScratch make_scratch;
+  OtherPoints other_points = {};  ///< of OrderedOperator::other_cloud()
 };
 
-/// An operator that is alone, has places whose z is 0, and makes one attribute of one byte or of bytes that are equal
-/// in its fill. It does not select.
+/// An operator that is alone, has places whose z is 0, and makes attributes of one byte or of bytes that are equal in
+/// their fill, the same for all of them. It does not select.
 class OrderedOperator : public Operator {
  public:
   virtual std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const = 0;
+  /// The name of the files of another cloud that it reads, as an input of a command names them; empty: it reads none.
+  virtual std::string other_cloud() const { return {}; }
   /// The least memory of a work on a cloud with this sample of positions, along this axis.
   virtual std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const = 0;
   /// Never called.

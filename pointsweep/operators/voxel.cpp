@@ -4,29 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
+#include <vector>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/math/coordinate_hash.h"
 #include "pointsweep/operators/declaration.h"
+#include "pointsweep/operators/drop.h"
+#include "pointsweep/operators/voxel_candidate.h"
+#include "pointsweep/operators/voxel_centroid.h"
 
 namespace pointsweep {
 namespace {
 
-/// What decides between two points of a voxel; the lesser is kept.
-struct Candidate {
-  double distance2 = 0;  ///< to the centre; 0 where the hash decides
-  std::uint64_t hash = 0;
-  Vec3 position;
-  std::uint64_t row = 0;
-
-  bool operator<(const Candidate& other) const { return key() < other.key(); }
-
- private:
-  std::tuple<double, std::uint64_t, double, double, double, std::uint64_t> key() const {
-    return {distance2, hash, position.x, position.y, position.z, row};
-  }
-};
+/// In the order of VoxelKeep.
+constexpr const char* kKeepNames[] = {"center", "hash", "centroid"};
 
 /// Knows the best point so far of the voxel whose points come now.
 class OneOfEachVoxel final : public Thinning {
@@ -35,7 +26,7 @@ class OneOfEachVoxel final : public Thinning {
 
   void add(const OrderedPoints& points, Decided& decided) override {
     for (std::size_t i = 0; i < points.rows.size(); ++i) {
-      const Candidate next = candidate(points.places[i], points.positions[i], points.rows[i]);
+      const VoxelCandidate next = candidate(points.places[i], points.positions[i], points.rows[i]);
       const bool same = any_ && points.places[i] == voxel_;
       if (same) decided.left_out.push_back(next < best_ ? best_.row : next.row);
       if (!same || next < best_) best_ = next;
@@ -46,53 +37,62 @@ class OneOfEachVoxel final : public Thinning {
   void finish(Decided&) override {}
 
  private:
-  Candidate candidate(Vec3 voxel, Vec3 p, std::uint64_t row) const {
+  VoxelCandidate candidate(Vec3 voxel, Vec3 p, std::uint64_t row) const {
     if (keep_ == VoxelKeep::hash) return {0, coordinate_hash(p, kVoxelSeed), p, row};
-    const Vec3 center{(voxel.x + 0.5) * size_, (voxel.y + 0.5) * size_, (voxel.z + 0.5) * size_};
-    return {distance2(p, center), 0, p, row};
+    return nearest_to_center(voxel, size_, p, row);
   }
 
   double size_;
   VoxelKeep keep_;
   bool any_ = false;
   Vec3 voxel_;
-  Candidate best_;
+  VoxelCandidate best_;
 };
 
 std::shared_ptr<Operator> make_voxel(const OptionValues& options, const Facts&) {
-  const VoxelKeep keep = options.word("keep") == "hash" ? VoxelKeep::hash : VoxelKeep::center;
-  return std::make_shared<Voxel>(options.number("size"), keep);
+  const auto keep = std::ranges::find(kKeepNames, options.word("keep")) - std::begin(kKeepNames);
+  return std::make_shared<Voxel>(options.number("size"), static_cast<VoxelKeep>(keep));
 }
 
 }  // namespace
 
 OperatorDeclaration voxel_declaration() {
-  return {.name = "voxel",
-          .meaning = "keeps one point in each cube of a grid; later stages see neighbours among those kept",
-          .options = {{.name = "size",
-                       .kind = OptionKind::number,
-                       .meaning = "length of the edges of the cubes, whose faces lie at multiples of it",
-                       .least = 1e-9,
-                       .unit = "length",
-                       .required = true,
-                       .positional = true,
-                       .sample = 0.5},
-                      {.name = "keep",
-                       .kind = OptionKind::choice,
-                       .preset = std::string("center"),
-                       .meaning = "the point nearest to the centre of the cube, or the one whose coordinates have the "
-                                  "smallest hash",
-                       .choices = {"center", "hash"}}},
-          .make = make_voxel,
-          .formula =
-              "Voxel of p: (⌊x / size⌋, ⌊y / size⌋, ⌊z / size⌋), quotients rounded to float64: a point on a\n"
-              "face belongs to the voxel above it. The grid does not depend on the cloud.\n"
-              "keep=center: the least |p - c|², ((dx² + dy²) + dz²) in float64, c = (voxel + 0.5) * size.\n"
-              "keep=hash: the least hash of decimate, with the seed 0x766f78656c.\n"
-              "Of equal ones the point of the least x, then y, then z, then input row.",
-          .undefined = "Points without a finite place all stay.",
-          .cost = "a pass that puts the points in order by voxel, without a search; memory does not depend on the size",
-          .example = "knn(k=12) | voxel(0.5) | normals"};
+  return {
+      .name = "voxel",
+      .meaning = "keeps one point in each cube of a grid; later stages see neighbours among those kept",
+      .options = {{.name = "size",
+                   .kind = OptionKind::number,
+                   .meaning = "length of the edges of the cubes, whose faces lie at multiples of it",
+                   .least = 1e-9,
+                   .unit = "length",
+                   .required = true,
+                   .positional = true,
+                   .sample = 0.5},
+                  {.name = "keep",
+                   .kind = OptionKind::choice,
+                   .preset = std::string("center"),
+                   .meaning = "the point nearest to the centre of the cube, the one whose coordinates have the "
+                              "smallest hash, or the first of these with means of the cube",
+                   .choices = {std::begin(kKeepNames), std::end(kKeepNames)}}},
+      .make = make_voxel,
+      .formula =
+          "Voxel of p: (⌊x / size⌋, ⌊y / size⌋, ⌊z / size⌋), quotients rounded to float64: a point on a\n"
+          "face belongs to the voxel above it. The grid does not depend on the cloud.\n"
+          "keep=center: the least |p - c|², ((dx² + dy²) + dz²) in float64, c = (voxel + 0.5) * size.\n"
+          "keep=hash: the least hash of decimate, with the seed 0x766f78656c.\n"
+          "Of equal ones the point of the least x, then y, then z, then input row.\n"
+          "keep=centroid: the row of keep=center, at the mean of the points of the voxel. Floating-point numbers,\n"
+          "intensity and colours become means too, m = (Σ v) / n of the n finite values, at least the least, at\n"
+          "most the greatest; Σ is exact, rounded once to float64; intensity and colours then to whole numbers.\n"
+          "Normals: the mean, divided by its length; 0 where that is 0. All else is that of the row: whole\n"
+          "numbers (classification, return number, ids), directions without a sign, arrays, scaled fields.",
+      .undefined =
+          "Points without a finite place all stay; with keep=centroid the averaged attributes are 0 there. The mean "
+          "of values none of which is finite is NaN.",
+      .cost =
+          "a pass that puts the points in order by voxel, without a search; memory does not depend on the size. "
+          "keep=centroid: the averaged attributes travel with the points, and one more reading of the rows",
+      .example = "knn(k=12) | voxel(0.5) | normals"};
 }
 
 Voxel::Voxel(double size, VoxelKeep keep) : size_(size), keep_(keep) {
@@ -101,20 +101,29 @@ Voxel::Voxel(double size, VoxelKeep keep) : size_(size), keep_(keep) {
 }
 
 Contract Voxel::contract() const {
+  if (keep_ == VoxelKeep::centroid) return {.makes = {position_attribute()}, .alone = true};
   return {.makes = {selection_attribute()}, .alone = true, .selects = Selects::in_order, .has_places = true};
 }
 
 Options Voxel::own_options() const {
-  return {{"size", size_}, {"keep", std::string(keep_ == VoxelKeep::hash ? "hash" : "center")}};
+  return {{"size", size_}, {"keep", std::string(kKeepNames[static_cast<std::size_t>(keep_)])}};
+}
+
+std::vector<std::shared_ptr<const Operator>> Voxel::parts() const {
+  if (keep_ != VoxelKeep::centroid) return {};
+  return {std::make_shared<VoxelMeans>(size_), std::make_shared<TakeVoxelMeans>(), std::make_shared<KeepVoxelMeans>(),
+          std::make_shared<Drop>(std::vector<std::string>{"voxel_means"})};
 }
 
 std::unique_ptr<Thinning> Voxel::thinning(const ThinningSetup&) const {
   return std::make_unique<OneOfEachVoxel>(size_, keep_);
 }
 
-Vec3 Voxel::place_of(Vec3 position) const {
+Vec3 Voxel::place_of(Vec3 position) const { return voxel_of_position(position, size_); }
+
+Vec3 voxel_of_position(Vec3 position, double size) {
   constexpr double kMost = std::numeric_limits<double>::max();
-  const auto number = [&](double c) { return std::clamp(std::floor(c / size_), -kMost, kMost); };
+  const auto number = [&](double c) { return std::clamp(std::floor(c / size), -kMost, kMost); };
   return {number(position.x), number(position.y), number(position.z)};
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pointsweep/operator.h"
 #include "pointsweep/operators.h"
@@ -25,6 +26,7 @@ class Voxel final : public Operator {
   explicit Voxel(double size, VoxelKeep keep = VoxelKeep::center);
   std::string name() const override { return "voxel"; }
   Contract contract() const override;
+  std::vector<std::shared_ptr<const Operator>> parts() const override;
   void apply(const Neighborhoods&, Columns&) const override {}
   std::unique_ptr<Thinning> thinning(const ThinningSetup&) const override;
   /// The numbers of the voxel along the axes.
@@ -39,6 +41,9 @@ class Voxel final : public Operator {
   double size_;
   VoxelKeep keep_;
 };
+
+/// The numbers of the voxel of a position along the axes.
+Vec3 voxel_of_position(Vec3 position, double size);
 
 /// Seed of the hashes that VoxelKeep::hash compares.
 inline constexpr std::uint64_t kVoxelSeed = 0x766f78656c;

@@ -182,7 +182,8 @@ class Division {
     const std::uint64_t results = demand_.points * demand_.result_record_bytes;
     out_.window_bytes = cells_bytes(plan_, out_.slab_points, demand_, lists_) +
                         threads * thread_bytes(plan_, out_.slab_points, budget_, demand_);
-    out_.expected_bytes = kFixedBytes + demand_.codec_bytes + demand_.thinning_bytes + out_.window_bytes +
+    out_.expected_bytes = kFixedBytes + demand_.codec_bytes + demand_.thinning_bytes +
+                          std::max(out_.window_bytes, demand_.connect_bytes) +
                           index_bytes(plan_, out_.slab_points, demand_) + out_.stream_buffer_bytes;
     if (out_.on_demand)
       out_.expected_bytes += waiting_bytes(out_.slab_points, demand_);

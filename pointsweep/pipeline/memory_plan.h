@@ -17,6 +17,7 @@ struct MemoryDemand {
   unsigned threads = 1;
   std::uint32_t cell_points = 1024;
   std::uint64_t thinning_bytes = 0;  ///< estimate of what a Thinning holds
+  std::uint64_t connect_bytes = 0;   ///< estimate of a forest, which grows when the window is empty
   std::uint64_t codec_bytes = 0;     ///< for decoding the inputs and encoding the output
   /// Of a radius without a limit k, estimated: neighbours of a point at most, and points in a slice across the axis as
   /// thick as the radius times the steps and one more, which are in the window because of the radius.

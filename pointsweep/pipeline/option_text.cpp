@@ -74,12 +74,37 @@ OptionText as_condition(const std::vector<OptionDeclaration>& declared_options, 
   return {"", option.name + " = " + option.value, option.place};
 }
 
+/// drop(a, b) and set(a = 1, b = 2) have one option, of which commas part the values.
+std::vector<OptionText> with_lists_joined(const std::vector<OptionDeclaration>& declared_options,
+                                          const std::vector<OptionText>& given) {
+  const auto is_list = [](const OptionDeclaration& option) {
+    return option.positional && (option.kind == OptionKind::attributes || option.kind == OptionKind::assignments);
+  };
+  if (declared_options.empty() || !is_list(declared_options.front())) return given;
+  std::vector<OptionText> joined;
+  for (const OptionText& option : given) {
+    const bool goes_on = !joined.empty() && joined.front().name.empty() && option.name.empty();
+    goes_on ? void(joined.front().value += "," + option.value) : joined.push_back(option);
+  }
+  return joined;
+}
+
 [[noreturn]] void refuse_value(const OptionDeclaration& option, const std::string& value, const std::string& where) {
   const char* what = option.kind == OptionKind::whole    ? "a whole number, "
                      : option.kind == OptionKind::number ? "a number, "
                      : option.kind == OptionKind::point  ? "three numbers "
                                                          : "";
   fail_usage("{}: {} is {}{}, not '{}'.", where, option.name, what, option.allowed(), value);
+}
+
+/// -0 as 0.
+std::string shortest_text(double number) { return fmt::format("{}", number == 0 ? 0.0 : number); }
+
+/// Each number in its shortest form, so that equal lists are the same text. What is none is left to the check.
+std::string shortest_numbers(std::string_view list) {
+  std::string text;
+  for (const double number : numbers_of(list)) text += (text.empty() ? "" : ",") + shortest_text(number);
+  return text;
 }
 
 std::optional<OptionValue> parse_unchecked(OptionKind kind, std::string_view text) {
@@ -91,7 +116,13 @@ std::optional<OptionValue> parse_unchecked(OptionKind kind, std::string_view tex
       return value(read_number<double>(text));
     case OptionKind::point:
       return value(read_point(text));
+    case OptionKind::numbers:
+      return shortest_numbers(text);
     case OptionKind::choice:
+    case OptionKind::file:
+    case OptionKind::word:
+    case OptionKind::attributes:
+    case OptionKind::assignments:
     case OptionKind::names:
     case OptionKind::attribute:
     case OptionKind::condition:
@@ -99,9 +130,6 @@ std::optional<OptionValue> parse_unchecked(OptionKind kind, std::string_view tex
   }
   return std::string(text);
 }
-
-/// -0 as 0.
-std::string shortest_text(double number) { return fmt::format("{}", number == 0 ? 0.0 : number); }
 
 }  // namespace
 
@@ -122,9 +150,10 @@ std::string text_of_value(const OptionValue& value) {
 
 OptionValues read_options(const std::vector<OptionDeclaration>& declared_options, const StageText& stage) {
   OptionValues values(declared_options, stage.place + ": " + stage.name);
-  for (const OptionText& given : stage.options) {
+  const std::vector<OptionText> options = with_lists_joined(declared_options, stage.options);
+  for (const OptionText& given : options) {
     const OptionText text = as_condition(declared_options, given);
-    const OptionDeclaration& option = declared_for(declared_options, text, &given == stage.options.data(), stage);
+    const OptionDeclaration& option = declared_for(declared_options, text, &given == options.data(), stage);
     std::optional<OptionValue> value = parse_value(option, text.value);
     if (!value) refuse_value(option, text.value, text.place + ": " + stage.name);
     if (!values.give(option.name, *std::move(value)))

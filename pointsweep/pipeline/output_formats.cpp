@@ -43,7 +43,8 @@ void require_tiles_possible(const Outputs& outputs, const EngineOptions& options
 }
 
 std::string name_of_output(const Outputs& outputs) {
-  return outputs.tiles.empty() ? outputs.points.string() : outputs.tiles.front().parent_path().string();
+  if (!outputs.tiles.empty()) return outputs.tiles.front().parent_path().string();
+  return outputs.points.empty() ? "the output" : outputs.points.string();
 }
 
 }  // namespace pointsweep

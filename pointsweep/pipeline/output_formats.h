@@ -25,7 +25,7 @@ OutputNames names_in_outputs(const InputCloud& cloud, const ChainPlan& plan, con
 /// Throws UsageError for a request that only one output of all points can fulfil, if there are tiles.
 void require_tiles_possible(const Outputs& outputs, const EngineOptions& options);
 
-/// What to call the output in a sentence: the point file, or the folder of the first tile.
+/// What to call the output in a sentence: the point file, the folder of the first tile, or "the output".
 std::string name_of_output(const Outputs& outputs);
 
 }  // namespace pointsweep

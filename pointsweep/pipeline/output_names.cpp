@@ -19,7 +19,7 @@ namespace {
 /// surface variation (PCL), but other programs mean other curvatures by it.
 bool means_only(const std::string& spelling, const std::string& name) {
   const std::string word = in_lower_case(spelling);
-  if (word == name) return true;
+  if (word == in_lower_case(name)) return true;
   return library_name_of(word) == name && spellings_of(word).size() == 1;
 }
 
@@ -47,7 +47,7 @@ class Naming {
         if (kept.left_out.contains(field))
           out_.kept.left_out.insert(field = (moves(a) ? "" : rules_.prefix) + field);
         else if (!moves(a))
-          name(a.name, field);
+          name(a, field);
       }
     if (!unused_.empty())
       fail_usage("--replace: '{}' is no attribute of {} whose name a made attribute takes; leave it out.",
@@ -62,7 +62,7 @@ class Naming {
     return in_lower_case(has_own_names ? format_->stored_name(name) : name);
   }
 
-  void name(const std::string& attribute, std::string& field) {
+  void name(const Attribute& attribute, std::string& field) {
     const std::string own = field;
     field = rules_.prefix + field;
     const std::string stored = stored_name(field);
@@ -78,10 +78,11 @@ class Naming {
   }
 
   /// The input has `old`, which the output would hold under the name of `field`.
-  void meet(const std::string& attribute, const std::string& own, const std::string& field, const Field& old) {
+  void meet(const Attribute& attribute, const std::string& own, const std::string& field, const Field& old) {
     if (old.count != 1) refuse(field, old.name, false);
-    if (asked_to_replace({attribute, own, old.name, library_name_of(old.name)})) return;
-    if (!rules_.prefix.empty() || !means_only(old.name, own)) refuse(field, old.name, true);
+    if (asked_to_replace({attribute.name, own, old.name, library_name_of(old.name)})) return;
+    const bool is_color = attribute.kind == Kind::color;  // those of a camera cannot be made again
+    if (!rules_.prefix.empty() || is_color || !means_only(old.name, own)) refuse(field, old.name, true);
     out_.replaced.push_back(old.name);
   }
 

@@ -23,9 +23,9 @@ bool is_bare(char c) { return is_name_character(c) || c == '+' || c == '%' || c 
 
 /// Recursive descent through
 ///   pipeline = stage {"|" stage}            stage = name ["(" [option {"," option}] ")"]
-///   option = [name "="] (value | condition)  value = bare | quoted | "[" bare {"," bare} "]"
+///   option = [name "="] (value | condition | assignment)  value = bare | quoted | "[" bare {"," bare} "]"
 /// A condition (operators/expression.h) has signs that no value has. It ends before the "," or ")" that closes none of
-/// its own parentheses.
+/// its own parentheses. Options of the stage set are assignments, which end there too.
 /// An option without a name is an error, but one of its operator, which has to be known to say what is meant.
 class Parser {
  public:
@@ -47,7 +47,7 @@ class Parser {
     stage.name = name("the name of an operator");
     if (!take('(') || take(')')) return stage;
     do {
-      stage.options.push_back(option());
+      stage.options.push_back(stage.name == "set" ? assignment() : option());
     } while (take(','));
     if (!take(')')) expected("',' or ')'");
     return stage;
@@ -62,6 +62,19 @@ class Parser {
     if (!is_name(option.value) || !take('=')) return option;
     option.name = std::exchange(option.value, value("a value"));
     return option;
+  }
+
+  /// NAME = NUMBER [where CONDITION], or one of the options of set by its name.
+  OptionText assignment() {
+    skip_space();
+    const std::string_view text = text_.substr(at_, end_of_option() - at_);
+    const std::string_view name = text.substr(0, text.find_first_of("= \t\r\n"));
+    const bool is_quoted = text.starts_with('"') || text.starts_with('\'');
+    if (is_quoted || name == "as" || name == "assign") return option();
+    OptionText assigned{{}, {}, place()};
+    assigned.value = condition();
+    if (assigned.value.empty()) expected("an assignment such as classification = 7");
+    return assigned;
   }
 
   /// Where the option that begins here ends, but for quoted ones.

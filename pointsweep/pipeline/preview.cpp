@@ -8,6 +8,7 @@
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/decoded_input.h"
+#include "pointsweep/pipeline/other_cloud.h"
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/output_layout.h"
 #include "pointsweep/pipeline/radius_estimate.h"
@@ -88,6 +89,9 @@ std::string passage_text(const Preview& p, std::size_t s) {
   std::string text = fmt::format("neighbours    {}\n", neighborhood_text(pass.plan.neighborhood));
   if (const Effort& effort = p.memory.efforts[s]; effort.neighbors_per_point > 0)
     text += fmt::format("effort        {}\n", effort_text(effort.neighbors_per_point, effort.seconds));
+  if (const Stage* stage = pass.connecting_stage())
+    text += fmt::format("connects      neighbours by edges, in the temporary folder; '{}' is known after the pass\n",
+                        stage->op->name());
   return text;
 }
 
@@ -102,6 +106,7 @@ std::string sweep_text(const Preview& p, std::size_t s, std::size_t first_stage)
   const PlannedPass& pass = p.planned.passes[s];
   const bool goes_on = s + 1 < p.planned.passes.size();
   std::string text = p.planned.passes.size() == 1 ? "" : fmt::format("pass {} of {}\n", s + 1, p.planned.passes.size());
+  if (!p.others[s].empty()) text += "other cloud   " + p.others[s] + ": put in order in the temporary folder before\n";
   text += passage_text(p, s) + stages_text(pass.plan, first_stage) + columns_text(pass.columns);
   if (pass.selects) text += "rows          are left out here; all that follows sees the others only\n";
   text += values_text(pass);
@@ -137,6 +142,8 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   Preview out;
   out.planned = plan_chain(chain, cloud.schema(), options.order == Order::sweep);
   require_tiles_possible(outputs, options);
+  for (const std::optional<OtherCloud>& other : open_others(out.planned, cloud))
+    out.others.push_back(other ? fmt::format("{}, {} points", other->name(), other->count()) : "");
   out.names = names_in_outputs(cloud, out.planned, outputs, options);
   out.tiles = outputs.tiles.size();
   out.points = cloud.count();

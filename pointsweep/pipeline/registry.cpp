@@ -4,19 +4,29 @@
 #include <algorithm>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/color.h"
+#include "pointsweep/operators/connected_components.h"
+#include "pointsweep/operators/crop.h"
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/decimate.h"
 #include "pointsweep/operators/density.h"
+#include "pointsweep/operators/density_clusters.h"
+#include "pointsweep/operators/distance_to.h"
+#include "pointsweep/operators/drop.h"
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/features.h"
 #include "pointsweep/operators/ground.h"
 #include "pointsweep/operators/height.h"
 #include "pointsweep/operators/local_outlier_factor.h"
+#include "pointsweep/operators/m3c2.h"
 #include "pointsweep/operators/neighborhood_size.h"
 #include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/orient.h"
 #include "pointsweep/operators/outliers.h"
 #include "pointsweep/operators/poisson.h"
 #include "pointsweep/operators/radius_outliers.h"
+#include "pointsweep/operators/segments.h"
+#include "pointsweep/operators/set.h"
 #include "pointsweep/operators/simplify.h"
 #include "pointsweep/operators/splats.h"
 #include "pointsweep/operators/unique.h"
@@ -29,13 +39,16 @@ namespace pointsweep {
 
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = {
-      normals_declaration(),    curvature_declaration(), splats_declaration(),
-      fair_declaration(),       features_declaration(),  neighborhood_size_declaration(),
-      where_declaration(),      sor_declaration(),       ror_declaration(),
-      lof_declaration(),        density_declaration(),   unique_declaration(),
-      decimate_declaration(),   voxel_declaration(),     poisson_declaration(),
-      simplify_declaration(),   ground_declaration(),    height_declaration(),
-      reneighbor_declaration(), resort_declaration(),
+      normals_declaration(),    curvature_declaration(),   splats_declaration(),
+      fair_declaration(),       features_declaration(),    neighborhood_size_declaration(),
+      where_declaration(),      crop_declaration(),        set_declaration(),
+      drop_declaration(),       sor_declaration(),         ror_declaration(),
+      lof_declaration(),        density_declaration(),     unique_declaration(),
+      decimate_declaration(),   voxel_declaration(),       poisson_declaration(),
+      simplify_declaration(),   ground_declaration(),      height_declaration(),
+      color_declaration(),      distance_to_declaration(), m3c2_declaration(),
+      components_declaration(), dbscan_declaration(),      segments_declaration(),
+      orient_declaration(),     reneighbor_declaration(),  resort_declaration(),
   };
   return operators;
 }

@@ -4,14 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <thread>
 
 #include "pointsweep/order/waiting_estimate.h"
+#include "pointsweep/pipeline/other_cloud.h"
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/radius_estimate.h"
 #include "pointsweep/pipeline/row_mask.h"
 #include "pointsweep/pipeline/thinning_pass.h"
+#include "pointsweep/sweep/edge_emitter.h"
 
 namespace pointsweep {
 namespace {
@@ -59,12 +62,29 @@ int axis_of_places(const Survey& survey, const EngineOptions& options) {
 /// What a thinning holds of the points within its reach behind the front and of those that wait for one of these.
 void add_thinning(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey, const EngineOptions& options) {
   if (pass.kind != PassKind::order) return;
-  if (const OrderedOperator* op = pass.ordered_operator())
+  if (const OrderedOperator* op = pass.ordered_operator()) {
     demand.thinning_bytes = op->least_bytes(survey.sample, axis_of_places(survey, options));
+    if (!op->other_cloud().empty()) demand.thinning_bytes += OtherCloud::working_bytes(demand.threads);
+  }
   const Contract contract = pass.thinner().contract();
   if (contract.reach == 0) return;
   const RadiusEstimate estimate = estimate_radius(survey, demand.points, contract.reach, 2 * contract.reach);
   demand.thinning_bytes = contract.held_bytes * std::min(demand.points, estimate.slice_points + kThinningBatch);
+}
+
+/// What a forest holds: supernodes of a bucket and of the points whose neighbours are not all in earlier ones. These
+/// are in a layer across the axis, k^(1/D) points thick to both sides, or as thick as the radius.
+void add_forest(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey) {
+  const Stage* stage = pass.connecting_stage();
+  if (stage == nullptr) return;
+  const Neighborhood& n = pass.plan.neighborhood;
+  const double all = static_cast<double>(demand.points), d = survey.dimension;
+  const double layer = std::pow(all, (d - 1) / d) * 2 * std::pow(static_cast<double>(n.k), 1 / d);
+  const std::uint64_t open =
+      n.k == Neighborhood::kUnlimited ? demand.slice_points : static_cast<std::uint64_t>(std::min(layer, all));
+  const bool weighted = stage->connects->weighted();
+  const std::uint64_t votes = stage->connects->votes() != nullptr ? stage->connects->votes()->bytes() : 0;
+  demand.connect_bytes = (open + std::min(demand.points, kBucketPoints)) * (votes + (weighted ? 450 : 150));
 }
 
 MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand,
@@ -151,6 +171,7 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
                                 whole ? output_bytes : stages.result_bytes, points, survey, options, codec_bytes);
     memory.efforts.push_back(add_radius(needs, stages, survey));
     add_thinning(needs, pass, survey, options);
+    add_forest(needs, pass, survey);
     memory.record_bytes.push_back(needs.working_record_bytes);
     if (memory.passes.size() == memory.ordered_pass) {
       needs.waiting_points = waiting_points(on_demand, survey, needs);

@@ -138,6 +138,44 @@ void for_each_batch(const ThinningPass& run, Use use) {
   write_in_order(run.stream, stride, take, run.progress);
 }
 
+/// Of the values that an OrderedWork makes those that the pass keeps, in its order.
+class KeptValues {
+ public:
+  KeptValues(const OrderedOperator& op, const PlannedPass& pass) {
+    const std::vector<Attribute> made = op.contract().makes;
+    for (const Attribute& kept : pass.made) {
+      std::size_t at = 0, a = 0;
+      while (made[a].name != kept.name) at += made[a++].bytes();
+      pieces_.push_back({at, made[a].bytes()});
+      kept_bytes_ += made[a].bytes();
+    }
+    for (const Attribute& a : made) made_bytes_ += a.bytes();
+    std::size_t next = 0;
+    for (const Piece& piece : pieces_) keeps_all_ &= std::exchange(next, next + piece.bytes) == piece.at;
+    keeps_all_ &= kept_bytes_ == made_bytes_;
+  }
+  std::span<const std::byte> of(const MadeInOrder& made) {
+    if (keeps_all_) return made.values;
+    values_.resize(made.rows.size() * kept_bytes_);
+    std::byte* to = values_.data();
+    for (std::size_t i = 0; i < made.rows.size(); ++i)
+      for (const Piece& piece : pieces_) {
+        std::memcpy(to, made.values.data() + i * made_bytes_ + piece.at, piece.bytes);
+        to += piece.bytes;
+      }
+    return values_;
+  }
+
+ private:
+  struct Piece {
+    std::size_t at, bytes;
+  };
+  std::vector<Piece> pieces_;
+  std::size_t made_bytes_ = 0, kept_bytes_ = 0;
+  bool keeps_all_ = true;  ///< in the order in which it is made
+  std::vector<std::byte> values_;
+};
+
 }  // namespace
 
 PlacedSource::PlacedSource(const PointSource& from, const std::vector<std::size_t>& fields, const Operator& op) {
@@ -170,11 +208,13 @@ void run_thinning(const ThinningPass& run) {
   put();
 }
 
-void run_ordered_work(const ThinningPass& run, const OrderedOperator& op, const MakeScratch& make_scratch) {
-  const std::unique_ptr<OrderedWork> work = op.work({run.stream.axis(), run.memory_bytes, make_scratch});
+void run_ordered_work(const ThinningPass& run, const OrderedOperator& op, const MakeScratch& make_scratch,
+                      const OtherPoints& other_points) {
+  const std::unique_ptr<OrderedWork> work = op.work({run.stream.axis(), run.memory_bytes, make_scratch, other_points});
+  KeptValues kept(op, run.pass);
   MadeInOrder made;
   const auto put = [&] {
-    run.results.put(made.rows, made.values);
+    run.results.put(made.rows, kept.of(made));
     made.rows.clear();
     made.values.clear();
   };

@@ -36,7 +36,8 @@ inline constexpr std::size_t kThinningBatch = 4096;
 
 void run_thinning(const ThinningPass& run);
 
-/// The same of an OrderedOperator: `results` gets the values that its work makes.
-void run_ordered_work(const ThinningPass& run, const OrderedOperator& op, const MakeScratch& make_scratch);
+/// The same of an OrderedOperator: `results` gets the values that its work makes, as far as the pass keeps them.
+void run_ordered_work(const ThinningPass& run, const OrderedOperator& op, const MakeScratch& make_scratch,
+                      const OtherPoints& other_points);
 
 }  // namespace pointsweep

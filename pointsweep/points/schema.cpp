@@ -73,6 +73,14 @@ void store_value(const Field& field, std::byte* at, double value) {
 
 }  // namespace
 
+Type unpacked_type(const Field& field) {
+  if (field.bit_width == 0) return field.type;
+  return field.bit_width <= 8    ? Type::u8
+         : field.bit_width <= 16 ? Type::u16
+         : field.bit_width <= 32 ? Type::u32
+                                 : Type::u64;
+}
+
 std::size_t size_of(Type type) {
   return with_type(type, []<class T>() { return sizeof(T); });
 }

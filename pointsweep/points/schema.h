@@ -33,6 +33,10 @@ PositionFields position_fields(const Schema& schema, std::string_view where);
 void decode_positions(const PositionFields& fields, const std::byte* records, std::size_t stride, std::size_t count,
                       double* x, double* y, double* z);
 
+/// The type that holds the values of `field` in a word of its own: its type, or of a part of a word (`bit_width`) the
+/// least unsigned one that is wide enough.
+Type unpacked_type(const Field& field);
+
 /// Copies records of one schema into records of another, field by field. A field whose storage is the same in both is
 /// copied bit for bit; otherwise its value is converted; fields absent in `from` become 0.
 class RecordConversion {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pointsweep/operator.h"
+#include "pointsweep/operators/connecting_operator.h"
 #include "pointsweep/search/best_list.h"
 
 namespace pointsweep {
@@ -27,6 +28,7 @@ struct Stage {
   std::shared_ptr<const Operator> op;
   std::vector<std::uint16_t> reads, reads_neighbors, makes;
   int position = -1;  ///< the column of the moved positions it sees; negative: those of the input
+  const ConnectingOperator* connects = nullptr;  ///< `op`, if it emits edges instead of filling its columns
 };
 
 /// A column that comes from the file: field `field` (and the next components) of the working record, bit for bit.

@@ -41,7 +41,10 @@ void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, Stage
                            stage.reads_neighbors, stage.position);
     tally.marked[s] = {};
     Columns out(made, batch.size, tally.marked[s], std::move(unwanted));
-    stage.op->apply(in, out);
+    if (stage.connects == nullptr)
+      stage.op->apply(in, out);
+    else if (tally.edges)
+      tally.edges->take(*stage.connects, in, batch);
     tally.seconds[s] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 }

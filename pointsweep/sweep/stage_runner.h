@@ -11,6 +11,7 @@
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/points/degenerate_rows.h"
 #include "pointsweep/sweep/distance_histogram.h"
+#include "pointsweep/sweep/edge_emitter.h"
 #include "pointsweep/sweep/plan.h"
 
 namespace pointsweep {
@@ -22,6 +23,7 @@ struct StageTally {
   /// By stage: the rows of marked points whose results are final. The callers of run_step add them.
   std::vector<DegenerateRows> degenerate;
   std::unique_ptr<NeighborDistances> distances;  ///< filled if it is there
+  std::unique_ptr<EdgeEmitter> edges;            ///< takes the edges of a connecting stage if it is there
 };
 
 /// A batch as the stages see it. `own_columns` are the columns of the batch itself, which a stage both reads and fills.

@@ -41,8 +41,10 @@ class Sweep {
         window_(plan, frontier_),
         runner_(plan, window_, frontier_, sink, {options.cells_bytes, options.lists_bytes}),
         workers_(thread_count()) {
-    if (!options.count_distances) return;
-    for (Worker& worker : workers_) worker.tally.distances = std::make_unique<NeighborDistances>();
+    for (Worker& worker : workers_) {
+      if (options.count_distances) worker.tally.distances = std::make_unique<NeighborDistances>();
+      if (options.edges != nullptr) worker.tally.edges = std::make_unique<EdgeEmitter>(*options.edges);
+    }
   }
 
   /// The paper's main loop: while the stream has points, read some; then let every operator in turn pull what has

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "pointsweep/connect/edge_buckets.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/points/degenerate_rows.h"
 #include "pointsweep/sweep/distance_histogram.h"
@@ -39,6 +40,8 @@ struct SweepOptions {
   /// If given, receives the PointState of every input row at the moment when half of the points have been read. Its
   /// size must be the number of rows of the input.
   std::vector<PointState>* half_way = nullptr;
+  /// Takes the edges that a connecting stage emits. They are not part of a SweepProgress: with edges, no keeper.
+  EdgeBuckets* edges = nullptr;
   ProgressKeeper* keeper = nullptr;
   /// What a keeper was given, by another process perhaps, of the same stream and plan and cells of the same size, with
   /// a sink that holds what had been handed over then. Not together with half_way.

@@ -9,12 +9,14 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/crop.h"
 #include "pointsweep/operators/decimate.h"
 #include "pointsweep/operators/poisson.h"
 #include "pointsweep/operators/unique.h"
 #include "pointsweep/operators/voxel.h"
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/verify/disk_rows.h"
+#include "pointsweep/verify/formulas/regions.h"
 #include "pointsweep/verify/formulas/thinning.h"
 
 namespace pointsweep {
@@ -83,6 +85,26 @@ Mask by_hash(InputCloud& cloud, const Decimate& op, const PhaseProgress& progres
   return kept;
 }
 
+/// Asks about every row, also of points without a finite place.
+Mask by_region(InputCloud& cloud, const Crop& op, const PhaseProgress& progress) {
+  std::vector<formulas::PolygonRings> polygons;
+  for (const Polygon& polygon : op.polygons()) {
+    formulas::PolygonRings& rings = polygons.emplace_back();
+    for (const Ring& ring : polygon.rings) {
+      rings.emplace_back();
+      for (const Point2& corner : ring) rings.back().push_back({corner.x, corner.y});
+    }
+  }
+  Mask kept(cloud.count());
+  RowSource source(cloud);
+  for_each_position(source, "reading", progress, [&](std::uint64_t row, Vec3 p) {
+    const bool inside = formulas::is_in_box(coordinates(p), op.options().bounds) &&
+                        (polygons.empty() || formulas::is_in_polygons({p.x, p.y}, polygons));
+    kept[row] = inside != op.options().outside;
+  });
+  return kept;
+}
+
 /// A stored value as the operator reads it: in its own type, or as float64.
 void put_value(const Field& field, const std::byte* record, Type type, std::byte* to) {
   if (field.is_plain() && field.type == type) return void(std::copy_n(record + field.offset, size_of(type), to));
@@ -129,6 +151,7 @@ Mask by_condition(InputCloud& cloud, const Operator& op, const PhaseProgress& pr
 
 Mask kept_by(const Operator& op, InputCloud& cloud, std::uint64_t memory_bytes, const PhaseProgress& progress) {
   if (const auto* decimate = dynamic_cast<const Decimate*>(&op)) return by_hash(cloud, *decimate, progress);
+  if (const auto* crop = dynamic_cast<const Crop*>(&op)) return by_region(cloud, *crop, progress);
   if (op.contract().selects == Selects::by_value) return by_condition(cloud, op, progress);
   if (const auto* poisson = dynamic_cast<const Poisson*>(&op); poisson && poisson->options().radius_from.empty())
     return rows_of_disks(cloud, poisson->options().radius, memory_bytes, progress);

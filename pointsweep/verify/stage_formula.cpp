@@ -6,6 +6,7 @@
 #include <string>
 #include <typeinfo>
 
+#include "pointsweep/operators/color.h"
 #include "pointsweep/operators/curvature.h"
 #include "pointsweep/operators/density.h"
 #include "pointsweep/operators/fair.h"
@@ -18,7 +19,10 @@
 #include "pointsweep/operators/normals.h"
 #include "pointsweep/operators/outliers.h"
 #include "pointsweep/operators/radius_outliers.h"
+#include "pointsweep/operators/set.h"
 #include "pointsweep/operators/splats.h"
+#include "pointsweep/verify/formulas/assignment.h"
+#include "pointsweep/verify/formulas/colors.h"
 #include "pointsweep/verify/formulas/crowding.h"
 #include "pointsweep/verify/formulas/curvature.h"
 #include "pointsweep/verify/formulas/distances.h"
@@ -231,6 +235,125 @@ class DensityRatioFormula final : public StageFormula {
   }
 };
 
+class AssignmentFormula final : public StageFormula {
+ public:
+  explicit AssignmentFormula(const SetAttribute& op)
+      : value_(op.assignment().value.text()),
+        value_sources_(sources_of(value_, op.assignment().value, op.value_names(), op.first_of_value())),
+        old_(op.old_value()),
+        component_(op.component()),
+        width_(op.target().fields.size()),
+        moves_(op.target().name == position_attribute().name),
+        storage_(op.range().is_whole             ? formulas::Storage::whole
+                 : op.target().type == Type::f32 ? formulas::Storage::single
+                                                 : formulas::Storage::real) {
+    if (!op.assignment().condition) return;
+    condition_.emplace(op.assignment().condition->text());
+    condition_sources_ =
+        sources_of(*condition_, *op.assignment().condition, op.condition_names(), op.first_of_condition());
+  }
+  Estimates evaluate(const FormulaInput& in) const override {
+    std::optional<bool> holds = true;
+    if (condition_) holds = condition_->holds(values_of(condition_sources_, in));
+    if (!holds) return {formulas::open()};
+    Estimate made = old_ ? in.reads[*old_] : Estimate{};
+    if (moves_) made = {.value = in.place.at, .error = in.place.error};
+    if (!*holds) return {made};
+    const Estimate assigned = formulas::stored_number(value_.number(values_of(value_sources_, in)), storage_);
+    if (made.either_sign || component_ > 2 || assigned.is_open()) return {formulas::open()};
+    (component_ == 0 ? made.value.x : component_ == 1 ? made.value.y : made.value.z) = assigned.value.x;
+    made.error = is_alone() ? assigned.error : made.error + assigned.error;
+    if (is_alone()) made.may_be_undefined = false;
+    return {made};
+  }
+
+ private:
+  struct ReadName {
+    int read = -1;  ///< number in FormulaInput::reads; negative: the position
+    std::size_t component = 0;
+    bool is_whole = false;
+  };
+  /// Whether the attribute is the assigned component alone.
+  bool is_alone() const { return !moves_ && width_ == 1; }
+
+  static std::vector<ReadName> sources_of(const formulas::PlainExpression& plain, const Expression& expression,
+                                          const NamedValues& names, std::size_t first) {
+    std::vector<ReadName> sources;
+    for (const std::string& name : plain.names()) {
+      const auto at = std::ranges::find(expression.names(), name, &Expression::Name::text) - expression.names().begin();
+      const NamedValues::Source& source = names.sources()[static_cast<std::size_t>(at)];
+      ReadName& read = sources.emplace_back();
+      read.component = source.component;
+      if (source.attribute < 0) continue;
+      read.read = static_cast<int>(first) + source.attribute;
+      const Type type = names.reads()[static_cast<std::size_t>(source.attribute)].type;
+      read.is_whole = type == Type::i64 || type == Type::u64;
+    }
+    return sources;
+  }
+
+  static std::vector<formulas::PossibleNumber> values_of(const std::vector<ReadName>& sources, const FormulaInput& in) {
+    std::vector<formulas::PossibleNumber> values;
+    for (const ReadName& name : sources) {
+      const Estimate e = name.read < 0 ? Estimate{.value = in.place.at, .error = in.place.error}
+                                       : in.reads[static_cast<std::size_t>(name.read)];
+      const Real v = name.component == 0 ? e.value.x : name.component == 1 ? e.value.y : e.value.z;
+      Real low = v, high = v;
+      if (e.error > 0) low = v - e.error, high = v + e.error;
+      if (e.may_be_undefined) low = std::min<Real>(low, 0), high = std::max<Real>(high, 0);
+      if (e.either_sign) low = std::min(low, -high), high = std::max(high, -low);
+      if (e.is_open() || name.component > 2) low = -formulas::kInfinity, high = formulas::kInfinity;
+      values.push_back({low, high, name.is_whole});
+    }
+    return values;
+  }
+
+  formulas::PlainExpression value_;
+  std::vector<ReadName> value_sources_;
+  std::optional<formulas::PlainExpression> condition_;
+  std::vector<ReadName> condition_sources_;
+  std::optional<std::size_t> old_;
+  std::size_t component_, width_;
+  bool moves_;
+  formulas::Storage storage_;
+};
+
+class ColorFormula final : public StageFormula {
+ public:
+  explicit ColorFormula(const Color& op)
+      : source_(op.source()),
+        scale_(scale_of(op.options().map)),
+        lo_(op.lo().value_or(0)),
+        hi_(op.hi().value_or(0)),
+        known_(scale_ == formulas::ColorScale::classes || op.lo().has_value()),
+        widen_(op.bits() == 16 ? 257 : 1) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    const Estimate e = source_.attribute < 0 ? Estimate{.value = in.place.at, .error = in.place.error}
+                                             : in.reads[static_cast<std::size_t>(source_.attribute)];
+    if (!known_ || source_.component > 2 || e.is_open() || e.either_sign || e.may_be_undefined)
+      return {formulas::open()};
+    const Real v = source_.component == 0 ? e.value.x : source_.component == 1 ? e.value.y : e.value.z;
+    const auto color = color_at(v), low = color_at(v - e.error), high = color_at(v + e.error);
+    if (low != color || high != color) return {formulas::open()};
+    return {Estimate{.value = {Real(widen_ * color[0]), Real(widen_ * color[1]), Real(widen_ * color[2])}}};
+  }
+
+ private:
+  static formulas::ColorScale scale_of(ColorMap map) {
+    return map == ColorMap::turbo     ? formulas::ColorScale::turbo
+           : map == ColorMap::gray    ? formulas::ColorScale::gray
+           : map == ColorMap::classes ? formulas::ColorScale::classes
+                                      : formulas::ColorScale::viridis;
+  }
+  std::array<int, 3> color_at(Real v) const { return formulas::color_of(static_cast<double>(v), scale_, lo_, hi_); }
+
+  NamedValues::Source source_;
+  formulas::ColorScale scale_;
+  double lo_, hi_;
+  bool known_;
+  int widen_;
+};
+
 class GraphFormula final : public StageFormula {
  public:
   explicit GraphFormula(const Contract& c)
@@ -289,6 +412,8 @@ std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshol
     return std::make_unique<MeanDistanceFormula>(static_cast<const MeanDistance&>(op).counts_point());
   if (type == typeid(Outlier))
     return std::make_unique<OutlierFormula>(threshold, static_cast<const Outlier&>(op).definition());
+  if (type == typeid(Color)) return std::make_unique<ColorFormula>(static_cast<const Color&>(op));
+  if (type == typeid(SetAttribute)) return std::make_unique<AssignmentFormula>(static_cast<const SetAttribute&>(op));
   if (type == typeid(NeighborRows)) return std::make_unique<GraphFormula>(contract);
   return nullptr;
 }

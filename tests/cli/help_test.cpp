@@ -12,9 +12,9 @@ namespace {
 
 using Help = Tool;
 
-constexpr const char* kEveryVerb[] = {"normals",  "curvature", "splats",     "fair",      "neighbors",
-                                      "sort",     "run",       "verify",     "operators", "info",
-                                      "generate", "render",    "completion", "man",       "help"};
+constexpr const char* kEveryVerb[] = {"normals",   "curvature", "splats",     "fair",   "thin",      "ground",
+                                      "neighbors", "sort",      "run",        "verify", "operators", "info",
+                                      "generate",  "render",    "completion", "man",    "help"};
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream in(text);
@@ -113,8 +113,8 @@ TEST_F(Help, ExamplesRunAsPasted) {
   for (const char* tile : {"tile_1", "tile_2"}) made(std::string("generate sphere -n 900 -o ") + tile + ".las");
   std::filesystem::create_directory(folder_ / "tiles");
   std::filesystem::copy(folder_ / "tile_1.las", folder_ / "tiles");
-  for (const std::string verb : {"normals", "curvature", "splats", "fair", "neighbors", "sort", "run", "operators",
-                                 "completion", "man", "help"}) {
+  for (const std::string verb : {"normals", "curvature", "splats", "fair", "thin", "ground", "neighbors", "sort", "run",
+                                 "operators", "completion", "man", "help"}) {
     const auto examples = lines_after(tool("help " + verb).out, "pointsweep");
     EXPECT_FALSE(examples.empty()) << verb;
     for (const std::string& example : examples) {
@@ -128,6 +128,8 @@ TEST_F(Help, ExamplesRunAsPasted) {
 
 TEST_F(Help, ExamplesOfOperatorsArePipelinesThatRun) {
   made("generate statue in.ply -n 3000 --noise 0.002", "in.ply");
+  for (const char* other : {"before.las", "after.las"})  // that examples compare with
+    made(std::string("generate statue ") + other + " -n 3000 --noise 0.01");
   const auto examples = lines_after(tool("operators").out, "example");
   EXPECT_EQ(examples.size(), all_operators().size() + 1) << "and knn";
   for (const std::string& example : examples)

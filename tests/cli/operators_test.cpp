@@ -26,6 +26,12 @@ TEST_F(OperatorListing, DocsAreWhatTheToolPrints) {
   EXPECT_EQ(tool("operators --attributes").out, page.substr(from, page.find(end) - from)) << "run script/docs";
 }
 
+TEST_F(OperatorListing, PythonHasAFunctionForEveryOperator) {
+  const std::string stages = contents(std::filesystem::path(POINTSWEEP_SOURCE_DIR) / "python/pointsweep/_stages.py");
+  for (const OperatorDeclaration& declaration : all_operators())
+    EXPECT_NE(stages.find("\ndef " + declaration.name + "("), stages.npos) << declaration.name << ": run script/docs";
+}
+
 TEST_F(OperatorListing, JsonHoldsEveryOptionWithTypeDefaultAndRange) {
   const auto listed = nlohmann::json::parse(tool("operators --json").out);
   ASSERT_EQ(listed.size(), 1 + all_operators().size());

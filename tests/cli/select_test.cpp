@@ -104,6 +104,18 @@ TEST_F(SelectStages, VerifySaysThatGroundAndHeightAreNotChecked) {
   EXPECT_NE(sound.out.find("0 wrong: normal\n"), std::string::npos) << sound.out;
 }
 
+TEST_F(SelectStages, VerifySaysThatWhatDependsOnComponentsIsNotChecked) {
+  write_rows("all.txt", [](int) { return true; });
+  const std::string pipeline = "--pipeline 'knn(radius=2) | dbscan(eps=2) | normals | segments | orient | components'";
+  made("run all.txt out.txt -f -q " + pipeline, "out.txt");
+  const Result sound = tool("verify all.txt out.txt " + pipeline);
+  EXPECT_EQ(sound.status, 0) << sound.out << sound.err;
+  const std::size_t line = sound.out.find("not checked");
+  ASSERT_NE(line, std::string::npos) << sound.out;
+  for (const char* name : {" cluster", " segment", " normal_turned", " component"})
+    EXPECT_NE(sound.out.find(name, line), std::string::npos) << name << "\n" << sound.out;
+}
+
 /// The same rows of the same points stored in text, float32 and scaled integers, and of tiles and all in one.
 TEST_F(SelectStages, ThinningKeepsTheSameRowsInEveryFormatAndTiling) {
   write_rows("all.txt", [](int) { return true; });

@@ -6,8 +6,8 @@ namespace {
 
 using Usage = Tool;
 
-constexpr const char* kVerbs[] = {"normals", "neighbors", "sort", "curvature", "splats", "fair",
-                                  "run",     "operators", "info", "generate",  "render"};
+constexpr const char* kVerbs[] = {"normals", "neighbors", "sort",      "curvature", "splats",   "fair",  "thin",
+                                  "ground",  "run",       "operators", "info",      "generate", "render"};
 
 TEST_F(Usage, HelpNamesEveryVerb) {
   const Result result = tool("--help");
@@ -47,7 +47,8 @@ TEST_F(Usage, TheLastOfSeveralFilesIsNotReplacedWhenTheOutputWasForgotten) {
   for (const char* name : {"tile_1", "tile_2", "tile_3"})
     ASSERT_EQ(tool(std::string("generate sphere ") + name + ".las -n 500").status, 0);
   const std::string last = contents(folder_ / "tile_3.las");
-  for (const char* verb : {"normals", "sort", "curvature", "splats", "fair", "run --pipeline normals"})
+  for (const char* verb :
+       {"normals", "sort", "curvature", "splats", "fair", "ground", "thin --decimate 1", "run --pipeline normals"})
     for (const char* force : {"", " -f"})
       refused(2, std::string(verb) + " tile_*.las" + force, "tile_3.las: exists, and as the last of 3 files");
   write("z.png", "precious"), write("z.npy", "precious");
@@ -61,7 +62,8 @@ TEST_F(Usage, TheLastOfSeveralFilesIsNotReplacedWhenTheOutputWasForgotten) {
 TEST_F(Usage, OutputNamesTheFileToWriteForEveryVerb) {
   for (const char* name : {"a", "b", "c"})
     ASSERT_EQ(tool(std::string("generate sphere -n 500 --output ") + name + ".ply").status, 0);
-  for (const char* verb : {"normals", "sort", "curvature", "splats", "fair", "run --pipeline normals"}) {
+  for (const char* verb :
+       {"normals", "sort", "curvature", "splats", "fair", "ground", "thin --decimate 1", "run --pipeline normals"}) {
     EXPECT_EQ(tool(std::string(verb) + " -o out.ply ?.ply -f").status, 0) << verb;
     EXPECT_NE(tool("info out.ply").out.find("points      1500"), std::string::npos) << verb;
     EXPECT_EQ(tool(std::string(verb) + " a.ply b.ply --output out.ply -f").status, 0) << verb;

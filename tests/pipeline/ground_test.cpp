@@ -42,14 +42,6 @@ std::vector<Vec3> hills(std::size_t n, std::uint64_t seed) {
 /// The classification of each row.
 std::vector<double> classes(const RunResult& result) { return result.field("classification"); }
 
-std::vector<EngineOptions> ground_ways() {
-  std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3), tiny(700)};
-  all[1].axis = 0;
-  all[2].axis = 1;
-  all[3].axis = 2;
-  return all;
-}
-
 constexpr const char* kGroundText = "ground(window=9)";
 
 /// A plane that rises by one in two along x or y, at the centres of cells; and points above it.
@@ -71,7 +63,7 @@ TEST(Ground, OfATiltedPlaneIsWhatLiesWithinTheThresholdAndTheScalarTimesTheSlope
         }
     const auto ground =
         std::make_shared<Ground>(GroundOptions{.cell = 1, .slope = 1, .window = 3, .threshold = 0.25, .scalar = 1});
-    for (const EngineOptions& options : ground_ways())
+    for (const EngineOptions& options : ways_to_run())
       EXPECT_EQ(classes(run_in_memory(points, {{}, {ground}}, options)), expected);
   }
 }
@@ -87,7 +79,7 @@ TEST(Ground, BlocksNarrowerThanTheWindowAndPitsAreNotGround) {
       expected.push_back(block || pit ? 1 : 2);
       with_narrow_window.push_back(pit ? 1 : 2);
     }
-  for (const EngineOptions& options : ground_ways()) {
+  for (const EngineOptions& options : ways_to_run()) {
     const auto got = [&](double window) {
       return classes(run_in_memory(points, {{}, {std::make_shared<Ground>(GroundOptions{.window = window})}}, options));
     };
@@ -137,7 +129,7 @@ TEST(Ground, HasTheSameBytesWithAnyThreadsMemorySlabsAndAxis) {
   const Records input = with_attributes(hills(sized(6000), 1));
   const RunResult expected = run_ground(input, kGroundText, tiny(1000));
   EXPECT_GT(std::ranges::count(classes(expected), 2), 1000);
-  for (const EngineOptions& options : ground_ways())
+  for (const EngineOptions& options : ways_to_run())
     EXPECT_TRUE(run_ground(input, kGroundText, options).records == expected.records);
 }
 
@@ -169,7 +161,7 @@ TEST(Ground, InSweepOrderHasTheClassesOfInputOrder) {
 TEST(Ground, SeesTheRowsThatAreLeft) {
   const Records input = with_attributes(hills(sized(5000), 4));
   const Records left = input.those([&](std::size_t i) { return input.value(i, "classification") < 6; });
-  for (const EngineOptions& options : ground_ways())
+  for (const EngineOptions& options : ways_to_run())
     EXPECT_TRUE(run_ground(input, "where(classification < 6) | ground(window=9)", options).records ==
                 run_ground(left, kGroundText, options).records);
 }
@@ -185,7 +177,7 @@ TEST(Ground, LaterStagesReadItsClasses) {
   const Records input = with_attributes(hills(sized(4000), 6));
   const Records made = records_of(run_ground(input, kGroundText, tiny(500)));
   const Records ground = made.those([&](std::size_t i) { return made.value(i, "classification") == 2; });
-  for (const EngineOptions& options : ground_ways()) {
+  for (const EngineOptions& options : ways_to_run()) {
     const RunResult got =
         run_ground(input, "knn(k=6) | ground(window=9) | where(classification == 2) | normals", options);
     const RunResult expected = run_ground(ground, "knn(k=6) | normals", options);
@@ -200,7 +192,7 @@ TEST(Ground, StandsBetweenStagesThatSearch) {
   const RunResult shape = run_ground(input, "knn(k=7) | normals | sor", tiny(400));
   for (const char* text : {"knn(k=7) | normals | ground(window=9) | sor", "knn(k=7) | ground(window=9) | normals | sor",
                            "knn(k=7) | normals | sor | ground(window=9)"})
-    for (const EngineOptions& options : ground_ways()) {
+    for (const EngineOptions& options : ways_to_run()) {
       const RunResult got = run_ground(input, text, options);
       EXPECT_EQ(classes(got), classes(ground)) << text;
       for (const char* field : {"nx", "mean_distance", "outlier"})
@@ -215,7 +207,7 @@ TEST(Ground, SeesMovedPositions) {
   for (std::size_t i = 0; i < points.size(); ++i) moved.push_back(mover.moved(points[i], i));
   const auto ground = std::make_shared<Ground>(GroundOptions{.window = 9});
   const RunResult expected = run_in_memory(moved, {{}, {ground}}, tiny(300));
-  for (const EngineOptions& options : ground_ways())
+  for (const EngineOptions& options : ways_to_run())
     EXPECT_EQ(classes(run_in_memory(points, {{.k = 5}, {thrown(0.5), ground}}, options)), classes(expected));
 }
 
@@ -243,8 +235,32 @@ TEST(Ground, APointFarAwayChangesNoOtherPoint) {
   std::vector<double> expected = classes(run_in_memory(points, {{}, {ground}}, tiny(300)));
   points.push_back({1e9, -1e9, 0});
   expected.push_back(2);
-  for (const EngineOptions& options : ground_ways())
+  for (const EngineOptions& options : ways_to_run())
     EXPECT_EQ(classes(run_in_memory(points, {{}, {ground}}, options)), expected);
+}
+
+/// Two sheets, the nearer with a bank at its edge that holes on the way to the farther one would make narrow.
+TEST(Ground, DoesNotDependOnPointsBeyondItsReach) {
+  for (const bool along_x : {true, false}) {
+    const auto add_sheet = [&](std::vector<Vec3>& points, int from, int to, double z) {
+      for (int i = from; i < to; ++i)
+        for (int j = 0; j < 30; ++j) {
+          const Vec3 p{i + 0.5, j + 0.5, i == 18 || i == 19 ? 3.0 : z};
+          points.push_back(along_x ? p : Vec3{p.y, p.x, p.z});
+        }
+    };
+    const auto ground = std::make_shared<Ground>(GroundOptions{.window = 2});
+    std::vector<Vec3> near;
+    add_sheet(near, 0, 20, 0);
+    const std::vector<double> alone = classes(run_in_memory(near, {{}, {ground}}, tiny(700)));
+    for (const int gap : {22, 25, 60}) {
+      std::vector<Vec3> both = near;
+      add_sheet(both, 20 + gap, 40 + gap, -5);
+      std::vector<double> found = classes(run_in_memory(both, {{}, {ground}}, tiny(700)));
+      found.resize(near.size());
+      EXPECT_EQ(found, alone) << "a gap of " << gap;
+    }
+  }
 }
 
 TEST(Ground, TellsWhatIsWrong) {

@@ -12,7 +12,6 @@
 #include <tuple>
 
 #include "pointsweep/error.h"
-#include "pointsweep/operators/plane_strips.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"
@@ -25,14 +24,6 @@ namespace {
 RunResult run_height(const Records& input, const std::string& pipeline, const EngineOptions& options) {
   InputCloud cloud = input.cloud();
   return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud), options);
-}
-
-std::vector<EngineOptions> height_ways() {
-  std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3), tiny(700)};
-  all[1].axis = 1;
-  all[2].axis = 0;
-  all[3].axis = 2;
-  return all;
 }
 
 /// NaN of any bits is one value.
@@ -77,56 +68,10 @@ TEST(Height, IsThatAboveTheNearestGroundOfAll) {
       }
       for (const std::size_t k : {1u, 3u, 100u, 1000u}) {
         const std::vector<double> expected = heights_by_brute_force(input.positions(), is_ground, k);
-        for (const EngineOptions& options : height_ways()) {
+        for (const EngineOptions& options : ways_to_run()) {
           const RunResult got = run_height(input, fmt::format("height(k={})", k), options);
           ASSERT_TRUE(std::ranges::equal(got.field("height"), expected, same_height)) << name << ", k = " << k;
         }
-      }
-    }
-  }
-}
-
-/// Many strips, few of them in memory, and a wide hole without ground.
-TEST(Height, FindsGroundBehindAWideHole) {
-  std::mt19937_64 random(5);
-  std::vector<Vec3> points;
-  std::vector<bool> is_ground;
-  for (int i = 0; i < 40'000; ++i) {
-    const Vec3 p{100 * uniform(random), 10 * uniform(random), uniform(random)};
-    points.push_back(p);
-    is_ground.push_back(p.x < 30 || p.x > 70);
-  }
-  for (const int axis : {0, 1}) {
-    class ScratchHere final : public Scratch {
-     public:
-      void append(std::span<const std::byte> bytes) override { all.insert(all.end(), bytes.begin(), bytes.end()); }
-      void read(std::uint64_t offset, std::span<std::byte> bytes) const override {
-        std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(), bytes.begin());
-      }
-      std::vector<std::byte> all;
-    };
-    PlaneStrips strips(axis, 0, std::make_unique<ScratchHere>());
-    std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (is_ground[i]) order.push_back(i);
-    std::ranges::sort(order, {}, [&](std::size_t i) { return points[i][axis]; });
-    for (const std::size_t i : order) strips.add(points[i], i);
-    strips.finish();
-    std::vector<PlaneNeighbor> found;
-    EXPECT_FALSE(strips.find_loaded(points[0], 2, found));
-    for (std::size_t i = 0; i < points.size(); i += 97) {
-      std::vector<std::tuple<double, double, std::uint64_t>> expected;
-      for (const std::size_t j : order) {
-        const double x = points[j].x - points[i].x, y = points[j].y - points[i].y;
-        expected.emplace_back(x * x + y * y, points[j].x, j);
-      }
-      std::ranges::partial_sort(expected, expected.begin() + 5);
-      if (i % 2 == 0) strips.load(points[i][axis], points[i][axis]);
-      if (!strips.find_loaded(points[i], 5, found)) strips.find(points[i], 5, found);
-      ASSERT_EQ(found.size(), 5u);
-      for (std::size_t j = 0; j < 5; ++j) {
-        EXPECT_EQ(found[j].row, std::get<2>(expected[j]));
-        EXPECT_EQ(found[j].distance2, std::get<0>(expected[j]));
       }
     }
   }
@@ -148,7 +93,7 @@ TEST(Height, ComesAfterGroundAndBeforeWhere) {
   for (const double h : heights)
     if (h < 2) low.push_back(h);
   ASSERT_LT(low.size(), points.size());
-  for (const EngineOptions& options : height_ways()) {
+  for (const EngineOptions& options : ways_to_run()) {
     const RunResult got = run_height(input, "ground(window=6) | height(k=2) | where(height < 2)", options);
     EXPECT_TRUE(same_bytes(got.field("height"), low));
   }

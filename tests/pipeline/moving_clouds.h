@@ -71,6 +71,15 @@ inline EngineOptions tiny(std::uint64_t slab_points, bool spill = false, unsigne
   return options;
 }
 
+/// Threads, spilled or in memory, and axes.
+inline std::vector<EngineOptions> ways_to_run() {
+  std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3), tiny(700)};
+  all[1].axis = 1;
+  all[2].axis = 0;
+  all[3].axis = 2;
+  return all;
+}
+
 template <class T>
 std::vector<T> values_of(const RunResult& result, const std::vector<std::string>& fields) {
   std::vector<T> values;

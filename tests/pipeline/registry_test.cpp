@@ -2,8 +2,12 @@
 #include "pointsweep/pipeline/registry.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <random>
 #include <set>
@@ -14,6 +18,7 @@
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/preview.h"
 #include "pointsweep/points/nearest_names.h"
+#include "pointsweep/points/text_file.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/pipeline/refusal.h"
 
@@ -82,29 +87,70 @@ OptionValue another_value(const OptionDeclaration& option) {
   return option.kind == OptionKind::point ? OptionValue(Vec3{1, 2, 3}) : OptionValue("s t");
 }
 
+/// The polygon whose checksum is the sample of crop's option.
+const char* const kPolygonOfSample = "POLYGON ((0 0, 10 0, 10 10, 0 0))";
+
+/// A trajectory on disk, removed with the test.
+class TrajectoryFile {
+ public:
+  TrajectoryFile() : path_(testing::TempDir() + fmt::format("pointsweep-registry-test-{}.csv", getpid())) {
+    std::ofstream(path_) << text_;
+  }
+  ~TrajectoryFile() { std::filesystem::remove(path_); }
+  TrajectoryFile(const TrajectoryFile&) = delete;
+  TrajectoryFile& operator=(const TrajectoryFile&) = delete;
+
+  const std::string& path() const { return path_; }
+  std::string checksum() const { return checksum_of_text(text_); }
+
+ private:
+  std::string text_ = "0, 0, 0, 100\n10, 50, 0, 100\n";
+  std::string path_;
+};
+
 /// Values in which `option` is not its preset, with the options that it requires.
-OptionValues changed(const OperatorDeclaration& declaration, const OptionDeclaration& option) {
+OptionValues changed(const OperatorDeclaration& declaration, const OptionDeclaration& option,
+                     const TrajectoryFile& trajectory) {
   const Option k{"k", std::uint64_t{64}};
   const std::map<std::string, Options> requires_others = {{"viewpoint", {{"orient", "viewpoint"}}},
                                                           {"k_from", {k}},
                                                           {"radius_from", {k}},
                                                           {"adaptive", {k}},
+                                                          {"checksum", {{"polygon", kPolygonOfSample}}},
                                                           {"k_min", {k, {"adaptive", "eigenentropy"}}}};
   OptionValues values = sample_values(declaration);
+  if (declaration.name == "orient") {
+    if (option.name == "viewpoint") {
+      values.give(option.name, another_value(option));
+    } else {
+      values.give("method", "trajectory");
+      values.give("trajectory", trajectory.path());
+      if (option.name == "checksum") values.give(option.name, trajectory.checksum());
+    }
+    return values;
+  }
   if (!option.required) values.give(option.name, another_value(option));
   if (const auto others = requires_others.find(option.name); others != requires_others.end())
     for (const Option& other : others->second) values.give(other.name, other.value);
   return values;
 }
 
+OptionValue value_of(const OptionValues& values, const std::string& name) {
+  const Options all = values.all();
+  return std::ranges::find(all, name, &Option::name)->value;
+}
+
 TEST(Registry, EveryOptionOfEveryOperatorIsInItsCanonicalTextWhichIsReadBack) {
+  const TrajectoryFile trajectory;
   for (const OperatorDeclaration& declaration : all_operators()) {
     for (const OptionDeclaration& option : declaration.options) {
       if (option.choices.size() == 1) continue;  // there is no other value
-      const auto made = make_stage(declaration, changed(declaration, option), {});
+      const OptionValues values = changed(declaration, option, trajectory);
+      const auto made = make_stage(declaration, values, {});
       for (const Presets presets : {Presets::left_out, Presets::spelled_out}) {
         const std::string text = canonical_text(made, presets);
-        EXPECT_NE(text.find(text_of_value(another_value(option))), std::string::npos) << option.name << ": " << text;
+        EXPECT_NE(text.find(text_of_value(value_of(values, option.name))), std::string::npos)
+            << option.name << ": " << text;
         // Some operators refuse neighbourhoods that do not hold what they count.
         EXPECT_EQ(canonical_text(chain_of("knn(radius=1e9) | " + text).stages.front(), presets), text);
       }

@@ -148,6 +148,10 @@ const std::vector<Work>& works() {
       {"simplified", "knn(k=9) | normals | curvature | simplify(0.002, most=0.3) | reneighbor | normals"},
       {"ground", "normals | ground(cell=0.1, window=0.3) | where(classification == 2) | sor"},
       {"heights above ground", "ground(cell=0.1, window=0.3) | height(k=2) | where(height < 1) | normals"},
+      {"components", "knn(k=3) | normals | components | where(component_size > 50) | normals"},
+      {"segments", "knn(k=6) | normals | segments(angle=30) | where(segment_size > 5) | sor"},
+      {"oriented normals", "knn(k=6) | normals | orient | reneighbor(radius=0.1) | dbscan(eps=0.1) | curvature"},
+      {"components at the end", "knn(k=2) | components", "out.las"},
       {"ground at the end", "ground(cell=0.05, window=0.2)", "out.las"},
       {"thinned in sweep order", "normals | voxel(0.05)", "out.las", Order::sweep, {"finite.xyz"}},
       {"fairing of the finite points",
@@ -405,6 +409,21 @@ TEST_F(Resume, RefusesAnInputThatHasAsManyPointsAsBeforeButOthers) {
   const std::string sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
   EXPECT_NE(sentence.find("a.xyz"), std::string::npos) << sentence;
   EXPECT_NE(sentence.find("remove the folder"), std::string::npos) << sentence;
+}
+
+TEST_F(Resume, RefusesPolygonsThatWereWrittenTo) {
+  const std::string file = (folder_ / "area.wkt").string(), area = "POLYGON ((-99 -99, 99 -99, 0 99, -99 -99))";
+  Work work = works().front();
+  work.pipeline = "knn(k=8) | crop(polygon='" + file + "') | normals";
+  folder_.write("area.wkt", area);
+  EXPECT_FALSE(run_until(15, work, resuming(work)));
+  folder_.write("area.wkt", area + "\n");
+  const std::string sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
+  EXPECT_NE(sentence.find("holds another run: there it is pipeline"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("checksum="), std::string::npos) << sentence;
+  folder_.write("area.wkt", area);
+  run_uninterrupted(work);
+  expect_as_uninterrupted(work, run_all(work, resuming(work)));
 }
 
 TEST_F(Resume, RefusesAFolderOfOtherThings) {

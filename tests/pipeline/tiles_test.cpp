@@ -194,6 +194,9 @@ constexpr std::array kPipelines = {
     "normals | voxel(0.1, keep=hash)",
     "poisson(0.05) | normals",
     "ground(cell=0.1, window=0.5)",
+    "knn(k=2) | components",
+    "knn(radius=0.1) | normals | dbscan(eps=0.08, min_points=4) | segments(angle=20) | orient",
+    "knn(radius=0.05) | normals | components(distance=0.03) | where(component_size > 3)",
     "ground(cell=0.2, window=1) | height(k=3)",
 };
 

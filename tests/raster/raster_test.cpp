@@ -15,21 +15,10 @@
 #include "pointsweep/raster/opened_rows.h"
 #include "pointsweep/raster/surface_window.h"
 #include "pointsweep/threads.h"
+#include "tests/support/scratch_in_memory.h"
 
 namespace pointsweep {
 namespace {
-
-class ScratchInMemory final : public Scratch {
- public:
-  void append(std::span<const std::byte> bytes) override { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
-  void read(std::uint64_t offset, std::span<std::byte> bytes) const override {
-    ASSERT_LE(offset + bytes.size(), bytes_.size());
-    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(), bytes.begin());
-  }
-
- private:
-  std::vector<std::byte> bytes_;
-};
 
 /// Counts what was made.
 struct Scratches {

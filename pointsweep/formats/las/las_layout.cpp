@@ -18,6 +18,7 @@
 #include "pointsweep/formats/las_origin.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/provenance.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {
@@ -69,9 +70,10 @@ class Builder {
   /// `field` as extra bytes, described as in the input it comes from or by the meaning of what was made.
   void append_extra(const Field& field) {
     Field stored = field;
+    stored.type = unpacked_type(field);
     stored.bit_shift = stored.bit_width = 0;
     stored.offset = layout_.to.stride;
-    const std::uint64_t end = layout_.to.stride + std::uint64_t{size_of(field.type)} * field.count;
+    const std::uint64_t end = layout_.to.stride + std::uint64_t{size_of(stored.type)} * field.count;
     if (end > std::numeric_limits<std::uint16_t>::max() || vlr_.size() + field.count > kMaxExtraBytes) {
       fail(
           "{}: '{}' does not fit, since LAS allows {} values beyond its own and 65535 bytes a point; write fewer "

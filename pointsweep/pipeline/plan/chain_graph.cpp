@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/drop.h"
+#include "pointsweep/pipeline/plan/kept_fields.h"
 
 namespace pointsweep {
 namespace {
@@ -43,7 +45,7 @@ void require_neighbors(const Neighborhood& neighborhood) {
 
 class GraphBuilder {
  public:
-  explicit GraphBuilder(const Schema& input) : input_(input) {}
+  explicit GraphBuilder(const Schema& input) : input_(input), visible_(input) {}
 
   void add(const Neighborhood& neighborhood) {
     require_neighbors(neighborhood);
@@ -66,6 +68,7 @@ class GraphBuilder {
   }
 
   ChainGraph finish(bool ordered) {
+    if (graph_.drops && made_.empty() && selects_ == 0) add(std::make_shared<AllRows>());
     if (ordered) note_stream_position();
     for (const Attribute& a : made_) graph_.made.push_back(latest_.at(a.name));
     return std::move(graph_);
@@ -73,8 +76,9 @@ class GraphBuilder {
 
  private:
   void add(std::shared_ptr<const Operator> op) {
-    if (auto bound = op->bound(input_, made_)) op = std::move(bound);
+    if (auto bound = bound_to_what_is_there(*op)) op = std::move(bound);
     const Contract contract = op->contract();
+    if (!contract.drops.empty()) return drop(contract.drops);
     const bool selects = contract.selects != Selects::nothing;
     GraphNode node{.kind = selects ? NodeKind::select : NodeKind::stage, .op = op, .position = position_};
     for (const Attribute& a : contract.reads) node.reads.push_back(version_read(a, *op));
@@ -88,9 +92,62 @@ class GraphBuilder {
     if (selects) ++selects_;
   }
 
+  std::shared_ptr<const Operator> bound_to_what_is_there(const Operator& op) const {
+    try {
+      return op.bound(visible_, made_);
+    } catch (const UsageError& error) {
+      if (dropped_.empty()) throw;
+      throw UsageError(fmt::format("{} Dropped before: {}.", error.what(), fmt::join(dropped_, ", ")));
+    }
+  }
+
+  /// Takes away what the names stand for: of the input and of what is made, whichever has it.
+  void drop(const std::vector<std::string>& names) {
+    graph_.drops = true;
+    NamedFields named = named_fields(names, made_, visible_, "dropped");
+    for (const Attribute& a : made_) drop_made(a, named);
+    std::set<std::size_t> left_out;
+    for (std::size_t f = 0; f < visible_.fields.size(); ++f)
+      if (named.input.contains(f) || named.made.contains(visible_.fields[f].name)) left_out.insert(f);
+    for (const char* axis : {"x", "y", "z"})
+      if (const auto at = visible_.find(axis); (at && left_out.contains(*at)) || named.made.contains(axis))
+        fail_usage("drop: x, y and z are always written; leave out '{}'.", axis);
+    std::erase_if(made_, [&](const Attribute& a) { return named.made.contains(a.fields.front()); });
+    for (const std::string& field : named.made) dropped_.insert(field);
+    Schema visible{{}, visible_.stride};
+    for (std::size_t f = 0; f < visible_.fields.size(); ++f) {
+      const Field& field = visible_.fields[f];
+      if (!left_out.contains(f)) {
+        visible.fields.push_back(field);
+        continue;
+      }
+      dropped_.insert(field.name);
+      const auto own = std::ranges::find(input_.fields, field);
+      graph_.dropped.insert(static_cast<std::size_t>(own - input_.fields.begin()));
+    }
+    visible_ = std::move(visible);
+    std::erase_if(latest_, [&](const auto& known) { return !is_visible(graph_.versions[known.second]); });
+  }
+
+  /// An attribute goes as a whole.
+  static void drop_made(const Attribute& a, const NamedFields& named) {
+    const auto is_named = [&](const std::string& field) { return named.made.contains(field); };
+    if (std::ranges::all_of(a.fields, is_named) || std::ranges::none_of(a.fields, is_named)) return;
+    const std::string field = *std::ranges::find_if(a.fields, is_named);
+    fail_usage(
+        "drop: '{}' is a part of '{}', which is made; name '{}' as a whole, or choose what is written by --keep.",
+        field, a.name, a.name);
+  }
+
+  bool is_visible(const AttributeVersion& version) const {
+    if (version.producer) return std::ranges::find(made_, version.attribute.name, &Attribute::name) != made_.end();
+    return std::ranges::all_of(version.attribute.fields,
+                               [&](const std::string& field) { return visible_.find(field).has_value(); });
+  }
+
   /// A rule reads a field that the cloud holds where the neighbourhoods begin.
   std::size_t version_ruled_by(const Attribute& wanted, const NeighborhoodRule& rule) {
-    const Schema cloud = with_carried(input_, made_);
+    const Schema cloud = with_carried(visible_, made_);
     if (!cloud.find(wanted.name))
       fail_usage("The neighbours are to be {}, but the input has no attribute '{}'; it has {}.", rule.meaning(),
                  wanted.name, field_names(cloud));
@@ -130,7 +187,10 @@ class GraphBuilder {
 
   void require_in_input(const Attribute& wanted, const Operator& op) const {
     for (const std::string& name : wanted.fields) {
-      if (input_.find(name)) continue;
+      if (visible_.find(name)) continue;
+      if (dropped_.contains(name))
+        fail_usage("{}: needs '{}', which was dropped before; put drop behind '{}'.", op.name(), wanted.name,
+                   op.name());
       fail_usage(
           "{}: needs '{}', which no earlier stage makes and the input does not have. Add the operator that makes "
           "it before '{}'.",
@@ -173,6 +233,8 @@ class GraphBuilder {
   }
 
   const Schema& input_;
+  Schema visible_;                 ///< what of it is not dropped
+  std::set<std::string> dropped_;  ///< names of fields
   ChainGraph graph_;
   Neighborhood neighborhood_;
   Attributes made_;                                               ///< so far, the last versions

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -65,6 +66,9 @@ struct ChainGraph {
   std::vector<AttributeVersion> versions;
   /// The last version of every attribute that is made, in the order first made; without selections and orders.
   std::vector<std::size_t> made;
+  /// Indices of the input's fields that a stage drops.
+  std::set<std::size_t> dropped;
+  bool drops = false;  ///< a stage drops some of these, or something made
 
   std::vector<Attribute> made_attributes() const;
   bool has(NodeKind kind) const;

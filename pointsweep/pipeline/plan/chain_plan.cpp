@@ -144,10 +144,31 @@ void put_in_order(PlannedPass& pass, const Attributes& order) {
   }
 }
 
+/// Of the fields of the input that no stage drops.
+void keep_what_is_not_dropped(ChainPlan& plan, const Schema& input) {
+  Schema visible{{}, input.stride};
+  std::vector<std::size_t> index;  // in the input
+  for (std::size_t f = 0; f < input.fields.size(); ++f)
+    if (!plan.graph.dropped.contains(f)) visible.fields.push_back(input.fields[f]), index.push_back(f);
+  if (!plan.chain.keep.empty()) {
+    plan.kept = kept_fields(plan.chain.keep, plan.made, visible);
+    plan.made = only(plan.made, {plan.kept.attributes.begin(), plan.kept.attributes.end()});
+  } else {
+    for (const Attribute& a : plan.made) plan.kept.attributes.push_back(a.name);
+  }
+  if (!plan.kept.input) {
+    if (!plan.graph.dropped.empty()) plan.kept.input = std::move(index);
+    return;
+  }
+  for (std::size_t& f : *plan.kept.input) f = index[f];
+}
+
 /// What is written of what is made, and the notes of it in the graph.
 void find_written(ChainPlan& plan, const Schema& input) {
   plan.made = plan.graph.made_attributes();
-  if (!plan.chain.keep.empty()) {
+  if (plan.graph.drops)
+    keep_what_is_not_dropped(plan, input);
+  else if (!plan.chain.keep.empty()) {
     plan.kept = kept_fields(plan.chain.keep, plan.made, input);
     plan.made = only(plan.made, {plan.kept.attributes.begin(), plan.kept.attributes.end()});
   }
@@ -168,9 +189,10 @@ void find_order(ChainPlan& plan, const Schema& input, bool ordered) {
   last.carried = plan.made;
   if (plan.by_moved_positions) last.carried.push_back(stream_position_attribute());
   const bool makes_all = last.kind == PassKind::sweep && last.input.stride == input.stride && !last.selects;
+  const bool in_its_order = makes_all && last.connecting_stage() == nullptr;
   // Where other passes were left out, it may make things in another order than the whole chain.
   if (makes_all) put_in_order(last, last.carried);
-  plan.reorders = ordered && (!makes_all || plan.by_moved_positions);
+  plan.reorders = ordered && (!in_its_order || plan.by_moved_positions);
 }
 
 }  // namespace
@@ -210,6 +232,12 @@ std::uint64_t ChainPlan::most_carried_bytes() const {
 
 const OrderedOperator* PlannedPass::ordered_operator() const {
   return kind == PassKind::order ? dynamic_cast<const OrderedOperator*>(&thinner()) : nullptr;
+}
+
+const Stage* PlannedPass::connecting_stage() const {
+  for (const Stage& stage : plan.stages)
+    if (stage.connects != nullptr) return &stage;
+  return nullptr;
 }
 
 std::uint64_t PlannedPass::carried_bytes() const { return bytes_of(carried); }

@@ -64,6 +64,8 @@ struct PlannedPass {
   bool has_places() const { return kind == PassKind::order && thinner().contract().has_places; }
   /// Of kind order: that stage if it has a work, else null.
   const OrderedOperator* ordered_operator() const;
+  /// The stage that emits edges; null if there is none. What it makes is known when the sweep has ended.
+  const Stage* connecting_stage() const;
   /// Indices of the fields of `input` that must travel with the points.
   std::vector<std::size_t> payload() const;
   /// Turns the names into fields of the working record.

@@ -30,7 +30,10 @@ bool is_spelled(const std::string& field, const std::string& word) {
 /// Takes the names one by one.
 class Selection {
  public:
-  Selection(const std::vector<Attribute>& made, const Schema& input) : made_(made), input_(input) {}
+  Selection(const std::vector<Attribute>& made, const Schema& input, std::string done = "kept")
+      : made_(made), input_(input), done_(std::move(done)) {}
+
+  NamedFields named() const { return {made_fields_, input_fields_}; }
 
   void add(const std::string& name) {
     const std::string word = in_lower_case(name);
@@ -104,13 +107,14 @@ class Selection {
     const std::vector<std::string> columns = column_names(input_);
     all.insert(all.end(), columns.begin(), columns.end());
     const auto meant = probable_name(name, all);
-    fail_usage("'{}' cannot be kept{}; the input has {}{}.", name,
+    fail_usage("'{}' cannot be {}{}; the input has {}{}.", name, done_,
                meant ? fmt::format(" (did you mean '{}'?)", *meant) : "", list_of(columns),
                made.empty() ? "" : ", and what is made is " + list_of(made));
   }
 
   const std::vector<Attribute>& made_;
   const Schema& input_;
+  std::string done_;
   std::set<std::string> made_fields_;   ///< empty: all
   std::set<std::size_t> input_fields_;  ///< empty: all
 };
@@ -143,6 +147,13 @@ std::vector<std::string> without_prefix(std::vector<std::string> names, const st
     if (const auto own = made_name(in_lower_case(name.substr(prefix.size())))) name = *own;
   }
   return names;
+}
+
+NamedFields named_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input,
+                         const std::string& done) {
+  Selection selection(made, input, done);
+  for (const std::string& name : names) selection.add(name);
+  return selection.named();
 }
 
 KeptFields kept_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input) {

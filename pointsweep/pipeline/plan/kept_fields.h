@@ -26,6 +26,16 @@ struct KeptFields {
 /// x, y and z together. Throws UsageError for a name that fits nothing.
 KeptFields kept_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input);
 
+/// What the names of a list stand for, found as those of kept_fields().
+struct NamedFields {
+  std::set<std::string> made;   ///< fields of made attributes
+  std::set<std::size_t> input;  ///< indices of the input's fields
+};
+
+/// Throws UsageError for a name that fits nothing: it "cannot be `done`".
+NamedFields named_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input,
+                         const std::string& done);
+
 /// For outputs in which made attributes have their own names, without a prefix: leaves out the fields of the input that
 /// a made attribute would replace if it were not kept in part only. No old ny stands beside a new nx.
 KeptFields without_replaced(KeptFields kept, const Schema& input);

@@ -26,6 +26,7 @@ void PassPlanner::add_stage(std::size_t number) {
   const Contract contract = node.op->contract();
   Stage stage{.op = node.op, .reads = {}, .reads_neighbors = {}, .makes = {}};
   stage.position = column_moved_to(node);
+  stage.connects = dynamic_cast<const ConnectingOperator*>(node.op.get());
   for (const std::size_t v : node.reads) stage.reads.push_back(column_of(v));
   for (const std::size_t v : node.reads_neighbors) stage.reads_neighbors.push_back(column_of(v));
   // Every stage behind one that moves points reads the moved positions of the neighbours.

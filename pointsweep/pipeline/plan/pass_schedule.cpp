@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/connecting_operator.h"
 #include "pointsweep/operators/ordered_operator.h"
 
 namespace pointsweep {
@@ -16,6 +17,8 @@ std::vector<std::string> read_by(const Contract& contract) {
     for (const Attribute& a : *attributes) names.push_back(a.name);
   return names;
 }
+
+bool connects(const Operator& op) { return dynamic_cast<const ConnectingOperator*>(&op) != nullptr; }
 
 /// Whether a stage of the first segment needs a value of the input, for which the rows are read first.
 bool begins_with_input_values(const ChainGraph& graph) {
@@ -36,6 +39,9 @@ PassSchedule::PassSchedule(const ChainGraph& graph) : graph_(graph) {
 
 std::vector<ScheduledPass> PassSchedule::passes() {
   for (std::size_t n = 1; n < graph_.nodes.size(); ++n) add(n);
+  for (ScheduledPass& pass : passes_)
+    if (pass.kind == PassKind::sweep && std::ranges::all_of(pass.stages, [&](std::size_t n) { return is_alone(n); }))
+      pass.kind = PassKind::rows;
   return std::move(passes_);
 }
 
@@ -64,7 +70,8 @@ void PassSchedule::add_stage(std::size_t node) {
                                ? (new_pass(PassKind::order), passes_.size() - 1)
                                : pass_for(op, contract, std::max(readable, known));
   passes_[pass].stages.push_back(node);
-  note_use(contract, pass);
+  passes_[pass].connects |= connects(op);
+  note_use(contract, pass, connects(op) ? pass + 1 : pass);
 }
 
 /// A select is the last of its segment: whatever was asked for before it is made of all rows.
@@ -76,6 +83,12 @@ void PassSchedule::add_select(std::size_t node) {
   pass.selects = true;
   pass.stages.push_back(node);
   begin_segment();
+}
+
+/// Such stages need no search: a pass of them alone only reads the rows.
+bool PassSchedule::is_alone(std::size_t node) const {
+  const Contract contract = graph_.nodes[node].op->contract();
+  return contract.alone && contract.reads_neighbors.empty();
 }
 
 void PassSchedule::begin_segment() {
@@ -134,14 +147,19 @@ std::size_t PassSchedule::known_after_values(const std::vector<std::size_t>& red
 std::size_t PassSchedule::pass_for(const Operator& op, const Contract& contract, std::size_t earliest) {
   const bool alone = contract.alone && contract.reads_neighbors.empty();
   for (std::size_t p = earliest; p < passes_.size(); ++p)
-    if (passes_[p].kind == PassKind::sweep || (alone && passes_[p].kind == PassKind::rows)) {
+    if (takes(passes_[p], op, alone)) {
       if (!alone) require_search_positions(op, p);
       return p;
     }
-  const bool follows_order = passes_.size() > segment_ && passes_.back().kind == PassKind::order;
-  new_pass(alone && (follows_order || !contract.values.empty()) ? PassKind::rows : PassKind::sweep);
+  const bool follows = passes_.size() > segment_ && (passes_.back().kind == PassKind::order || passes_.back().connects);
+  new_pass(alone && (follows || !contract.values.empty()) ? PassKind::rows : PassKind::sweep);
   if (!alone) require_search_positions(op, passes_.size() - 1);
   return passes_.size() - 1;
+}
+
+bool PassSchedule::takes(const ScheduledPass& pass, const Operator& op, bool alone) const {
+  if (connects(op)) return pass.kind == PassKind::sweep && !pass.connects;
+  return pass.kind == PassKind::sweep || (alone && pass.kind == PassKind::rows);
 }
 
 /// A sweep searches at the positions with which it begins.
@@ -155,12 +173,12 @@ void PassSchedule::require_search_positions(const Operator& op, std::size_t pass
       op.name(), op.name());
 }
 
-void PassSchedule::note_use(const Contract& contract, std::size_t pass) {
+void PassSchedule::note_use(const Contract& contract, std::size_t pass, std::size_t made) {
   for (const std::string& name : read_by(contract)) {
     Use& use = used_.try_emplace(name, Use{segment_, segment_}).first->second;
     use.read = std::max(use.read, pass);
   }
-  for (const Attribute& a : contract.makes) used_[a.name] = {.made = pass, .read = pass, .is_made = true};
+  for (const Attribute& a : contract.makes) used_[a.name] = {.made = made, .read = pass, .is_made = true};
 }
 
 ScheduledPass& PassSchedule::new_pass(PassKind kind) {

@@ -25,6 +25,7 @@ struct ScheduledPass {
   std::vector<std::size_t> stages;   ///< nodes with an operator, in their order
   std::vector<std::size_t> reduces;  ///< nodes whose values are known when the pass has ended
   bool selects = false;
+  bool connects = false;  ///< one of its stages emits edges; what that one makes is known when the pass has ended
 };
 
 /// Takes the nodes of a graph one after another. Each comes into the first pass in which every attribute and every
@@ -47,13 +48,15 @@ class PassSchedule {
   void add_select(std::size_t node);
   std::size_t earliest(const Contract& contract) const;
   std::size_t pass_for(const Operator& op, const Contract& contract, std::size_t earliest);
+  bool takes(const ScheduledPass& pass, const Operator& op, bool alone) const;
   std::size_t find_input_value();
   std::size_t find_value(const Reduction& reduction);
   std::size_t known_after_values(const std::vector<std::size_t>& reduces);
   void require_search_positions(const Operator& op, std::size_t pass) const;
   std::size_t known_after(const Reduction& reduction) const;
-  void note_use(const Contract& contract, std::size_t pass);
+  void note_use(const Contract& contract, std::size_t pass, std::size_t made);
   ScheduledPass& new_pass(PassKind kind);
+  bool is_alone(std::size_t node) const;
   void begin_segment();
 
   const ChainGraph& graph_;

@@ -6,6 +6,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/files/same_file.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/reference_run.h"
@@ -38,6 +39,16 @@ void note_neighborhoods(RunState& run) {
   }
 }
 
+/// Other clouds that passes read are no outputs.
+void open_other_clouds(RunState& run) {
+  run.others = open_others(run.plan, run.cloud);
+  for (const std::optional<OtherCloud>& other : run.others) {
+    if (!other) continue;
+    require_separate_files(other->files(), written_files(run.outputs, run.options));
+    for (const std::string& warning : other->warnings()) run.warn(warning);
+  }
+}
+
 /// What can be refused before the first point is read.
 void check_request(RunState& run) {
   if (run.options.order == Order::sweep && !run.outputs.arrays.empty())
@@ -46,7 +57,12 @@ void check_request(RunState& run) {
   run.names = names_of_output(run);
   run.warn(run.names.warning());
   if (run.by_reference() && !run.plan.passes.empty()) require_reference_can(run.options);
+  for (const PlannedPass& pass : run.plan.passes)
+    if (const Stage* stage = pass.connecting_stage(); stage != nullptr && run.by_reference())
+      fail_usage("The reference engine builds no graphs of neighbours: leave out '{}', or --engine reference.",
+                 stage->op->name());
   note_neighborhoods(run);
+  open_other_clouds(run);
 }
 
 /// The cloud as the pass sees it, what its stages wait for, and a place for its results.

@@ -20,7 +20,10 @@ void open_checkpoints(RunState& run) {
   if (run.options.resume_folder.empty()) return;
   if (run.by_reference() || !run.options.half_way_states.empty())
     fail_usage("A run of the reference engine, or one that notes half-way states, cannot be resumed.");
-  run.checkpoints.emplace(run.options, run_identity(run.cloud, run.plan, run.outputs, run.options));
+  std::string identity = run_identity(run.cloud, run.plan, run.outputs, run.options);
+  for (const std::optional<OtherCloud>& other : run.others)
+    if (other) identity += other->identity();
+  run.checkpoints.emplace(run.options, identity);
   if (!run.checkpoints->found()) return;
   take_counts(run.statistics, run.checkpoints->last().counts);
   run.warn("Went on where an earlier process had ended: times and series are of this one alone.");

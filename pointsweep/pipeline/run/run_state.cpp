@@ -9,6 +9,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/same_file.h"
+#include "pointsweep/pipeline/cloud_source.h"
 #include "pointsweep/pipeline/statistics.h"
 
 namespace pointsweep {
@@ -16,12 +17,10 @@ namespace {
 
 /// Throws UsageError where an output is an input or another output.
 InputCloud& with_own_files(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options) {
-  std::vector<std::filesystem::path> read, written = {outputs.points, options.half_way_states};
+  std::vector<std::filesystem::path> read;
   for (std::size_t i = 0; i < cloud.readers().size(); ++i)
     if (cloud.states()[i].is_known()) read.push_back(cloud.readers()[i]->info().path);
-  for (const auto& [name, path] : outputs.arrays) written.push_back(path);
-  written.insert(written.end(), outputs.tiles.begin(), outputs.tiles.end());
-  require_separate_files(read, written);
+  require_separate_files(read, written_files(outputs, options));
   return cloud;
 }
 
@@ -56,6 +55,13 @@ Statistics first_counts(const InputCloud& cloud, const FiniteInput& input, const
 
 }  // namespace
 
+std::vector<std::filesystem::path> written_files(const Outputs& outputs, const EngineOptions& options) {
+  std::vector<std::filesystem::path> written = {outputs.points, options.half_way_states};
+  for (const auto& [name, path] : outputs.arrays) written.push_back(path);
+  written.insert(written.end(), outputs.tiles.begin(), outputs.tiles.end());
+  return written;
+}
+
 RunState::RunState(InputCloud& read, const Outputs& written, const EngineOptions& given, ChainPlan planned)
     : cloud(with_own_files(read, written, given)),
       outputs(written),
@@ -79,21 +85,8 @@ SpillPlace RunState::place(const char* kind, std::size_t p, bool spills) const {
 }
 
 PointSource RunState::cloud_source() {
-  const auto counted = [this](std::size_t n) {
-    std::atomic_ref(statistics.bytes_read) += n * cloud.schema().stride;
-    return n;
-  };
-  return {
-      cloud.schema(), cloud.count(),
-      [this, counted](std::uint64_t row, std::span<std::byte> records) { return counted(cloud.read(row, records)); },
-      [this, counted](const std::vector<std::size_t>& wanted) -> ReadRows {
-        const std::shared_ptr<RowDecoder> own = cloud.decoder(wanted);
-        if (!own) return {};
-        return [own, counted](std::uint64_t row, std::span<std::byte> records) {
-          return counted(own->read(row, records));
-        };
-      },
-      [this](std::uint64_t row) { return cloud.chunk_end(row); }};
+  return source_of(
+      cloud, [this](std::size_t n) { std::atomic_ref(statistics.bytes_read) += n * cloud.schema().stride; });
 }
 
 void RunState::warn(const std::string& sentence) {

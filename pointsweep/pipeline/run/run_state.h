@@ -19,6 +19,7 @@
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/finite_input.h"
 #include "pointsweep/pipeline/ordered_output.h"
+#include "pointsweep/pipeline/other_cloud.h"
 #include "pointsweep/pipeline/output_layout.h"
 #include "pointsweep/pipeline/output_names.h"
 #include "pointsweep/pipeline/output_set.h"
@@ -39,6 +40,7 @@ struct RunState {
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   ChainPlan plan;
   FiniteInput input;                    ///< made before the rows of the cloud are counted
+  std::vector<std::optional<OtherCloud>> others;  ///< that passes read beside the cloud, by pass
   std::optional<DecodedInput> decoded;  ///< from the survey on, of inputs that are decoded once
   Statistics statistics;
   OutputNames names;
@@ -80,6 +82,9 @@ struct RunState {
   /// Gives the rows of the degenerate results from `first` on these numbers.
   void number_degenerate_rows(std::size_t first);
 };
+
+/// All files that a run writes under names of their own.
+std::vector<std::filesystem::path> written_files(const Outputs& outputs, const EngineOptions& options);
 
 /// Seconds of wall time since `start`.
 double seconds_since(std::chrono::steady_clock::time_point start);

@@ -8,8 +8,9 @@
 #include "pointsweep/pipeline/observation.h"
 #include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/result_sinks.h"
+#include "pointsweep/pipeline/run/connect_points.h"
 #include "pointsweep/pipeline/run/phases.h"
-#include "pointsweep/pipeline/spilled_scratch.h"
+#include "pointsweep/pipeline/run/run_scratch.h"
 #include "pointsweep/pipeline/thinning_pass.h"
 #include "pointsweep/sweep/sweep.h"
 
@@ -46,13 +47,14 @@ SweepStatistics sweep_by_cells(RunState& run, std::size_t p) {
   std::vector<PointState> half_way(notes ? run.cloud.count() : 0);
   std::optional<CheckpointKeeper> keeper;
   std::optional<SweepProgress> from;
-  if (run.checkpoints) keeper.emplace(*run.checkpoints, *run.results), from = run.checkpoints->progress();
+  const bool connects = run.plan.passes[p].connecting_stage() != nullptr;  // then it begins again
+  if (run.checkpoints && !connects) keeper.emplace(*run.checkpoints, *run.results), from = run.checkpoints->progress();
   SweepOptions options = sweep_options(run, run.memory.passes[p]);
   options.half_way = notes ? &half_way : nullptr;
   options.keeper = keeper ? &*keeper : nullptr;
   options.resume_from = from ? &*from : nullptr;
   Sink& sink = by_place ? static_cast<Sink&>(*by_place) : by_row;
-  const SweepStatistics done = sweep(*run.stream, plan, sink, options);
+  const SweepStatistics done = connects ? sweep_and_connect(run, p, options) : sweep(*run.stream, plan, sink, options);
   if (notes) write_states(half_way, run.options.half_way_states, run.options.overwrite);
   return done;
 }
@@ -92,13 +94,6 @@ void sweep_stages(RunState& run, std::size_t p) {
   put_nonfinite(run, p);
 }
 
-/// What an OrderedWork puts aside. It has no name in the folder, so that a run that is resumed does not find it.
-MakeScratch scratch_in(const RunState& run, std::optional<TempFolder>& own) {
-  if (!run.folder) own.emplace(temp_parent(run.options.resources.temp_folder));
-  const TempFolder& folder = run.folder ? *run.folder : *own;
-  return [&folder]() -> std::unique_ptr<Scratch> { return std::make_unique<SpilledScratch>(folder); };
-}
-
 void take_in_order(RunState& run, std::size_t p) {
   const PlannedPass& pass = run.plan.passes[p];
   const auto start = std::chrono::steady_clock::now();
@@ -109,8 +104,11 @@ void take_in_order(RunState& run, std::size_t p) {
                               .progress = [&run](std::uint64_t done) { run.report("updating", done, 0); }};
   const OrderedOperator* op = pass.ordered_operator();
   if (op == nullptr) return run_thinning(in_order);
-  std::optional<TempFolder> own;
-  run_ordered_work(in_order, *op, scratch_in(run, own));
+  const RunScratch scratch(run);
+  run_ordered_work(in_order, *op, scratch.make(), [&](const auto& take) {
+    const auto report = [&](std::uint64_t rows) { run.report("ordering", rows, 0); };
+    run.others[p]->give_in_order(run.stream->axis(), &scratch.folder(), report, take);
+  });
   run.statistics.operator_seconds.emplace_back(op->name(), seconds_since(start));
 }
 

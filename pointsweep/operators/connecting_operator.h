@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// Operators whose values come from the components of a graph of neighbours.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/connect/forest_log.h"
+#include "pointsweep/connect/vote_rule.h"
+#include "pointsweep/operator.h"
+
+namespace pointsweep {
+
+/// An edge between point i of a batch and one of its neighbours. Weight and parity are functions of the two points: the
+/// neighbour, if it emits the edge too, gives them the same bits.
+struct NeighborEdge {
+  std::uint32_t point;
+  NeighborRef neighbor;
+  double weight = 0;
+  bool flips = false;  ///< the signs of the two differ
+};
+
+/// A stage that emits edges. What it makes is known when its pass has ended, for each point from the component that it
+/// is in and from its sign in the minimum spanning forest (docs/adr/0014). It is the only one of its kind in its pass.
+class ConnectingOperator : public Operator {
+ public:
+  /// Whether weights and parities matter; otherwise all edges are alike.
+  virtual bool weighted() const { return false; }
+  /// Null: every component counts, and no signs are turned.
+  virtual const VoteRule* votes() const { return nullptr; }
+  /// Appends edges of the points of the batch, which may be fewer than one for each neighbour, and fills ballots,
+  /// votes()->ballot_bytes() for each point. Called from many threads at once.
+  virtual void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const = 0;
+  /// Sets the values of a point, those of all that it makes one after another.
+  virtual void put_values(const ComponentLabel& label, std::byte* values) const = 0;
+  /// Never called.
+  void apply(const Neighborhoods&, Columns&) const override {}
+};
+
+}  // namespace pointsweep

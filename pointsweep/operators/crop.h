@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// Keeping the points inside a box or polygons.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/polygons/polygon_index.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration crop_declaration();
+
+/// Keeps a point if it lies in the box and in a polygon, or with CropOptions::outside unless it does. Edges and faces
+/// belong to both. A coordinate that is not finite, where the box or the polygons ask for it, lies nowhere.
+class Crop final : public Operator {
+ public:
+  /// Reads the file with polygons, if there is one. Throws Error for one that cannot be read, or is not the one of
+  /// CropOptions::checksum, and UsageError where nothing says what is inside. `place`: for messages.
+  explicit Crop(CropOptions options, std::string place = "crop");
+  std::string name() const override { return "crop"; }
+  Contract contract() const override { return {{}, {}, {selection_attribute()}, true, Selects::by_value}; }
+  void apply(const Neighborhoods& in, Columns& out) const override;
+  /// With the checksum of the file that was read.
+  const CropOptions& options() const { return options_; }
+  const std::vector<Polygon>& polygons() const { return polygons_; }
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  void read_polygons();
+  bool is_inside(Vec3 p) const;
+
+  CropOptions options_;
+  std::string place_;
+  std::vector<Polygon> polygons_;
+  std::optional<PolygonIndex> index_;
+};
+
+}  // namespace pointsweep

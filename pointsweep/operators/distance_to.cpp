@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/distance_to.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declaration.h"
+#include "pointsweep/operators/point_cells.h"
+
+namespace pointsweep {
+namespace {
+
+/// The other cloud is put into cells before the first point comes.
+class DistanceToWork final : public OrderedWork {
+ public:
+  DistanceToWork(double most, const OrderedSetup& setup)
+      : most2_(most * most), other_(PointCells::Space::all, setup.axis, setup.memory_bytes, setup.make_scratch()) {
+    setup.other_points([&](std::span<const Vec3> positions, std::span<const std::uint64_t> rows) {
+      for (std::size_t i = 0; i < rows.size(); ++i) other_.add(positions[i], rows[i]);
+    });
+    other_.finish();
+  }
+  unsigned rounds() const override { return 1; }
+
+  void add(unsigned, const OrderedPoints& points, MadeInOrder& made) override {
+    std::vector<double> distances(points.rows.size(), std::numeric_limits<double>::quiet_NaN());
+    const auto place = [&](std::size_t i) { return points.positions[i]; };
+    other_.answer_all(distances.size(), place, [&](std::size_t i, PointCells::View& view) {
+      const auto* const nearest = view.nearest(place(i), 1, most2_);
+      if (nearest != nullptr && !nearest->empty()) distances[i] = std::sqrt(nearest->front().distance2);
+      return nearest != nullptr;
+    });
+    made.rows.insert(made.rows.end(), points.rows.begin(), points.rows.end());
+    const auto bytes = std::as_bytes(std::span(distances));
+    made.values.insert(made.values.end(), bytes.begin(), bytes.end());
+  }
+  void end(unsigned, MadeInOrder&) override {}
+
+ private:
+  double most2_;
+  PointCells other_;
+};
+
+}  // namespace
+
+OperatorDeclaration distance_to_declaration() {
+  return {
+      .name = "distance_to",
+      .meaning = "measures the distance to the nearest point of another cloud",
+      .options = {{.name = "cloud",
+                   .kind = OptionKind::file,
+                   .meaning = "the other cloud: a point file, a folder of them or a pattern",
+                   .required = true,
+                   .positional = true,
+                   .sample = std::string("before.las")},
+                  {.name = "most",
+                   .kind = OptionKind::number,
+                   .meaning = "farthest that the nearest point is looked for; by default as far as it is",
+                   .least = std::numeric_limits<double>::min(),
+                   .unit = "length",
+                   .sample = 5.0}},
+      .make =
+          [](const OptionValues& options, const Facts&) {
+            const double any = std::numeric_limits<double>::infinity();
+            return std::make_shared<DistanceTo>(options.word("cloud"),
+                                                options.given("most") ? options.number("most") : any);
+          },
+      .formula = "d = min_j sqrt((dx² + dy²) + dz²) over the points j of the other cloud, in float64",
+      .source =
+          "Cloud-to-cloud distance: Girardeau-Montaut, Roux, Marc and Thibault, Change detection on points cloud data "
+          "acquired with a ground laser scanner (ISPRS 2005)",
+      .undefined = "NaN where no point of the other cloud is within `most`, and for points without a finite place.",
+      .cost =
+          "a pass that puts the points in order along x or y; the other cloud is put in the same order in the "
+          "temporary "
+          "folder (32 bytes a point, and as much while it is ordered), and memory holds what is near the front",
+      .attributes = {{.name = "cloud_distance",
+                      .meaning = "distance to the nearest point of the other cloud; undefined: NaN"}},
+      .example = "distance_to(before.las, most=5) | where(cloud_distance > 0.1)"};
+}
+
+DistanceTo::DistanceTo(std::string cloud, double most) : cloud_(std::move(cloud)), most_(most) {
+  if (cloud_.empty()) fail_usage("distance_to: name the other cloud, as in distance_to(before.las).");
+  if (!(most > 0)) fail_usage("distance_to: most = {} is not above 0.", most);
+}
+
+Contract DistanceTo::contract() const {
+  Attribute distance = scalar("cloud_distance", Type::f64, "length", "distance to the nearest point of another cloud");
+  distance.fill = std::byte{0xff};  // NaN
+  return {.makes = {distance}, .alone = true, .has_places = true};
+}
+
+Options DistanceTo::own_options() const {
+  Options options = {{"cloud", cloud_}};
+  if (std::isfinite(most_)) options.push_back({"most", most_});
+  return options;
+}
+
+std::unique_ptr<OrderedWork> DistanceTo::work(const OrderedSetup& setup) const {
+  return std::make_unique<DistanceToWork>(most_, setup);
+}
+
+std::uint64_t DistanceTo::least_bytes(std::span<const Vec3>, int) const { return PointCells::least_bytes(); }
+
+}  // namespace pointsweep

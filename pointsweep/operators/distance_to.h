@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+/// Distances from one cloud to another.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "pointsweep/operators/ordered_operator.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration distance_to_declaration();
+
+/// Makes cloud_distance: the distance to the nearest point of another cloud, sqrt((dx² + dy²) + dz²) in float64.
+class DistanceTo final : public OrderedOperator {
+ public:
+  /// Throws UsageError unless `most` is above 0 and `cloud` not empty.
+  DistanceTo(std::string cloud, double most);
+
+  std::string name() const override { return "distance_to"; }
+  Contract contract() const override;
+  Vec3 place_of(Vec3 position) const override { return {position.x, position.y, 0}; }
+  std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
+  std::string other_cloud() const override { return cloud_; }
+  std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  std::string cloud_;
+  double most_;
+};
+
+}  // namespace pointsweep

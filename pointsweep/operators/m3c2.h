@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// Changes between two clouds along normals: multiscale model to model cloud comparison.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/ordered_operator.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration m3c2_declaration();
+
+/// D. Lague, N. Brodu and J. Leroux, "Accurate 3D comparison of complex topography with terrestrial laser scanner"
+/// (ISPRS Journal of Photogrammetry and Remote Sensing 82, 2013), Section 3, with every point as a core point and the
+/// normals that earlier stages have made, or the input has.
+class M3c2 final : public OrderedOperator {
+ public:
+  /// Throws UsageError for options outside of their ranges.
+  explicit M3c2(M3c2Options options);
+
+  std::string name() const override { return "m3c2"; }
+  Contract contract() const override;
+  Vec3 place_of(Vec3 position) const override { return {position.x, position.y, 0}; }
+  std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
+  std::string other_cloud() const override { return options_.cloud; }
+  std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  M3c2Options options_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+/// Consistent signs of normals over a whole surface (H. Hoppe, T. DeRose, T. Duchamp, J. McDonald, W. Stuetzle,
+/// "Surface reconstruction from unorganized points", SIGGRAPH 1992, Section 3.3).
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operators/connecting_operator.h"
+#include "pointsweep/operators/facing_normals.h"
+#include "pointsweep/operators/orientation_votes.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration orient_declaration();
+
+/// N u8: 1 where orient() has turned the normal.
+Attribute normal_turned_attribute();
+
+/// Makes normal_turned: the signs of the minimum spanning forest of the graph of neighbours, an edge of which has the
+/// weight 1 - |n_i . n_j| and joins equal signs where n_i . n_j >= 0. OrientationVotes decides for each component.
+class NormalSigns final : public ConnectingOperator {
+ public:
+  explicit NormalSigns(std::optional<Vec3> viewpoint) : votes_(viewpoint) {}
+  std::string name() const override { return "normal_signs"; }
+  Contract contract() const override {
+    return {{normal_attribute()}, {normal_attribute()}, {normal_turned_attribute()}};
+  }
+  bool weighted() const override { return true; }
+  const VoteRule* votes() const override { return &votes_; }
+  void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
+  void put_values(const ComponentLabel& label, std::byte* values) const override;
+
+ private:
+  OrientationVotes votes_;
+};
+
+/// Makes normal: the one there is, turned where normal_turned says so.
+class TurnedNormals final : public Operator {
+ public:
+  std::string name() const override { return "turned_normals"; }
+  Contract contract() const override {
+    return {.reads = {normal_attribute(), normal_turned_attribute()}, .makes = {normal_attribute()}, .alone = true};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override;
+};
+
+/// `orient`: these two, or FacingNormals.
+class OrientedNormals final : public Operator {
+ public:
+  /// Throws UsageError for a viewpoint that is not finite.
+  explicit OrientedNormals(std::optional<Vec3> viewpoint = std::nullopt);
+  /// By a trajectory: FacingNormals.
+  OrientedNormals(std::string trajectory, std::string checksum);
+  std::string name() const override { return "orient"; }
+  Contract contract() const override;
+  /// Of one by a trajectory, whose content has the checksum.
+  Options facing_options() const;
+  void apply(const Neighborhoods&, Columns&) const override {}
+  std::vector<std::shared_ptr<const Operator>> parts() const override;
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  std::optional<Vec3> viewpoint_;
+  std::string trajectory_;
+  std::shared_ptr<const FacingNormals> facing_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+/// Segments: parts of a surface across which normals turn little from neighbour to neighbour. Region growing without
+/// its dependence on seeds and their order (T. Rabbani, F. van den Heuvel, G. Vosselman, "Segmentation of point clouds
+/// using smoothness constraint", 2006).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operators/connecting_operator.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration segments_declaration();
+
+/// Makes segment and segment_size: components of the points that are joined if one is a neighbour of the other, their
+/// normals differ by less than an angle, whatever their signs, and they are not farther from each other than a
+/// distance. A point without a normal is a segment of its own.
+class Segments final : public ConnectingOperator {
+ public:
+  /// Throws UsageError unless the angle is above 0 and at most 90 degrees, and the distance at least 0.
+  explicit Segments(double angle, std::optional<double> distance = std::nullopt, std::uint64_t points = 0);
+  std::string name() const override { return "segments"; }
+  Contract contract() const override;
+  void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
+  void put_values(const ComponentLabel& label, std::byte* values) const override;
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  double angle_;
+  std::optional<double> distance_;
+  std::uint64_t points_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+/// Assigning values to attributes, of all points or of those for which a condition holds.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/operator.h"
+#include "pointsweep/operators/expression.h"
+#include "pointsweep/operators/named_values.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration set_declaration();
+
+/// NAME = NUMBER [where CONDITION], e.g. intensity = intensity * 2 where classification == 2.
+struct Assignment {
+  std::string name;
+  Expression value;
+  std::optional<Expression> condition;
+
+  std::string canonical() const;
+};
+
+/// Assignments with commas between. Throws UsageError that begins with `place`.
+std::vector<Assignment> assignments_of(std::string_view text, const std::string& place);
+
+/// What may be stored in the target of an assignment.
+struct TargetRange {
+  Type type = Type::f64;
+  double least = 0, most = 0;  ///< of whole numbers
+  bool is_whole = false;
+};
+
+/// Makes a new version of one attribute. Values of whole-number types are rounded to the nearest, halves to even.
+class SetAttribute final : public Operator {
+ public:
+  /// `type`: of a new attribute; absent: that of LAS if it has one of the name, else float64.
+  SetAttribute(Assignment assignment, std::optional<Type> type, std::string place = "set");
+  std::string name() const override { return "set"; }
+  Contract contract() const override;
+  /// Throws Error naming the row of a value that the type of the attribute cannot hold.
+  void apply(const Neighborhoods& in, Columns& out) const override;
+  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
+
+  const Assignment& assignment() const { return assignment_; }
+  /// After bound().
+  const Attribute& target() const { return target_; }
+  std::size_t component() const { return component_; }
+  const TargetRange& range() const { return range_; }
+  const NamedValues& value_names() const { return value_names_; }
+  const NamedValues& condition_names() const { return condition_names_; }
+  /// Number in contract().reads of the value that the target has where the condition does not hold; absent: it is new,
+  /// or the position.
+  std::optional<std::size_t> old_value() const { return old_value_; }
+  /// Numbers in contract().reads of what a name of the value, or of the condition, reads; from there on its others.
+  std::size_t first_of_value() const { return 0; }
+  std::size_t first_of_condition() const { return value_names_.reads().size(); }
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  void find_target(const Schema& input, std::span<const Attribute> made);
+  void read_old(Attribute attribute);
+  [[noreturn]] void refuse(std::uint64_t row, const std::string& value) const;
+  template <class T>
+  void assign(const Neighborhoods& in, Columns& out) const;
+  template <class T>
+  T stored(double value, std::uint64_t row) const;
+
+  Assignment assignment_;
+  std::optional<Type> type_;
+  std::string place_;
+  NamedValues value_names_, condition_names_;
+  Attribute target_;
+  std::size_t component_ = 0;
+  TargetRange range_;
+  std::optional<Attribute> old_;
+  std::optional<std::size_t> old_value_;
+};
+
+/// Several assignments, one after another: each sees what those before it have made.
+class Set final : public Operator {
+ public:
+  Set(std::string_view assignments, std::optional<Type> type, const std::string& place = "set");
+  std::string name() const override { return "set"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods&, Columns&) const override {}
+  std::vector<std::shared_ptr<const Operator>> parts() const override { return parts_; }
+  std::string canonical() const;
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  std::vector<std::shared_ptr<const Operator>> parts_;
+  std::vector<Assignment> assignments_;
+  std::optional<Type> type_;
+};
+
+}  // namespace pointsweep

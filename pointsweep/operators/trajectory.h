@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+/// Where a sensor was at which time.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/geometry.h"
+
+namespace pointsweep {
+
+class Trajectory {
+ public:
+  /// Lines of time, x, y, z, with commas, semicolons, tabs or blanks between; further columns, empty lines and those
+  /// that begin with # are left out, and so is a first line of names. Times come in any order, each once. Throws Error
+  /// that begins with `name` and says which line is wrong.
+  Trajectory(std::string_view text, const std::string& name);
+
+  double first_time() const { return times_.front(); }
+  double last_time() const { return times_.back(); }
+  /// On the straight line between the places before and after; outside of all times the first or last place.
+  Vec3 at(double time) const;
+
+ private:
+  std::vector<double> times_;  ///< ascending
+  std::vector<Vec3> places_;
+};
+
+}  // namespace pointsweep

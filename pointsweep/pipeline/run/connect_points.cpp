@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/run/connect_points.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pointsweep/connect/components.h"
+#include "pointsweep/connect/edge_buckets.h"
+#include "pointsweep/order/row_file.h"
+#include "pointsweep/pipeline/result_sinks.h"
+#include "pointsweep/pipeline/run/run_scratch.h"
+#include "pointsweep/sweep/edge_emitter.h"
+
+namespace pointsweep {
+namespace {
+
+/// Of the results of a pass, those that its connecting stage makes, or the others.
+struct ResultPart {
+  struct Column {
+    std::uint32_t from, to, bytes;
+  };
+  std::vector<Column> columns;  ///< from a record of the part to one of the pass
+  std::uint32_t bytes = 0;      ///< of a record of the part
+
+  void copy(const std::byte* from, std::byte* to) const {
+    for (const Column& c : columns) std::memcpy(to + c.to, from + c.from, c.bytes);
+  }
+};
+
+/// What the stage makes, in the order of its contract; some of it may not be needed.
+ResultPart connected_part(const SweepPlan& plan, const Stage& stage) {
+  ResultPart part;
+  for (const std::uint16_t column : stage.makes) {
+    for (const ResultColumn& result : plan.results)
+      if (result.column == column) part.columns.push_back({part.bytes, result.offset, result.bytes});
+    part.bytes += plan.column_bytes[column];
+  }
+  return part;
+}
+
+/// What the sweep itself makes. Leaves only that in the results of `plan`.
+ResultPart take_swept_part(SweepPlan& plan, const Stage& stage) {
+  ResultPart part;
+  std::vector<ResultColumn> results;
+  for (const ResultColumn& result : plan.results) {
+    if (std::ranges::find(stage.makes, result.column) != stage.makes.end()) continue;
+    part.columns.push_back({part.bytes, result.offset, result.bytes});
+    results.push_back({result.column, part.bytes, result.bytes});
+    part.bytes += result.bytes;
+  }
+  plan.results = std::move(results);
+  plan.result_bytes = part.bytes;
+  return part;
+}
+
+class NoSink final : public Sink {
+ public:
+  void finished(const Finished&) override {}
+};
+
+/// Brings records to a store, many at a time.
+class BatchedRows {
+ public:
+  BatchedRows(RowStore& store, std::size_t bytes) : store_(store), bytes_(bytes) {}
+  /// A place for the record of a row, filled with zeros.
+  std::byte* add(std::uint64_t row) {
+    if (rows_.size() == kMost) flush();
+    rows_.push_back(row);
+    records_.resize(records_.size() + bytes_);
+    return records_.data() + records_.size() - bytes_;
+  }
+  void flush() {
+    store_.put(rows_, records_);
+    rows_.clear();
+    records_.clear();
+  }
+
+ private:
+  static constexpr std::size_t kMost = 4096;
+  RowStore& store_;
+  std::size_t bytes_;
+  std::vector<std::uint64_t> rows_;
+  std::vector<std::byte> records_;
+};
+
+/// Puts the values of each point into a record of `bytes`, at the places of `part`.
+void put_values(const Components& components, const ConnectingOperator& op, const ResultPart& part, RowStore& store,
+                std::size_t bytes) {
+  BatchedRows rows(store, bytes);
+  std::vector<std::byte> values(part.bytes);
+  components.for_each_point([&](std::uint64_t row, const ComponentLabel& label) {
+    op.put_values(label, values.data());
+    part.copy(values.data(), rows.add(row));
+  });
+  rows.flush();
+}
+
+/// What the sweep has made and what the components tell, row by row.
+void put_both(RowStore& swept, const ResultPart& swept_part, RowStore& connected, const ResultPart& connected_part,
+              const SpillPlace& spill, RunState& run, std::size_t bytes) {
+  RowFile by_row(run.cloud.count(), connected_part.bytes, spill);
+  connected.drain([&](std::uint64_t, std::span<const std::byte> records) { by_row.append(records); });
+  std::vector<std::byte> told;
+  BatchedRows rows(*run.results, bytes);
+  swept.drain([&](std::uint64_t first, std::span<const std::byte> records) {
+    const std::size_t n = records.size() / swept_part.bytes;
+    told.resize(n * connected_part.bytes);
+    by_row.read(first, told);
+    for (std::size_t i = 0; i < n; ++i) {
+      std::byte* to = rows.add(first + i);
+      swept_part.copy(records.data() + i * swept_part.bytes, to);
+      connected_part.copy(told.data() + i * connected_part.bytes, to);
+    }
+  });
+  rows.flush();
+}
+
+}  // namespace
+
+SweepStatistics sweep_and_connect(RunState& run, std::size_t p, SweepOptions options) {
+  const PlannedPass& pass = run.plan.passes[p];
+  const Stage& stage = *pass.connecting_stage();
+  const ConnectingOperator& op = *stage.connects;
+  const RunScratch scratch(run);
+  EdgeBuckets edges(bucket_begins(*run.stream), run.stream->axis(), op.weighted(),
+                    op.votes() != nullptr ? op.votes()->ballot_bytes() : 0, scratch.make());
+  SweepPlan plan = pass.plan;
+  const ResultPart swept_part = take_swept_part(plan, stage), told_part = connected_part(pass.plan, stage);
+  const SpillPlace spill = &scratch.folder();
+  const MemoryPlan& memory = run.memory.passes[p];
+  const std::size_t buffer = std::max<std::size_t>(memory.result_buffer_bytes, 1 << 20);
+  std::optional<RowStore> swept;
+  std::unique_ptr<Sink> sink = std::make_unique<NoSink>();
+  if (swept_part.bytes > 0) {
+    swept.emplace(run.cloud.count(), swept_part.bytes, std::byte{0}, spill, buffer);
+    sink = std::make_unique<InputOrderSink>(*swept, swept_part.bytes);
+  }
+  options.edges = &edges;
+  SweepStatistics done = sweep(*run.stream, plan, *sink, options);
+  const auto start = std::chrono::steady_clock::now();
+  const ComponentsSetup setup{.votes = op.votes(),
+                              .make_scratch = scratch.make(),
+                              .memory_bytes = memory.recall_bytes / 2,
+                              .progress = [&run](std::uint64_t points) { run.report("connecting", points, 0); }};
+  const Components components(edges, setup);
+  const std::size_t bytes = pass.plan.result_bytes;
+  if (swept) {
+    RowStore told(run.cloud.count(), told_part.bytes, std::byte{0}, spill, buffer);
+    ResultPart whole{{{0, 0, told_part.bytes}}, told_part.bytes};
+    put_values(components, op, whole, told, told_part.bytes);
+    put_both(*swept, swept_part, told, told_part, spill, run, bytes);
+    run.statistics.bytes_spilled += swept->spilled_bytes() + 2 * told.spilled_bytes();
+  } else {
+    put_values(components, op, told_part, *run.results, bytes);
+  }
+  run.statistics.bytes_spilled += edges.bytes() + components.log_bytes();
+  done.stage_seconds[static_cast<std::size_t>(&stage - pass.plan.stages.data())] += seconds_since(start);
+  return done;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+/// Numbers and conditions of set, evaluated from their text by code of their own, on values of which only a range is
+/// known.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/verify/formulas/estimate.h"
+
+namespace pointsweep::formulas {
+
+/// What a name, or a part of an expression, may be. A single value is exact, and may be NaN.
+struct PossibleNumber {
+  Real low = 0, high = 0;
+  bool is_whole = false;  ///< a 64-bit integer, or a whole number as written
+
+  bool is_exact() const { return low == high || (low != low && high != high); }
+};
+
+/// An expression that the tool has accepted.
+class PlainExpression {
+ public:
+  explicit PlainExpression(std::string_view text);
+  /// As they come in the text, each once.
+  const std::vector<std::string>& names() const { return names_; }
+  PossibleNumber number(std::span<const PossibleNumber> values) const;
+  /// Nothing where the ranges do not tell.
+  std::optional<bool> holds(std::span<const PossibleNumber> values) const;
+
+ private:
+  struct Token {
+    std::string sign;  ///< an operator; "-1" for the unary minus; empty for a number or a name
+    PossibleNumber value = {};
+    bool is_name = false;
+    std::size_t name = 0;
+  };
+  struct Part {
+    PossibleNumber number;
+    bool is_literal = false;
+    std::optional<bool> truth = {};
+  };
+  Part evaluate(std::span<const PossibleNumber> values) const;
+  void read(std::string_view text);
+
+  std::vector<std::string> names_;
+  std::vector<Token> postfix_;
+};
+
+/// The number as an attribute holds it: of whole numbers the nearest, halves to even; float32; or float64.
+enum class Storage : unsigned char { whole, single, real };
+Estimate stored_number(const PossibleNumber& number, Storage storage);
+
+}  // namespace pointsweep::formulas

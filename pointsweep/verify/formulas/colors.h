@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+/// What color makes of a value, by tables of its own.
+#pragma once
+
+#include <array>
+
+namespace pointsweep::formulas {
+
+enum class ColorScale : unsigned char { viridis, turbo, gray, classes };
+
+/// Red, green and blue of 8 bits. `lo`, `hi`: ends of the scale, where it has ends.
+std::array<int, 3> color_of(double value, ColorScale scale, double lo, double hi);
+
+}  // namespace pointsweep::formulas

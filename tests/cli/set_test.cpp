@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+/// set and drop as a user runs them, on LAS, PLY and text, and what verify says of them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/cli/tool.h"
+#include "tests/formats/las_decode.h"
+
+namespace pointsweep {
+namespace {
+
+class SetStage : public Tool {
+ protected:
+  SetStage() {
+    std::string text = "x y z intensity classification level\n";
+    for (int i = 0; i < 900; ++i)
+      text += fmt::format("{} {} {} {} {} {}\n", i % 30 * 0.5, i / 30 * 0.25, i * 37 % 101 * 0.25, i * 31 % 700, i % 7,
+                          i * 0.125);
+    write("all.txt", text);
+    made("run all.txt all.las -q --pipeline 'where(1 < 2)'");
+  }
+  void expect_verified(const std::string& in, const std::string& out, const std::string& pipeline) {
+    made(fmt::format("run {} {} -f -q --pipeline '{}'", in, out, pipeline));
+    const Result result = tool("verify " + out);
+    EXPECT_EQ(result.status, 0) << pipeline << "\n" << result.out << result.err;
+    EXPECT_EQ(result.out.find("by its own operator"), std::string::npos) << result.out;
+  }
+};
+
+TEST_F(SetStage, VerifyEvaluatesAssignmentsByItsOwnCode) {
+  for (const char* in : {"all.txt", "all.las"})
+    for (const char* out : {"out.ply", "out.las", "out.txt", "out.laz"}) {
+      expect_verified(in, out, "set(classification = 7 where intensity > 300 && !(z < 3) || x == 2.5)");
+      expect_verified(in, out,
+                      "knn(k=9) | sor | normals | set(classification = 7 where outlier == 1, intensity = intensity * 2 "
+                      "+ 0.5, w = nz * 2 - -3 / (x + 1) where nx > 0, as=float32)");
+      expect_verified(in, out, "set(z = z * 0.5 + 1 where intensity >= 350) | drop(intensity)");
+      expect_verified(in, out, "normals | drop(normal, intensity)");
+      expect_verified(in, out, "drop(classification)");
+      expect_verified(in, out, "color(intensity)");
+      expect_verified(in, out, "where(z > 3) | color(z, map=turbo, bits=16)");
+      expect_verified(in, out, "knn(k=6) | normals | color(nz, map=gray, range=[0,1])");
+      expect_verified(in, out, "set(classification = 6 where z > 9) | color(classification, map=classes, bits=8)");
+    }
+}
+
+TEST_F(SetStage, VerifyFindsAWrongAssignment) {
+  made("run all.txt out.txt -f -q --pipeline 'set(level = level * 2 where intensity < 300)'");
+  const std::string other = "verify all.txt out.txt --pipeline 'set(level = ";
+  EXPECT_EQ(tool(other + "level * 2 where intensity < 300)'").status, 0);
+  for (const char* wrong :
+       {"level * 2 where intensity <= 300)'", "level * 2)'", "level + level * 1.0001 where intensity < 300)'",
+        "level * 2 where !(intensity < 300))'", "level * 2 where intensity < 300 && z > 0)'"})
+    EXPECT_EQ(tool(other + wrong + " --sample 900").status, 1) << wrong;
+}
+
+TEST_F(SetStage, VerifyFindsAWrongColor) {
+  made("run all.txt out.ply -f -q --pipeline 'color(intensity, map=turbo, range=[0,700])'");
+  for (const char* wrong :
+       {"map=viridis, range=[0,700]", "map=turbo, range=[0,690]", "map=turbo", "map=gray, range=[0,700]"})
+    EXPECT_EQ(tool(fmt::format("verify all.txt out.ply --pipeline 'color(intensity, {})'", wrong)).status, 1) << wrong;
+}
+
+TEST_F(SetStage, StandardNamesStayFieldsOfLas) {
+  made(
+      "run all.las out.las -q --pipeline 'set(classification = 9, intensity = 65535, user_data = 3 where x > 3) | "
+      "drop(level)'");
+  const std::string info = tool("info out.las").out;
+  EXPECT_NE(info.find("classification"), std::string::npos) << info;
+  EXPECT_EQ(info.find("level", info.find("ranges")), std::string::npos) << info;
+  made(
+      "run out.las text.txt -q --no-provenance --keep classification,intensity,user_data --pipeline 'where(x <= 3.5)'");
+  std::string text = contents(folder_ / "text.txt");
+  EXPECT_NE(text.find(" 65535 "), std::string::npos) << text.substr(0, 200);
+  refused(1, "run all.las bad.las --pipeline 'set(classification = 256)'",
+          "row 0: classification would be 256, which is not uint8");
+  EXPECT_FALSE(exists("bad.las"));
+}
+
+TEST_F(SetStage, TilesAndTheMergedCloudGetTheSameValues) {
+  std::filesystem::create_directory(folder_ / "tiles");
+  const std::string text = contents(folder_ / "all.txt");
+  const std::size_t middle = text.find('\n', text.size() / 2) + 1;
+  write("tiles/a.txt", text.substr(0, middle));
+  write("tiles/b.txt", text.substr(0, text.find('\n') + 1) + text.substr(middle));
+  const std::string options =
+      " -f -q --no-provenance --pipeline 'knn(k=6) | sor | set(intensity = 5 where outlier == 1, a = z) | "
+      "drop(mean_distance)'";
+  made("run tiles -o out/" + options);
+  const std::string whole = made("run all.txt -o whole.txt" + options, "whole.txt");
+  const std::string second = contents(folder_ / "out/b.txt");
+  EXPECT_EQ(contents(folder_ / "out/a.txt") + second.substr(second.find('\n') + 1), whole);
+}
+
+}  // namespace
+}  // namespace pointsweep
