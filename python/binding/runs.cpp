@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/operators.h"
 #include "python/binding/columns_of_arrays.h"
+#include "python/binding/neighbor_arrays.h"
 #include "python/binding/python_operator.h"
 #include "python/binding/radius_lists.h"
 #include "python/binding/requests.h"
@@ -132,10 +132,12 @@ nb::tuple run_to_blocks(const nb::list& source, const nb::list& pipeline, const 
 nb::tuple neighbors(const nb::list& source, std::size_t k, double radius, const nb::dict& given,
                     const nb::object& progress, const nb::object& warn) {
   Cloud cloud = open_cloud(source, false, given);
-  const Chain chain{.neighborhood = {.k = k, .radius = radius},
-                    .stages = {operators::neighbors(k, cloud.count(), true)},
-                    .keep = {"neighbors", "distances", "x"}};
-  return run_to_arrays(cloud, chain, {{}, {"neighbors", "distances"}, false}, run_options(given), {progress, warn});
+  const auto made = std::make_shared<NeighborArrays>(k, cloud.count());
+  const Chain chain{.neighborhood = {.k = k, .radius = radius}, .stages = {made}, .keep = {"neighbor_count", "x"}};
+  Outputs outputs;
+  outputs.writer = [&](const OutputPlan& plan) { return made->writer(plan); };
+  run_watched(cloud, chain, outputs, run_options(given), {progress, warn});
+  return made->arrays();
 }
 
 nb::tuple radius_neighbors(const nb::list& source, double radius, const nb::dict& given, const nb::object& progress,

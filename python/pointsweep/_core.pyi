@@ -67,7 +67,7 @@ def neighbors(
     options: dict[str, Any],
     progress: Progress,
     warn: Warn,
-) -> tuple[Known, str]: ...
+) -> tuple[np.ndarray, np.ndarray]: ...
 def radius_neighbors(
     source: list[Any],
     radius: float,

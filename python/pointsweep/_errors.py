@@ -33,6 +33,8 @@ def with_names_of_python(sentence: str) -> str:
         return sentence
     import re
 
+    sentence = sentence.replace("--stats FILE", "report.statistics")
+
     def named(option: re.Match[str]) -> str:
         text, name, value = option[0], option[1], option[2]
         if name in _OTHER_NAMES:

@@ -250,5 +250,4 @@ def neighbors(
         raise UsageError(f"k: {count} is not a number of neighbours; choose 1 or more.")
     limit = math.inf if radius is None else number("radius", radius)
     with called(progress) as shown:
-        known, _ = _core.neighbors(source.inputs, count, limit, given, shown, warn)
-    return Neighbors(known["neighbors"][0], known["distances"][0])
+        return Neighbors(*_core.neighbors(source.inputs, count, limit, given, shown, warn))

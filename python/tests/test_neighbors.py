@@ -89,3 +89,27 @@ def test_threads_and_memory_change_no_byte(surface):
     expected = ps.neighbors(many, radius=0.2, threads=1)
     got = ps.neighbors(many, radius=0.2, threads=2, memory="64M")
     assert all(a.tobytes() == b.tobytes() for a, b in zip(expected, got))
+
+
+def test_points_left_out_have_no_rows(surface):
+    xyz = surface.copy()
+    xyz[[0, 50, 2999]] = np.nan
+    left = ps.neighbors(np.delete(xyz, [0, 50, 2999], axis=0), k=6)
+    with pytest.warns(ps.PointsweepWarning, match="Dropped 3 points .* report.statistics lists their rows"):
+        indices, distances = ps.neighbors(xyz, k=6, nonfinite="drop")
+    assert np.array_equal(indices, left.indices) and np.array_equal(distances, left.distances)
+
+
+def test_neighbors_are_in_memory_once():
+    xyz = np.random.default_rng(5).random((400_000, 3))
+    ps.neighbors(xyz[:1000])
+    with open("/proc/self/clear_refs", "w") as file:
+        file.write("5")  # the peak begins here
+
+    def status(name):
+        with open("/proc/self/status") as file:
+            return next(int(line.split()[1]) * 1024 for line in file if line.startswith(name))
+
+    held = status("VmRSS")
+    indices, distances = ps.neighbors(xyz, k=64, memory="100M")
+    assert status("VmHWM") - held < 1.5 * (indices.nbytes + distances.nbytes)

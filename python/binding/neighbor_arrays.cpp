@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "python/binding/neighbor_arrays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <utility>
+
+namespace nb = nanobind;
+
+namespace pointsweep {
+
+NeighborArrays::NeighborArrays(std::size_t k, std::uint64_t points)
+    : k_(k),
+      row_type_(points >= std::numeric_limits<std::uint32_t>::max() ? Type::u64 : Type::u32),
+      rows_(points * k * size_of(row_type_)),
+      distances_(points * k * sizeof(double)) {}
+
+Contract NeighborArrays::contract() const {
+  return {.makes = {scalar("neighbor_count", Type::u32, "1", "number of neighbours")}};
+}
+
+template <class Row>
+void NeighborArrays::write(const Neighborhoods& in, Row* rows, double* distances) const {
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    Row* const row = rows + in.row(i) * k_;
+    double* const distance = distances + in.row(i) * k_;
+    const std::size_t count = in.count(i);
+    for (std::size_t j = 0; j < count; ++j) {
+      row[j] = static_cast<Row>(in.neighbor_row(i, j));
+      distance[j] = std::sqrt(in.distance2(i, j));
+    }
+    std::fill(row + count, row + k_, std::numeric_limits<Row>::max());
+    std::fill(distance + count, distance + k_, std::numeric_limits<double>::quiet_NaN());
+  }
+}
+
+void NeighborArrays::apply(const Neighborhoods& in, Columns& out) const {
+  const auto counts = out.column<std::uint32_t>(0);
+  for (std::size_t i = 0; i < in.size(); ++i) counts[i] = static_cast<std::uint32_t>(in.count(i));
+  auto* const distances = reinterpret_cast<double*>(distances_.bytes.get());
+  if (row_type_ == Type::u64) {
+    write(in, reinterpret_cast<std::uint64_t*>(rows_.bytes.get()), distances);
+  } else {
+    write(in, reinterpret_cast<std::uint32_t*>(rows_.bytes.get()), distances);
+  }
+}
+
+/// Of the records it needs the number of neighbours alone: points that are not finite have none, and apply() never saw
+/// them.
+class NeighborArrays::EmptyRows final : public Writer {
+ public:
+  EmptyRows(NeighborArrays& arrays, const Schema& schema)
+      : arrays_(arrays), stride_(schema.stride), offset_(schema.fields[*schema.find("neighbor_count")].offset) {}
+
+  void write(std::span<const std::byte> records) override { write_at(next_row_, records); }
+  bool can_write_at() const override { return true; }
+  void write_at(std::uint64_t row, std::span<const std::byte> records) override {
+    const std::size_t rows = records.size() / stride_;
+    for (std::size_t i = 0; i < rows; ++i) {
+      std::uint32_t count;
+      std::memcpy(&count, records.data() + i * stride_ + offset_, sizeof count);
+      if (count > 0) continue;
+      const std::size_t row_bytes = arrays_.k_ * size_of(arrays_.row_type_), bytes = arrays_.k_ * sizeof(double);
+      std::memset(arrays_.rows_.bytes.get() + (row + i) * row_bytes, 0xFF, row_bytes);
+      std::memset(arrays_.distances_.bytes.get() + (row + i) * bytes, 0xFF, bytes);  // NaN
+    }
+    next_row_ = row + rows;
+    bytes_written_ += records.size();
+  }
+  void finish() override {}
+
+ private:
+  NeighborArrays& arrays_;
+  std::size_t stride_, offset_;
+  std::uint64_t next_row_ = 0;
+};
+
+std::unique_ptr<Writer> NeighborArrays::writer(const OutputPlan& plan) {
+  count_ = plan.count;
+  return std::make_unique<EmptyRows>(*this, plan.schema);
+}
+
+nb::tuple NeighborArrays::arrays() {
+  const std::vector<std::size_t> shape = {count_, k_};
+  return nb::make_tuple(numpy_array(std::move(rows_), shape, row_type_),
+                        numpy_array(std::move(distances_), shape, Type::f64));
+}
+
+}  // namespace pointsweep
