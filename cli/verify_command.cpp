@@ -25,6 +25,7 @@
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/finite_input.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/verify/cloud_formula.h"
 #include "pointsweep/verify/kept_rows.h"
 #include "pointsweep/verify/outlier_threshold.h"
 #include "pointsweep/verify/verify.h"
@@ -157,13 +158,18 @@ bool depends_on_all_points(const GraphNode& node) {
          dynamic_cast<const ConnectingOperator*>(node.op.get()) != nullptr;
 }
 
+/// Whether a sample of the input, and all its points where they are, tell what the stage makes.
+bool is_told_by_input(const GraphNode& node) {
+  return !depends_on_all_points(node) || (!node.position && has_cloud_formula(*node.op));
+}
+
 bool reads_any(const GraphNode& node, const std::set<std::size_t>& versions) {
   const auto is_one = [&](std::size_t v) { return versions.contains(v); };
   return std::ranges::any_of(node.reads, is_one) || std::ranges::any_of(node.reads_neighbors, is_one);
 }
 
-/// What the stages of a plan make, as far as a sample of the input can tell: up to the first new neighbourhood, and not
-/// from all points of the cloud. The selects at the beginning are not among them.
+/// What the stages of a plan make, as far as the input can tell: up to the first new neighbourhood, and not from all
+/// points of a cloud that has moved. The selects at the beginning are not among them.
 MadeBy made_by(const ChainPlan& plan) {
   const Neighborhood& first = plan.graph.nodes.front().neighborhood;
   const bool all = first.k == Neighborhood::kUnlimited;
@@ -176,7 +182,7 @@ MadeBy made_by(const ChainPlan& plan) {
     const GraphNode& node = plan.graph.nodes[n];
     is_told &= node.kind != NodeKind::neighborhood;
     if (node.kind != NodeKind::stage) continue;
-    if (is_told && !depends_on_all_points(node) && !reads_any(node, unknown)) {
+    if (is_told && is_told_by_input(node) && !reads_any(node, unknown)) {
       made.operators.push_back(node.op);
       continue;
     }

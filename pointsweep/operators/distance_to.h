@@ -27,6 +27,7 @@ class DistanceTo final : public OrderedOperator {
   std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
   std::string other_cloud() const override { return cloud_; }
   std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;
+  double most() const { return most_; }
 
  protected:
   Options own_options() const override;

@@ -180,7 +180,8 @@ OperatorDeclaration m3c2_declaration() {
           "Journal of Photogrammetry and Remote Sensing 82, 2013), Section 3. Normals are those of the stages before, "
           "at their scale; every point that is left is a core point",
       .undefined =
-          "NaN for a point without a normal or a finite place; the distance where a cylinder has no point of the other "
+          "NaN for a point without a finite place; for one without a normal too, but its counts are 0; the distance "
+          "where a cylinder has no point of the other "
           "cloud, spread and level of detection where it has fewer than two of a cloud.",
       .cost =
           "a pass that puts the points in order along x or y and reads them twice; both clouds are kept in the "

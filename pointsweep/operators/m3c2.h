@@ -30,6 +30,7 @@ class M3c2 final : public OrderedOperator {
   std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
   std::string other_cloud() const override { return options_.cloud; }
   std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;
+  const M3c2Options& options() const { return options_; }
 
  protected:
   Options own_options() const override;

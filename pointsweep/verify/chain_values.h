@@ -10,11 +10,15 @@
 
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operator.h"
+#include "pointsweep/verify/cloud_formula.h"
 #include "pointsweep/verify/row_source.h"
 #include "pointsweep/verify/stage_formula.h"
 #include "pointsweep/verify/surroundings.h"
 
 namespace pointsweep {
+
+/// Finds the fields of the output that hold a made attribute; nothing if it was not written.
+using OutputColumns = std::function<std::optional<std::vector<FieldPair>>(const Attribute& made)>;
 
 /// Of some points, for each point the kept attributes one after another.
 struct ChainResults {
@@ -32,6 +36,12 @@ class ChainValues {
 
   /// The last version of each kept attribute, in the order first made.
   const std::vector<Attribute>& made() const { return made_; }
+  /// Lets the stages that depend on all points look at these; before evaluate(). Returns a sentence for each stage that
+  /// cannot be checked, which names what it makes and says why.
+  std::vector<std::string> look_at_cloud(CloudRows& rows, const NeighborRule& neighborhood,
+                                         const OutputColumns& in_output);
+  /// Whether made()[a] can be evaluated.
+  bool is_told(std::size_t a) const;
   /// Whether made()[a] comes from a formula, and not from the operator that also made the output.
   bool is_independent(std::size_t a) const;
   /// Bytes of a result: the values of made(), one after another.
@@ -42,16 +52,19 @@ class ChainValues {
   std::size_t rings() const;
 
   /// Results of the chosen points of `around`, which has rings() rings. Reads the input once more if an operator reads
-  /// attributes of the file.
-  ChainResults evaluate(Surroundings around, RowSource& in) const;
+  /// attributes of the file. `rows`: as for look_at_cloud().
+  ChainResults evaluate(Surroundings around, RowSource& in, CloudRows& rows) const;
   /// Bytes of memory for each point of the surroundings, in addition to its list.
   std::size_t bytes_per_point() const;
 
  private:
   struct Stage {
     std::shared_ptr<const Operator> op;
-    std::shared_ptr<const StageFormula> formula = {};  ///< none: the operator itself is applied
-    bool applied = false;                              ///< the operator is, for itself or for one that reads it
+    std::shared_ptr<const StageFormula> formula = {};  ///< neither this nor the next: the operator itself is applied
+    std::shared_ptr<CloudFormula> cloud = {};
+    std::vector<std::optional<ColumnSource>> sources = {};  ///< of what the cloud formula reads of all rows
+    bool told = true;                                       ///< what it makes can be evaluated
+    bool applied = false;                                   ///< the operator is, for itself or for one that reads it
     std::vector<std::uint16_t> reads, reads_neighbors, makes;
     int position = -1;   ///< column of the moved positions it sees
     bool alone = false;  ///< it sees only its own
@@ -68,6 +81,11 @@ class ChainValues {
   std::uint16_t column_of(const Attribute& wanted, const Operator& op, const Schema& input);
   void add_file_column(std::uint16_t column, const Attribute& wanted, const std::string& who, const Schema& input);
   void find_applied();
+  std::vector<const Operator*> makers_of_reads(const Contract& contract) const;
+  std::optional<ColumnSource> source_of(std::uint16_t column, const OutputColumns& in_output) const;
+  CloudInput cloud_input(const Stage& stage, CloudRows& rows) const;
+  void evaluate_cloud(const Stage& stage, const Surroundings& around, CloudRows& rows, ColumnEstimates& columns) const;
+  void take_estimates(std::uint16_t column, const ColumnEstimates& estimates, ColumnBytes& bits) const;
   std::vector<bool> truncate_lists(Surroundings& around, const ColumnBytes& columns) const;
   formulas::Kept kept_of(const Surroundings& around, std::size_t i, const ColumnBytes& columns,
                          const std::vector<PointColumns>& slots) const;
@@ -86,6 +104,7 @@ class ChainValues {
   ChainResults results_of(std::size_t points, const ColumnBytes& bits, const ColumnEstimates& estimates) const;
 
   SharedRule rule_;
+  NeighborRule neighborhood_;
   RuleFormula rule_formula_;
   std::vector<std::uint16_t> rule_reads_;
   std::vector<Stage> stages_;

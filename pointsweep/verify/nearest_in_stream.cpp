@@ -15,18 +15,20 @@ bool operator<(const NearPoint& a, const NearPoint& b) {
   return a.row < b.row;
 }
 
-NearestInStream::NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most)
+NearestInStream::NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most, Space space)
     : places_(std::move(places)),
       reach2_(std::move(reach2)),
       most_(most),
+      space_(space),
       found_(places_.size()),
       index_(places_, reach2_) {}
 
 void NearestInStream::offer(Vec3 p, std::uint64_t row) {
   stop_if_cancelled();
   if (!is_finite(p)) return;
-  index_.visit(p, [&](std::uint32_t place) {
-    const double d2 = distance2(places_[place], p);
+  const Vec3 at = space_ == Space::plane ? Vec3{p.x, p.y, 0} : p;
+  index_.visit(at, [&](std::uint32_t place) {
+    const double d2 = distance2(places_[place], at);
     if (!(d2 <= reach2_[place])) return;
     std::vector<NearPoint>& found = found_[place];
     const NearPoint candidate{d2, p, row};

@@ -26,9 +26,12 @@ class NearestInStream {
  public:
   static constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
+  /// In which distances are measured; in the plane by x and y alone, and all places have z = 0.
+  enum class Space : std::uint8_t { all, plane };
+
   /// Keeps the `most` nearest of each place among the points with distance2 <= reach2. Where the answer is known to lie
   /// nearer, a smaller reach2 saves work. About 40 bytes for each point kept.
-  NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most);
+  NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most, Space space = Space::all);
 
   /// One point of the stream, which comes in any order; points that are not finite are neighbours of no point.
   void offer(Vec3 p, std::uint64_t row);
@@ -41,6 +44,7 @@ class NearestInStream {
   std::vector<Vec3> places_;
   std::vector<double> reach2_;
   std::size_t most_;
+  Space space_;
   std::vector<std::vector<NearPoint>> found_;  ///< heaps whose first is the farthest, once they are full
   BallIndex index_;
 };

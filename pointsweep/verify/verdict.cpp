@@ -37,6 +37,7 @@ std::string to_text(const Verdict& v) {
     text += fmt::format("  undetermined       {} of {} values: the data do not tell which is right\n", v.open_values,
                         v.values);
   if (!v.unknown.empty()) text += fmt::format("  not checked        {}\n", names_text(v.unknown));
+  for (const std::string& why : v.untold) text += fmt::format("  not checked        {}\n", why);
   for (const std::string& difference : v.differences) text += fmt::format("  DIFFERENT          {}\n", difference);
   if (v.difference_count > v.differences.size())
     text += fmt::format("  DIFFERENT          {} more\n", v.difference_count - v.differences.size());

@@ -24,6 +24,7 @@ struct Verdict {
   std::uint64_t wrong_points = 0;    ///< of these, with a value that is not as it should be
   std::uint64_t passes = 0;          ///< times that the whole input was read
   std::vector<std::string> unknown;  ///< attributes of the output that are neither the input's nor made: not checked
+  std::vector<std::string> untold;   ///< what is not checked, and why
 
   std::uint64_t difference_count = 0;
   std::vector<std::string> differences;  ///< the first few, a sentence each

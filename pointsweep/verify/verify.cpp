@@ -197,15 +197,45 @@ class Verification {
   void check_sample() {
     std::vector<std::uint64_t> places = rows_;  // of the sample in the output
     if (axis_ >= 0) places = sweep_rows(in_, rows_, axis_, options_.progress), ++verdict_.passes;
+    CloudRows rows(in_, out_, axis_, options_.memory_bytes, options_.progress);
+    for (std::string& untold : chain_.look_at_cloud(rows, made_by_.neighborhood, columns_of_output()))
+      verdict_.untold.push_back(std::move(untold));
+    drop_untold();
     const std::size_t turn = points_in_a_turn();
     for (std::size_t first = 0; first < finite_.size(); first += turn) {
       const auto chosen = std::span(finite_).subspan(first, std::min(turn, finite_.size() - first));
       Surroundings around =
           find_surroundings(in_, chosen, subset_, made_by_.neighborhood, chain_.rings(), options_.progress);
       verdict_.passes += chain_.rings();
-      hold_against_output(chosen, chain_.evaluate(std::move(around), in_), places);
+      hold_against_output(chosen, chain_.evaluate(std::move(around), in_, rows), places);
     }
+    verdict_.passes += rows.passes();
     hold_against_output(nonfinite_, results_of_none(), places);
+  }
+
+  OutputColumns columns_of_output() const {
+    return [this](const Attribute& made) -> std::optional<std::vector<FieldPair>> {
+      const Schema schema = result_schema({made}, options_.prefix);
+      std::vector<FieldPair> pairs;
+      for (std::size_t f = 0; f < schema.fields.size(); ++f) {
+        if (made_by_.left_out_made.contains(schema.fields[f].name)) return std::nullopt;
+        const auto found = pairs_of_field(schema, f, out_.schema());
+        if (!found) return std::nullopt;
+        pairs.push_back(found->front());
+      }
+      return pairs;
+    };
+  }
+
+  /// Leaves out what cannot be checked.
+  void drop_untold() {
+    std::vector<bool> told;  // by estimate
+    verdict_.made.clear();
+    for (std::size_t a = 0; a < chain_.made().size(); ++a) {
+      told.insert(told.end(), estimates_of(chain_.made()[a]), chain_.is_told(a));
+      if (chain_.is_told(a)) verdict_.made.push_back(chain_.made()[a].name);
+    }
+    std::erase_if(made_values_, [&](const auto& value) { return !told[value.first]; });
   }
 
   /// How many points and their surroundings fit the memory, if neighbourhoods overlap as in a volume.

@@ -1091,8 +1091,8 @@ def m3c2(cloud: str | os.PathLike[str] | Cloud, cylinder: float, depth: float, *
 
     Undefined
     ---------
-    NaN for a point without a normal or a finite place; the distance where a cylinder has no point of the other
-    cloud, spread and level of detection where it has fewer than two of a cloud.
+    NaN for a point without a finite place; for one without a normal too, but its counts are 0; the distance where a
+    cylinder has no point of the other cloud, spread and level of detection where it has fewer than two of a cloud.
 
     Source
     ------

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+/// Independent evaluation of stages whose values come from all points of a cloud: a search in another cloud, a raster,
+/// a graph. What they read of all rows is taken from the input, or from the output, where it is checked on its own.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pointsweep/operator.h"
+#include "pointsweep/verify/cloud_rows.h"
+#include "pointsweep/verify/formulas/estimate.h"
+#include "pointsweep/verify/surroundings.h"
+
+namespace pointsweep {
+
+/// One of the points to be evaluated, with what the stage reads of it, in the order of its contract.
+struct CloudPoint {
+  KnownPoint at;
+  std::vector<formulas::Estimate> reads;
+};
+
+struct CloudInput {
+  CloudRows& rows;
+  std::vector<std::optional<ColumnSource>> reads;  ///< of all rows, in the order of the contract; none: nowhere
+  NeighborRule neighborhood;
+  bool has_rule;  ///< which keeps a part of the neighbours
+
+  /// Throws NotTold if the values of a read are nowhere.
+  const ColumnSource& source(std::size_t read) const;
+};
+
+class CloudFormula {
+ public:
+  virtual ~CloudFormula() = default;
+  /// Looks at all points, once before the first evaluate(). Throws NotTold.
+  virtual void prepare(const CloudInput& in) = 0;
+  /// For each point the estimates of what the stage makes, as StageFormula::evaluate().
+  virtual std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
+                                                                const CloudInput& in) = 0;
+};
+
+/// Whether the operator has such a formula.
+bool has_cloud_formula(const Operator& op);
+/// Nothing for operators that are local, or not of this library. `makers`: of each attribute of contract().reads, or
+/// null where the input has it.
+std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers);
+
+}  // namespace pointsweep

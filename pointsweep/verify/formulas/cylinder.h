@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+/// M3C2: points of two clouds in a cylinder along a normal.
+#pragma once
+
+#include <cstddef>
+
+#include "pointsweep/verify/formulas/estimate.h"
+
+namespace pointsweep::formulas {
+
+/// The points of one cloud in the cylinder around p along n: |a_j| <= depth and a distance from the axis of at most
+/// half the diameter, a_j = (p_j - p) . n / |n|.
+class Cylinder {
+ public:
+  Cylinder(Vector center, const Estimate& normal, Real diameter, Real depth);
+
+  /// Whether there is a direction; without one counts are 0 and all else is NaN.
+  bool has_axis() const { return norm(axis_) > 0; }
+  /// Whether the data leave open what is inside.
+  bool is_open() const { return open_; }
+  /// No point of the cylinder is farther from its centre, squared.
+  Real reach2() const;
+  void add(Vector point);
+
+  std::size_t count() const { return count_; }
+  Estimate mean() const;    ///< of the a_j; NaN without any
+  Estimate spread() const;  ///< their standard deviation, of n - 1; NaN with fewer than two
+
+ private:
+  Vector center_, axis_;
+  Real error_, radius_, depth_;  ///< error_: of the axis
+  bool open_ = false;
+  std::size_t count_ = 0;
+  Real first_ = 0, sum_ = 0, squares_ = 0, largest_ = 0;  ///< of a_j - first_; largest |a_j|
+};
+
+/// Change, level of detection, two spreads, two counts.
+struct Change {
+  Estimate distance, level, spread1, spread2, samples1, samples2;
+};
+Change change(const Cylinder& before, const Cylinder& after, Real registration, bool either_side);
+
+}  // namespace pointsweep::formulas

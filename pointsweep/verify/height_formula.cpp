@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/height_formula.h"
+
+#include <array>
+
+#include "pointsweep/operators/height.h"
+#include "pointsweep/verify/formulas/interpolation.h"
+#include "pointsweep/verify/nearest_of_cloud.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr double kGround = 2;
+
+class HeightFormula final : public CloudFormula {
+ public:
+  explicit HeightFormula(std::size_t k) : k_(k) {}
+  void prepare(const CloudInput& in) override { in.source(0); }
+  std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
+                                                        const CloudInput& in) override {
+    const std::array classes = {in.source(0)};
+    const PointsOfCloud ground = [&](const auto& take) {
+      in.rows.for_each(classes, [&](std::uint64_t row, Vec3 p, std::span<const double> values) {
+        if (values[0] == kGround) take(row, p);
+      });
+    };
+    std::vector<Vec3> places;
+    for (const CloudPoint& p : points) places.push_back(p.at.position);
+    const auto nearest =
+        nearest_of_cloud(places, ground, in.rows.count(), {.most = k_, .space = NearestInStream::Space::plane});
+    std::vector<std::vector<formulas::Estimate>> made;
+    std::vector<formulas::GroundPoint> below;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      below.clear();
+      for (const NearPoint& g : nearest[i]) below.push_back({g.distance2, g.position.z});
+      made.push_back({formulas::height_above(places[i].z, below)});
+    }
+    return made;
+  }
+
+ private:
+  std::size_t k_;
+};
+
+}  // namespace
+
+std::unique_ptr<CloudFormula> height_formula_of(const Height& op) {
+  return std::make_unique<HeightFormula>(static_cast<std::size_t>(op.k()));
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+/// `verify` of operators whose values come from all points: right outputs pass, and changed values are found.
+#include <cmath>
+#include <fstream>
+
+#include "pointsweep/points/schema.h"
+#include "pointsweep/reader.h"
+#include "tests/cli/tool.h"
+#include "tests/formats/point_files.h"
+#include "tests/pipeline/hostile_clouds.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kPoints = 600;
+
+/// Points with normals and classes, and outputs whose values are changed in place, so that their records stay.
+class VerifyOperators : public Tool {
+ protected:
+  void write_cloud(const std::string& name, const std::vector<Vec3>& points) {
+    Schema schema;
+    for (const char* field : {"x", "y", "z"}) schema.append(field, Type::f64);
+    for (const char* field : {"nx", "ny", "nz"}) schema.append(field, Type::f32);
+    schema.append("classification", Type::u8);
+    schema.append("intensity", Type::f32);
+    std::vector<std::byte> records(points.size() * schema.stride);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double a = 0.7 * double(i % 9), c = i % 11 == 0 ? 0 : 1;
+      const double values[] = {points[i].x,           points[i].y,           points[i].z,
+                               c * std::cos(a) * 0.6, c * std::sin(a) * 0.6, c * (i % 2 == 0 ? 0.8 : -0.8),
+                               double(i % 4),         0.1 * double(i)};
+      for (std::size_t f = 0; f < 8; ++f) set_value(schema.fields[f], records.data() + i * schema.stride, values[f]);
+    }
+    std::filesystem::remove(folder_ / name);
+    write_all(plan_for(folder_ / name, points.size(), schema), records);
+  }
+  void write_hostile(const CloudShape& shape) {
+    write_cloud("in.ply", make_cloud(shape, kPoints, 4));
+    write_cloud("other.ply", make_cloud(shape, kPoints / 2, 9));
+  }
+
+  void run(const std::string& pipeline, const std::string& options = "") {
+    made("run in.ply out.ply --force --quiet --pipeline '" + pipeline + "' " + options);
+  }
+  void same(const std::string& arguments, const std::string& what) {
+    const Result result = tool("verify " + arguments);
+    EXPECT_EQ(result.status, 0) << what << "\n" << result.out << result.err;
+    EXPECT_EQ(result.out.find("not checked"), std::string::npos) << what << "\n" << result.out;
+    EXPECT_EQ(result.out.find("not independent"), std::string::npos) << what << "\n" << result.out;
+  }
+
+  /// Changes a value of every `step`-th row of out.ply from `first` on; the file stays as it is otherwise.
+  void change(const std::string& field, std::size_t first, std::size_t step) {
+    const auto reader = open_reader(folder_ / "out.ply");
+    const Schema schema = reader->info().schema;
+    std::string bytes = contents(folder_ / "out.ply");
+    const std::size_t header = bytes.find("end_header\n") + 11;
+    const Field at = schema.fields[schema.find(field).value()];
+    for (std::size_t row = first; row < reader->info().count; row += step) {
+      auto* record = reinterpret_cast<std::byte*>(bytes.data() + header + row * schema.stride);
+      const double old = value_of(at, record);
+      const bool is_real = at.type == Type::f32 || at.type == Type::f64;
+      set_value(at, record, std::isnan(old) ? 1.0 : is_real ? 1.001 * old + 0.001 : old == 0 ? 1.0 : old - 1);
+    }
+    write("out.ply", bytes);
+  }
+  void found(const std::string& field, std::size_t first, std::size_t step, const std::string& what) {
+    const std::string right = contents(folder_ / "out.ply");
+    change(field, first, step);
+    const Result result = tool("verify out.ply");
+    EXPECT_EQ(result.status, 1) << what << ", " << field << "\n" << result.out;
+    EXPECT_NE(result.err.find(field + " is"), std::string::npos) << result.err;
+    write("out.ply", right);
+  }
+
+  /// In both orders, with the record of the run and without.
+  void checks(const std::string& pipeline, const std::vector<std::string>& fields) {
+    for (const auto& [name, shape] : hostile_shapes()) {
+      const std::string what = name + ", " + pipeline;
+      write_hostile(shape);
+      for (const std::string order : {"input", "sweep"}) {
+        run(pipeline, "--order " + order);
+        same("out.ply", what + ", " + order);
+        if (name == "closed surface")
+          for (const std::string& field : fields) found(field, 123, kPoints, what + ", " + order);
+      }
+      found(fields.front(), 1, 4, what);
+      run(pipeline, "--no-provenance");
+      same("in.ply out.ply --pipeline '" + pipeline + "'", what);
+    }
+  }
+};
+
+TEST_F(VerifyOperators, DistancesToAnotherCloud) {
+  checks("distance_to(other.ply)", {"cloud_distance"});
+  checks("distance_to(other.ply, most=0.1)", {"cloud_distance"});
+}
+
+TEST_F(VerifyOperators, ChangesAlongNormals) {
+  const std::vector<std::string> fields = {"m3c2_distance", "m3c2_lod",      "m3c2_spread1",
+                                           "m3c2_spread2",  "m3c2_samples1", "m3c2_samples2"};
+  checks("m3c2(other.ply, cylinder=0.61, depth=0.93, registration=0.01)", fields);
+  checks("knn(k=6) | normals | m3c2(other.ply, cylinder=1.3, depth=2.17)", fields);
+}
+
+TEST_F(VerifyOperators, HeightsAboveTheGround) {
+  checks("height", {"height"});
+  checks("height(k=5)", {"height"});
+}
+
+TEST_F(VerifyOperators, SeveralInputsAndRowsThatWereLeftOut) {
+  write_hostile(hostile_shapes()[0].second);
+  made("run in.ply more.ply --quiet --pipeline 'where(x > 0)' --no-provenance");
+  for (const std::string pipeline : {"distance_to(other.ply)", "where(z > -0.5) | height(k=2)",
+                                     "knn(k=6) | where(y > 0) | normals | m3c2(other.ply, cylinder=0.3, depth=1)"}) {
+    made("run in.ply more.ply -o both.ply --force --quiet --pipeline '" + pipeline + "'");
+    same("both.ply", pipeline);
+    same("in.ply more.ply both.ply --pipeline '" + pipeline + "'", pipeline);
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep
