@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// The contender: the same files, the same formula (Equation 1), all threads, with nanoflann's kd-tree and everything
 /// in memory.
-///   nanoflann_normals IN OUT [-k 8] [--threads N] [--order file|permuted]
+///   nanoflann_normals IN OUT [-k 8 | --radius R] [--threads N] [--order file|permuted]
+/// --radius: all points nearer than that, as its search gives them without sorting.
 /// permuted: points are put into Morton order before the tree is built, and asked in that order, which spares it most
 /// of its cache misses; results return to the order of the file. PLY or LAS, out as in. Coordinates are float where the
 /// file's are, and where LAS has its integers within 2^24 steps of the middle, so that a float holds each exactly; else
@@ -28,6 +29,7 @@ namespace {
 struct Options {
   std::string in, out;
   std::size_t k = 8;
+  double radius = 0;  ///< positive: in place of k
   std::size_t threads = std::max(1u, std::thread::hardware_concurrency());
   bool permuted = false;
 };
@@ -94,13 +96,14 @@ std::vector<std::size_t> morton_order(const Cloud<T>& cloud, std::size_t threads
   return rows;
 }
 
-/// Equation 1 around point i; (0, 0, 0) if the points lie on a line.
+/// Equation 1 around point i, whose farthest neighbour is known; (0, 0, 0) if the points lie on a line.
 template <class T>
-std::array<float, 3> normal_of(const Cloud<T>& cloud, std::size_t i, const std::uint32_t* neighbors, std::size_t k) {
+std::array<float, 3> normal_of(const Cloud<T>& cloud, std::size_t i, const std::uint32_t* neighbors, std::size_t k,
+                               std::uint32_t farthest) {
   using Vector = Eigen::Vector3d;
   const auto at = [&](std::size_t j) { return Vector(cloud.points[j][0], cloud.points[j][1], cloud.points[j][2]); };
   const Vector p = at(i);
-  const double farthest2 = (at(neighbors[k - 1]) - p).squaredNorm();
+  const double farthest2 = (at(farthest) - p).squaredNorm();
   const double falloff = double(k) / (2 * std::numbers::pi * farthest2);
   Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
   for (std::size_t j = 0; j < k; ++j) {
@@ -136,6 +139,27 @@ Normals normals_of(Cloud<T> cloud, const Options& options) {
   }
   const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
   Normals normals(count);
+  if (options.radius > 0) {
+    in_parallel(count, options.threads, [&](std::size_t begin, std::size_t end) {
+      nanoflann::SearchParams parameters;
+      parameters.sorted = false;
+      std::vector<std::pair<std::uint32_t, T>> near;
+      std::vector<std::uint32_t> found;
+      for (std::size_t i = begin; i < end; ++i) {
+        tree.radiusSearch(cloud.points[i].data(), T(options.radius * options.radius), near, parameters);
+        found.clear();
+        std::pair<std::uint32_t, T> farthest{0, T(-1)};
+        for (const auto& one : near) {
+          if (one.first == i) continue;
+          found.push_back(one.first);
+          if (one.second > farthest.second) farthest = one;
+        }
+        if (found.size() < 2) continue;
+        normals[rows.empty() ? i : rows[i]] = normal_of(cloud, i, found.data(), found.size(), farthest.first);
+      }
+    });
+    return normals;
+  }
   in_parallel(count, options.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> found(options.k + 1);
     std::vector<T> distance2(options.k + 1);
@@ -144,7 +168,7 @@ Normals normals_of(Cloud<T> cloud, const Options& options) {
       const auto self = std::find(found.begin(), found.begin() + std::ptrdiff_t(near), i);
       if (self != found.begin() + std::ptrdiff_t(near)) std::copy(self + 1, found.begin() + std::ptrdiff_t(near), self);
       if (near < 3) continue;
-      normals[rows.empty() ? i : rows[i]] = normal_of(cloud, i, found.data(), near - 1);
+      normals[rows.empty() ? i : rows[i]] = normal_of(cloud, i, found.data(), near - 1, found[near - 2]);
     }
   });
   return normals;
@@ -210,6 +234,8 @@ Options parse(int argc, char** argv) {
     const auto value = [&] { return i + 1 < argc ? std::string(argv[++i]) : (give_up(word + " needs a value"), ""); };
     if (word == "-k")
       options.k = std::stoull(value());
+    else if (word == "--radius")
+      options.radius = std::stod(value());
     else if (word == "--threads")
       options.threads = std::stoull(value());
     else if (word == "--order")
@@ -219,7 +245,8 @@ Options parse(int argc, char** argv) {
     else
       options.out = word;
   }
-  if (options.out.empty()) give_up("usage: nanoflann_normals IN OUT [-k 8] [--threads N] [--order file|permuted]");
+  if (options.out.empty())
+    give_up("usage: nanoflann_normals IN OUT [-k 8 | --radius R] [--threads N] [--order file|permuted]");
   return options;
 }
 
