@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The tables of script/bench formats as Markdown, and their place in docs/performance.md."""
-from processes import ROOT
-
-BEGIN, END = "<!-- formats: made by script/bench formats --table from a committed result -->\n", "<!-- end of formats -->"
+import committed
 
 
 def comparisons(result):
@@ -53,9 +51,5 @@ def of(result):
 
 
 def write(results, paths):
-    """Replaces what stands between the marks."""
-    page = ROOT / "docs/performance.md"
-    head, rest = page.read_text().split(BEGIN)
     tables = "\n".join(of(result) for result in results)
-    names = ", ".join(f"`bench/results/{path.name}`" for path in paths)
-    page.write_text(head + BEGIN + f"{tables}\nRuns in {names}.\n" + END + rest.split(END)[1])
+    committed.write_table("formats", f"{tables}\nRuns in {committed.names(paths)}.\n")

@@ -4,15 +4,15 @@
 Whole runs of pointsweep, file to file, beside one call of the other library on arrays that are in memory already; its
 process has read them before, and its peak counts them. Answers are compared before times count."""
 import argparse
-import datetime
 import json
 import os
 import pathlib
-import statistics
 import subprocess
 import sys
 
+import committed
 import processes
+from committed import median
 from processes import ROOT
 
 # Name; pipeline, in which {other} is a second cloud; columns that are compared; shape; libraries. k and radii hold about 16 points of a
@@ -123,10 +123,6 @@ class Bench:
         return {"operator": name, "pipeline": text.replace(str(other), "OTHER"), "size": size, "runs": runs}
 
 
-def median(runs, figure):
-    return statistics.median(run[figure] for run in runs)
-
-
 def mega(runs):
     return f"{median(runs, 'peak_rss_bytes') / 2**20:.0f}"
 
@@ -159,15 +155,8 @@ def tables(result):
 
 
 def write_table(paths):
-    text = ""
-    for path in paths:
-        result = json.loads(path.read_text())
-        text += (f"{result['machine']['cpu']}, {result['machine']['cpus']} cores, commit {result['commit']}, {result['date']}, `{path.resolve().relative_to(ROOT)}`. "
-                 + "".join(tables(result)) + "\n")
-    page = ROOT / "docs/performance.md"
-    begin, end = "<!-- operators: made by script/bench operators --table from committed results -->\n", "<!-- end of operators -->"
-    head, _, rest = page.read_text().partition(begin)
-    page.write_text(head + begin + text + end + rest.partition(end)[2])
+    committed.write_table("operators", "".join(f"{committed.where(result)}, {committed.names([path])}. {''.join(tables(result))}\n"
+                                               for path, result in zip(paths, committed.read(paths))))
 
 
 def main():
@@ -178,15 +167,14 @@ def main():
     options.work = options.work.resolve()
     bench = Bench(options)
     chosen = [row for row in OPERATORS if row[0] in options.only]
-    result = {"date": datetime.date.today().isoformat(), "commit": processes.commit(), "machine": processes.machine(), "threads": options.threads,
-              "memory": options.memory, "beside_others": [], "within_memory": []}
-    output = options.output or ROOT / f"bench/results/{result['date']}-{result['commit'].rstrip('+')}-operators.json"
+    result = committed.begun(threads=options.threads, memory=options.memory, beside_others=[], within_memory=[])
+    output = committed.file_of(result, "operators", options.output)
     for name, text, shape, libraries in chosen:
         if options.size != "0":
             result["beside_others"].append(bench.beside_others(name, text, shape, libraries))
         if options.large != "0":
             result["within_memory"].append(bench.within_memory(name, text, shape))
-        output.write_text(json.dumps(result, indent=1) + "\n")
+        committed.write(output, result)
     sys.stdout.writelines(tables(result))
     print(f"in {output}")
 

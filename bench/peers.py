@@ -3,15 +3,15 @@
 features of arrays, and a NumPy operator against the same code on arrays in memory. Answers are compared before times
 count; each call runs in a separate process."""
 import argparse
-import datetime
 import json
 import os
 import pathlib
-import statistics
 import subprocess
 import sys
 
+import committed
 import processes
+from committed import median
 from processes import ROOT
 
 TASKS = ("neighbors", "normals", "features", "features_in_radius", "operator")
@@ -94,36 +94,27 @@ class Bench:
                 yield {"size": size, "order": order, "task": task, "contender": contender, "agreement": agreement, "runs": runs}
 
 
-def median(row, figure):
-    return statistics.median(run[figure] for run in row["runs"])
-
-
 def table(rows):
     yield "| points | order | task | library | wall s | CPU s | grew by MB | CPU over pointsweep | agrees |\n|---|---|---|---|---|---|---|---|---|\n"
-    base = {(r["size"], r["order"], r["task"]): median(r, "cpu_seconds") for r in rows if r["contender"] == "pointsweep"}
+    base = {(r["size"], r["order"], r["task"]): median(r["runs"], "cpu_seconds") for r in rows if r["contender"] == "pointsweep"}
     for r in rows:
         first = base.get((r["size"], r["order"], r["task"]))
-        ratio = f"{median(r, 'cpu_seconds') / first:.2f}" if first else ""
+        ratio = f"{median(r['runs'], 'cpu_seconds') / first:.2f}" if first else ""
         agrees = "" if r["agreement"] is None else f"{r['agreement']:.2%}"
-        yield (f"| {r['size']} | {r['order']} | {r['task']} | {r['contender']} | {median(r, 'wall_seconds'):.2f} | {median(r, 'cpu_seconds'):.2f} "
-               f"| {median(r, 'peak_bytes') / 2**20:.0f} | {ratio} | {agrees} |\n")
+        yield (f"| {r['size']} | {r['order']} | {r['task']} | {r['contender']} | {median(r['runs'], 'wall_seconds'):.2f} | {median(r['runs'], 'cpu_seconds'):.2f} "
+               f"| {median(r['runs'], 'peak_bytes') / 2**20:.0f} | {ratio} | {agrees} |\n")
 
 
 def write_table(paths):
-    """Between the comments of docs/performance.md that begin and end it."""
-    results = [json.loads(path.read_text()) for path in paths]
+    results = committed.read(paths)
     first = results[0]
     most = max(len(row["runs"]) for result in results for row in result["rows"])
     versions = ", ".join(f"{name} {first['versions'][name]}" for name in ("scipy", "scikit-learn", "pynanoflann", "pgeof", "jakteristics", "open3d-cpu")
                          if name in first["versions"])
     text = (f"{first['shape']}, k = {first['k']}, {first['threads']} threads, {'single runs' if most == 1 else f'medians of {most} runs'}; "
-            f"{first['machine']['cpu']}, {first['machine']['cpus']} cores, commit {first['commit']}, {first['date']}; {versions}.\n\n")
+            f"{committed.where(first)}; {versions}.\n\n")
     text += "".join(table([row for result in results for row in result["rows"]]))
-    text += f"\nRuns in {', '.join(f'`{path.resolve().relative_to(ROOT)}`' for path in paths)}.\n"
-    page = ROOT / "docs/performance.md"
-    head, _, rest = page.read_text().partition("<!-- python: made by script/bench python --table from committed results -->\n")
-    _, _, tail = rest.partition("<!-- end of python -->")
-    page.write_text(f"{head}<!-- python: made by script/bench python --table from committed results -->\n{text}<!-- end of python -->{tail}")
+    committed.write_table("python", text + f"\nRuns in {committed.names(paths)}.\n")
 
 
 def main():
@@ -135,10 +126,10 @@ def main():
     bench = Bench(options)
     rows = [row for size in options.sizes for order in options.orders for row in bench.rows(size, order)]
     versions = subprocess.run([str(bench.python), "-m", "pip", "list", "--format=json", "--disable-pip-version-check"], capture_output=True, text=True)
-    result = {"date": datetime.date.today().isoformat(), "commit": processes.commit(), "machine": processes.machine(), "shape": str(options.cloud or options.shape),
-              "threads": options.threads, "k": 16, "versions": {p["name"]: p["version"] for p in json.loads(versions.stdout)}, "rows": rows}
-    output = options.output or ROOT / f"bench/results/{result['date']}-{result['commit'].rstrip('+')}-python.json"
-    output.write_text(json.dumps(result, indent=1) + "\n")
+    result = committed.begun(shape=str(options.cloud or options.shape), threads=options.threads, k=16,
+                             versions={p["name"]: p["version"] for p in json.loads(versions.stdout)}, rows=rows)
+    output = committed.file_of(result, "python", options.output)
+    committed.write(output, result)
     sys.stdout.writelines(table(rows))
     print(f"in {output}")
 
