@@ -16,4 +16,4 @@ pid = os.posix_spawnp(command[0], command, os.environ, file_actions=to)
 _, status, usage = os.wait4(pid, 0)
 wall = time.monotonic() - begin
 print(json.dumps({"status": os.waitstatus_to_exitcode(status), "wall_seconds": wall,
-                  "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_rss_bytes": usage.ru_maxrss * 1024}))
+                  "user_seconds": usage.ru_utime, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_rss_bytes": usage.ru_maxrss * 1024}))

@@ -2,10 +2,11 @@
 // array_calls normals|neighbors XYZ.f64 OUT K THREADS: one call of the library on an N×3 array of doubles in memory,
 // for script/bench binding. Prints wall and CPU seconds of the call as JSON; writes the normals, or the distances, as
 // they are in memory.
+#include <sys/resource.h>
+
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <memory>
 #include <span>
@@ -27,11 +28,19 @@ std::vector<double> doubles_of(const char* path) {
   return values;
 }
 
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+double seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
+
+/// CPU seconds of this process so far, in its own code and in the system.
+struct Cpu {
+  double user, system;
+  static Cpu now() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return {seconds(usage.ru_utime), seconds(usage.ru_stime)};
+  }
+};
 
 /// Records for two arrays.
 class Both final : public Writer {
@@ -103,12 +112,14 @@ int main(int argc, char** argv) try {
   options.resources.threads = static_cast<unsigned>(std::stoul(argv[5]));
   Answers answers;
 
-  const double cpu = cpu_seconds();
+  const Cpu before = Cpu::now();
   const auto begin = std::chrono::steady_clock::now();
   Cloud cloud(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
   (task == "normals" ? find_normals : find_neighbors)(cloud, k, options, answers);
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  std::printf("{\"wall_seconds\": %.6f, \"cpu_seconds\": %.6f}\n", wall, cpu_seconds() - cpu);
+  const Cpu after = Cpu::now();
+  const double user = after.user - before.user, system = after.system - before.system;
+  std::printf("{\"wall_seconds\": %.6f, \"user_seconds\": %.6f, \"cpu_seconds\": %.6f}\n", wall, user, user + system);
 
   const auto bytes =
       task == "normals" ? std::as_bytes(std::span(answers.normals)) : std::as_bytes(std::span(answers.distances));

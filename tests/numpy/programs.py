@@ -1,44 +1,27 @@
 # SPDX-License-Identifier: MIT
 """programs.py TOOL: `sor`, `lof` and `features` against the programs they name, on a generated scan and on one with copies of
-points. To be run by hand, in a Python environment with numpy and plyfile; it compares with what is there: Open3D, scikit-learn and
-jakteristics in that environment, pcl_outlier_removal (package pcl-tools) and CloudCompare on the PATH.
+points; the test numpy/programs. It compares with what is there: Open3D, scikit-learn and jakteristics in the environment,
+pcl_outlier_removal (package pcl-tools) and CloudCompare on the PATH.
 
-With Open3D 0.20, PCL 1.13, CloudCompare 2.11, scikit-learn 1.9 and jakteristics 0.6 no outlier differed, and factors and features
-were equal to the rounding of float32 (eigenvalue sums and omnivariance times (n - 1)/n, see docs/operators.md)."""
-import importlib.util
+No outlier differs, and factors and features are equal to the rounding of float32 (eigenvalue sums and omnivariance times
+(n - 1)/n, see docs/operators.md)."""
 import os
-import pathlib
 import shutil
 import subprocess
 import sys
-import tempfile
 
 import numpy as np
-import plyfile
+from peers import Comparison, has, positions, write_ply
 
-TOOL, FOLDER = sys.argv[1], pathlib.Path(tempfile.mkdtemp())
-
-
-def tool(source, pipeline):
-    subprocess.run([TOOL, "run", source, FOLDER / "out.ply", "-f", "-q", "--pipeline", pipeline], check=True)
-    return plyfile.PlyData.read(str(FOLDER / "out.ply"))["vertex"].data
-
-
-def positions(table):
-    return np.stack([table[axis] for axis in "xyz"], axis=1).astype(np.float64)
+comparison = Comparison(sys.argv[1])
+tool, FOLDER = comparison.tool, comparison.folder
 
 
 def with_copies(source):
     """The first 2,000 points ten times more, so that many have a mean distance of 0."""
     points = positions(tool(source, "where(1 == 1)"))
-    points = np.concatenate([points] + 10 * [points[:2000]])
-    table = np.array([tuple(p) for p in points], [(axis, "f8") for axis in "xyz"])
-    plyfile.PlyData([plyfile.PlyElement.describe(table, "vertex")]).write(str(FOLDER / "copies.ply"))
+    write_ply(FOLDER / "copies.ply", np.concatenate([points] + 10 * [points[:2000]]))
     return FOLDER / "copies.ply"
-
-
-def report(what, differences):
-    print(f"{what}: {differences}")
 
 
 def compare_open3d(source, k, multiplier):
@@ -47,7 +30,7 @@ def compare_open3d(source, k, multiplier):
     cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(positions(got)))
     kept = np.zeros(len(got), bool)
     kept[np.array(cloud.remove_statistical_outlier(k + 1, multiplier)[1])] = True
-    report(f"Open3D, k {k}, {source}: {(~kept).sum()} outliers, different", (kept == (got["outlier"] != 0)).sum())
+    comparison.expect((kept == (got["outlier"] == 0)).all(), f"Open3D, k {k}, {source.name}, {(~kept).sum()} outliers")
 
 
 def compare_kept(name, definition, source, k, multiplier, run):
@@ -55,7 +38,7 @@ def compare_kept(name, definition, source, k, multiplier, run):
     got = tool(source, f"knn(k={k}) | sor(multiplier={multiplier}, definition={definition})")
     points = positions(got).astype(np.float32)
     ours, theirs = int((got["outlier"] == 0).sum()), run(points, k, multiplier)
-    report(f"{name}, k {k}, {source}: {theirs} kept, ours", ours)
+    comparison.expect(ours == theirs, f"{name}, k {k}, {source.name}, {theirs} kept")
 
 
 def pcl_keeps(points, k, multiplier):
@@ -81,7 +64,7 @@ def compare_scikit_learn(source, k):
     got = tool(source, f"knn(k={k}) | lof")
     model = LocalOutlierFactor(n_neighbors=k).fit(positions(got))
     theirs = -model.negative_outlier_factor_
-    report(f"scikit-learn, k {k}, {source}: largest relative difference", np.abs(got["lof"] / theirs - 1).max())
+    comparison.expect(np.abs(got["lof"] / theirs - 1).max() < 1e-6, f"scikit-learn, k {k}, {source.name}, factors")
 
 
 def compare_jakteristics(source, radius):
@@ -93,13 +76,12 @@ def compare_jakteristics(source, radius):
     n = got["number_of_neighbors"].astype(float)
     for i, name in enumerate(names):
         want = theirs[:, i] * ((n - 1) / n if i > 5 else 1)
-        report(f"jakteristics, {name}: largest difference", np.abs(got[name] - want)[n >= 5].max())
+        difference = np.abs(got[name] - want)[n >= 5].max()
+        comparison.expect(difference < 1e-5, f"jakteristics, {name}, difference at most {difference:.1e}")
 
 
 def main():
-    scan = FOLDER / "scan.ply"
-    subprocess.run([TOOL, "generate", "tls", scan, "-n", "40k", "-q"], check=True)
-    has = importlib.util.find_spec
+    scan = comparison.generate("tls")
     for source in (scan, with_copies(scan)):
         for k, multiplier in ((8, 2.0), (8, 0.2), (3, 0.05)):
             if has("open3d"):
@@ -112,7 +94,7 @@ def main():
         compare_scikit_learn(scan, 20)
     if has("jakteristics"):
         compare_jakteristics(scan, 0.5)
-    shutil.rmtree(FOLDER)
+    comparison.end()
 
 
 main()
