@@ -89,9 +89,10 @@ Attribute core_attribute() { return scalar("core", Type::u8, "1", "1: at least m
 
 void CorePoints::apply(const Neighborhoods& in, Columns& out) const {
   const std::span<std::uint8_t> core = out.column<std::uint8_t>(0);
+  const double eps2 = eps_ * eps_;
   for (std::size_t i = 0; i < in.size(); ++i) {
     std::uint64_t near = is_finite(in.position(i)) ? 1 : 0;
-    for (std::size_t j = 0; j < in.count(i) && near < min_points_; ++j) near += in.distance2(i, j) <= eps2_;
+    for (std::size_t j = 0; j < in.count(i) && near < min_points_; ++j) near += in.distance2(i, j) <= eps2;
     core[i] = near >= min_points_;
   }
 }
@@ -111,15 +112,16 @@ const VoteRule* ClustersOfCores::votes() const {
 /// A core point of the lower row emits the edge of two core points, and any other point one edge at most: it joins no
 /// clusters.
 void ClustersOfCores::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const {
+  const double eps2 = eps_ * eps_;
   for (std::uint32_t i = 0; i < in.size(); ++i) {
     const bool is_core = in.value<std::uint8_t>(0, i) != 0;
     ballots[i] = std::byte(is_core);
     if (!is_core) {
-      if (const auto core = nearest_core(in, i, eps2_)) edges.push_back({i, *core});
+      if (const auto core = nearest_core(in, i, eps2)) edges.push_back({i, *core});
       continue;
     }
     for (std::size_t j = 0; j < in.count(i); ++j)
-      if (in.row(i) < in.neighbor_row(i, j) && in.distance2(i, j) <= eps2_ &&
+      if (in.row(i) < in.neighbor_row(i, j) && in.distance2(i, j) <= eps2 &&
           in.neighbor_value<std::uint8_t>(0, i, j) != 0)
         edges.push_back({i, in.neighbors(i)[j]});
   }

@@ -23,13 +23,15 @@ Attribute core_attribute();
 /// Makes core: 1 where at least `min_points` points, the point itself included, lie within `eps` of it.
 class CorePoints final : public Operator {
  public:
-  CorePoints(double eps, std::uint64_t min_points) : eps2_(eps * eps), min_points_(min_points) {}
+  CorePoints(double eps, std::uint64_t min_points) : eps_(eps), min_points_(min_points) {}
   std::string name() const override { return "core"; }
   Contract contract() const override { return {{}, {}, {core_attribute()}}; }
   void apply(const Neighborhoods& in, Columns& out) const override;
+  double eps() const { return eps_; }
+  std::uint64_t min_points() const { return min_points_; }
 
  private:
-  double eps2_;
+  double eps_;
   std::uint64_t min_points_;
 };
 
@@ -37,15 +39,16 @@ class CorePoints final : public Operator {
 /// point belongs to the cluster of the nearest core point within eps; without one it is noise.
 class ClustersOfCores final : public ConnectingOperator {
  public:
-  ClustersOfCores(double eps, std::uint64_t points) : eps2_(eps * eps), points_(points) {}
+  ClustersOfCores(double eps, std::uint64_t points) : eps_(eps), points_(points) {}
   std::string name() const override { return "clusters"; }
   Contract contract() const override;
   const VoteRule* votes() const override;
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;
+  double eps() const { return eps_; }
 
  private:
-  double eps2_;
+  double eps_;
   std::uint64_t points_;
 };
 

@@ -26,7 +26,7 @@ Attribute normal_turned_attribute();
 /// weight 1 - |n_i . n_j| and joins equal signs where n_i . n_j >= 0. OrientationVotes decides for each component.
 class NormalSigns final : public ConnectingOperator {
  public:
-  explicit NormalSigns(std::optional<Vec3> viewpoint) : votes_(viewpoint) {}
+  explicit NormalSigns(std::optional<Vec3> viewpoint) : viewpoint_(viewpoint), votes_(viewpoint) {}
   std::string name() const override { return "normal_signs"; }
   Contract contract() const override {
     return {{normal_attribute()}, {normal_attribute()}, {normal_turned_attribute()}};
@@ -35,8 +35,10 @@ class NormalSigns final : public ConnectingOperator {
   const VoteRule* votes() const override { return &votes_; }
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;
+  const std::optional<Vec3>& viewpoint() const { return viewpoint_; }
 
  private:
+  std::optional<Vec3> viewpoint_;
   OrientationVotes votes_;
 };
 

@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kGround = 2;
+constexpr double kClassBelow = 2;
 
 class HeightFormula final : public CloudFormula {
  public:
@@ -21,7 +21,7 @@ class HeightFormula final : public CloudFormula {
     const std::array classes = {in.source(0)};
     const PointsOfCloud ground = [&](const auto& take) {
       in.rows.for_each(classes, [&](std::uint64_t row, Vec3 p, std::span<const double> values) {
-        if (values[0] == kGround) take(row, p);
+        if (values[0] == kClassBelow) take(row, p);
       });
     };
     std::vector<Vec3> places;

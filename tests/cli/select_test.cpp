@@ -95,25 +95,21 @@ TEST_F(SelectStages, VerifyFindsAMissingRowAndAWrongOutlier) {
 }
 
 /// The rest of the output is checked, and the sentence names what is not.
-TEST_F(SelectStages, VerifySaysThatGroundAndHeightAreNotChecked) {
+TEST_F(SelectStages, VerifySaysWhatNeedsMoreMemoryThanItMayUse) {
   write_rows("all.txt", [](int) { return true; });
-  made("run all.txt out.txt -f -q --pipeline 'normals | ground(cell=2, window=8) | height'", "out.txt");
-  const Result sound = tool("verify all.txt out.txt --pipeline 'normals | ground(cell=2, window=8) | height'");
-  EXPECT_EQ(sound.status, 0) << sound.out << sound.err;
-  EXPECT_NE(sound.out.find("not checked        classification height\n"), std::string::npos) << sound.out;
-  EXPECT_NE(sound.out.find("0 wrong: normal\n"), std::string::npos) << sound.out;
-}
-
-TEST_F(SelectStages, VerifySaysThatWhatDependsOnComponentsIsNotChecked) {
-  write_rows("all.txt", [](int) { return true; });
-  const std::string pipeline = "--pipeline 'knn(radius=2) | dbscan(eps=2) | normals | segments | orient | components'";
+  const std::string pipeline =
+      "--pipeline 'knn(radius=2) | dbscan(eps=2) | normals | ground(cell=2, window=8) | segments | components'";
   made("run all.txt out.txt -f -q " + pipeline, "out.txt");
-  const Result sound = tool("verify all.txt out.txt " + pipeline);
-  EXPECT_EQ(sound.status, 0) << sound.out << sound.err;
-  const std::size_t line = sound.out.find("not checked");
-  ASSERT_NE(line, std::string::npos) << sound.out;
-  for (const char* name : {" cluster", " segment", " normal_turned", " component"})
-    EXPECT_NE(sound.out.find(name, line), std::string::npos) << name << "\n" << sound.out;
+  const Result whole = tool("verify all.txt out.txt " + pipeline);
+  EXPECT_EQ(whole.status, 0) << whole.out << whole.err;
+  EXPECT_EQ(whole.out.find("not checked"), std::string::npos) << whole.out;
+  const Result little = tool("verify all.txt out.txt --memory 10k " + pipeline);
+  EXPECT_EQ(little.status, 0) << little.out << little.err;
+  for (const char* names : {"cluster cluster_size", "segment segment_size", "component component_size"})
+    EXPECT_NE(little.out.find(std::string("not checked        ") + names + ": needs --memory "), std::string::npos)
+        << little.out;
+  EXPECT_NE(little.out.find("not checked        classification: its raster has "), std::string::npos) << little.out;
+  EXPECT_NE(little.out.find("0 wrong: core normal\n"), std::string::npos) << little.out;
 }
 
 /// The same rows of the same points stored in text, float32 and scaled integers, and of tiles and all in one.

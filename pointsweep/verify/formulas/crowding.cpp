@@ -49,6 +49,12 @@ Estimate radius_outlier(const Place& p, std::span<const Place> neighbors, double
   return within.possible < least ? exactly(1) : open();
 }
 
+Estimate core_point(const Place& p, std::span<const Place> neighbors, double eps, std::size_t least) {
+  const Within within(p, neighbors, eps);
+  if (within.sure + 1 >= least) return exactly(1);
+  return within.possible + 1 < least ? exactly(0) : open();
+}
+
 Densities densities(const Place& p, std::span<const Place> neighbors, std::optional<double> radius) {
   const Estimate reach = radius ? exactly(*radius) : farthest(p, neighbors);
   if (!std::isfinite(reach.value.x)) return {};

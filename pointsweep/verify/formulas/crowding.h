@@ -11,6 +11,8 @@ namespace pointsweep::formulas {
 
 /// 1 if fewer than `least` of the neighbours lie within `radius`, inclusive, else 0.
 Estimate radius_outlier(const Place& p, std::span<const Place> neighbors, double radius, std::size_t least);
+/// 1 where at least `least` points, the point itself counted, lie within eps; else 0.
+Estimate core_point(const Place& p, std::span<const Place> neighbors, double eps, std::size_t least);
 
 struct Densities {
   Estimate surface, volume;

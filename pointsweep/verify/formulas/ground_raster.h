@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+/// The ground of a cloud by SMRF (Pingel, Clarke and McBride 2013) on a whole raster, as docs/operators.md has it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace pointsweep::formulas {
+
+struct GroundParameters {
+  double cell, slope, window, threshold, scalar;
+
+  std::size_t radius() const;                             ///< of the largest disk, in cells
+  std::size_t reach() const { return 3 * radius() + 3; }  ///< of the filling of holes
+};
+
+/// The numbers of cells along one axis, without most of the empty ones: across so many that nothing reaches from one
+/// side to the other, the rest of them is left out.
+class CellNumbers {
+ public:
+  /// `numbers`: of cells with points, in any order and often.
+  CellNumbers(std::vector<double> numbers, std::size_t reach, std::size_t radius);
+  std::size_t count() const { return count_; }
+  /// Where a cell is that has points.
+  std::size_t place(double number) const;
+
+ private:
+  std::vector<double> numbers_;
+  std::vector<std::size_t> places_;
+  std::size_t count_ = 0;
+};
+
+class GroundRaster {
+ public:
+  /// Bytes of a cell while the surface is made.
+  static constexpr std::size_t kCellBytes = 56;
+
+  /// Cells of points that take part.
+  GroundRaster(const GroundParameters& parameters, CellNumbers columns, CellNumbers rows);
+  void add(double x, double y, double z);
+  /// After the last point.
+  void finish();
+  /// Whether a point that takes part is ground; nothing where rounding decides.
+  std::optional<bool> is_ground(double x, double y, double z) const;
+
+ private:
+  using Cells = std::vector<double>;  ///< NaN: absent
+  std::size_t at(std::size_t column, std::size_t row) const { return row * columns_.count() + column; }
+  double surface(std::size_t column, std::size_t row) const { return surface_[at(column, row)]; }
+  double slope(std::size_t column, std::size_t row) const;
+  Cells filled(const Cells& cells) const;
+  Cells least_of_disks(const Cells& cells, std::size_t radius) const;
+  Cells opened(const Cells& cells, std::size_t radius) const;
+
+  GroundParameters parameters_;
+  CellNumbers columns_, rows_;
+  Cells lowest_, surface_;
+};
+
+}  // namespace pointsweep::formulas

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+/// Which points are connected, and with which signs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace pointsweep::formulas {
+
+/// Sets of points, each with the sign of a point against the one that stands for its set.
+class JoinedSets {
+ public:
+  explicit JoinedSets(std::size_t count) : above_(count), flipped_(count), size_(count, 1) {
+    std::iota(above_.begin(), above_.end(), 0u);
+  }
+  /// The point that stands for the set of i, and whether the signs of the two differ.
+  std::pair<std::uint32_t, bool> root(std::uint32_t i) {
+    bool flips = false;
+    std::uint32_t top = i;
+    for (; above_[top] != top; top = above_[top]) flips ^= flipped_[top];
+    bool rest = flips;
+    while (above_[i] != top && i != top) {
+      const std::uint32_t next = above_[i];
+      const bool own = flipped_[i];
+      above_[i] = top, flipped_[i] = rest;
+      rest ^= own;
+      i = next;
+    }
+    return {top, flips};
+  }
+  /// False if they were in one set; then nothing changes.
+  bool join(std::uint32_t i, std::uint32_t j, bool signs_differ = false) {
+    auto [a, of_i] = root(i);
+    auto [b, of_j] = root(j);
+    if (a == b) return false;
+    if (size_[a] < size_[b]) std::swap(a, b);
+    above_[b] = a, flipped_[b] = of_i ^ of_j ^ signs_differ;
+    size_[a] += size_[b];
+    return true;
+  }
+
+ private:
+  std::vector<std::uint32_t> above_;
+  std::vector<bool> flipped_;
+  std::vector<std::uint32_t> size_;
+};
+
+/// Numbers and sizes of sets. Points of sets that do not count have the number -1.
+struct SetLabels {
+  std::vector<std::int64_t> number;  ///< by point; from 0, in the order of the first points
+  std::vector<std::uint64_t> size;   ///< by number, in points
+};
+
+template <class PointsAt, class Counts>
+SetLabels labels_of(JoinedSets& sets, std::size_t count, PointsAt points_at, Counts counts) {
+  SetLabels labels{std::vector<std::int64_t>(count, -1), {}};
+  std::vector<std::int64_t> number_of_root(count, -1);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (!counts(i)) continue;
+    std::int64_t& number = number_of_root[sets.root(i).first];
+    if (number < 0) number = static_cast<std::int64_t>(labels.size.size()), labels.size.push_back(0);
+    labels.number[i] = number;
+    labels.size[static_cast<std::size_t>(number)] += points_at(i);
+  }
+  return labels;
+}
+
+}  // namespace pointsweep::formulas

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+/// The neighbours of all points of a cloud in memory, by a tree of boxes of its own.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace pointsweep::formulas {
+
+/// Points stand at places, which ascend by x, y, z: a place with several points is there once.
+class PlaceTree {
+ public:
+  using Place = std::array<double, 3>;
+  struct Near {
+    double distance2;  ///< ((dx² + dy²) + dz²) in float64
+    std::uint32_t place;
+
+    friend bool operator<(const Near& a, const Near& b) {
+      return a.distance2 != b.distance2 ? a.distance2 < b.distance2 : a.place < b.place;
+    }
+  };
+
+  /// `points_at`: how many points stand at each place. Borrows both.
+  PlaceTree(std::span<const Place> places, std::span<const std::uint32_t> points_at);
+
+  /// The nearest places, this one first, that hold `most` points together, with squared distances up to reach2; fewer
+  /// where there are no more. Equal distances go by x, y, z.
+  std::vector<Near> nearest(std::uint32_t place, std::size_t most, double reach2) const;
+  /// All places with a squared distance up to reach2, this one too, in any order.
+  void within(std::uint32_t place, double reach2, const std::function<void(const Near&)>& use) const;
+
+ private:
+  struct Box {
+    Place low, high;
+    std::uint32_t begin, end;  ///< into order_
+    std::uint32_t children;    ///< the first of two; 0: none
+  };
+  void build(std::uint32_t box);
+  double distance2_to(const Box& box, const Place& p) const;
+  template <class Visit>
+  void descend(std::uint32_t box, const Place& p, const double& reach2, const Visit& visit) const;
+
+  std::span<const Place> places_;
+  std::span<const std::uint32_t> points_at_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Box> boxes_;
+};
+
+}  // namespace pointsweep::formulas

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/formulas/turning.h"
+
+namespace pointsweep::formulas {
+
+void TurningVotes::measure(Vector p) {
+  points_ += 1;
+  sum_ = sum_ + p;
+  low_ = {std::fmin(low_.x, p.x), std::fmin(low_.y, p.y), std::fmin(low_.z, p.z)};
+  high_ = {std::fmax(high_.x, p.x), std::fmax(high_.y, p.y), std::fmax(high_.z, p.z)};
+}
+
+void TurningVotes::vote(Vector p, Vector n, const std::optional<Vector>& viewpoint) {
+  if (viewpoint) {
+    const Vector way = *viewpoint - p;
+    const Real along = dot(n, way);
+    if (std::fabs(along) <= 8 * kDouble * norm(n) * norm(way) && along != 0) in_doubt_ += 1;
+    facing_ += along > 0 ? 1 : along < 0 ? -1 : 0;
+    return;
+  }
+  if (!is_finite(n)) return;
+  const Vector offset = p - (1 / points_) * sum_;
+  up_ += n.z;
+  out_ += dot(n, offset);
+  offsets_ += std::fabs(offset.x) + std::fabs(offset.y) + std::fabs(offset.z);
+}
+
+std::optional<bool> TurningVotes::turns(bool has_viewpoint) const {
+  if (has_viewpoint) return std::fabs(facing_) > 2 * in_doubt_ ? std::optional(facing_ < 0) : std::nullopt;
+  const Vector size = high_ - low_;
+  const Real extent = (size.x + size.y + size.z) / 3;
+  const Real out = extent > 0 ? out_ / extent : 0;
+  const Real largest = std::fmax(largest_component(low_), largest_component(high_));
+  const Real rounding = points_ * 0x1p-20L;
+  const Real places = points_ * (0x1p-30L + 0x1p-55L * points_ * largest);
+  const Real out_error = extent > 0 ? (offsets_ * 0x1p-20L + places) / extent : 0;
+  const bool up_decides = std::fabs(up_) - rounding > std::fabs(out) + out_error;
+  const bool out_decides = std::fabs(out) - out_error > std::fabs(up_) + rounding;
+  if (up_decides || (!out_decides && up_ > rounding && out > out_error)) return up_ < 0;
+  if (out_decides) return out < 0;
+  return up_ < -rounding && out < -out_error ? std::optional(true) : std::nullopt;
+}
+
+}  // namespace pointsweep::formulas
