@@ -16,6 +16,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 import processes as bench  # noqa: E402
+import operator_chains  # noqa: E402
 from clouds import CLEAN, HOSTILE  # noqa: E402
 
 MOST_SPECIAL = 10000
@@ -30,6 +31,9 @@ def arguments():
     parser.add_argument("--repeat", type=int, default=2, help="timed runs of each cloud (default 2)")
     parser.add_argument("--only", nargs="+", metavar="TEXT", help="clouds of this name, or whose names contain this")
     parser.add_argument("--chain", metavar="PIPELINE", help="run this one instead of the chain of three steps of each cloud")
+    parser.add_argument("--operators", action="store_true",
+                        help="run the chains of bench/hostile/operator_chains.py: the same bytes inside the limit as without")
+    parser.add_argument("--patience", type=int, default=300, help="seconds after which a run of --operators is ended (default 300)")
     parser.add_argument("--work", type=pathlib.Path, default=bench.ROOT / "build/hostile", help="folder for clouds and outputs")
     parser.add_argument("--build", type=pathlib.Path, default=bench.ROOT / "build/release")
     parser.add_argument("--output", type=pathlib.Path, help="JSON file for the result; what it has of other clouds is kept")
@@ -199,6 +203,8 @@ def main():
     names = {c.name for c in HOSTILE}
     chosen = [c for c in HOSTILE if not options.only or
               any(text == c.name if text in names else text in c.name for text in options.only)]
+    if options.operators:
+        return operator_chains.main(tried, [c for c in chosen if c.timed])
     if options.chain:
         chosen = [dataclasses.replace(c, chain=options.chain) for c in chosen]
     kept = json.loads(options.output.read_text()) if options.output and options.output.exists() else {}

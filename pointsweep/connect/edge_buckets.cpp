@@ -28,12 +28,6 @@ const std::byte* take_bytes(const std::byte* from, std::size_t n, std::vector<T>
   return from + n * sizeof(T);
 }
 
-/// The order of buckets: along the axis, then as keys compare.
-bool before(int axis, const PointKey& a, const PointKey& b) {
-  if (a.position[axis] != b.position[axis]) return a.position[axis] < b.position[axis];
-  return a < b;
-}
-
 }  // namespace
 
 EdgeBuckets::EdgeBuckets(std::vector<PointKey> begins, int axis, bool weighted, std::size_t ballot_bytes,
@@ -44,12 +38,11 @@ EdgeBuckets::EdgeBuckets(std::vector<PointKey> begins, int axis, bool weighted, 
       begins_(std::move(begins)),
       scratch_(make_scratch()),
       places_(begins_.size() + 1) {
-  std::ranges::sort(begins_, [axis](const PointKey& a, const PointKey& b) { return before(axis, a, b); });
+  std::ranges::sort(begins_, AlongAxis{axis_});
 }
 
 std::size_t EdgeBuckets::bucket_of(const PointKey& point) const {
-  const auto next = std::ranges::upper_bound(
-      begins_, point, [this](const PointKey& a, const PointKey& b) { return before(axis_, a, b); });
+  const auto next = std::ranges::upper_bound(begins_, point, AlongAxis{axis_});
   return static_cast<std::size_t>(next - begins_.begin());
 }
 

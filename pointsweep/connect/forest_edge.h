@@ -20,6 +20,15 @@ inline bool operator<(const PointKey& a, const PointKey& b) {
          std::tie(b.position.x, b.position.y, b.position.z, b.row);
 }
 
+/// The order of points along an axis; of equal coordinates, as keys compare.
+struct AlongAxis {
+  int axis;
+  bool operator()(const PointKey& a, const PointKey& b) const {
+    if (a.position[axis] != b.position[axis]) return a.position[axis] < b.position[axis];
+    return a < b;
+  }
+};
+
 /// Weight and parity are functions of the two points: an edge that comes twice is one edge.
 struct ForestEdge {
   double weight = 0;   ///< not NaN

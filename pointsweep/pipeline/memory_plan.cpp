@@ -70,6 +70,9 @@ std::uint64_t most_listed(const SweepPlan& plan, const MemoryDemand& demand) {
   return is_unlimited(plan) ? demand.most_neighbors : std::min<std::uint64_t>(plan.neighborhood.k, demand.points);
 }
 
+std::uint64_t neighbor_bytes(const MemoryDemand& demand) { return sizeof(NeighborRef) + demand.listed_edge_bytes; }
+
+/// Lists of a thread, with the edges that it makes of them.
 std::uint64_t lists_bytes(std::uint64_t budget, const MemoryDemand& demand) {
   return std::clamp(budget / 16 / std::max(1u, demand.threads), kLeastListBytes, kMostListBytes);
 }
@@ -81,9 +84,10 @@ std::uint64_t thread_bytes(const SweepPlan& plan, std::uint64_t slab_points, std
   const std::uint64_t loading =
       std::min(demand.points, slab_points) * (demand.working_record_bytes + kLoadedPointBytes);
   const std::uint64_t listed = most_listed(plan, demand);
-  const std::uint64_t lists =
-      std::min(lists_bytes(budget, demand), is_unlimited(plan) ? kMostListBytes : cell * listed * sizeof(NeighborRef));
-  const std::uint64_t point = listed * (is_unlimited(plan) ? kNeighborInHandBytes : kCandidateBytes);
+  const std::uint64_t lists = std::min(lists_bytes(budget, demand),
+                                       is_unlimited(plan) ? kMostListBytes : cell * listed * neighbor_bytes(demand));
+  const std::uint64_t point =
+      listed * ((is_unlimited(plan) ? kNeighborInHandBytes : kCandidateBytes) + demand.listed_edge_bytes);
   return loading + cell * (2 * plan.result_bytes + plan.step_lifetime_bytes()) + lists + point;
 }
 
@@ -143,7 +147,7 @@ class Division {
   Division(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand, bool lists)
       : budget_(budget), plan_(plan), demand_(demand), lists_(lists) {
     out_.slab_points = demand.slab_points;
-    out_.lists_bytes = lists_bytes(budget, demand);
+    out_.lists_bytes = lists_bytes(budget, demand) / neighbor_bytes(demand) * sizeof(NeighborRef);
     // For chunks on their way to their slabs, also where these are in memory.
     out_.stream_buffer_bytes = std::clamp<std::uint64_t>(budget / 8, 8 * kMega, 64 * kMega);
   }

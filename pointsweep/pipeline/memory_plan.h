@@ -16,9 +16,10 @@ struct MemoryDemand {
   std::uint64_t slab_points = 0;
   unsigned threads = 1;
   std::uint32_t cell_points = 1024;
-  std::uint64_t thinning_bytes = 0;  ///< estimate of what a Thinning holds
-  std::uint64_t connect_bytes = 0;   ///< estimate of a forest, which grows when the window is empty
-  std::uint64_t codec_bytes = 0;     ///< for decoding the inputs and encoding the output
+  std::uint64_t thinning_bytes = 0;     ///< estimate of what a Thinning holds
+  std::uint64_t connect_bytes = 0;      ///< estimate of a forest, which grows when the window is empty
+  std::uint64_t listed_edge_bytes = 0;  ///< of the edges of one neighbour in the lists that a thread has in hand
+  std::uint64_t codec_bytes = 0;        ///< for decoding the inputs and encoding the output
   /// Of a radius without a limit k, estimated: neighbours of a point at most, and points in a slice across the axis as
   /// thick as the radius times the steps and one more, which are in the window because of the radius.
   std::uint64_t most_neighbors = 0;

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "pointsweep/order/waiting_estimate.h"
+#include "pointsweep/pipeline/forest_estimate.h"
 #include "pointsweep/pipeline/other_cloud.h"
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/radius_estimate.h"
@@ -72,19 +73,18 @@ void add_thinning(MemoryDemand& demand, const PlannedPass& pass, const Survey& s
   demand.thinning_bytes = contract.held_bytes * std::min(demand.points, estimate.slice_points + kThinningBatch);
 }
 
-/// What a forest holds: supernodes of a bucket and of the points whose neighbours are not all in earlier ones. These
-/// are in a layer across the axis, k^(1/D) points thick to both sides, or as thick as the radius.
+/// What a forest holds: supernodes of a bucket and of the points whose neighbours are not all in earlier ones. And what
+/// the edges take that a thread has in hand.
 void add_forest(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey) {
   const Stage* stage = pass.connecting_stage();
   if (stage == nullptr) return;
-  const Neighborhood& n = pass.plan.neighborhood;
-  const double all = static_cast<double>(demand.points), d = survey.dimension;
-  const double layer = std::pow(all, (d - 1) / d) * 2 * std::pow(static_cast<double>(n.k), 1 / d);
+  const std::size_t k = pass.plan.neighborhood.k;
   const std::uint64_t open =
-      n.k == Neighborhood::kUnlimited ? demand.slice_points : static_cast<std::uint64_t>(std::min(layer, all));
+      k == Neighborhood::kUnlimited ? demand.slice_points : estimate_open_points(survey, demand.points, k);
   const bool weighted = stage->connects->weighted();
   const std::uint64_t votes = stage->connects->votes() != nullptr ? stage->connects->votes()->bytes() : 0;
   demand.connect_bytes = (open + std::min(demand.points, kBucketPoints)) * (votes + (weighted ? 450 : 150));
+  demand.listed_edge_bytes = EdgeEmitter::bytes_per_neighbor(weighted);
 }
 
 MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand,

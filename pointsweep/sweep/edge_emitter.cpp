@@ -22,6 +22,7 @@ void EdgeEmitter::take(const ConnectingOperator& op, const Neighborhoods& in, co
   op.connect(in, edges_, ballots_.data());
   graph_.clear();
   for (std::size_t i = 0; i < batch.size; ++i) graph_.number_of(key_in(batch.own, i));
+  graph_.reserve(edges_.size());
   for (const NeighborEdge& e : edges_) {
     const std::uint32_t other = graph_.number_of(key_in(batch.slots[slot_of(e.neighbor)], index_of(e.neighbor)));
     graph_.add(e.point, other, e.weight, e.flips);
@@ -30,9 +31,10 @@ void EdgeEmitter::take(const ConnectingOperator& op, const Neighborhoods& in, co
   buckets_.put(graph_, batch.size, ballots_);
 }
 
-std::vector<PointKey> bucket_begins(const Stream& stream) {
+std::vector<PointKey> bucket_begins(const Stream& stream, std::span<const Vec3> places) {
   const int axis = stream.axis();
   std::vector<PointKey> begins;
+  for (const Vec3& place : places) begins.push_back({place, 0});
   for (const Slab& slab : stream.slabs()) {
     const bool is_one_place = slab.box.lo == slab.box.hi;  // copies of a point are divided by their rows
     begins.push_back({slab.box.lo, is_one_place ? slab.least_row : 0});

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pointsweep/connect/edge_buckets.h"
@@ -19,6 +20,12 @@ class EdgeEmitter {
   explicit EdgeEmitter(EdgeBuckets& buckets) : buckets_(buckets) {}
   void take(const ConnectingOperator& op, const Neighborhoods& in, const Batch& batch);
 
+  /// What the edges of a neighbour take in memory while the batch is in hand.
+  static constexpr std::uint64_t bytes_per_neighbor(bool weighted) {
+    constexpr std::uint64_t kGrowth = 2;  // of vectors
+    return kGrowth * sizeof(NeighborEdge) + EdgeBatch::bytes_per_edge(weighted);
+  }
+
  private:
   EdgeBuckets& buckets_;
   EdgeBatch graph_;
@@ -29,7 +36,8 @@ class EdgeEmitter {
 /// Points of a bucket, by and large.
 inline constexpr std::uint64_t kBucketPoints = 16384;
 
-/// Where buckets begin: with each slab, and in a large one so often that they hold about kBucketPoints.
-std::vector<PointKey> bucket_begins(const class Stream& stream);
+/// Where buckets begin: with each slab, in a large one so often that they hold about kBucketPoints if its points lie
+/// evenly along the axis, and at `places`.
+std::vector<PointKey> bucket_begins(const class Stream& stream, std::span<const Vec3> places);
 
 }  // namespace pointsweep

@@ -55,6 +55,21 @@ TEST(MemoryPlan, ExpectsNoMoreThanTheBudgetForAnyCloud) {
   }
 }
 
+/// Lists that become edges are shorter, so that both fit in what lists alone may take.
+TEST(MemoryPlan, ListsLeaveRoomForTheEdgesThatAreMadeOfThem) {
+  const MemoryPlan lists = plan_memory(256 * kMega, normals_plan(), twenty_million());
+  MemoryDemand demand = twenty_million();
+  demand.listed_edge_bytes = 156;
+  const MemoryPlan edges = plan_memory(256 * kMega, normals_plan(), demand);
+  EXPECT_LE(edges.lists_bytes / sizeof(NeighborRef) * (sizeof(NeighborRef) + 156), lists.lists_bytes);
+  EXPECT_GE(edges.lists_bytes / sizeof(NeighborRef) * (sizeof(NeighborRef) + 156), lists.lists_bytes / 2);
+  demand.most_neighbors = 100'000;  // of one point, which has to fit in any case
+  SweepPlan radius = normals_plan(Neighborhood::kUnlimited);
+  const std::uint64_t with = plan_memory(1024 * kMega, radius, demand).expected_bytes;
+  demand.listed_edge_bytes = 0;
+  EXPECT_GE(with, plan_memory(1024 * kMega, radius, demand).expected_bytes + 2 * 100'000 * 156);
+}
+
 SweepPlan three_steps(std::size_t k) {
   SweepPlan plan = normals_plan(k);
   plan.steps = {0, 0, 0, 0};

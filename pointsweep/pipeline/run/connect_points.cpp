@@ -125,7 +125,7 @@ SweepStatistics sweep_and_connect(RunState& run, std::size_t p, SweepOptions opt
   const Stage& stage = *pass.connecting_stage();
   const ConnectingOperator& op = *stage.connects;
   const RunScratch scratch(run);
-  EdgeBuckets edges(bucket_begins(*run.stream), run.stream->axis(), op.weighted(),
+  EdgeBuckets edges(bucket_begins(*run.stream, run.bucket_places), run.stream->axis(), op.weighted(),
                     op.votes() != nullptr ? op.votes()->ballot_bytes() : 0, scratch.make());
   SweepPlan plan = pass.plan;
   const ResultPart swept_part = take_swept_part(plan, stage), told_part = connected_part(pass.plan, stage);

@@ -2,6 +2,7 @@
 /// Puts the points of a pass, or the records of the output, in order along the axis.
 #include <algorithm>
 
+#include "pointsweep/pipeline/forest_estimate.h"
 #include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/run/made_rows.h"
 #include "pointsweep/pipeline/run/output_files.h"
@@ -77,6 +78,8 @@ void make_stream(RunState& run, const PointsInOrder& how) {
   } else if (!on_demand) {
     run.stream.emplace(how.source, how.survey, options);
   }
+  const bool connects = *run.pass < run.plan.passes.size() && run.plan.passes[*run.pass].connecting_stage() != nullptr;
+  if (connects) run.bucket_places = places_between_buckets(how.survey, run.source.count);
   how.survey.sample = {};
   note_nonfinite(run);
   if (run.statistics.ordering.empty()) run.statistics.ordering = run.memory.order_text;

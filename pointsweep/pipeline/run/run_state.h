@@ -39,9 +39,9 @@ struct RunState {
   const EngineOptions& options;
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   ChainPlan plan;
-  FiniteInput input;                    ///< made before the rows of the cloud are counted
+  FiniteInput input;                              ///< made before the rows of the cloud are counted
   std::vector<std::optional<OtherCloud>> others;  ///< that passes read beside the cloud, by pass
-  std::optional<DecodedInput> decoded;  ///< from the survey on, of inputs that are decoded once
+  std::optional<DecodedInput> decoded;            ///< from the survey on, of inputs that are decoded once
   Statistics statistics;
   OutputNames names;
 
@@ -54,6 +54,7 @@ struct RunState {
 
   std::optional<std::size_t> pass;      ///< whose phases run now; the number of passes: the output is put in order
   PointSource source;                   ///< the cloud as that pass sees it
+  std::vector<Vec3> bucket_places;      ///< between buckets of edges, if it connects points
   std::optional<Stream> stream;         ///< its points in order: from its order to its sweep
   std::unique_ptr<RowStore> results;    ///< what it makes: from its order to its update, or to the output
   std::unique_ptr<RowFile> rows;        ///< what the pass before has left
