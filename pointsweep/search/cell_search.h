@@ -36,12 +36,14 @@ struct GatheredPoints {
   std::vector<NeighborRef> ref;
   std::vector<std::uint32_t> end;  ///< of each leaf's points
   std::vector<std::uint64_t> key;
+  std::vector<std::uint32_t> bin_key, spare_key;  ///< as BinSort needs them
   std::vector<Candidate> run;
 
-  void reserve(std::size_t size) {
+  void reserve(std::size_t size, std::size_t padding) {
     if (size <= ref.size()) return;
     for (auto* c : {&x, &y, &z}) c->resize(size);
     ref.resize(size), key.resize(size);
+    bin_key.resize(size + padding), spare_key.resize(2 * size + padding);
   }
 };
 

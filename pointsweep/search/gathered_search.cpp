@@ -18,6 +18,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/math/front_lanes-inl.h"
+#include "pointsweep/search/bin_search-inl.h"
 #include "pointsweep/search/copies.h"
 #include "pointsweep/search/exact_order.h"
 #include "pointsweep/search/near_leaves-inl.h"
@@ -165,7 +166,8 @@ class GatheredSearch {
     constexpr std::size_t kMost = kMostGathered / kLeafCapacity;
     find_leaves(around, reach2, unlimited() ? std::numeric_limits<std::size_t>::max() : kMost);
     if (scratch_.leaves.size() > kMost) return false;
-    copy_leaves();
+    by_bins_ = true;
+    copy_leaves(leaf);
     return true;
   }
 
@@ -233,15 +235,16 @@ class GatheredSearch {
     return box;
   }
 
-  void copy_leaves() {
+  void copy_leaves(std::uint32_t leaf) {
     GatheredPoints& to = scratch_.gathered;
-    to.reserve(scratch_.leaves.size() * kLeafCapacity + kLeafCapacity);
+    to.reserve(scratch_.leaves.size() * kLeafCapacity + kLeafCapacity, BinSort::kPadding);
     to.end.clear();
     std::uint32_t n = 0;
     for (const std::uint64_t key : scratch_.leaves) {
       const std::uint32_t slot = scratch_.near[NearLeaf::place(key)].slot, l = NearLeaf::leaf(key);
       const Cell& cell = directory_.cell(slot);
       const std::uint32_t from = l * kLeafCapacity, size = cell.leaf_size(l);
+      if (slot == slot_ && l == leaf) own_begin_ = n;
       for (std::uint32_t i = 0; i < kLeafCapacity; ++i) {  // whole leaves; what is behind their end is overwritten
         to.x[n + i] = cell.x[from + i], to.y[n + i] = cell.y[from + i], to.z[n + i] = cell.z[from + i];
         to.ref[n + i] = make_ref(slot, from + i);
@@ -253,13 +256,44 @@ class GatheredSearch {
   void search_point(std::uint32_t i) {
     const Vec3 p = cell_.position(i);
     const double limit2 = reach2_after(length(p - settled_at_));
-    const std::size_t count = keep_within(limit2, p, make_ref(slot_, i), points_within(limit2));
+    const std::size_t candidates = points_within(limit2);
+    by_bins_ = by_bins_ && BinSearch::can_bin(limit2);
+    std::size_t count = by_bins_ ? append_by_bins(i, p, limit2, candidates) : 0;
+    if (!by_bins_) count = append_by_distances(i, p, limit2, candidates);
+    finish_point(i, count >= what_.k ? distance2(position(out_.refs.back()), p) : what_.radius2());
+  }
+
+  /// Adds the list of a point whose candidates are the first so many of those gathered. Returns how many of them are
+  /// within sqrt(limit2).
+  std::size_t append_by_distances(std::uint32_t i, Vec3 p, double limit2, std::size_t candidates) {
+    const std::size_t count = keep_within(limit2, p, make_ref(slot_, i), candidates);
     std::uint64_t* keys = scratch_.gathered.key.data();
     sort_(keys, count, hwy::SortAscending());
     const std::size_t size = std::min(count, what_.k);
     settle_ties(p, count, size);
     for (std::size_t j = 0; j < size; ++j) out_.refs.push_back(static_cast<NeighborRef>(keys[j]));
-    finish_point(i, count >= what_.k ? distance2(position(out_.refs.back()), p) : what_.radius2());
+    return count;
+  }
+
+  /// The same. Where too many share a bin, adds nothing and clears by_bins_.
+  std::size_t append_by_bins(std::uint32_t i, Vec3 p, double limit2, std::size_t candidates) {
+    BinSearch bins(scratch_.gathered, candidates, limit2);
+    const std::size_t count = bins.find(p, own_begin_ + i % kLeafCapacity, what_.k);
+    const std::size_t sorted = bins.sorted(), before = out_.refs.size();
+    by_bins_ = bins.sharing() <= 4 + sorted / 16;
+    if (!by_bins_) return 0;
+    out_.refs.resize(before + sorted);
+    bins.write(out_.refs.data() + before, [&](std::span<NeighborRef> refs) { order_refs(p, refs); });
+    out_.refs.resize(before + std::min(sorted, what_.k));
+    return count;
+  }
+
+  void order_refs(Vec3 p, std::span<NeighborRef> refs) {
+    std::vector<Candidate>& run = scratch_.gathered.run;
+    run.clear();
+    for (const NeighborRef ref : refs) run.push_back(candidate_from(directory_, ref, p));
+    std::sort(run.begin(), run.end(), nearer);
+    for (std::size_t j = 0; j < refs.size(); ++j) refs[j] = run[j].ref;
   }
 
   /// How many of the gathered points belong to leaves within sqrt(limit2) of the leaf searched.
@@ -346,7 +380,9 @@ class GatheredSearch {
   CellNeighbors& out_;
   const hwy::Sorter sort_;
   std::uint64_t most_ = 0;
-  double known2_ = 0;  ///< scratch_.near holds every cell within it of the cell's box
+  double known2_ = 0;            ///< scratch_.near holds every cell within it of the cell's box
+  std::uint32_t own_begin_ = 0;  ///< number of the first point of the leaf searched among the gathered
+  bool by_bins_ = true;          ///< until in a leaf too many neighbours share bins
   Vec3 settled_at_;
   double settled_reach_ = std::numeric_limits<double>::infinity();
 };

@@ -334,6 +334,38 @@ TEST(CellSearch, SomePointsOfACellHaveTheListsTheyHaveInTheWholeCell) {
   }
 }
 
+/// So long that they are sorted in parts of parts.
+TEST(CellSearch, LongListsEqualBruteForce) {
+  std::mt19937_64 rng(17);
+  for (const auto& [name, shape] : shapes()) {
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < 6000; ++i) points.push_back(shape(rng));
+    double far = 0;
+    for (const Vec3& p : points) far = std::max(far, length(p - points[0]));
+    Cells cells(points, 1024);
+    const std::vector<std::uint32_t> chosen = {0, 7, 400, 401};
+    SearchScratch scratch;
+    CellNeighbors found;
+    for (const Neighborhood& what :
+         {Neighborhood{.k = 129}, Neighborhood{.k = 1000}, Neighborhood{.k = 5000},
+          Neighborhood{.k = Neighborhood::kUnlimited, .radius = far / 3}, Neighborhood{.k = 2000, .radius = far / 2}}) {
+      SCOPED_TRACE(name + ", k " + std::to_string(what.k));
+      search_chosen(cells.directory, 1, chosen, ~std::uint64_t{0}, what, scratch, found);
+      ASSERT_EQ(found.size(), chosen.size());
+      for (std::size_t n = 0; n < chosen.size(); ++n) {
+        const auto row = static_cast<std::uint32_t>(cells.directory.cell(1).row[chosen[n]]);
+        std::vector<std::uint32_t> rows;
+        for (std::uint32_t j = found.begin[n]; j < found.begin[n + 1]; ++j) {
+          const NeighborRef ref = found.refs[j];
+          rows.push_back(static_cast<std::uint32_t>(cells.directory.cell(slot_of(ref)).row[index_of(ref)]));
+        }
+        const std::size_t most = std::min(what.k, points.size());
+        ASSERT_EQ(rows, brute_force_neighbors_of(points, row, most, what.radius)) << "point " << chosen[n];
+      }
+    }
+  }
+}
+
 TEST(CellSearch, ARadiusThatHoldsMoreThanIsGatheredGivesTheSameLists) {
   for (const auto& [name, shape] : shapes()) {
     if (name != "volume" && name != "grid, full of ties" && name != "few places and points between") continue;
