@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "cli/checked_stages.h"
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
 #include "cli/pipeline_run.h"
@@ -17,16 +18,10 @@
 #include "pointsweep/formats/cloud_reader.h"
 #include "pointsweep/formats/input_list.h"
 #include "pointsweep/formats/registry.h"
-#include "pointsweep/operators/connecting_operator.h"
-#include "pointsweep/operators/drop.h"
 #include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/operators/ordered_operator.h"
-#include "pointsweep/operators/voxel_centroid.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/finite_input.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/verify/cloud_formula.h"
-#include "pointsweep/verify/kept_rows.h"
 #include "pointsweep/verify/outlier_threshold.h"
 #include "pointsweep/verify/verify.h"
 
@@ -133,93 +128,24 @@ VerifyCommand completed(VerifyCommand command) {
 }
 
 /// Leaves out the points that the run has left out.
-void drop_nonfinite(const VerifyCommand& command, InputCloud& cloud) {
+NonfiniteRows left_out(const VerifyCommand& command, InputCloud& cloud) {
   Outputs outputs{.tiles = command.tiles};
   if (command.tiles.empty()) outputs.points = command.paths.output();
-  if (nonfinite_rule(cloud, outputs, command.common.nonfinite) != Nonfinite::drop) return;
-  const NonfiniteRows dropped = cloud.drop_nonfinite();
+  if (nonfinite_rule(cloud, outputs, command.common.nonfinite) != Nonfinite::drop) return {};
+  return cloud.drop_nonfinite();
+}
+
+std::shared_ptr<InputCloud> opened_again(const VerifyCommand& command) {
+  auto cloud = std::make_shared<InputCloud>(command.paths.inputs(), cloud_options(command.common));
+  left_out(command, *cloud);
+  return cloud;
+}
+
+void drop_nonfinite(const VerifyCommand& command, InputCloud& cloud) {
+  const NonfiniteRows dropped = left_out(command, cloud);
   if (dropped.count > 0 && !command.common.quiet)
     fmt::print("left out     {} points of the input whose coordinates are not finite; rows count the others\n",
                dropped.count);
-}
-
-/// What is made again behind a new neighbourhood is not checked.
-void keep_what_is_told(MadeBy& made) {
-  if (made.keep.empty())
-    for (const auto& op : made.operators)
-      for (const Attribute& a : op->contract().makes) made.keep.push_back(a.name);
-  for (const Attribute& again : made.unchecked) std::erase(made.keep, again.name);
-  if (made.keep.empty()) made.operators.clear();
-}
-
-/// Its values are those of a raster, of a search, or of a graph over the whole cloud.
-bool depends_on_all_points(const GraphNode& node) {
-  return dynamic_cast<const OrderedOperator*>(node.op.get()) != nullptr ||
-         dynamic_cast<const ConnectingOperator*>(node.op.get()) != nullptr;
-}
-
-/// Whether a sample of the input, and all its points where they are, tell what the stage makes.
-bool is_told_by_input(const GraphNode& node) {
-  return !depends_on_all_points(node) || (!node.position && has_cloud_formula(*node.op));
-}
-
-bool reads_any(const GraphNode& node, const std::set<std::size_t>& versions) {
-  const auto is_one = [&](std::size_t v) { return versions.contains(v); };
-  return std::ranges::any_of(node.reads, is_one) || std::ranges::any_of(node.reads_neighbors, is_one);
-}
-
-/// What the stages of a plan make, as far as the input can tell: up to the first new neighbourhood, and not from all
-/// points of a cloud that has moved. The selects at the beginning are not among them.
-MadeBy made_by(const ChainPlan& plan) {
-  const Neighborhood& first = plan.graph.nodes.front().neighborhood;
-  const bool all = first.k == Neighborhood::kUnlimited;
-  MadeBy made{.neighborhood = {.k = all ? NeighborRule::kUnlimited : first.k, .radius = first.radius},
-              .rule = first.rule,
-              .keep = plan.chain.keep};
-  bool is_told = true;
-  std::set<std::size_t> unknown;  // versions
-  for (std::size_t n = 1; n < plan.graph.nodes.size(); ++n) {
-    const GraphNode& node = plan.graph.nodes[n];
-    is_told &= node.kind != NodeKind::neighborhood;
-    if (node.kind != NodeKind::stage) continue;
-    if (is_told && is_told_by_input(node) && !reads_any(node, unknown)) {
-      made.operators.push_back(node.op);
-      continue;
-    }
-    for (const std::size_t v : node.makes) made.unchecked.push_back(plan.graph.versions[v].attribute);
-    unknown.insert(node.makes.begin(), node.makes.end());
-  }
-  if (!made.unchecked.empty()) keep_what_is_told(made);
-  return made;
-}
-
-/// What --keep has left out of the output.
-void leave_out(const KeptFields& named, const std::string& prefix, const Schema& input, MadeBy& made) {
-  const KeptFields kept = prefix.empty() ? without_replaced(named, input) : named;
-  for (const std::string& field : kept.left_out) made.left_out_made.insert(prefix + field);
-  if (!kept.input) return;
-  for (std::size_t f = 0; f < input.fields.size(); ++f)
-    if (std::ranges::find(*kept.input, f) == kept.input->end()) made.left_out_input.insert(input.fields[f].name);
-}
-
-/// Selects the rows that the first stages keep. Throws UsageError for a select behind other stages.
-void select_rows(const VerifyOptions& options, InputCloud& cloud, const ChainGraph& graph) {
-  std::vector<std::shared_ptr<const Operator>> first;
-  bool others = false;
-  for (std::size_t n = 1; n < graph.nodes.size(); ++n) {
-    const GraphNode& node = graph.nodes[n];
-    if (dynamic_cast<const AllRows*>(node.op.get()) != nullptr) continue;
-    if (dynamic_cast<const KeepVoxelMeans*>(node.op.get()) != nullptr)
-      fail_usage("verify: 'voxel' with keep=centroid is not checked; verify the output of the stages before it.");
-    if (node.kind == NodeKind::select && others)
-      fail_usage(
-          "verify: the stage '{}' leaves out rows after other stages, and a sample of the input does not tell which; "
-          "verify the output of the stages before it.",
-          node.op->name());
-    if (node.kind == NodeKind::select) first.push_back(node.op);
-    others |= node.kind != NodeKind::select;
-  }
-  select_kept_rows(cloud, first, options.memory_bytes, options.progress);
 }
 
 void refuse_resorted(const VerifyCommand& command, const ChainGraph& graph) {
@@ -294,8 +220,9 @@ MadeBy made_by_pipeline(const VerifyCommand& command, const VerifyOptions& optio
   refuse_resorted(command, plan.graph);
   const bool all_are_dropped = plan.graph.drops && plan.made.empty();
   if (!command.keep.empty() || plan.graph.drops) plan.chain.keep = plan.kept.attributes;
-  select_rows(options, cloud, plan.graph);
+  const auto before_means = select_rows(options, cloud, plan.graph, [&] { return opened_again(command); });
   MadeBy made = made_by(plan);
+  made.before_means = before_means;
   if (all_are_dropped) made.operators.clear();
   leave_out(plan.kept, command.common.prefix, cloud.schema(), made);
   // Outliers are compared with the mean distances in the output, which are compared with the input.

@@ -34,6 +34,7 @@ class VoxelMeans final : public OrderedOperator {
   Vec3 place_of(Vec3 position) const override;
   std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
   std::uint64_t least_bytes(std::span<const Vec3>, int) const override { return 1 << 20; }
+  double size() const { return size_; }
 
  private:
   double size_;
@@ -47,6 +48,7 @@ class TakeVoxelMeans final : public Operator {
   Contract contract() const override;
   std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
+  const std::vector<AveragedAttribute>& averaged() const { return averaged_; }
 
  private:
   std::vector<AveragedAttribute> averaged_;

@@ -47,12 +47,16 @@ std::optional<ColumnSource> ChainValues::source_of(std::uint16_t column, const O
 }
 
 CloudInput ChainValues::cloud_input(const Stage& stage, CloudRows& rows) const {
-  return {.rows = rows, .reads = stage.sources, .neighborhood = neighborhood_, .has_rule = static_cast<bool>(rule_)};
+  return {.rows = rows,
+          .reads = stage.sources,
+          .neighborhood = neighborhood_,
+          .has_rule = static_cast<bool>(rule_),
+          .before_means = before_means_};
 }
 
 std::vector<std::string> ChainValues::look_at_cloud(CloudRows& rows, const NeighborRule& neighborhood,
-                                                    const OutputColumns& in_output) {
-  neighborhood_ = neighborhood;
+                                                    InputCloud* before_means, const OutputColumns& in_output) {
+  neighborhood_ = neighborhood, before_means_ = before_means;
   std::vector<std::string> untold;
   for (Stage& stage : stages_) {
     if (!stage.cloud || stage.ring < 0) continue;

@@ -38,7 +38,7 @@ class ChainValues {
   const std::vector<Attribute>& made() const { return made_; }
   /// Lets the stages that depend on all points look at these; before evaluate(). Returns a sentence for each stage that
   /// cannot be checked, which names what it makes and says why.
-  std::vector<std::string> look_at_cloud(CloudRows& rows, const NeighborRule& neighborhood,
+  std::vector<std::string> look_at_cloud(CloudRows& rows, const NeighborRule& neighborhood, InputCloud* before_means,
                                          const OutputColumns& in_output);
   /// Whether made()[a] can be evaluated.
   bool is_told(std::size_t a) const;
@@ -105,6 +105,7 @@ class ChainValues {
 
   SharedRule rule_;
   NeighborRule neighborhood_;
+  InputCloud* before_means_ = nullptr;
   RuleFormula rule_formula_;
   std::vector<std::uint16_t> rule_reads_;
   std::vector<Stage> stages_;

@@ -12,10 +12,12 @@
 #include "pointsweep/operators/m3c2.h"
 #include "pointsweep/operators/orient.h"
 #include "pointsweep/operators/segments.h"
+#include "pointsweep/operators/voxel_centroid.h"
 #include "pointsweep/verify/change_formulas.h"
 #include "pointsweep/verify/graph_formulas.h"
 #include "pointsweep/verify/ground_formula.h"
 #include "pointsweep/verify/height_formula.h"
+#include "pointsweep/verify/voxel_formula.h"
 
 namespace pointsweep {
 namespace {
@@ -39,7 +41,8 @@ const ColumnSource& CloudInput::source(std::size_t read) const {
 }
 
 bool has_cloud_formula(const Operator& op) {
-  return is_one_of<DistanceTo, M3c2, Height, Ground, ConnectedComponents, ClustersOfCores, Segments, NormalSigns>(op);
+  return is_one_of<DistanceTo, M3c2, Height, Ground, ConnectedComponents, ClustersOfCores, Segments, NormalSigns,
+                   VoxelMeans, TakeVoxelMeans>(op);
 }
 
 std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers) {
@@ -51,6 +54,8 @@ std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<con
   if (const auto* clusters = as<ClustersOfCores>(&op)) return graph_formula_of(*clusters, as<CorePoints>(makers[0]));
   if (const auto* segments = as<Segments>(&op)) return graph_formula_of(*segments);
   if (const auto* signs = as<NormalSigns>(&op)) return graph_formula_of(*signs);
+  if (const auto* means = as<VoxelMeans>(&op)) return voxel_formula_of(*means);
+  if (const auto* taken = as<TakeVoxelMeans>(&op)) return voxel_formula_of(*taken, as<VoxelMeans>(makers[0]));
   return nullptr;
 }
 

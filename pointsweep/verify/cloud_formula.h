@@ -26,7 +26,8 @@ struct CloudInput {
   CloudRows& rows;
   std::vector<std::optional<ColumnSource>> reads;  ///< of all rows, in the order of the contract; none: nowhere
   NeighborRule neighborhood;
-  bool has_rule;  ///< which keeps a part of the neighbours
+  bool has_rule;                       ///< which keeps a part of the neighbours
+  InputCloud* before_means = nullptr;  ///< all points of the voxels of which each point is the only one left
 
   /// Throws NotTold if the values of a read are nowhere.
   const ColumnSource& source(std::size_t read) const;

@@ -95,11 +95,12 @@ Mask by_region(InputCloud& cloud, const Crop& op, const PhaseProgress& progress)
       for (const Point2& corner : ring) rings.back().push_back({corner.x, corner.y});
     }
   }
+  const formulas::EdgesAlongX edges(polygons);
   Mask kept(cloud.count());
   RowSource source(cloud);
   for_each_position(source, "reading", progress, [&](std::uint64_t row, Vec3 p) {
-    const bool inside = formulas::is_in_box(coordinates(p), op.options().bounds) &&
-                        (polygons.empty() || formulas::is_in_polygons({p.x, p.y}, polygons));
+    const bool inside =
+        formulas::is_in_box(coordinates(p), op.options().bounds) && (polygons.empty() || edges.hold({p.x, p.y}));
     kept[row] = inside != op.options().outside;
   });
   return kept;

@@ -198,7 +198,8 @@ class Verification {
     std::vector<std::uint64_t> places = rows_;  // of the sample in the output
     if (axis_ >= 0) places = sweep_rows(in_, rows_, axis_, options_.progress), ++verdict_.passes;
     CloudRows rows(in_, out_, axis_, options_.memory_bytes, options_.progress);
-    for (std::string& untold : chain_.look_at_cloud(rows, made_by_.neighborhood, columns_of_output()))
+    for (std::string& untold :
+         chain_.look_at_cloud(rows, made_by_.neighborhood, made_by_.before_means.get(), columns_of_output()))
       verdict_.untold.push_back(std::move(untold));
     drop_untold();
     const std::size_t turn = points_in_a_turn();

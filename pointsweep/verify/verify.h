@@ -40,6 +40,8 @@ struct MadeBy {
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
   /// Made too, but from neighbours of moved points, which no sample of the input tells: they are not checked.
   std::vector<Attribute> unchecked = {};
+  /// With voxel(keep=centroid): all points, of which the input of the check holds one of each voxel.
+  std::shared_ptr<InputCloud> before_means = {};
   /// The threshold of outliers, found in the output (outlier_threshold.h).
   CloudThreshold outlier_threshold = {};
   /// Fields that were not written: of kept made attributes, and of the input under the input's own names.

@@ -87,7 +87,7 @@ class VerifyOperators : public Tool {
         if (name == "closed surface")
           for (const std::string& field : fields) found(field, 123, kPoints, what + ", " + order);
       }
-      if (fields.front() != "normal_turned" || is_determined()) found(fields.front(), 1, 4, what);
+      if (fields.front() != "normal_turned" || is_determined()) found(fields.front(), 0, 4, what);
       run(pipeline, "--no-provenance");
       same("in.ply out.ply --pipeline '" + pipeline + "'", what);
     }
@@ -136,6 +136,11 @@ TEST_F(VerifyOperators, SignsOfNormals) {
 TEST_F(VerifyOperators, Ground) {
   checks("ground(cell=0.1, window=0.4, threshold=0.05, slope=0.3)", {"classification"});
   checks("ground(cell=0.5, window=2, noise=yes) | height(k=2)", {"height"});
+}
+
+TEST_F(VerifyOperators, MeansOfVoxels) {
+  checks("voxel(0.3, keep=centroid)", {"x", "z", "nx", "intensity"});
+  checks("where(x > -0.6) | voxel(0.05, keep=centroid)", {"y"});
 }
 
 TEST_F(VerifyOperators, SeveralInputsAndRowsThatWereLeftOut) {

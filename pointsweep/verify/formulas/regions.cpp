@@ -2,6 +2,7 @@
 #include "pointsweep/verify/formulas/regions.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace pointsweep::formulas {
@@ -52,23 +53,11 @@ int side_of(const Corner& p, Corner a, Corner b) {
   return sum.sign();
 }
 
-bool is_in_polygon(const Corner& p, const PolygonRings& rings) {
-  bool inside = false;
-  for (const auto& ring : rings) {
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      Corner a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
-      if (a[0] > b[0]) std::swap(a, b);
-      if (p[0] < a[0] || p[0] > b[0]) continue;
-      if (a[0] == b[0]) {  // upright: the ray from p straight up does not cross it
-        if (p[1] >= std::min(a[1], b[1]) && p[1] <= std::max(a[1], b[1])) return true;
-        continue;
-      }
-      const int side = side_of(p, a, b);
-      if (side == 0) return true;
-      if (side < 0 && p[0] > a[0]) inside = !inside;  // of two edges that meet above p one counts, or both or none
-    }
-  }
-  return inside;
+/// The same where p is not beside the edge; most points are above or below both ends.
+int quick_side_of(const Corner& p, const Corner& a, const Corner& b) {
+  if (p[1] > a[1] && p[1] > b[1]) return 1;
+  if (p[1] < a[1] && p[1] < b[1]) return -1;
+  return side_of(p, a, b);
 }
 
 }  // namespace
@@ -80,10 +69,64 @@ bool is_in_box(const std::array<double, 3>& p, std::span<const double> bounds) {
   return true;
 }
 
-bool is_in_polygons(const Corner& p, std::span<const PolygonRings> polygons) {
+EdgesAlongX::EdgesAlongX(std::span<const PolygonRings> polygons) {
+  for (const PolygonRings& rings : polygons) {
+    for (const auto& ring : rings)
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        Corner a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
+        if (a[0] > b[0]) std::swap(a, b);
+        edges_.push_back({a, b, polygons_});
+        ends_.push_back(a[0]), ends_.push_back(b[0]);
+      }
+    ++polygons_;
+  }
+  std::sort(ends_.begin(), ends_.end());
+  ends_.erase(std::unique(ends_.begin(), ends_.end()), ends_.end());
+  stretches_ = std::bit_ceil(2 * ends_.size() + 1);
+  listed_.resize(2 * stretches_);
+  for (std::uint32_t e = 0; e < edges_.size(); ++e) list(e, 1, 0, stretches_ - 1);
+}
+
+/// `node` stands for the stretches from `first` to `last`.
+void EdgesAlongX::list(std::uint32_t edge, std::size_t node, std::size_t first, std::size_t last) {
+  const auto at = [&](double x) {
+    return 2 * static_cast<std::size_t>(std::lower_bound(ends_.begin(), ends_.end(), x) - ends_.begin());
+  };
+  const std::size_t begin = at(edges_[edge].left[0]), end = at(edges_[edge].right[0]);
+  if (begin > last || end < first) return;
+  if (begin <= first && last <= end) return listed_[node].push_back(edge);
+  const std::size_t middle = (first + last) / 2;
+  list(edge, 2 * node, first, middle);
+  list(edge, 2 * node + 1, middle + 1, last);
+}
+
+bool EdgesAlongX::hold(const Corner& p) const {
   if (!std::isfinite(p[0]) || !std::isfinite(p[1])) return false;
-  return std::any_of(polygons.begin(), polygons.end(),
-                     [&](const PolygonRings& rings) { return is_in_polygon(p, rings); });
+  const auto above = std::upper_bound(ends_.begin(), ends_.end(), p[0]);
+  if (above == ends_.begin()) return false;
+  const auto i = static_cast<std::size_t>(above - ends_.begin()) - 1;
+  std::vector<std::uint32_t> crossed;  // polygons, once for each edge above p
+  for (std::size_t node = stretches_ + 2 * i + (ends_[i] == p[0] ? 0 : 1); node > 0; node /= 2) {
+    for (const std::uint32_t number : listed_[node]) {
+      const Edge& e = edges_[number];
+      if (e.left[0] == e.right[0]) {  // upright: the ray from p straight up does not cross it
+        if (p[1] >= std::min(e.left[1], e.right[1]) && p[1] <= std::max(e.left[1], e.right[1])) return true;
+        continue;
+      }
+      const int side = quick_side_of(p, e.left, e.right);
+      if (side == 0) return true;
+      // Of two edges that meet above p one counts, or both or none.
+      if (side < 0 && p[0] > e.left[0]) crossed.push_back(e.polygon);
+    }
+  }
+  std::sort(crossed.begin(), crossed.end());
+  for (std::size_t c = 0; c < crossed.size();) {
+    std::size_t end = c;
+    while (end < crossed.size() && crossed[end] == crossed[c]) ++end;
+    if ((end - c) % 2 == 1) return true;
+    c = end;
+  }
+  return false;
 }
 
 }  // namespace pointsweep::formulas

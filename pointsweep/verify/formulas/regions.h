@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -15,8 +17,29 @@ using PolygonRings = std::vector<std::vector<Corner>>;
 /// Whether the first `bounds.size()` / 2 coordinates of p lie between the two corners of the box, or on its faces.
 bool is_in_box(const std::array<double, 3>& p, std::span<const double> bounds);
 
-/// Whether p lies in one of the polygons, by the even-odd rule, or on an edge. Exact unless magnitudes of coordinates
-/// differ by more than 2^400. Looks at every edge.
-bool is_in_polygons(const Corner& p, std::span<const PolygonRings> polygons);
+/// Polygons whose edges are found by where they lie along x.
+class EdgesAlongX {
+ public:
+  explicit EdgesAlongX(std::span<const PolygonRings> polygons);
+
+  /// Whether p lies in one of the polygons, by the even-odd rule, or on an edge. Exact unless magnitudes of coordinates
+  /// differ by more than 2^400. Looks at every edge above and below p, and at no other.
+  bool hold(const Corner& p) const;
+
+ private:
+  struct Edge {
+    Corner left, right;
+    std::uint32_t polygon;
+  };
+  void list(std::uint32_t edge, std::size_t node, std::size_t first, std::size_t last);
+
+  /// A binary tree over the stretches between neighbouring corners: stretch 2 i is at ends_[i], stretch 2 i + 1 behind
+  /// it. An edge is listed in the fewest nodes that make up its extent.
+  std::vector<double> ends_;
+  std::vector<Edge> edges_;
+  std::vector<std::vector<std::uint32_t>> listed_;
+  std::size_t stretches_ = 0;  ///< a power of two
+  std::uint32_t polygons_ = 0;
+};
 
 }  // namespace pointsweep::formulas

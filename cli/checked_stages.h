@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+/// Which stages of a run `verify` can check, and on which rows of the input.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/verify/verify.h"
+
+namespace pointsweep {
+
+/// What the stages of a plan make, as far as the input can tell: up to the first new neighbourhood, and not from all
+/// points of a cloud that has moved. The selects at the beginning are not among them.
+MadeBy made_by(const ChainPlan& plan);
+
+/// What --keep has left out of the output.
+void leave_out(const KeptFields& named, const std::string& prefix, const Schema& input, MadeBy& made);
+
+/// Selects the rows that the first stages keep. With voxel(keep=centroid) after these, returns the cloud before it,
+/// which `open_again` opens. Throws UsageError for a select behind other stages.
+std::shared_ptr<InputCloud> select_rows(const VerifyOptions& options, InputCloud& cloud, const ChainGraph& graph,
+                                        const std::function<std::shared_ptr<InputCloud>()>& open_again);
+
+}  // namespace pointsweep

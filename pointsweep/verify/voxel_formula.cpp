@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/voxel_formula.h"
+
+#include <array>
+#include <cstring>
+#include <unordered_map>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/operators/voxel_centroid.h"
+#include "pointsweep/verify/formulas/mean.h"
+#include "pointsweep/verify/formulas/thinning.h"
+
+namespace pointsweep {
+namespace {
+
+using formulas::Estimate;
+
+class Unwritten final : public CloudFormula {
+ public:
+  explicit Unwritten(std::size_t values) : values_(values) {}
+  void prepare(const CloudInput&) override {}
+  std::vector<std::vector<Estimate>> evaluate(std::span<const CloudPoint> points, const CloudInput&) override {
+    return {points.size(), std::vector<Estimate>(values_, formulas::open())};
+  }
+
+ private:
+  std::size_t values_;
+};
+
+struct VoxelHash {
+  std::size_t operator()(const formulas::Coordinates& voxel) const {
+    return static_cast<std::size_t>(formulas::hash_of(voxel, 0));
+  }
+};
+
+class MeanFormula final : public CloudFormula {
+ public:
+  MeanFormula(const TakeVoxelMeans& op, std::optional<double> size) : averaged_(op.averaged()), size_(size) {}
+
+  void prepare(const CloudInput& in) override {
+    if (!size_ || in.before_means == nullptr) throw NotTold("its voxels are not known");
+    fields_.clear();
+    for (const AveragedAttribute& a : averaged_)
+      for (const Attribute& read : a.reads)
+        for (const std::string& name : read.fields) {
+          const auto at = in.before_means->schema().find(name);
+          if (!at) throw NotTold("it averages what earlier stages made");
+          fields_.push_back(in.before_means->schema().fields[*at]);
+        }
+  }
+
+  std::vector<std::vector<Estimate>> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
+    std::unordered_map<formulas::Coordinates, std::vector<formulas::Mean>, VoxelHash> means;
+    for (const CloudPoint& p : points) means.try_emplace(voxel_of(p.at.position), 3 + fields_.size());
+    RowSource source(*in.before_means);
+    const PositionFields position = position_fields(source.schema(), source.name());
+    for (std::uint64_t first = 0; first < source.count();) {
+      stop_if_cancelled();
+      const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(source.block_rows(), source.count() - first));
+      const std::span<const std::byte> records = source.read(first, n);
+      for (std::size_t i = 0; i < n; ++i) take(records.data() + i * source.schema().stride, position, means);
+      first += n;
+      if (in.rows.progress()) in.rows.progress()("averaging", first, source.count());
+    }
+    std::vector<std::vector<Estimate>> made;
+    for (const CloudPoint& p : points) made.push_back(estimates_of_means(means.at(voxel_of(p.at.position))));
+    return made;
+  }
+
+ private:
+  formulas::Coordinates voxel_of(Vec3 p) const {
+    formulas::Coordinates voxel = formulas::voxel_of({p.x, p.y, p.z}, *size_);
+    for (double& v : voxel) v += 0.0;
+    return voxel;
+  }
+
+  template <class Means>
+  void take(const std::byte* record, const PositionFields& position, Means& means) const {
+    const Vec3 p{value_of(position.x, record), value_of(position.y, record), value_of(position.z, record)};
+    if (!is_finite(p)) return;
+    const auto found = means.find(voxel_of(p));
+    if (found == means.end()) return;
+    for (std::size_t a = 0; a < 3; ++a) found->second[a].add(p[static_cast<int>(a)]);
+    for (std::size_t f = 0; f < fields_.size(); ++f) found->second[3 + f].add(value_of(fields_[f], record));
+  }
+
+  /// The position, then each attribute.
+  std::vector<Estimate> estimates_of_means(const std::vector<formulas::Mean>& means) const {
+    std::vector<Estimate> made = {formulas::mean_vector({means[0], means[1], means[2]})};
+    std::size_t next = 3;
+    for (const AveragedAttribute& a : averaged_) {
+      const Type type = a.made.type;
+      if (a.is_direction)
+        made.push_back(formulas::mean_direction({means[next], means[next + 1], means[next + 2]}));
+      else
+        made.push_back(type == Type::f64   ? means[next].real()
+                       : type == Type::f32 ? means[next].single()
+                                           : means[next].whole());
+      next += a.made.fields.size();
+    }
+    return made;
+  }
+
+  std::vector<AveragedAttribute> averaged_;
+  std::optional<double> size_;
+  std::vector<Field> fields_;  ///< of the input, one after another those of each attribute
+};
+
+}  // namespace
+
+std::unique_ptr<CloudFormula> voxel_formula_of(const VoxelMeans& op) {
+  return std::make_unique<Unwritten>(op.contract().makes.front().fields.size());
+}
+
+std::unique_ptr<CloudFormula> voxel_formula_of(const TakeVoxelMeans& op, const VoxelMeans* means) {
+  return std::make_unique<MeanFormula>(op, means != nullptr ? std::optional(means->size()) : std::nullopt);
+}
+
+}  // namespace pointsweep
