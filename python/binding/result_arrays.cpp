@@ -4,10 +4,8 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
-#include <sys/mman.h>
 
 #include <algorithm>
-#include <new>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/fixed_copy.h"
@@ -44,21 +42,9 @@ Type result_type(const Field& field) {
   return field.bit_width <= 8 ? Type::u8 : field.bit_width <= 16 ? Type::u16 : Type::u32;
 }
 
-ArrayMemory::ArrayMemory(std::size_t size) {
-  constexpr std::size_t kLargePage = std::size_t{2} << 20;
-  const bool is_large = size >= 2 * kLargePage;
-  const std::size_t whole = (size + kLargePage - 1) / kLargePage * kLargePage;
-  void* const made = is_large ? std::aligned_alloc(kLargePage, whole) : std::malloc(std::max(size, std::size_t{1}));
-  if (made == nullptr) throw std::bad_alloc();
-  bytes.reset(static_cast<std::byte*>(made));
-#ifdef MADV_HUGEPAGE
-  if (is_large) (void)::madvise(made, whole, MADV_HUGEPAGE);
-#endif
-}
-
 nb::object numpy_array(ArrayMemory memory, const std::vector<std::size_t>& shape, Type type) {
   std::byte* const bytes = memory.bytes.release();
-  nb::capsule owner(bytes, [](void* held) noexcept { std::free(held); });
+  nb::capsule owner(bytes, [](void* held) noexcept { delete[] static_cast<std::byte*>(held); });
   return nb::cast(
       nb::ndarray<nb::numpy>(bytes, shape.size(), shape.data(), owner, /*strides=*/nullptr, dtype_of(type)));
 }

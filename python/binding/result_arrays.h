@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -23,14 +22,10 @@
 
 namespace pointsweep {
 
-/// Memory that is not set to 0 before it is written. Where it is large, large pages are asked for: with them the system
-/// takes a fraction of the time to find it. Throws std::bad_alloc.
+/// Memory that is not set to 0 before it is written.
 struct ArrayMemory {
-  struct Free {
-    void operator()(std::byte* held) const { std::free(held); }
-  };
-  std::unique_ptr<std::byte[], Free> bytes;
-  explicit ArrayMemory(std::size_t size);
+  std::unique_ptr<std::byte[]> bytes;
+  explicit ArrayMemory(std::size_t size) : bytes(new std::byte[size]) {}
 };
 
 /// An array of NumPy that owns `memory`.
