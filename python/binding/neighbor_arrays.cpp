@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "python/binding/neighbor_arrays.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -8,13 +10,36 @@
 #include <span>
 #include <utility>
 
+#include "pointsweep/fail.h"
+
 namespace nb = nanobind;
 
 namespace pointsweep {
+namespace {
+
+/// Throws Error if so many distances and rows of `row_bytes` are larger than the memory of the machine.
+void require_memory(double values, std::size_t row_bytes) {
+  const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  const double needed = values * static_cast<double>(row_bytes + sizeof(double));
+  if (needed > there)
+    fail(
+        "the neighbours would take {:.0f} GB, and this machine has {:.0f} GB: ask for fewer (k), or write them to "
+        "files "
+        "with the tool's verb neighbors.",
+        needed / 1e9, there / 1e9);
+}
+
+Type row_type_for(std::uint64_t points, std::size_t k) {
+  const Type type = points >= std::numeric_limits<std::uint32_t>::max() ? Type::u64 : Type::u32;
+  require_memory(static_cast<double>(points) * static_cast<double>(k), size_of(type));
+  return type;
+}
+
+}  // namespace
 
 NeighborArrays::NeighborArrays(std::size_t k, std::uint64_t points)
     : k_(k),
-      row_type_(points >= std::numeric_limits<std::uint32_t>::max() ? Type::u64 : Type::u32),
+      row_type_(row_type_for(points, k)),
       rows_(points * k * size_of(row_type_)),
       distances_(points * k * sizeof(double)) {}
 

@@ -246,8 +246,8 @@ def neighbors(
             lists = _core.radius_neighbors(source.inputs, number("radius", radius), given, shown, warn)
         return RadiusNeighbors(*lists)
     count = 16 if k is None else whole("k", k)
-    if count < 1:
-        raise UsageError(f"k: {count} is not a number of neighbours; choose 1 or more.")
+    if not 1 <= count < 2**32:
+        raise UsageError(f"k: {count} is not a number of neighbours; choose 1 or more, below 2**32.")
     limit = math.inf if radius is None else number("radius", radius)
     with called(progress) as shown:
         return Neighbors(*_core.neighbors(source.inputs, count, limit, given, shown, warn))

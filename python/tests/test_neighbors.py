@@ -113,3 +113,9 @@ def test_neighbors_are_in_memory_once():
     held = status("VmRSS")
     indices, distances = ps.neighbors(xyz, k=64, memory="100M")
     assert status("VmHWM") - held < 1.5 * (indices.nbytes + distances.nbytes)
+
+
+@pytest.mark.parametrize("k, error", [(0, ps.UsageError), (2**32 - 1, ps.Error), (2**62, ps.UsageError), (2**64, ps.UsageError)])
+def test_more_neighbors_than_memory_holds_are_refused(surface, k, error):
+    with pytest.raises(error, match="fewer" if error is ps.Error else "number of neighbours"):
+        ps.neighbors(surface, k=k)
