@@ -49,6 +49,7 @@ std::optional<ColumnSource> ChainValues::source_of(std::uint16_t column, const O
 CloudInput ChainValues::cloud_input(const Stage& stage, CloudRows& rows) const {
   return {.rows = rows,
           .reads = stage.sources,
+          .makes = stage.targets,
           .neighborhood = neighborhood_,
           .has_rule = static_cast<bool>(rule_),
           .before_means = before_means_};
@@ -61,14 +62,19 @@ std::vector<std::string> ChainValues::look_at_cloud(CloudRows& rows, const Neigh
   for (Stage& stage : stages_) {
     if (!stage.cloud || stage.ring < 0) continue;
     for (const std::uint16_t column : stage.reads) stage.sources.push_back(source_of(column, in_output));
+    for (const std::uint16_t column : stage.makes) stage.targets.push_back(source_of(column, in_output));
+    std::string why;
     try {
       stage.cloud->prepare(cloud_input(stage, rows));
-    } catch (const NotTold& why) {
+      why = stage.cloud->limits();
+    } catch (const NotTold& reason) {
       stage.told = false;
-      std::string names;
-      for (const std::uint16_t column : stage.makes) names += (names.empty() ? "" : " ") + columns_[column].name;
-      untold.push_back(fmt::format("{}: {}", names, why.what()));
+      why = reason.what();
     }
+    if (why.empty()) continue;
+    std::string names;
+    for (const std::uint16_t column : stage.makes) names += (names.empty() ? "" : " ") + columns_[column].name;
+    untold.push_back(fmt::format("{}: {}", names, why));
   }
   return untold;
 }

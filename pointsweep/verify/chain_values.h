@@ -37,7 +37,7 @@ class ChainValues {
   /// The last version of each kept attribute, in the order first made.
   const std::vector<Attribute>& made() const { return made_; }
   /// Lets the stages that depend on all points look at these; before evaluate(). Returns a sentence for each stage that
-  /// cannot be checked, which names what it makes and says why.
+  /// cannot be checked, or not in full, which names what it makes and says why.
   std::vector<std::string> look_at_cloud(CloudRows& rows, const NeighborRule& neighborhood, InputCloud* before_means,
                                          const OutputColumns& in_output);
   /// Whether made()[a] can be evaluated.
@@ -63,6 +63,7 @@ class ChainValues {
     std::shared_ptr<const StageFormula> formula = {};  ///< neither this nor the next: the operator itself is applied
     std::shared_ptr<CloudFormula> cloud = {};
     std::vector<std::optional<ColumnSource>> sources = {};  ///< of what the cloud formula reads of all rows
+    std::vector<std::optional<ColumnSource>> targets = {};  ///< of what it makes
     bool told = true;                                       ///< what it makes can be evaluated
     bool applied = false;                                   ///< the operator is, for itself or for one that reads it
     std::vector<std::uint16_t> reads, reads_neighbors, makes;

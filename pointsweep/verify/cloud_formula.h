@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pointsweep/operator.h"
@@ -25,6 +26,7 @@ struct CloudPoint {
 struct CloudInput {
   CloudRows& rows;
   std::vector<std::optional<ColumnSource>> reads;  ///< of all rows, in the order of the contract; none: nowhere
+  std::vector<std::optional<ColumnSource>> makes;  ///< what the output has of what the stage makes
   NeighborRule neighborhood;
   bool has_rule;                       ///< which keeps a part of the neighbours
   InputCloud* before_means = nullptr;  ///< all points of the voxels of which each point is the only one left
@@ -38,6 +40,8 @@ class CloudFormula {
   virtual ~CloudFormula() = default;
   /// Looks at all points, once before the first evaluate(). Throws NotTold.
   virtual void prepare(const CloudInput& in) = 0;
+  /// What the check does not look at, without a full stop; empty: nothing.
+  virtual std::string limits() const { return {}; }
   /// For each point the estimates of what the stage makes, as StageFormula::evaluate().
   virtual std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
                                                                 const CloudInput& in) = 0;

@@ -64,12 +64,18 @@ std::string bytes_text(std::uint64_t bytes) {
 }
 
 void require_memory(std::uint64_t bytes, const CloudRows& rows) {
-  if (bytes > rows.memory_bytes()) throw NotTold(fmt::format("needs --memory {}", bytes_text(bytes)));
+  if (bytes > rows.memory_bytes()) throw NeedsMemory(fmt::format("needs --memory {}", bytes_text(bytes)));
+}
+
+void CloudRows::require(std::span<const ColumnSource> columns) const {
+  const bool reads_output = std::ranges::any_of(columns, [](const auto& c) { return !c.in_output.empty(); });
+  if (reads_output && axis_ >= 0)
+    require_memory(count() * (sizeof(PlaceOfRow) + components_of(columns) * sizeof(double)), *this);
 }
 
 /// Rows of the output stand where a sort of all positions of the input puts them.
 std::vector<double> CloudRows::values_in_order_of_input(std::span<const ColumnSource> columns, std::size_t components) {
-  require_memory(count() * (sizeof(PlaceOfRow) + components * sizeof(double)), *this);
+  require(columns);
   std::vector<PlaceOfRow> order;
   order.reserve(count());
   for_each_position(in_, "ordering", progress_, [&](std::uint64_t row, Vec3 p) { order.push_back({p, row}); });

@@ -24,6 +24,12 @@ class NotTold : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// More than VerifyOptions::memory_bytes are needed.
+class NeedsMemory : public NotTold {
+ public:
+  using NotTold::NotTold;
+};
+
 /// Where the values of an attribute are.
 struct ColumnSource {
   Attribute attribute;
@@ -45,8 +51,11 @@ class CloudRows {
   std::uint64_t passes() const { return passes_; }
   RowSource& input() { return in_; }
 
+  /// Throws NotTold where the output has another order than the input, and values of the columns in the output do not
+  /// fit the memory.
+  void require(std::span<const ColumnSource> columns) const;
   /// Calls `use` for every row in the order of the input, with the components of the columns one after another. Throws
-  /// NotTold where the output has another order and its values do not fit the memory.
+  /// as require().
   void for_each(std::span<const ColumnSource> columns,
                 const std::function<void(std::uint64_t row, Vec3 position, std::span<const double> values)>& use);
 
@@ -61,7 +70,7 @@ class CloudRows {
 
 /// "6.2 GiB" and the like.
 std::string bytes_text(std::uint64_t bytes);
-/// Throws NotTold unless that much may be used.
+/// Throws NeedsMemory unless that much may be used.
 void require_memory(std::uint64_t bytes, const CloudRows& rows);
 
 }  // namespace pointsweep

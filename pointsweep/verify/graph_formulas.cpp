@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <tuple>
 
 #include "pointsweep/operators/connected_components.h"
@@ -15,6 +16,7 @@
 #include "pointsweep/operators/segments.h"
 #include "pointsweep/verify/formulas/joined_sets.h"
 #include "pointsweep/verify/formulas/turning.h"
+#include "pointsweep/verify/neighbor_labels.h"
 #include "pointsweep/verify/sorted_cloud.h"
 
 namespace pointsweep {
@@ -56,36 +58,69 @@ std::vector<std::uint32_t> items_of_rows(const SortedCloud& cloud, std::uint64_t
 
 constexpr std::uint64_t kSetBytes = 12 + 24;
 
-class ComponentFormula final : public CloudFormula {
+LabelsOfRows labels_of_points(const SortedCloud& cloud, JoinedSets& sets, std::uint64_t rows) {
+  const auto one = [](std::uint32_t) { return 1; };
+  const auto all = [](std::uint32_t) { return true; };
+  return {items_of_rows(cloud, rows, [](std::uint32_t point) { return point; }),
+          formulas::labels_of(sets, cloud.size(), one, all)};
+}
+
+/// Numbers and sizes of components: by the whole graph, or, where the memory does not hold it, by those of neighbours.
+class LabelFormula : public CloudFormula, protected JoiningRule {
  public:
-  explicit ComponentFormula(std::optional<double> distance) : distance_(distance) {}
-  void prepare(const CloudInput& in) override {
+  void prepare(const CloudInput& in) final {
     require_plain_neighbors(in);
-    const SortedCloud cloud(in, {}, kSetBytes);
-    JoinedSets sets(cloud.size());
-    const double most2 = distance_ ? *distance_ * *distance_ : std::numeric_limits<double>::infinity();
-    cloud.for_each_neighbor(in.neighborhood, [&](std::uint32_t i, std::uint32_t j, double d2) {
-      if (d2 <= most2) sets.join(i, j);
-    });
-    found_.labels = formulas::labels_of(
-        sets, cloud.size(), [](std::uint32_t) { return 1; }, [](std::uint32_t) { return true; });
-    found_.item_of_row = items_of_rows(cloud, in.rows.count(), [](std::uint32_t point) { return point; });
+    try {
+      found_ = labels(in);
+    } catch (const NeedsMemory& why) {
+      label_columns(in, columns(in));
+      limits_ = std::string("that they are apart and in order ") + why.what();
+    }
   }
-  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput&) override {
-    return found_.of(points);
+  std::string limits() const final { return limits_; }
+  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) final {
+    return limits_.empty() ? found_.of(points) : labels_of_neighbors(points, in, columns(in), *this);
   }
 
  private:
-  std::optional<double> distance_;
+  virtual LabelsOfRows labels(const CloudInput& in) const = 0;
+  /// That joined() reads.
+  virtual std::vector<ColumnSource> columns(const CloudInput& in) const = 0;
+  Estimate alone(std::span<const double>) const override { return formulas::open(); }
+
   LabelsOfRows found_;
+  std::string limits_;
+};
+
+class ComponentFormula final : public LabelFormula {
+ public:
+  explicit ComponentFormula(std::optional<double> distance)
+      : most2_(distance ? *distance * *distance : std::numeric_limits<double>::infinity()) {}
+
+ private:
+  LabelsOfRows labels(const CloudInput& in) const override {
+    const SortedCloud cloud(in, {}, kSetBytes);
+    JoinedSets sets(cloud.size());
+    cloud.for_each_neighbor(in.neighborhood, [&](std::uint32_t i, std::uint32_t j, double d2) {
+      if (d2 <= most2_) sets.join(i, j);
+    });
+    return labels_of_points(cloud, sets, in.rows.count());
+  }
+  std::vector<ColumnSource> columns(const CloudInput&) const override { return {}; }
+  Join joined(std::span<const double>, std::span<const double>, double d2) const override {
+    return d2 <= most2_ ? Join::yes : Join::no;
+  }
+
+  double most2_;
 };
 
 /// Points of one place are in one cluster, or all noise.
-class ClusterFormula final : public CloudFormula {
+class ClusterFormula final : public LabelFormula {
  public:
   ClusterFormula(double eps2, std::optional<std::uint64_t> min_points) : eps2_(eps2), min_points_(min_points) {}
-  void prepare(const CloudInput& in) override {
-    require_plain_neighbors(in);
+
+ private:
+  LabelsOfRows labels(const CloudInput& in) const override {
     if (!min_points_) throw NotTold("core points are not those of dbscan");
     const SortedCloud cloud(in, {}, kSetBytes);
     const std::uint32_t places = cloud.places();
@@ -108,48 +143,50 @@ class ClusterFormula final : public CloudFormula {
       });
       if (nearest) sets.join(p, nearest->place), belongs[p] = true;
     }
-    found_.labels = formulas::labels_of(
-        sets, places, [&](std::uint32_t p) { return cloud.points_at(p); }, [&](std::uint32_t p) { return belongs[p]; });
-    found_.item_of_row =
-        items_of_rows(cloud, in.rows.count(), [&](std::uint32_t point) { return cloud.place_of(point); });
+    const auto points_at = [&](std::uint32_t p) { return cloud.points_at(p); };
+    const auto counts = [&](std::uint32_t p) { return static_cast<bool>(belongs[p]); };
+    return {items_of_rows(cloud, in.rows.count(), [&](std::uint32_t point) { return cloud.place_of(point); }),
+            formulas::labels_of(sets, places, points_at, counts)};
   }
-  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput&) override {
-    return found_.of(points);
+  /// Whether a point is a core point, as the output has it.
+  std::vector<ColumnSource> columns(const CloudInput& in) const override { return {in.source(0)}; }
+  Join joined(std::span<const double> point, std::span<const double> neighbor, double d2) const override {
+    if (!(d2 <= eps2_) || neighbor[0] == 0) return Join::no;
+    return point[0] != 0 ? Join::yes : Join::as_first;
   }
+  Estimate alone(std::span<const double> point) const override { return point[0] != 0 ? formulas::open() : exact(-1); }
 
- private:
   double eps2_;
   std::optional<std::uint64_t> min_points_;
-  LabelsOfRows found_;
 };
 
 double product(const double* n, const double* m) { return n[0] * m[0] + n[1] * m[1] + n[2] * m[2]; }
 
-class SegmentFormula final : public CloudFormula {
+class SegmentFormula final : public LabelFormula {
  public:
-  SegmentFormula(double angle, std::optional<double> distance) : angle_(angle), distance_(distance) {}
-  void prepare(const CloudInput& in) override {
-    require_plain_neighbors(in);
-    const std::array normals = {in.source(0)};
-    const SortedCloud cloud(in, normals, kSetBytes);
-    const double least = angle_ == 90 ? 0 : std::cos(angle_ * (std::numbers::pi / 180));
-    const double most2 = distance_ ? *distance_ * *distance_ : std::numeric_limits<double>::infinity();
-    JoinedSets sets(cloud.size());
-    cloud.for_each_neighbor(in.neighborhood, [&](std::uint32_t i, std::uint32_t j, double d2) {
-      if (std::fabs(product(cloud.values(i), cloud.values(j))) > least && d2 <= most2) sets.join(i, j);
-    });
-    found_.labels = formulas::labels_of(
-        sets, cloud.size(), [](std::uint32_t) { return 1; }, [](std::uint32_t) { return true; });
-    found_.item_of_row = items_of_rows(cloud, in.rows.count(), [](std::uint32_t point) { return point; });
-  }
-  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput&) override {
-    return found_.of(points);
-  }
+  SegmentFormula(double angle, std::optional<double> distance)
+      : least_(angle == 90 ? 0 : std::cos(angle * (std::numbers::pi / 180))),
+        most2_(distance ? *distance * *distance : std::numeric_limits<double>::infinity()) {}
 
  private:
-  double angle_;
-  std::optional<double> distance_;
-  LabelsOfRows found_;
+  LabelsOfRows labels(const CloudInput& in) const override {
+    const std::array normals = {in.source(0)};
+    const SortedCloud cloud(in, normals, kSetBytes);
+    JoinedSets sets(cloud.size());
+    cloud.for_each_neighbor(in.neighborhood, [&](std::uint32_t i, std::uint32_t j, double d2) {
+      if (are_joined(cloud.values(i), cloud.values(j), d2)) sets.join(i, j);
+    });
+    return labels_of_points(cloud, sets, in.rows.count());
+  }
+  std::vector<ColumnSource> columns(const CloudInput& in) const override { return {in.source(0)}; }
+  Join joined(std::span<const double> point, std::span<const double> neighbor, double d2) const override {
+    return are_joined(point.data(), neighbor.data(), d2) ? Join::yes : Join::no;
+  }
+  bool are_joined(const double* n, const double* m, double d2) const {
+    return std::fabs(product(n, m)) > least_ && d2 <= most2_;
+  }
+
+  double least_, most2_;
 };
 
 struct WeightedEdge {

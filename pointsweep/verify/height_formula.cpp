@@ -15,7 +15,7 @@ constexpr double kClassBelow = 2;
 class HeightFormula final : public CloudFormula {
  public:
   explicit HeightFormula(std::size_t k) : k_(k) {}
-  void prepare(const CloudInput& in) override { in.source(0); }
+  void prepare(const CloudInput& in) override { in.rows.require(std::array{in.source(0)}); }
   std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
                                                         const CloudInput& in) override {
     const std::array classes = {in.source(0)};

@@ -103,13 +103,32 @@ TEST_F(SelectStages, VerifySaysWhatNeedsMoreMemoryThanItMayUse) {
   const Result whole = tool("verify all.txt out.txt " + pipeline);
   EXPECT_EQ(whole.status, 0) << whole.out << whole.err;
   EXPECT_EQ(whole.out.find("not checked"), std::string::npos) << whole.out;
-  const Result little = tool("verify all.txt out.txt --memory 10k " + pipeline);
+  const Result little = tool("verify all.txt out.txt --memory 10k --sample 100 " + pipeline);
   EXPECT_EQ(little.status, 0) << little.out << little.err;
   for (const char* names : {"cluster cluster_size", "segment segment_size", "component component_size"})
-    EXPECT_NE(little.out.find(std::string("not checked        ") + names + ": needs --memory "), std::string::npos)
+    EXPECT_NE(little.out.find(std::string("not checked        ") + names + ": that they are apart and in order needs "),
+              std::string::npos)
         << little.out;
   EXPECT_NE(little.out.find("not checked        classification: its raster has "), std::string::npos) << little.out;
-  EXPECT_NE(little.out.find("0 wrong: core normal\n"), std::string::npos) << little.out;
+  EXPECT_NE(little.out.find("0 wrong: core cluster cluster_size normal segment segment_size component"),
+            std::string::npos)
+      << little.out;
+  made("run all.txt out.txt -f -q --order sweep --pipeline 'ground | height'", "out.txt");
+  const Result swept = tool("verify out.txt --memory 10k");
+  EXPECT_EQ(swept.status, 0) << swept.out << swept.err;
+  EXPECT_NE(swept.out.find("not checked        height: needs --memory "), std::string::npos) << swept.out;
+}
+
+TEST_F(SelectStages, VerifyEvaluatesWhatReadsValuesOfAllPoints) {
+  write_rows("all.txt", [](int) { return true; });
+  const std::string pipeline =
+      "knn(k=5) | components | set(level = 7 where component_size < 9) | ground(cell=2, window=8) | height | "
+      "color(height, range=[0,3]) | set(level = 3 where height > 1)";
+  made("run all.txt out.txt -f -q --pipeline '" + pipeline + "'", "out.txt");
+  const Result sound = tool("verify out.txt");
+  EXPECT_EQ(sound.status, 0) << sound.out << sound.err;
+  for (const char* words : {"not checked", "not independent"})
+    EXPECT_EQ(sound.out.find(words), std::string::npos) << sound.out;
 }
 
 /// The same rows of the same points stored in text, float32 and scaled integers, and of tiles and all in one.

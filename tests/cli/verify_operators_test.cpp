@@ -138,6 +138,29 @@ TEST_F(VerifyOperators, Ground) {
   checks("ground(cell=0.5, window=2, noise=yes) | height(k=2)", {"height"});
 }
 
+TEST_F(VerifyOperators, LabelsOfNeighborsWhereTheMemoryDoesNotHoldAllPoints) {
+  const std::string little = " --memory 60k";  // of the sweep's order, not of a graph
+  for (const auto& [name, shape] : hostile_shapes()) {
+    write_hostile(shape);
+    for (const auto& [pipeline, number] : std::vector<std::pair<std::string, std::string>>{
+             {"knn(k=4) | components", "component"},
+             {"knn(radius=0.3) | components(distance=0.2)", "component"},
+             {"knn(radius=0.2) | dbscan(eps=0.2, min_points=4)", "cluster"},
+             {"knn(k=6) | segments(angle=60)", "segment"}}) {
+      run(pipeline, pipeline.starts_with("knn(k") ? "--order sweep" : "");
+      const Result right = tool("verify out.ply" + little);
+      EXPECT_EQ(right.status, 0) << name << pipeline << right.out;
+      EXPECT_NE(right.out.find("that they are apart and in order needs --memory"), std::string::npos) << right.out;
+      const std::string bytes = contents(folder_ / "out.ply");
+      change(number, 0, 4);
+      EXPECT_EQ(tool("verify out.ply" + little).status, 1) << name << pipeline;
+      write("out.ply", bytes);
+      change(number + "_size", 123, kPoints);
+      EXPECT_EQ(tool("verify out.ply" + little).status, 1) << name << pipeline;
+    }
+  }
+}
+
 TEST_F(VerifyOperators, MeansOfVoxels) {
   checks("voxel(0.3, keep=centroid)", {"x", "z", "nx", "intensity"});
   checks("where(x > -0.6) | voxel(0.05, keep=centroid)", {"y"});
