@@ -11,6 +11,7 @@
 
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/verify/chain_values.h"
+#include "pointsweep/verify/cloud_rows.h"
 #include "pointsweep/verify/input_values.h"
 #include "pointsweep/verify/made_value.h"
 #include "tests/oracles/grid_neighbors.h"
@@ -70,7 +71,9 @@ class Oracle {
                 chain.neighborhood.rule) {
     const Surroundings all = surroundings_of_all(positions_of(source_), chain.neighborhood, values_.rings());
     rows_ = all.row;
-    expected_ = values_.evaluate(all, source_);
+    const PhaseProgress silent;
+    CloudRows rows(source_, source_, -1, std::uint64_t{1} << 30, silent);
+    expected_ = values_.evaluate(all, source_, rows);
     for (std::size_t a = 0; a < values_.made().size(); ++a)
       EXPECT_TRUE(values_.is_independent(a)) << values_.made()[a].name << " has no formula";
   }
