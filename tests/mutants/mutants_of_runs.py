@@ -76,14 +76,14 @@ MUTANTS = [
     Mutant("moved positions keep the input's type where fields are kept by name", "outputs", PIPELINE + "output_layout.cpp",
            ".type = type->second};", ".type = field.type};", ("pipeline:Keep*", "pipeline:OutputLayout.*")),
     Mutant("attributes of the input are overwritten without --replace", "outputs", PIPELINE + "output_names.cpp",
-           "if (!rules_.prefix.empty() || !means_only(old.name, own)) refuse(field, old.name, true);",
-           "if (!rules_.prefix.empty() && !means_only(old.name, own)) refuse(field, old.name, true);",
+           "if (!rules_.prefix.empty() || is_color || !means_only(old.name, own)) refuse(field, old.name, true);",
+           "if (!rules_.prefix.empty() || is_color) refuse(field, old.name, true);",
            ("cli:Naming.*", "pipeline:OutputRules.*")),
     Mutant("--replace may name what nothing takes", "outputs", PIPELINE + "output_names.cpp",
            "if (!unused_.empty())\n      fail_usage(\"--replace", "if (unused_.size() > 1)\n      fail_usage(\"--replace",
            ("cli:Naming.*", "pipeline:OutputRules.*")),
     Mutant("a prefix may make a name of the input again", "outputs", PIPELINE + "output_names.cpp",
-           "if (!rules_.prefix.empty() || !means_only", "if (!means_only", ("cli:Naming.*", "pipeline:OutputRules.*")),
+           "if (!rules_.prefix.empty() || is_color || !means_only", "if (is_color || !means_only", ("cli:Naming.*", "pipeline:OutputRules.*")),
 
     # Memory and time
     Mutant("the radius estimate takes the sample for the cloud", "budget", PIPELINE + "radius_estimate.cpp",
