@@ -77,7 +77,7 @@ MUTANTS = [
            ".type = type->second};", ".type = field.type};", ("pipeline:Keep*", "pipeline:OutputLayout.*")),
     Mutant("attributes of the input are overwritten without --replace", "outputs", PIPELINE + "output_names.cpp",
            "if (!rules_.prefix.empty() || is_color || !means_only(old.name, own)) refuse(field, old.name, true);",
-           "if (!rules_.prefix.empty() || is_color) refuse(field, old.name, true);",
+           "if (!rules_.prefix.empty() || is_color || (!means_only(old.name, own) && false)) refuse(field, old.name, true);",
            ("cli:Naming.*", "pipeline:OutputRules.*")),
     Mutant("--replace may name what nothing takes", "outputs", PIPELINE + "output_names.cpp",
            "if (!unused_.empty())\n      fail_usage(\"--replace", "if (unused_.size() > 1)\n      fail_usage(\"--replace",
