@@ -271,7 +271,7 @@ MUTANTS = [
     Mutant("height weighted by the distance", "rasters", OPS + "height.cpp", "const double weight = 1 / g.distance2;",
            "const double weight = g.distance2;", ("pipeline:Height.*",)),
     Mutant("noise across a wall becomes less with more points", "budget", "pointsweep/pipeline/forest_estimate.cpp",
-           "offset[c] = std::clamp(offset[c], -most, most);", "offset[c] *= scale;", ("pipeline:ForestEstimate.*",)),
+           "offset[c] = std::clamp(offset[c], -most, most);", "offset[c] = std::clamp(scale * offset[c], -most, most);", ("pipeline:ForestEstimate.*",)),
     Mutant("copies of a point are open together", "budget", "pointsweep/pipeline/forest_estimate.cpp",
            "PointKey first{places[q], q}", "PointKey first{places[q], 0}", ("pipeline:ForestEstimate.*",)),
     Mutant("lists leave no room for their edges", "budget", "pointsweep/pipeline/memory_plan.cpp",
