@@ -69,7 +69,7 @@ class ForestLog {
   ForestLog(const MakeScratch& make_scratch, std::size_t vote_bytes);
   /// The supernode of the point `row`, in `slot`, became part of that in `to`.
   void merged(std::uint64_t row, std::uint32_t slot, std::uint32_t to, bool flips);
-  /// It is a component of its own.
+  /// The supernode in `slot` is a whole component: no edge joins it to another one.
   void finished(std::uint64_t row, std::uint32_t slot, const FinishedComponent& component, const std::byte* votes);
   /// After the last of both.
   void finish();

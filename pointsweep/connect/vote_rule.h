@@ -9,7 +9,7 @@
 namespace pointsweep {
 
 /// Votes are bytes that can be copied. They depend on the set of points and on their signs, not on the order in which
-/// they are merged. A ballot is what one point gives to them besides its key.
+/// they are merged. A ballot holds the values of one point, besides its key, from which its votes are made.
 class VoteRule {
  public:
   virtual ~VoteRule() = default;

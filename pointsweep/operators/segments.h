@@ -20,7 +20,7 @@ OperatorDeclaration segments_declaration();
 
 /// Makes segment and segment_size: components of the points that are joined if one is a neighbour of the other, their
 /// normals differ by less than an angle, whatever their signs, and they are not farther from each other than a
-/// distance. A point without a normal is a segment of its own.
+/// distance. A point without a normal is a segment of one point.
 class Segments final : public ConnectingOperator {
  public:
   /// Throws UsageError unless the angle is above 0 and at most 90 degrees, and the distance at least 0.

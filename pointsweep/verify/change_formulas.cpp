@@ -17,7 +17,7 @@ namespace {
 using formulas::Estimate;
 using Estimates = std::vector<Estimate>;
 
-/// The coordinates as they are; the run has compared the reference systems.
+/// Coordinates are not transformed: the run has refused different reference systems.
 InputCloud opened(const std::string& name) {
   std::vector<std::filesystem::path> paths;
   for (const ListedFile& file : list_inputs({name}, false).files) paths.push_back(file.path);

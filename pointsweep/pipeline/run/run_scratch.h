@@ -13,7 +13,7 @@ namespace pointsweep {
 
 class RunScratch {
  public:
-  /// In the folder of the run, or in one of its own where the run has none.
+  /// Uses the temporary folder of the run, or makes one if the run has none.
   explicit RunScratch(const RunState& run);
   const TempFolder& folder() const { return *folder_; }
   const MakeScratch& make() const { return make_; }
