@@ -2,7 +2,6 @@
 #include "pointsweep/formats/las/las_layout.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <span>
@@ -11,13 +10,12 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/known_values.h"
-#include "pointsweep/formats/las/las_crs.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_fields.h"
+#include "pointsweep/formats/las/las_pieces.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las_origin.h"
 #include "pointsweep/formats/las_scale.h"
-#include "pointsweep/formats/provenance.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -55,7 +53,7 @@ class Builder {
     choose_crs();
     warn_of_waveforms();
     if (!kept_) warn_of_unnamed_bytes();
-    place_pieces();
+    place_las_pieces(plan_, points_, input_, {std::move(vlr_), extended_, kept_, std::move(added_crs_)}, layout_);
     return std::move(layout_);
   }
 
@@ -311,125 +309,6 @@ class Builder {
                       plan_.path.string(), las->schema.stride - named, las->file->path().string()));
       return;
     }
-  }
-
-  /// Notes the pieces of the input and returns how many of its VLRs are in none of them.
-  std::uint32_t place_input() {
-    const LasVlrChain& vlrs = input_->vlrs;
-    layout_.after = {vlrs.end, input_->header.offset_to_points};
-    layout_.tail = {input_->points_end, input_->file->size()};
-    std::vector<LasVlr> left_out;
-    for (const std::optional<LasVlr>& vlr : {vlrs.laszip, vlrs.copc})
-      if (vlr) left_out.push_back(*vlr);
-    const bool stale = vlrs.extra_bytes && (extended_ || !kept_);
-    layout_.before = pieces_without(left_out, {vlrs.start, stale ? vlrs.extra_bytes->start : vlrs.end});
-    if (stale) layout_.between = pieces_without(left_out, {vlrs.extra_bytes->end(), vlrs.end});
-    return static_cast<std::uint32_t>(left_out.size()) + (stale ? 1 : 0);
-  }
-
-  static std::vector<LasPiece> pieces_without(std::vector<LasVlr> left_out, LasPiece all) {
-    std::ranges::sort(left_out, {}, &LasVlr::start);
-    std::vector<LasPiece> pieces;
-    for (const LasVlr& vlr : left_out) {
-      if (vlr.start < all.begin || vlr.start >= all.end) continue;
-      pieces.push_back({all.begin, vlr.start});
-      all.begin = vlr.end();
-    }
-    pieces.push_back(all);
-    return pieces;
-  }
-
-  static std::uint64_t size_of_all(const std::vector<LasPiece>& pieces) {
-    std::uint64_t bytes = 0;
-    for (const LasPiece& piece : pieces) bytes += piece.size();
-    return bytes;
-  }
-
-  void place_pieces() {
-    LasHeader& header = layout_.header;
-    const std::uint32_t removed = input_ != nullptr ? place_input() : 0;
-    std::uint32_t added = 0;
-    if (points_ == LasPoints::compressed) {
-      add_laszip_vlr();
-      ++added;
-    }
-    if (extended_) {
-      add_extra_bytes_vlr();
-      ++added;
-    }
-    added += add_crs_vlrs();
-    added += add_provenance_vlrs();
-    if (added != 0 || removed != 0) {
-      header.vlr_count = (input_ != nullptr ? input_->vlrs.count : 0) + added - removed;
-    }
-    const std::uint64_t points = header.header_size + size_of_all(layout_.before) + layout_.added_vlrs.size() +
-                                 size_of_all(layout_.between) + layout_.provenance_vlrs.size() + layout_.after.size();
-    if (points > std::numeric_limits<std::uint32_t>::max()) {
-      fail("{}: the header and VLRs would take {} bytes, and LAS allows 4294967295; write PLY.", plan_.path.string(),
-           points);
-    }
-    header.offset_to_points = static_cast<std::uint32_t>(points);
-    if (input_ == nullptr) return;
-    move_reference(header.evlr_start);
-    move_reference(header.waveform_start);
-  }
-
-  /// Byte offsets of the input that point behind its points.
-  void move_reference(std::uint64_t& place) const {
-    if (place >= input_->points_end) place = place - input_->points_end + layout_.points_end(plan_.count);
-  }
-
-  void add_laszip_vlr() {
-    const LasHeader& header = layout_.header;
-    const auto extra_bytes = static_cast<std::uint16_t>(header.record_length - *las_record_length(header.point_format));
-    layout_.laz = LazLayout::for_format(header.point_format, extra_bytes, kLazChunkPoints, plan_.path.string());
-    append(layout_.added_vlrs, las_vlr(kLaszipUser, kLaszipRecord, "https://laszip.org", layout_.laz->vlr()));
-  }
-
-  void add_extra_bytes_vlr() {
-    std::vector<std::byte> vlr = las_vlr(kLasSpecUser, kExtraBytesRecord, "Extra bytes", vlr_.bytes());
-    if (input_ != nullptr && input_->vlrs.extra_bytes) {  // under the header that the file had
-      input_->file->read_at(input_->vlrs.extra_bytes->start, std::span(vlr).first(kLasVlrHeader));
-      const auto length = static_cast<std::uint16_t>(vlr_.bytes().size());
-      std::memcpy(vlr.data() + 20, &length, sizeof length);
-    }
-    append(layout_.added_vlrs, vlr);
-  }
-
-  /// Returns how many VLRs state the coordinate reference system beside those of the input.
-  std::uint32_t add_crs_vlrs() {
-    const LasCrsVlrs vlrs = las_crs_vlrs(added_crs_);
-    append(layout_.added_vlrs, vlrs.bytes);
-    if (!added_crs_.wkt.empty() && added_crs_.wkt.size() >= kLongestVlr)
-      layout_.warnings.push_back(fmt::format(
-          "{}: the WKT of the coordinate reference system has {} bytes, more than a VLR can hold; it is left "
-          "out.",
-          plan_.path.string(), added_crs_.wkt.size()));
-    return vlrs.count;
-  }
-
-  /// As many VLRs as the lines need that the input does not have; returns their number.
-  std::uint32_t add_provenance_vlrs() {
-    const std::span<const std::string> all = plan_.provenance;
-    std::uint32_t count = 0;
-    std::string text;
-    const auto flush = [&] {
-      if (text.empty()) return;
-      append(layout_.provenance_vlrs,
-             las_vlr(kProvenanceUser, kProvenanceRecord, "how this file was made", std::as_bytes(std::span(text))));
-      text.clear();
-      ++count;
-    };
-    for (const std::string& line : input_ == nullptr ? all : provenance_beyond(all, input_->provenance)) {
-      if (text.size() + line.size() + 1 > kLongestVlr) flush();
-      text += line + "\n";
-    }
-    flush();
-    return count;
-  }
-
-  static void append(std::vector<std::byte>& to, const std::vector<std::byte>& vlrs) {
-    to.insert(to.end(), vlrs.begin(), vlrs.end());
   }
 
   const OutputPlan& plan_;
