@@ -21,7 +21,8 @@ class PointNeighbors:
 
     With ``knn(k=16)`` m is 16 and all places are taken, unless the cloud has fewer points. With a radius, points have
     different numbers of neighbours, and m is the largest of the batch. Places that are not taken hold NaN, or 0 in
-    integers. Neighbours come nearest first; the point itself is not among them.
+    integers. Neighbours come nearest first; the point itself is not among them. `offsets` and `flat` give the same
+    without such places: the neighbours of point i are ``offsets[i]:offsets[i + 1]``.
     """
 
     def __init__(self, batch: Any, names: list[str]) -> None:
@@ -53,6 +54,16 @@ class PointNeighbors:
     def mask(self) -> np.ndarray:
         """(n, m) bool: True where there is a neighbour."""
         return self._once(" mask", lambda: np.arange(self._batch.width) < self.counts[:, np.newaxis])
+
+    @property
+    def offsets(self) -> np.ndarray:
+        """(n + 1,) int64: where the neighbours of each point begin in what `flat` gives, and how many there are."""
+        return self._once(" offsets", lambda: np.concatenate([[0], np.cumsum(self.counts)]))
+
+    def flat(self, name: str) -> np.ndarray:
+        """(offsets[-1],) or (offsets[-1], components): ``"xyz"``, ``"rows"`` or an attribute, without empty places."""
+        values = self.xyz if name == "xyz" else self.rows if name == "rows" else self[name]
+        return values[self.mask]
 
     def __getitem__(self, name: str) -> np.ndarray:
         """(n, m) or (n, m, components): an attribute that ``reads_neighbors`` names."""

@@ -69,6 +69,35 @@ def test_radius_neighborhoods_have_masks(surface):
     np.testing.assert_allclose(arrays["spread"], sums, rtol=1e-12)
 
 
+def test_neighborhoods_of_a_radius_without_empty_places(surface):
+    @ps.operator(reads_neighbors=["intensity"], makes={"brightest": "f8", "sum": "f8"})
+    def brightest(p):
+        offsets, rows = p.neighbors.offsets, p.neighbors.flat("rows")
+        assert offsets.dtype == np.int64 and offsets.shape == (len(p) + 1,)
+        assert p.neighbors.flat("xyz").shape == (len(rows), 3) == (offsets[-1], 3)
+        assert np.array_equal(p.neighbors.flat("xyz"), surface[rows])
+        values = p.neighbors.flat("intensity")
+        assert np.array_equal(values, rows % 251)
+        parts = [values[a:b] for a, b in zip(offsets, offsets[1:])]
+        return np.array([part.max(initial=-1) for part in parts]), np.array([part.sum() for part in parts])
+
+    arrays = ps.run(surface, ["knn(radius=0.1)", brightest], attributes={"intensity": np.arange(3000) % 251})
+    offsets, rows, _ = ps.neighbors(surface, radius=0.1)
+    lists = [rows[a:b] % 251 for a, b in zip(offsets, offsets[1:])]
+    assert min(map(len, lists)) == 0 < max(map(len, lists))
+    assert arrays["brightest"].tolist() == [max(part, default=-1) for part in lists]
+    assert arrays["sum"].tolist() == [part.sum() for part in lists]
+
+
+def test_a_list_of_neighbors_has_no_other_attributes(surface):
+    @ps.operator(makes={"leaning": "f4"})
+    def reads_too_much(p):
+        return p.neighbors.flat("normal")
+
+    with pytest.raises(ps.UsageError, match="name it in reads_neighbors"):
+        ps.run(surface, ["knn(k=4) | normals", reads_too_much])
+
+
 def test_it_moves_points(surface):
     @ps.operator(makes={"position": ("f8", 3)})
     def smooth(p):
