@@ -199,8 +199,8 @@ POINTSWEEP_EXPORT std::shared_ptr<const Operator> components(std::optional<doubl
 /// least 1.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> dbscan(double eps, std::uint64_t min_points = 5);
 /// Makes "segment" and "segment_size": components of neighbours whose normals differ by less than an angle in degrees,
-/// and that are not farther from each other than a distance. Needs "normal". Throws UsageError for an angle that is not
-/// above 0 and at most 90.
+/// and that are not farther from each other than a distance; and "segment_residual", the root mean square distance of
+/// their points to their plane. Needs "normal". Throws UsageError for an angle that is not above 0 and at most 90.
 POINTSWEEP_EXPORT std::shared_ptr<const Operator> segments(double angle = 5,
                                                            std::optional<double> distance = std::nullopt);
 /// Makes "normal_turned" and "normal": normals with signs that are consistent over each component of the graph of

@@ -62,7 +62,7 @@ Numbers numbers_of(const ScratchRecords& components, const ComponentsSetup& setu
 }  // namespace
 
 Components::Components(const EdgeBuckets& buckets, const ComponentsSetup& setup)
-    : setup_(setup), log_(setup.make_scratch, setup.votes != nullptr ? setup.votes->bytes() : 0) {
+    : setup_(setup), log_(setup.make_scratch, setup.votes != nullptr ? setup.votes->result_bytes() : 0) {
   grow(buckets);
   log_.finish();
   count_ = log_.components().count();

@@ -53,9 +53,9 @@ void ScratchRecords::for_each_backwards(const std::function<void(const std::byte
   while (const std::byte* record = all.next()) use(record);
 }
 
-ForestLog::ForestLog(const MakeScratch& make_scratch, std::size_t vote_bytes)
+ForestLog::ForestLog(const MakeScratch& make_scratch, std::size_t result_bytes)
     : merges_(make_scratch(), sizeof(Merge)),
-      components_(make_scratch(), sizeof(FinishedComponent) + vote_bytes),
+      components_(make_scratch(), sizeof(FinishedComponent) + result_bytes),
       record_(components_.record_bytes()) {}
 
 void ForestLog::merged(std::uint64_t row, std::uint32_t slot, std::uint32_t to, bool flips) {
@@ -65,12 +65,12 @@ void ForestLog::merged(std::uint64_t row, std::uint32_t slot, std::uint32_t to, 
 }
 
 void ForestLog::finished(std::uint64_t row, std::uint32_t slot, const FinishedComponent& component,
-                         const std::byte* votes) {
+                         const std::byte* result) {
   const Merge merge{row, slot, kFinished};
   merges_.append(&merge);
   slots_ = std::max(slots_, slot + 1);
   std::memcpy(record_.data(), &component, sizeof component);
-  std::copy(votes, votes + (record_.size() - sizeof component), record_.data() + sizeof component);
+  std::copy(result, result + (record_.size() - sizeof component), record_.data() + sizeof component);
   components_.append(record_.data());
 }
 
@@ -86,20 +86,29 @@ std::uint64_t ForestLog::bytes() const {
 void ForestLog::for_each_point(
     const std::function<ComponentLabel(std::uint64_t component, const std::byte* record)>& label_of,
     const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const {
+  const std::size_t result_bytes = components_.record_bytes() - sizeof(FinishedComponent);
   std::vector<ComponentLabel> known(slots_);
+  std::vector<std::byte> results(slots_ * result_bytes);
   std::uint64_t next = components_.count();
   ScratchRecords::Backwards components(components_);
   merges_.for_each_backwards([&](const std::byte* record) {
     Merge merge;
     std::memcpy(&merge, record, sizeof merge);
     ComponentLabel& own = known[merge.slot];
+    const std::byte* result;
     if (merge.to_and_flips == kFinished) {
       --next;
-      own = label_of(next, components.next());
+      const std::byte* component = components.next();
+      own = label_of(next, component);
+      result = component + sizeof(FinishedComponent);
     } else {
       own = known[merge.to_and_flips / 2];
+      result = own.result;
       own.flips ^= merge.to_and_flips % 2 == 1;
     }
+    std::byte* kept = results.data() + merge.slot * result_bytes;
+    std::copy(result, result + result_bytes, kept);
+    own.result = kept;
     use(merge.row, own);
   });
 }

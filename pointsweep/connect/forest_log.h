@@ -15,7 +15,7 @@
 
 namespace pointsweep {
 
-/// A component without edges to anything else. Its votes follow in the log of components.
+/// A component without edges to anything else. The result of its votes follows in the log of components.
 struct FinishedComponent {
   PointKey first;  ///< the least of its points
   std::uint64_t points = 0;
@@ -60,25 +60,26 @@ struct ComponentLabel {
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
   std::uint64_t number = kNone;  ///< kNone: it does not count
   std::uint64_t points = 0;
-  bool flips = false;  ///< of the component: its signs are to be turned; of a point: its sign is
+  bool flips = false;                 ///< of the component: its signs are to be turned; of a point: its sign is
+  const std::byte* result = nullptr;  ///< of the votes
 };
 
 /// Supernodes have slots, which are used again when they are free.
 class ForestLog {
  public:
-  ForestLog(const MakeScratch& make_scratch, std::size_t vote_bytes);
+  ForestLog(const MakeScratch& make_scratch, std::size_t result_bytes);
   /// The supernode of the point `row`, in `slot`, became part of that in `to`.
   void merged(std::uint64_t row, std::uint32_t slot, std::uint32_t to, bool flips);
   /// The supernode in `slot` is a whole component: no edge joins it to another one.
-  void finished(std::uint64_t row, std::uint32_t slot, const FinishedComponent& component, const std::byte* votes);
+  void finished(std::uint64_t row, std::uint32_t slot, const FinishedComponent& component, const std::byte* result);
   /// After the last of both.
   void finish();
 
   std::uint64_t bytes() const;
-  /// Records of a FinishedComponent and its votes.
+  /// Records of a FinishedComponent and the result of its votes.
   const ScratchRecords& components() const { return components_; }
   /// Calls use(row, label) for each point. Components come from the last to the first, each once, before its points:
-  /// label_of(number in components(), its record).
+  /// label_of(number in components(), its record). A label is valid during the call.
   void for_each_point(const std::function<ComponentLabel(std::uint64_t component, const std::byte* record)>& label_of,
                       const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
 

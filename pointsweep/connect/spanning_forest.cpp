@@ -10,7 +10,11 @@
 namespace pointsweep {
 
 SpanningForest::SpanningForest(bool weighted, const VoteRule* votes, ForestLog& log)
-    : weighted_(weighted), rule_(votes), vote_bytes_(votes != nullptr ? votes->bytes() : 0), log_(log) {}
+    : weighted_(weighted),
+      rule_(votes),
+      vote_bytes_(votes != nullptr ? votes->bytes() : 0),
+      result_(votes != nullptr ? votes->result_bytes() : 0),
+      log_(log) {}
 
 std::uint32_t SpanningForest::new_slot() {
   if (free_.empty()) {
@@ -129,7 +133,10 @@ void SpanningForest::let_go() {
   std::erase_if(live_, [this](std::uint32_t slot) {
     const Supernode& s = supernodes_[slot];
     if (s.parent == slot && s.open > 0) return false;
-    if (s.parent == slot) log_.finished(s.row, slot, s.sums, votes_of(slot));
+    if (s.parent == slot) {
+      if (rule_ != nullptr) rule_->conclude(votes_of(slot), result_.data());
+      log_.finished(s.row, slot, s.sums, result_.data());
+    }
     free_.push_back(slot);
     return true;
   });

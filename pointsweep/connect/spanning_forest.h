@@ -77,6 +77,7 @@ class SpanningForest {
   bool weighted_;
   const VoteRule* rule_;
   std::size_t vote_bytes_;
+  std::vector<std::byte> result_;  ///< of the votes of a component
   ForestLog& log_;
   RowTable<OpenPoint> open_;                  ///< by row
   std::deque<Supernode> supernodes_;          ///< by slot

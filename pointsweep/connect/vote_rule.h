@@ -19,14 +19,17 @@ class VoteRule {
   virtual void start(std::byte* votes, const PointKey& point, const std::byte* ballot) const = 0;
   /// Adds the votes `from` to `into`; `flips`: with the opposite signs.
   virtual void merge(std::byte* into, const std::byte* from, bool flips) const = 0;
+  /// Of the result, which is all that is kept of the votes of a whole component.
+  virtual std::size_t result_bytes() const = 0;
+  virtual void conclude(const std::byte* votes, std::byte* result) const = 0;
   /// Whether the component gets a number.
-  virtual bool counts(const std::byte* votes) const {
-    (void)votes;
+  virtual bool counts(const std::byte* result) const {
+    (void)result;
     return true;
   }
   /// Whether its signs are to be turned.
-  virtual bool turns(const std::byte* votes) const {
-    (void)votes;
+  virtual bool turns(const std::byte* result) const {
+    (void)result;
     return false;
   }
 };

@@ -21,7 +21,9 @@ class AnyCore final : public VoteRule {
   std::size_t bytes() const override { return 1; }
   void start(std::byte* votes, const PointKey&, const std::byte* ballot) const override { *votes = *ballot; }
   void merge(std::byte* into, const std::byte* from, bool) const override { *into |= *from; }
-  bool counts(const std::byte* votes) const override { return *votes != std::byte{0}; }
+  std::size_t result_bytes() const override { return 1; }
+  void conclude(const std::byte* votes, std::byte* result) const override { *result = *votes; }
+  bool counts(const std::byte* result) const override { return *result != std::byte{0}; }
 };
 
 std::shared_ptr<Operator> make_dbscan(const OptionValues& options, const Facts& facts) {

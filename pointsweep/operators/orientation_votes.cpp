@@ -99,12 +99,12 @@ void OrientationVotes::merge(std::byte* into, const std::byte* from, bool flips)
   std::memcpy(into, &v, sizeof v);
 }
 
-bool OrientationVotes::turns(const std::byte* bytes) const {
-  const Votes v = votes_at(bytes);
+void OrientationVotes::conclude(const std::byte* votes, std::byte* result) const {
+  const Votes v = votes_at(votes);
   const long double up = static_cast<long double>(v.normal[2]), out = outwards(v);
   const long double vote = viewpoint_ ? v.facing : std::abs(up) >= std::abs(out) ? up : out;
-  if (vote != 0) return vote < 0;
-  return v.highest_sign != 0 ? v.highest_sign < 0 : v.first_sign < 0;
+  const bool turned = vote != 0 ? vote < 0 : v.highest_sign != 0 ? v.highest_sign < 0 : v.first_sign < 0;
+  *result = std::byte(turned);
 }
 
 }  // namespace pointsweep

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/segments.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -19,43 +21,59 @@ std::shared_ptr<Operator> make_segments(const OptionValues& options, const Facts
   return std::make_shared<Segments>(options.number("angle"), distance, facts.points);
 }
 
+Attribute residual_attribute() {
+  Attribute residual = scalar("segment_residual", Type::f32, "length",
+                              "root mean square distance of the segment's points to their plane; NaN without a place");
+  residual.fill = std::byte{0xff};  // NaN
+  return residual;
+}
+
 }  // namespace
 
 OperatorDeclaration segments_declaration() {
-  return {.name = "segments",
-          .meaning = "smooth segments: neighbours whose normals differ by less than an angle, with their sizes",
-          .options = {{.name = "angle",
-                       .kind = OptionKind::number,
-                       .preset = 5.0,
-                       .meaning = "normals of neighbours in one segment differ by less; above 0",
-                       .least = 0,
-                       .most = 90,
-                       .unit = "degrees"},
-                      {.name = "distance",
-                       .kind = OptionKind::number,
-                       .meaning = "points farther from each other are not joined",
-                       .least = 0,
-                       .unit = "length",
-                       .sample = 0.5}},
-          .make = make_segments,
-          .formula =
-              "Points i and j are joined if j is in N_i or i is in N_j, |n_i . n_j| > cos(angle), and with\n"
-              "distance D |p_j - p_i| <= D. segment: components of these, numbered from 0 by the first point,\n"
-              "that of the least x, then y, then z, then row. Normals are unit vectors or 0; a normal of 0 is\n"
-              "joined with none.",
-          .source =
-              "after Rabbani, van den Heuvel, Vosselman, Segmentation of point clouds using smoothness constraint "
-              "(ISPRS Archives XXXVI-5, 2006): its condition, without seeds and their order",
-          .undefined = "-1, of size 0, for points without a finite place.",
-          .cost = "a sweep that ends a pass; about 60 bytes a point in the temporary folder",
-          .neighbor_ns = 12,
-          .attributes = {{.name = "segment",
-                          .meaning = "number of the smooth segment; undefined: -1",
-                          .type = "i32, i64 from 2³¹ rows on"},
-                         {.name = "segment_size",
-                          .meaning = "points of the segment; undefined: 0",
-                          .type = "u32, u64 from 2³¹ rows on"}},
-          .example = "knn(k=12) | normals | segments(angle=5) | where(segment_size > 1000)"};
+  return {
+      .name = "segments",
+      .meaning = "smooth segments: neighbours whose normals differ by less than an angle, with sizes and flatness",
+      .options = {{.name = "angle",
+                   .kind = OptionKind::number,
+                   .preset = 5.0,
+                   .meaning = "normals of neighbours in one segment differ by less; above 0",
+                   .least = 0,
+                   .most = 90,
+                   .unit = "degrees"},
+                  {.name = "distance",
+                   .kind = OptionKind::number,
+                   .meaning = "points farther from each other are not joined",
+                   .least = 0,
+                   .unit = "length",
+                   .sample = 0.5}},
+      .make = make_segments,
+      .formula =
+          "Points i and j are joined if j is in N_i or i is in N_j, |n_i . n_j| > cos(angle), and with\n"
+          "distance D |p_j - p_i| <= D. segment: components of these, numbered from 0 by the first point,\n"
+          "that of the least x, then y, then z, then row. Normals are unit vectors or 0; a normal of 0 is\n"
+          "joined with none.\n"
+          "segment_residual: the root mean square distance of the points of the segment to the plane for\n"
+          "which it is least: the square root of the least eigenvalue of their covariance; 0 for fewer than\n"
+          "4 points. Of positions to 2^-40, at most 2^40 in absolute value, summed exactly; its error is\n"
+          "below 10^-7 of the extent of the segment.",
+      .source =
+          "after Rabbani, van den Heuvel, Vosselman, Segmentation of point clouds using smoothness constraint "
+          "(ISPRS Archives XXXVI-5, 2006): its condition, without seeds and their order",
+      .undefined = "-1, of size 0, with a residual of NaN, for points without a finite place.",
+      .cost =
+          "a sweep that ends a pass; 70 to 90 bytes a point in the temporary folder, 120 beside attributes that the "
+          "same sweep makes",
+      .neighbor_ns = 12,
+      .attributes = {{.name = "segment",
+                      .meaning = "number of the smooth segment; undefined: -1",
+                      .type = "i32, i64 from 2³¹ rows on"},
+                     {.name = "segment_size",
+                      .meaning = "points of the segment; undefined: 0",
+                      .type = "u32, u64 from 2³¹ rows on"},
+                     {.name = "segment_residual",
+                      .meaning = "root mean square distance of the segment's points to their plane; undefined: NaN"}},
+      .example = "knn(k=12) | normals | segments(angle=5) | where(segment_size > 1000)"};
 }
 
 Segments::Segments(double angle, std::optional<double> distance, std::uint64_t points)
@@ -75,13 +93,24 @@ Contract Segments::contract() const {
   return {{normal_attribute()},
           {normal_attribute()},
           {component_number("segment", "number of the smooth segment; -1 without a place", points_),
-           component_size("segment_size", "points of the segment", points_)}};
+           component_size("segment_size", "points of the segment", points_), residual_attribute()}};
 }
 
-void Segments::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte*) const {
+std::shared_ptr<const Operator> Segments::bound(const Schema&, std::span<const Attribute> made) const {
+  if (std::ranges::find(made, position_attribute().name, &Attribute::name) == made.end()) return nullptr;
+  auto bound = std::make_shared<Segments>(*this);
+  bound->residual_ = PlaneResidual(true);
+  return bound;
+}
+
+void Segments::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const {
   const double least = angle_ == 90 ? 0 : std::cos(angle_ * (std::numbers::pi / 180));
   const double most2 = distance_ ? *distance_ * *distance_ : std::numeric_limits<double>::infinity();
   for (std::uint32_t i = 0; i < in.size(); ++i) {
+    if (residual_.ballot_bytes() > 0) {
+      const Vec3 place = in.position(i);
+      std::memcpy(ballots + i * sizeof place, &place, sizeof place);
+    }
     const Vec3 n = in.vector(0, i);
     const NeighborRef* neighbors = in.neighbors(i);
     for (std::size_t j = 0; j < in.count(i); ++j)
@@ -91,7 +120,9 @@ void Segments::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges
 }
 
 void Segments::put_values(const ComponentLabel& label, std::byte* values) const {
-  put_component(label, has_short_numbers(points_), values);
+  const bool is_short = has_short_numbers(points_);
+  put_component(label, is_short, values);
+  std::memcpy(values + (is_short ? 8 : 16), label.result, residual_.result_bytes());
 }
 
 }  // namespace pointsweep

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 #include "pointsweep/operators/density_clusters.h"
 #include "pointsweep/operators/orient.h"
 #include "pointsweep/operators/segments.h"
+#include "pointsweep/verify/formulas/flatness.h"
 #include "pointsweep/verify/formulas/joined_sets.h"
 #include "pointsweep/verify/formulas/turning.h"
 #include "pointsweep/verify/neighbor_labels.h"
@@ -78,9 +80,14 @@ class LabelFormula : public CloudFormula, protected JoiningRule {
     }
   }
   std::string limits() const final { return limits_; }
-  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) final {
+  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
     return limits_.empty() ? found_.of(points) : labels_of_neighbors(points, in, columns(in), *this);
   }
+
+ protected:
+  /// Whether the whole graph is known.
+  bool is_found() const { return limits_.empty(); }
+  const LabelsOfRows& found() const { return found_; }
 
  private:
   virtual LabelsOfRows labels(const CloudInput& in) const = 0;
@@ -162,8 +169,45 @@ class ClusterFormula final : public LabelFormula {
 
 double product(const double* n, const double* m) { return n[0] * m[0] + n[1] * m[1] + n[2] * m[2]; }
 
+/// Residuals of some segments, which number_of(row, values of the columns) tells; in two passes over all rows.
+template <class NumberOf>
+std::map<std::int64_t, formulas::Flatness> flatness_of(std::map<std::int64_t, formulas::Flatness> segments,
+                                                       const CloudInput& in, std::span<const ColumnSource> columns,
+                                                       NumberOf number_of) {
+  const auto look = [&](const auto& use) {
+    in.rows.for_each(columns, [&](std::uint64_t row, Vec3 p, std::span<const double> values) {
+      if (!is_finite(p)) return;
+      const auto segment = segments.find(number_of(row, values));
+      if (segment != segments.end()) use(segment->second, formulas::Vector{p.x, p.y, p.z});
+    });
+  };
+  look([](formulas::Flatness& f, formulas::Vector p) { f.measure(p); });
+  look([](formulas::Flatness& f, formulas::Vector p) { f.add(p); });
+  return segments;
+}
+
+/// Where the whole graph does not fit the memory, the residual is that of the points with the number in the output.
 class SegmentFormula final : public LabelFormula {
  public:
+  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
+    std::vector<Estimates> made = LabelFormula::evaluate(points, in);
+    const auto number = [](const Estimate& e) { return e.is_open() ? -1 : static_cast<std::int64_t>(e.value.x); };
+    std::map<std::int64_t, formulas::Flatness> segments;
+    for (const Estimates& e : made) segments[number(e[0])];
+    segments.erase(-1);
+    if (is_found())
+      segments = flatness_of(std::move(segments), in, {},
+                             [&](std::uint64_t row, auto) { return found().labels.number[found().item_of_row[row]]; });
+    else
+      segments = flatness_of(std::move(segments), in, label_columns(in, {}),
+                             [](std::uint64_t, auto values) { return static_cast<std::int64_t>(values[0]); });
+    for (Estimates& e : made) {
+      const auto known = segments.find(number(e[0]));
+      e.push_back(known == segments.end() ? formulas::open() : known->second.residual());
+    }
+    return made;
+  }
+
   SegmentFormula(double angle, std::optional<double> distance)
       : least_(angle == 90 ? 0 : std::cos(angle * (std::numbers::pi / 180))),
         most2_(distance ? *distance * *distance : std::numeric_limits<double>::infinity()) {}

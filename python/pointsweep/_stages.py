@@ -1205,7 +1205,7 @@ def dbscan(eps: float, *, min_points: int = 5) -> Stage:
 
 
 def segments(angle: float = 5, *, distance: float | None = None) -> Stage:
-    """Smooth segments: neighbours whose normals differ by less than an angle, with their sizes.
+    """Smooth segments: neighbours whose normals differ by less than an angle, with sizes and flatness.
 
     Parameters
     ----------
@@ -1216,6 +1216,8 @@ def segments(angle: float = 5, *, distance: float | None = None) -> Stage:
     -----
     segment : (n,) int64; number of the smooth segment; -1 without a place.
     segment_size : (n,) uint64; points of the segment.
+    segment_residual : (n,) float32, length; root mean square distance of the segment's points to their plane; NaN
+        without a place.
 
     Reads
     -----
@@ -1227,10 +1229,14 @@ def segments(angle: float = 5, *, distance: float | None = None) -> Stage:
     distance D |p_j - p_i| <= D. segment: components of these, numbered from 0 by the first point,
     that of the least x, then y, then z, then row. Normals are unit vectors or 0; a normal of 0 is
     joined with none.
+    segment_residual: the root mean square distance of the points of the segment to the plane for
+    which it is least: the square root of the least eigenvalue of their covariance; 0 for fewer than
+    4 points. Of positions to 2^-40, at most 2^40 in absolute value, summed exactly; its error is
+    below 10^-7 of the extent of the segment.
 
     Undefined
     ---------
-    -1, of size 0, for points without a finite place.
+    -1, of size 0, with a residual of NaN, for points without a finite place.
 
     Source
     ------
@@ -1239,7 +1245,8 @@ def segments(angle: float = 5, *, distance: float | None = None) -> Stage:
 
     Cost
     ----
-    A sweep that ends a pass; about 60 bytes a point in the temporary folder.
+    A sweep that ends a pass; 70 to 90 bytes a point in the temporary folder, 120 beside attributes that the same
+    sweep makes.
 
     In a text
     ---------

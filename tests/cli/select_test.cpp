@@ -105,13 +105,15 @@ TEST_F(SelectStages, VerifySaysWhatNeedsMoreMemoryThanItMayUse) {
   EXPECT_EQ(whole.out.find("not checked"), std::string::npos) << whole.out;
   const Result little = tool("verify all.txt out.txt --memory 10k --sample 100 " + pipeline);
   EXPECT_EQ(little.status, 0) << little.out << little.err;
-  for (const char* names : {"cluster cluster_size", "segment segment_size", "component component_size"})
+  for (const char* names :
+       {"cluster cluster_size", "segment segment_size segment_residual", "component component_size"})
     EXPECT_NE(little.out.find(std::string("not checked        ") + names + ": that they are apart and in order needs "),
               std::string::npos)
         << little.out;
   EXPECT_NE(little.out.find("not checked        classification: its raster has "), std::string::npos) << little.out;
-  EXPECT_NE(little.out.find("0 wrong: core cluster cluster_size normal segment segment_size component"),
-            std::string::npos)
+  EXPECT_NE(
+      little.out.find("0 wrong: core cluster cluster_size normal segment segment_size segment_residual component"),
+      std::string::npos)
       << little.out;
   made("run all.txt out.txt -f -q --order sweep --pipeline 'ground | height'", "out.txt");
   const Result swept = tool("verify out.txt --memory 10k");

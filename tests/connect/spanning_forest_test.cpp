@@ -67,7 +67,9 @@ class SumOfRows final : public VoteRule {
     const std::int64_t sum = of(into) + (flips ? -of(from) : of(from));
     std::memcpy(into, &sum, sizeof sum);
   }
-  bool turns(const std::byte* votes) const override { return of(votes) < 0; }
+  std::size_t result_bytes() const override { return bytes(); }
+  void conclude(const std::byte* votes, std::byte* result) const override { std::copy_n(votes, bytes(), result); }
+  bool turns(const std::byte* result) const override { return of(result) < 0; }
   static std::int64_t of(const std::byte* votes) {
     std::int64_t sum;
     std::memcpy(&sum, votes, sizeof sum);
@@ -127,7 +129,7 @@ Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, 
     if (from[i] == kNever) from[i] = to[i] = i % batches;
   const SumOfRows rule;
   const MakeScratch make = []() -> std::unique_ptr<Scratch> { return std::make_unique<ScratchInMemory>(); };
-  ForestLog log(make, rule.bytes());
+  ForestLog log(make, rule.result_bytes());
   SpanningForest forest(weighted, &rule, log);
   Streamed out;
   std::vector<std::vector<std::size_t>> opened(batches), closed(batches), edges(batches);
@@ -173,6 +175,7 @@ Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, 
     seen[row] = true;
     flips[row] = label.flips;
     component[row] = label.number;
+    EXPECT_EQ(SumOfRows::of(label.result), votes[label.number]);
   });
   EXPECT_EQ(std::ranges::count(seen, true), static_cast<std::ptrdiff_t>(n));
   for (std::size_t i = 0; i < n; ++i) {
