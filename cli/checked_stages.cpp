@@ -30,7 +30,7 @@ void keep_what_is_told(MadeBy& made) {
     for (const auto& op : made.operators)
       for (const Attribute& a : op->contract().makes) made.keep.push_back(a.name);
   for (const Attribute& again : made.unchecked) std::erase(made.keep, again.name);
-  if (made.keep.empty()) made.operators.clear();
+  if (made.keep.empty()) leave_selects(made);
 }
 
 /// Its values are those of a raster, of a search, or of a graph over the whole cloud.
@@ -49,7 +49,22 @@ bool reads_any(const GraphNode& node, const std::set<std::size_t>& versions) {
   return std::ranges::any_of(node.reads, is_one) || std::ranges::any_of(node.reads_neighbors, is_one);
 }
 
+/// A select behind other stages: its condition is evaluated on what they make.
+void add_late_select(const GraphNode& node, bool is_told, MadeBy& made) {
+  made.leaves_out = true;
+  if (is_told) return made.operators.push_back(node.op);
+  made.leaves_out_more = true;
+  made.untold.push_back("which rows '" + node.op->name() + "' leaves out by attributes that are not checked");
+}
+
 }  // namespace
+
+void leave_selects(MadeBy& made) {
+  if (made.leaves_out)
+    made.keep = {selection_attribute().name};
+  else
+    made.operators.clear();
+}
 
 MadeBy made_by(const ChainPlan& plan) {
   const Neighborhood& first = plan.graph.nodes.front().neighborhood;
@@ -57,13 +72,19 @@ MadeBy made_by(const ChainPlan& plan) {
   MadeBy made{.neighborhood = {.k = all ? NeighborRule::kUnlimited : first.k, .radius = first.radius},
               .rule = first.rule,
               .keep = plan.chain.keep};
-  bool is_told = true;
+  bool is_told = true, others = false;
   std::set<std::size_t> unknown;  // versions
   for (std::size_t n = 1; n < plan.graph.nodes.size(); ++n) {
     const GraphNode& node = plan.graph.nodes[n];
     is_told &= node.kind != NodeKind::neighborhood && !leaves_means(node);
+    if (node.kind == NodeKind::select && others && !leaves_means(node)) {
+      add_late_select(node, !reads_any(node, unknown) && !(node.position && unknown.contains(*node.position)), made);
+      continue;
+    }
+    others |= node.kind != NodeKind::select && as<AllRows>(node) == nullptr;
     if (node.kind != NodeKind::stage) continue;
-    if (is_told && is_told_by_input(node) && !reads_any(node, unknown)) {
+    const bool in_place = !made.leaves_out || (node.op->contract().alone && !depends_on_all_points(node));
+    if (is_told && in_place && is_told_by_input(node) && !reads_any(node, unknown)) {
       made.operators.push_back(node.op);
       continue;
     }
@@ -95,6 +116,9 @@ std::shared_ptr<InputCloud> select_rows(const VerifyOptions& options, InputCloud
       means = as<VoxelMeans>(node);
       continue;
     }
+    if (node.kind == NodeKind::select && others && !before_means && !leaves_means(node) &&
+        node.op->contract().selects == Selects::by_value)
+      continue;
     if (node.kind == NodeKind::select && (others || before_means))
       fail_usage(
           "verify: the stage '{}' leaves out rows after other stages, and a sample of the input does not tell which; "

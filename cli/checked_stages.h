@@ -16,11 +16,15 @@ namespace pointsweep {
 /// points of a cloud that has moved. The selects at the beginning are not among them.
 MadeBy made_by(const ChainPlan& plan);
 
+/// Where no made attribute is checked: keeps the selects alone among the operators.
+void leave_selects(MadeBy& made);
+
 /// What --keep has left out of the output.
 void leave_out(const KeptFields& named, const std::string& prefix, const Schema& input, MadeBy& made);
 
 /// Selects the rows that the first stages keep. With voxel(keep=centroid) after these, returns the cloud before it,
-/// which `open_again` opens. Throws UsageError for a select behind other stages.
+/// which `open_again` opens. Throws UsageError for a thinning behind other stages, and
+/// for any select behind these means.
 std::shared_ptr<InputCloud> select_rows(const VerifyOptions& options, InputCloud& cloud, const ChainGraph& graph,
                                         const std::function<std::shared_ptr<InputCloud>()>& open_again);
 

@@ -223,10 +223,15 @@ MadeBy made_by_pipeline(const VerifyCommand& command, const VerifyOptions& optio
   const auto before_means = select_rows(options, cloud, plan.graph, [&] { return opened_again(command); });
   MadeBy made = made_by(plan);
   made.before_means = before_means;
-  if (all_are_dropped) made.operators.clear();
+  if (all_are_dropped) leave_selects(made);
   leave_out(plan.kept, command.common.prefix, cloud.schema(), made);
   // Outliers are compared with the mean distances in the output, which are compared with the input.
-  made.outlier_threshold = outlier_threshold(out, made.operators, options.prefix, options.progress);
+  if (made.leaves_out && command.check.order == RowOrder::sweep)
+    fail_usage(
+        "verify: which rows a stage behind others has left out is not told by an output in the order of the sweep; "
+        "verify one in the order of the input.");
+  if (!made.leaves_out)
+    made.outlier_threshold = outlier_threshold(out, made.operators, options.prefix, options.progress);
   if (!command.pipeline.empty() || !command.keep.empty()) return made;
   for (const auto& op : made.operators)
     for (const Attribute& a : op->contract().makes)

@@ -30,6 +30,7 @@ class Where final : public Operator {
   /// Throws UsageError for a name that fits nothing, with those there are.
   std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
   const Expression& condition() const { return condition_; }
+  const NamedValues& names() const { return names_; }
 
  protected:
   Options own_options() const override { return {{"condition", condition_.canonical()}}; }

@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <typeinfo>
+#include <unordered_map>
+#include <utility>
 
 #include "pointsweep/operators/orient.h"
 #include "pointsweep/verify/chain_values.h"
+#include "pointsweep/verify/sorted_cloud.h"
 
 namespace pointsweep {
 
@@ -46,6 +50,119 @@ std::optional<ColumnSource> ChainValues::source_of(std::uint16_t column, const O
   return source;
 }
 
+namespace {
+
+/// Points of a sorted cloud, one after another, with their neighbours, which come behind them.
+class SomePoints {
+ public:
+  explicit SomePoints(const SortedCloud& cloud) : cloud_(cloud) {}
+  std::uint32_t first() const { return first_; }
+  std::size_t size() const { return lists_.size(); }
+  /// The list of the next point, of squared distances and numbers.
+  void add(std::vector<std::pair<double, std::uint32_t>> list) {
+    std::ranges::sort(list);
+    lists_.push_back(std::move(list));
+  }
+  /// Gives them, nearest neighbours first, equal ones by x, y, z, then row; goes on behind them.
+  Surroundings take(std::size_t rings) {
+    Surroundings out;
+    const auto add_point = [&](std::uint32_t i) {
+      const Vec3 p = cloud_.position(i);
+      out.x.push_back(p.x), out.y.push_back(p.y), out.z.push_back(p.z), out.row.push_back(cloud_.row_of(i));
+      return static_cast<std::uint32_t>(out.size() - 1);
+    };
+    const auto count = static_cast<std::uint32_t>(lists_.size());
+    for (std::uint32_t i = 0; i < count; ++i) add_point(first_ + i);
+    std::unordered_map<std::uint32_t, std::uint32_t> others;
+    out.list_begin.push_back(0);
+    for (const auto& list : lists_) {
+      for (const auto& [d2, j] : list) {
+        const bool is_one = j >= first_ && j - first_ < count;
+        const auto [other, is_new] = is_one ? std::pair(others.end(), false) : others.try_emplace(j);
+        if (is_new) other->second = add_point(j);
+        out.neighbors.push_back(is_one ? j - first_ : other->second);
+      }
+      out.list_begin.push_back(out.neighbors.size());
+    }
+    out.ring_end.assign(rings + 1, out.size());
+    out.ring_end[0] = count;
+    first_ += count;
+    lists_.clear();
+    return out;
+  }
+
+ private:
+  const SortedCloud& cloud_;
+  std::uint32_t first_ = 0;
+  std::vector<std::vector<std::pair<double, std::uint32_t>>> lists_;
+};
+
+constexpr std::uint64_t kPointsAtOnce = 1 << 17;
+
+}  // namespace
+
+/// Points are numbered as in the sorted cloud.
+std::vector<double> ChainValues::made_by_operators(const std::string& attribute, CloudRows& rows,
+                                                   const NeighborRule& neighborhood) {
+  const auto of_name = std::ranges::find(latest_, attribute, [](const auto& l) { return l.first; });
+  if (of_name == latest_.end()) throw NotTold("what it reads is not made");
+  const Attribute& a = columns_[of_name->second];
+  std::vector<std::string> untold =
+      look_at_cloud(rows, neighborhood, nullptr, [](const Attribute&) { return std::nullopt; });
+  if (!untold.empty()) throw NotTold(untold.front());
+  for (Stage& stage : stages_) {
+    if (stage.ring >= 0 && !stage.op->contract().values.empty())
+      throw NotTold("what it reads depends on values of the whole cloud");
+    if (!stage.cloud) stage.formula = nullptr, stage.applied = true;
+  }
+  const CloudInput in{.rows = rows, .reads = {}, .makes = {}, .neighborhood = neighborhood, .has_rule = false};
+  // Neighbours of which values are read, too, are all points together.
+  const std::uint64_t count = rows.count(), at_once = rings() <= 1 ? std::min(count, kPointsAtOnce) : count;
+  const std::uint64_t k = neighborhood.k == NeighborRule::kUnlimited ? 64 : neighborhood.k;
+  const std::uint64_t each = 2 * bytes_per_point() + 200 + 64 * k, components = a.fields.size();
+  const SortedCloud cloud(in, {}, components * sizeof(double) + at_once * each / std::max<std::uint64_t>(count, 1));
+  std::size_t offset = 0;
+  for (std::size_t m = 0; made_[m].name != attribute; ++m) offset += made_[m].bytes();
+  Field field;
+  field.type = a.type;
+  std::vector<double> values(count * components, std::numeric_limits<double>::quiet_NaN());
+  SomePoints points(cloud);
+  const auto make_values = [&] {
+    const std::uint32_t first = points.first();
+    const std::size_t n = points.size();
+    const ChainResults made = evaluate(points.take(rings()), rows.input(), rows);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::uint32_t c = 0; c < components; ++c)
+        values[cloud.row_of(first + static_cast<std::uint32_t>(i)) * components + c] =
+            value_of(field, made.values.data() + i * result_bytes() + offset, c);
+  };
+  std::vector<std::pair<double, std::uint32_t>> list;
+  const auto end_list = [&] {
+    points.add(std::exchange(list, {}));
+    if (points.size() == at_once) make_values();
+  };
+  cloud.for_each_neighbor(neighborhood, [&](std::uint32_t i, std::uint32_t j, double d2) {
+    while (points.first() + points.size() < i) end_list();
+    list.emplace_back(d2, j);
+  });
+  while (points.first() + points.size() < cloud.size()) end_list();
+  if (points.size() > 0) make_values();
+  return values;
+}
+
+/// Of an attribute that the output has not of all rows.
+std::optional<ColumnSource> ChainValues::source_again(std::uint16_t column, CloudRows& rows) const {
+  const auto maker = static_cast<std::size_t>(maker_[column]);
+  std::vector<std::shared_ptr<const Operator>> before;
+  for (std::size_t s = 0; s <= maker; ++s)
+    if (stages_[s].op->contract().selects == Selects::nothing) before.push_back(stages_[s].op);
+  const Attribute& a = columns_[column];
+  ChainValues again(std::move(before), {a.name}, rows.input().schema(), rule_);
+  return ColumnSource{
+      .attribute = a,
+      .made_again = std::make_shared<const std::vector<double>>(again.made_by_operators(a.name, rows, neighborhood_))};
+}
+
 CloudInput ChainValues::cloud_input(const Stage& stage, CloudRows& rows) const {
   return {.rows = rows,
           .reads = stage.sources,
@@ -61,10 +178,15 @@ std::vector<std::string> ChainValues::look_at_cloud(CloudRows& rows, const Neigh
   std::vector<std::string> untold;
   for (Stage& stage : stages_) {
     if (!stage.cloud || stage.ring < 0) continue;
-    for (const std::uint16_t column : stage.reads) stage.sources.push_back(source_of(column, in_output));
-    for (const std::uint16_t column : stage.makes) stage.targets.push_back(source_of(column, in_output));
+    const auto source = [&](std::uint16_t column) {
+      return rows.output_has_all() || maker_[column] < 0 ? source_of(column, in_output) : source_again(column, rows);
+    };
     std::string why;
     try {
+      for (const std::uint16_t column : stage.reads) stage.sources.push_back(source(column));
+      if (rows.output_has_all())
+        for (const std::uint16_t column : stage.makes) stage.targets.push_back(source_of(column, in_output));
+      stage.targets.resize(stage.makes.size());
       stage.cloud->prepare(cloud_input(stage, rows));
       why = stage.cloud->limits();
     } catch (const NotTold& reason) {

@@ -46,8 +46,8 @@ void store(const Attribute& a, const Estimate* estimates, std::byte* to) {
   }
 }
 
-bool is_kept(const std::vector<std::string>& keep, const std::string& name) {
-  return keep.empty() || std::find(keep.begin(), keep.end(), name) != keep.end();
+bool is_kept(const std::vector<std::string>& keep, const Attribute& a) {
+  return keep.empty() || ChainValues::is_selection(a) || std::find(keep.begin(), keep.end(), a.name) != keep.end();
 }
 
 /// The points in pieces of kCellCapacity: the number of a point is then the reference to it.
@@ -89,19 +89,26 @@ ChainValues::ChainValues(std::vector<std::shared_ptr<const Operator>> operators,
     for (const Attribute& a : contract.reads) stage.reads.push_back(column_of(a, *op, input));
     if (!stage.cloud)
       for (const Attribute& a : contract.reads_neighbors) stage.reads_neighbors.push_back(column_of(a, *op, input));
-    for (const Attribute& a : contract.makes) {
+    for (Attribute a : contract.makes) {
+      if (contract.selects != Selects::nothing) a.name = selection_name(stages_.size());
       make(a, stage);
       if (a.name == position_attribute().name) position = stage.makes.back();
     }
     stages_.push_back(std::move(stage));
   }
-  std::erase_if(made_, [&](const Attribute& a) { return !is_kept(keep, a.name); });
+  std::erase_if(made_, [&](const Attribute& a) { return !is_kept(keep, a); });
   for (const Attribute& a : made_)
     for (const auto& [name, column] : latest_)
       if (name == a.name) made_columns_.push_back(column);
   find_rings();
   find_applied();
 }
+
+std::string ChainValues::selection_name(std::size_t number) {
+  return selection_attribute().name + " by stage " + std::to_string(number);
+}
+
+bool ChainValues::is_selection(const Attribute& made) { return made.name.starts_with(selection_attribute().name); }
 
 std::uint16_t ChainValues::new_column(const Attribute& attribute) {
   columns_.push_back(attribute);

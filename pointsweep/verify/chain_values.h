@@ -30,9 +30,12 @@ class ChainValues {
  public:
   /// `keep`: names of the made attributes that count; empty: all. `rule`: what is left of the neighbours found. Throws
   /// UsageError if an operator reads what neither the input nor an earlier stage has, or the rule what the input has
-  /// not.
+  /// not. A select makes selection_name(), which counts in any case.
   ChainValues(std::vector<std::shared_ptr<const Operator>> operators, const std::vector<std::string>& keep,
               const Schema& input, SharedRule rule = {}, const CloudThreshold& threshold = {});
+  /// Of the `number`-th operator.
+  static std::string selection_name(std::size_t number);
+  static bool is_selection(const Attribute& made);
 
   /// The last version of each kept attribute, in the order first made.
   const std::vector<Attribute>& made() const { return made_; }
@@ -56,6 +59,11 @@ class ChainValues {
   ChainResults evaluate(Surroundings around, RowSource& in, CloudRows& rows) const;
   /// Bytes of memory for each point of the surroundings, in addition to its list.
   std::size_t bytes_per_point() const;
+  /// The attribute of all rows by the operators themselves, bit for bit what a run makes; of local stages and those
+  /// before them. By row of the input, then component; NaN where a point has no finite place. In memory; throws
+  /// NotTold.
+  std::vector<double> made_by_operators(const std::string& attribute, CloudRows& rows,
+                                        const NeighborRule& neighborhood);
 
  private:
   struct Stage {
@@ -83,6 +91,7 @@ class ChainValues {
   void add_file_column(std::uint16_t column, const Attribute& wanted, const std::string& who, const Schema& input);
   void find_applied();
   std::vector<const Operator*> makers_of_reads(const Contract& contract) const;
+  std::optional<ColumnSource> source_again(std::uint16_t column, CloudRows& rows) const;
   std::optional<ColumnSource> source_of(std::uint16_t column, const OutputColumns& in_output) const;
   CloudInput cloud_input(const Stage& stage, CloudRows& rows) const;
   void evaluate_cloud(const Stage& stage, const Surroundings& around, CloudRows& rows, ColumnEstimates& columns) const;

@@ -34,6 +34,14 @@ void put_from_input(std::span<const ColumnSource> columns, const std::byte* reco
   }
 }
 
+void put_made_again(std::span<const ColumnSource> columns, std::uint64_t row, double* values) {
+  for (const ColumnSource& c : columns) {
+    const std::size_t components = c.attribute.fields.size();
+    if (c.made_again) std::copy_n(c.made_again->data() + row * components, components, values);
+    values += components;
+  }
+}
+
 void put_from_output(std::span<const ColumnSource> columns, const std::byte* record, double* values) {
   for (const ColumnSource& c : columns) {
     const bool turned = c.turned_by && c.turned_by->found_value(record) != 0;
@@ -117,6 +125,7 @@ void CloudRows::for_each(std::span<const ColumnSource> columns,
       put_from_output(columns, out_records.data() + (row - out_first) * stride, values.data());
     }
     put_from_input(columns, record, values.data());
+    put_made_again(columns, row, values.data());
     use(row, {value_of(position.x, record), value_of(position.y, record), value_of(position.z, record)}, values);
     if (progress_ && (row + 1) % 65536 == 0) progress_("reading", row + 1, count());
   });

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -36,13 +37,16 @@ struct ColumnSource {
   std::vector<Field> in_input = {};         ///< by component; or
   std::vector<FieldPair> in_output = {};    ///< by component
   std::optional<FieldPair> turned_by = {};  ///< where this is not 0 in the output, it holds the negative
+  std::shared_ptr<const std::vector<double>> made_again = {};  ///< or these, by row of the input, then component
 };
 
 class CloudRows {
  public:
-  /// `axis`: of the sweep in whose order the rows of `out` are; negative: that of the input. Borrows both.
-  CloudRows(RowSource& in, RowSource& out, int axis, std::uint64_t memory_bytes, const PhaseProgress& progress)
-      : in_(in), out_(out), axis_(axis), memory_bytes_(memory_bytes), progress_(progress) {}
+  /// `axis`: of the sweep in whose order the rows of `out` are; negative: that of the input. `has_all`: the output has
+  /// all rows of the input. Borrows both.
+  CloudRows(RowSource& in, RowSource& out, int axis, std::uint64_t memory_bytes, const PhaseProgress& progress,
+            bool has_all = true)
+      : in_(in), out_(out), axis_(axis), memory_bytes_(memory_bytes), progress_(progress), has_all_(has_all) {}
 
   std::uint64_t count() const { return in_.count(); }
   std::uint64_t memory_bytes() const { return memory_bytes_; }
@@ -50,6 +54,8 @@ class CloudRows {
   /// Times that all of the input was read.
   std::uint64_t passes() const { return passes_; }
   RowSource& input() { return in_; }
+  /// Else no column may be one of the output.
+  bool output_has_all() const { return has_all_; }
 
   /// Throws NotTold where the output has another order than the input, and values of the columns in the output do not
   /// fit the memory.
@@ -66,6 +72,7 @@ class CloudRows {
   int axis_;
   std::uint64_t memory_bytes_, passes_ = 0;
   const PhaseProgress& progress_;
+  bool has_all_;
 };
 
 /// "6.2 GiB" and the like.

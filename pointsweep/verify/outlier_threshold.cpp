@@ -6,6 +6,7 @@
 #include <typeinfo>
 
 #include "pointsweep/operators/outliers.h"
+#include "pointsweep/verify/chain_values.h"
 
 namespace pointsweep {
 namespace {
@@ -26,22 +27,20 @@ void for_each_finite(RowSource& source, const Field& field, const PhaseProgress&
 
 bool is_outlier(const std::shared_ptr<const Operator>& op) { return typeid(*op) == typeid(Outlier); }
 
-CloudThreshold threshold_of(Reader& out, const std::string& name, const Outlier& op, const PhaseProgress& progress) {
-  RowSource source(out);
-  const auto at = source.schema().find(name);
-  if (!at) return {};
-  const Field& field = source.schema().fields[*at];
+/// `for_each(use)`: of the finite mean distances; as of the type that holds them.
+template <class ForEach>
+CloudThreshold threshold_of(ForEach for_each, Type type, const Outlier& op) {
   Real sum = 0, n = 0, squares = 0;
-  for_each_finite(source, field, progress, [&](double v) { sum += v, n += 1; });
+  for_each([&](double v) { sum += v, n += 1; });
   const Real mean = sum / n;
   const bool of_open3d = op.definition() == OutlierDefinition::open3d;
-  for_each_finite(source, field, progress, [&](double v) {
+  for_each([&](double v) {
     if (v != 0 || !of_open3d) squares += (v - mean) * (v - mean);
   });
   const Real by = op.definition() == OutlierDefinition::cloudcompare ? n : n - 1;
   const Real deviation = by > 0 ? std::sqrt(squares / by) : 0;
   // What n additions lose in extended precision, and what a text or a float32 output has rounded.
-  const Real lost = field.type == Type::f64 ? n * 0x1p-63L + 8 * formulas::kDouble : 4 * formulas::kSingle;
+  const Real lost = type == Type::f64 ? n * 0x1p-63L + 8 * formulas::kDouble : 4 * formulas::kSingle;
   const Real threshold = mean + op.multiplier() * deviation;
   return {threshold, lost * threshold};
 }
@@ -50,9 +49,34 @@ CloudThreshold threshold_of(Reader& out, const std::string& name, const Outlier&
 
 CloudThreshold outlier_threshold(Reader& out, const std::vector<std::shared_ptr<const Operator>>& operators,
                                  const std::string& prefix, const PhaseProgress& progress) {
-  const auto at = std::ranges::find_if(operators, is_outlier);
-  if (at == operators.end()) return {};
-  return threshold_of(out, prefix + mean_distance_attribute().name, static_cast<const Outlier&>(**at), progress);
+  const auto op = std::ranges::find_if(operators, is_outlier);
+  if (op == operators.end()) return {};
+  RowSource source(out);
+  const auto at = source.schema().find(prefix + mean_distance_attribute().name);
+  if (!at) return {};
+  const Field& field = source.schema().fields[*at];
+  const auto for_each = [&](const auto& use) { for_each_finite(source, field, progress, use); };
+  return threshold_of(for_each, field.type, static_cast<const Outlier&>(**op));
+}
+
+CloudThreshold outlier_threshold_of_all(InputCloud& in, const std::vector<std::shared_ptr<const Operator>>& operators,
+                                        const SharedRule& rule, const NeighborRule& neighborhood,
+                                        std::uint64_t memory_bytes) {
+  const auto op = std::ranges::find_if(operators, is_outlier);
+  if (op == operators.end()) return {};
+  std::vector<std::shared_ptr<const Operator>> before(operators.begin(), op);
+  std::erase_if(before, [](const auto& any) { return any->contract().selects != Selects::nothing; });
+  const std::string name = mean_distance_attribute().name;
+  ChainValues chain(before, {name}, in.schema(), rule);
+  RowSource source(in);
+  const PhaseProgress silent;
+  CloudRows rows(source, source, -1, memory_bytes, silent, false);
+  const std::vector<double> distances = chain.made_by_operators(name, rows, neighborhood);
+  const auto for_each = [&](const auto& use) {
+    for (const double v : distances)
+      if (std::isfinite(v)) use(v);
+  };
+  return threshold_of(for_each, Type::f64, static_cast<const Outlier&>(**op));
 }
 
 }  // namespace pointsweep

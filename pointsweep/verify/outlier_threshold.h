@@ -9,6 +9,7 @@
 #include "pointsweep/reader.h"
 #include "pointsweep/verify/row_source.h"
 #include "pointsweep/verify/stage_formula.h"
+#include "pointsweep/verify/surroundings.h"
 
 namespace pointsweep {
 
@@ -17,5 +18,11 @@ namespace pointsweep {
 /// there is none, or if the output has no mean distances. Reads it twice.
 CloudThreshold outlier_threshold(Reader& out, const std::vector<std::shared_ptr<const Operator>>& operators,
                                  const std::string& prefix, const PhaseProgress& progress);
+
+/// The same of the mean distances of all points of the input, where the output has not all: those that the operators
+/// themselves make. Throws NotTold.
+CloudThreshold outlier_threshold_of_all(InputCloud& in, const std::vector<std::shared_ptr<const Operator>>& operators,
+                                        const SharedRule& rule, const NeighborRule& neighborhood,
+                                        std::uint64_t memory_bytes);
 
 }  // namespace pointsweep

@@ -17,6 +17,19 @@ RowSource::RowSource(Reader& reader)
       name_(reader.info().path.string()),
       read_([&reader](std::uint64_t row, std::span<std::byte> records) { return reader.read(row, records); }) {}
 
+RowSource::RowSource(RowSource& rows, std::span<const std::uint64_t> chosen)
+    : schema_(rows.schema_),
+      count_(chosen.size()),
+      name_(rows.name_),
+      read_([&rows, chosen](std::uint64_t row, std::span<std::byte> records) {
+        const std::size_t stride = rows.schema().stride;
+        const auto some = chosen.subspan(row, std::min(chosen.size() - row, records.size() / stride));
+        for_each_record(rows, some, [&](std::size_t i, const std::byte* record) {
+          std::copy_n(record, stride, records.data() + i * stride);
+        });
+        return some.size();
+      }) {}
+
 std::span<const std::byte> RowSource::read(std::uint64_t first, std::size_t count) {
   const std::size_t bytes = count * schema_->stride;
   block_.resize(std::max(block_.size(), bytes));

@@ -24,6 +24,8 @@ class RowSource {
   /// Borrow what they are made of.
   explicit RowSource(InputCloud& cloud);
   explicit RowSource(Reader& reader);
+  /// Some rows of another, which ascend.
+  RowSource(RowSource& rows, std::span<const std::uint64_t> chosen);
 
   const Schema& schema() const { return *schema_; }
   std::uint64_t count() const { return count_; }

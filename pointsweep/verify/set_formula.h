@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The formula of set.
+/// The formulas of set and where.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,10 @@
 namespace pointsweep {
 
 class SetAttribute;
+class Where;
 
 std::unique_ptr<StageFormula> set_formula_of(const SetAttribute& op);
+/// Of what it makes, selection_attribute().
+std::unique_ptr<StageFormula> condition_formula_of(const Where& op);
 
 }  // namespace pointsweep

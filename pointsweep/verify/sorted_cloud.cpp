@@ -10,7 +10,7 @@ namespace pointsweep {
 namespace {
 
 /// Of a point: itself while it is sorted, its place, numbers, and its part of the tree.
-constexpr std::uint64_t kPointBytes = 32 + 24 + 5 * 4 + 20;
+constexpr std::uint64_t kPointBytes = 32 + 24 + 6 * 4 + 20;
 
 }  // namespace
 
@@ -46,6 +46,7 @@ SortedCloud::SortedCloud(const CloudInput& in, std::span<const ColumnSource> col
     const double* values = read.data() + std::size_t{point_of_row_[points[i].row]} * components_;
     values_.insert(values_.end(), values, values + components_);
     point_of_row_[points[i].row] = i;
+    row_of_.push_back(static_cast<std::uint32_t>(points[i].row));
   }
   tree_ = std::make_unique<formulas::PlaceTree>(places_, points_at_);
 }

@@ -31,6 +31,7 @@ class SortedCloud {
   }
   const double* values(std::uint32_t point) const { return values_.data() + std::size_t{point} * components_; }
   const formulas::PlaceTree& tree() const { return *tree_; }
+  std::uint64_t row_of(std::uint32_t point) const { return row_of_[point]; }
   /// The point of a row of the input; kNone where it is not finite.
   std::uint32_t point_of(std::uint64_t row) const { return point_of_row_[row]; }
 
@@ -40,7 +41,7 @@ class SortedCloud {
 
  private:
   std::vector<formulas::PlaceTree::Place> places_;
-  std::vector<std::uint32_t> points_at_, first_at_, place_of_, point_of_row_;
+  std::vector<std::uint32_t> points_at_, first_at_, place_of_, point_of_row_, row_of_;
   std::size_t components_ = 0;
   std::vector<double> values_;
   std::unique_ptr<formulas::PlaceTree> tree_;

@@ -17,6 +17,7 @@
 #include "pointsweep/operators/outliers.h"
 #include "pointsweep/operators/radius_outliers.h"
 #include "pointsweep/operators/set.h"
+#include "pointsweep/operators/where.h"
 #include "pointsweep/verify/formulas/colors.h"
 #include "pointsweep/verify/formulas/crowding.h"
 #include "pointsweep/verify/formulas/distances.h"
@@ -225,6 +226,7 @@ std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshol
   if (type == typeid(CorePoints)) return std::make_unique<CoreFormula>(static_cast<const CorePoints&>(op));
   if (type == typeid(Color)) return std::make_unique<ColorFormula>(static_cast<const Color&>(op));
   if (type == typeid(SetAttribute)) return set_formula_of(static_cast<const SetAttribute&>(op));
+  if (type == typeid(Where)) return condition_formula_of(static_cast<const Where&>(op));
   if (type == typeid(NeighborRows)) return std::make_unique<GraphFormula>(contract);
   return nullptr;
 }

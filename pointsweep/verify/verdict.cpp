@@ -30,8 +30,11 @@ std::string to_text(const Verdict& v) {
   if (v.made.empty())
     text += "  operators          none, so no neighbourhoods were looked at\n";
   else
-    text += fmt::format("  by brute force     {} of {} points, {} wrong: {}\n", v.sampled, v.arrivals.points_in,
-                        v.wrong_points, names_text(v.made));
+    text += fmt::format("  by brute force     {} of {} points, {} wrong: {}\n", v.sampled,
+                        v.arrivals.points_in + v.left_out.value_or(0), v.wrong_points, names_text(v.made));
+  if (v.left_out)
+    text += fmt::format("  rows left out      {}; whether a row stays is told for {} of {} rows\n", *v.left_out,
+                        v.sampled - v.open_rows, v.sampled);
   if (!v.by_own_operator.empty()) text += fmt::format("  not independent    {}\n", names_text(v.by_own_operator));
   if (v.open_values > 0)
     text += fmt::format("  undetermined       {} of {} values: the data do not tell which is right\n", v.open_values,

@@ -18,11 +18,13 @@ struct Verdict {
   std::vector<std::string> made;    ///< attributes that operators made, by brute force again
   /// Those of them for which `verify` has no independent formula: evaluated with the operator that made them.
   std::vector<std::string> by_own_operator;
-  std::uint64_t values = 0;          ///< values that were evaluated again
-  std::uint64_t open_values = 0;     ///< of these, some of which the data do not tell what is right (a tie to rounding)
-  std::uint64_t sampled = 0;         ///< points for which they were
-  std::uint64_t wrong_points = 0;    ///< of these, with a value that is not as it should be
-  std::uint64_t passes = 0;          ///< times that the whole input was read
+  std::uint64_t values = 0;        ///< values that were evaluated again
+  std::uint64_t open_values = 0;   ///< of these, some of which the data do not tell what is right (a tie to rounding)
+  std::uint64_t sampled = 0;       ///< points for which they were
+  std::uint64_t wrong_points = 0;  ///< of these, with a value that is not as it should be
+  std::uint64_t passes = 0;        ///< times that the whole input was read
+  std::optional<std::uint64_t> left_out;  ///< rows that a stage behind others has left out
+  std::uint64_t open_rows = 0;            ///< of the sample: the data do not tell whether they stay
   std::vector<std::string> unknown;  ///< attributes of the output that are neither the input's nor made: not checked
   std::vector<std::string> untold;   ///< what is not checked, and why
 

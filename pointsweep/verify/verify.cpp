@@ -9,6 +9,8 @@
 #include "pointsweep/verify/chain_values.h"
 #include "pointsweep/verify/input_values.h"
 #include "pointsweep/verify/made_value.h"
+#include "pointsweep/verify/outlier_threshold.h"
+#include "pointsweep/verify/row_alignment.h"
 #include "pointsweep/verify/sample_rows.h"
 #include "pointsweep/verify/sweep_rows.h"
 
@@ -37,8 +39,11 @@ bool is_of(const Schema& schema, const std::string& name) {
 }
 
 /// Of the sample and those asked for by number, ascending.
-std::vector<std::uint64_t> rows_to_check(std::uint64_t count, const VerifyOptions& options) {
-  std::vector<std::uint64_t> rows = sample_rows(count, options.sample, options.seed);
+std::vector<std::uint64_t> rows_to_check(std::uint64_t count, const VerifyOptions& options,
+                                         const RowAlignment* alignment = nullptr) {
+  std::vector<std::uint64_t> rows = alignment != nullptr
+                                        ? sample_of_both(*alignment, count, options.sample, options.seed)
+                                        : sample_rows(count, options.sample, options.seed);
   for (const std::uint64_t row : options.rows)
     if (row >= count) fail_usage("Row {} is to be checked, and the last row of the input is {}.", row, count - 1);
   rows.insert(rows.end(), options.rows.begin(), options.rows.end());
@@ -58,18 +63,20 @@ class Verification {
         rows_(rows_to_check(in_.count(), options)) {
     verdict_.input = in_.name(), verdict_.output = out_.name();
     verdict_.attributes_compared = !is_array;
+    verdict_.untold = made_by.untold;
     for (std::size_t a = 0; a < chain_.made().size(); ++a) {
-      verdict_.made.push_back(chain_.made()[a].name);
+      if (!ChainValues::is_selection(chain_.made()[a])) verdict_.made.push_back(chain_.made()[a].name);
       if (!chain_.is_independent(a)) verdict_.by_own_operator.push_back(chain_.made()[a].name);
     }
   }
 
   Verdict run() {
     pair_made_attributes();
+    if (made_by_.leaves_out && !find_kept_rows()) return std::move(verdict_);
     compare();
     judge_arrivals();
-    if (verdict_.arrivals.points_in == verdict_.arrivals.points_out && !order_is_lost_ && !made_values_.empty())
-      check_sample();
+    const bool is_made = !made_values_.empty() || !selections_.empty();
+    if (verdict_.arrivals.points_in == verdict_.arrivals.points_out && !order_is_lost_ && is_made) check_sample();
     return std::move(verdict_);
   }
 
@@ -87,6 +94,10 @@ class Verification {
       if (made_by_.left_out_input.contains(in_.schema().fields[f].name)) replaced_[f] = true;
     std::size_t f = 0, estimate = 0;
     for (const Attribute& a : chain_.made()) {
+      if (ChainValues::is_selection(a)) {
+        selections_.push_back(estimate++), ++f;
+        continue;
+      }
       const std::size_t width = a.fields.size() / estimates_of(a);  // components of an estimate
       for (std::size_t e = 0; e < estimates_of(a); ++e, f += width) pair_made_value(results, f, width, estimate++);
     }
@@ -116,6 +127,24 @@ class Verification {
       made_values_.emplace_back(estimate, std::move(pairs));
   }
 
+  /// False where rows of the output are not rows of the input in its order.
+  bool find_kept_rows() {
+    for (std::size_t f = 0; f < replaced_.size(); ++f)
+      if (!replaced_[f])
+        if (const auto pairs = pairs_of_field(in_.schema(), f, out_.schema()))
+          known_.insert(known_.end(), pairs->begin(), pairs->end());
+    if (known_.empty())
+      fail_usage("verify: {} holds nothing of the input, which tells what rows were left out.", out_.name());
+    alignment_ = align_rows(in_, out_, known_, options_.progress);
+    verdict_.left_out = in_.count() - alignment_->kept.size();
+    verdict_.arrivals.points_in = in_.count(), verdict_.arrivals.points_out = out_.count();
+    rows_ = rows_to_check(in_.count(), options_, &*alignment_);
+    ++verdict_.passes;
+    if (!alignment_->not_of_input) return true;
+    differ("row {} is not a row of the input, or not in its order", *alignment_->not_of_input);
+    return false;
+  }
+
   /// The first reading of the input: also takes the positions of the sample and a thin subset of all.
   void compare() {
     const std::uint64_t stride = std::max<std::uint64_t>(1, in_.count() / kSubset);
@@ -127,7 +156,13 @@ class Verification {
       ++next;
       finite ? void(finite_.push_back({p, row})) : void(nonfinite_.push_back({p, row}));
     };
-    verdict_.passes = 1;
+    ++verdict_.passes;
+    if (alignment_) {
+      for_each_position(in_, "reading", options_.progress, look);
+      RowSource kept(in_, alignment_->kept);
+      verdict_.arrivals = compare_arrivals(kept, out_, replaced_, options_.progress, [](std::uint64_t, Vec3) {});
+      return;
+    }
     if (verdict_.attributes_compared) {
       verdict_.arrivals = compare_arrivals(in_, out_, replaced_, options_.progress, look);
       return;
@@ -197,7 +232,7 @@ class Verification {
   void check_sample() {
     std::vector<std::uint64_t> places = rows_;  // of the sample in the output
     if (axis_ >= 0) places = sweep_rows(in_, rows_, axis_, options_.progress), ++verdict_.passes;
-    CloudRows rows(in_, out_, axis_, options_.memory_bytes, options_.progress);
+    CloudRows rows(in_, out_, axis_, options_.memory_bytes, options_.progress, !alignment_);
     for (std::string& untold :
          chain_.look_at_cloud(rows, made_by_.neighborhood, made_by_.before_means.get(), columns_of_output()))
       verdict_.untold.push_back(std::move(untold));
@@ -212,6 +247,7 @@ class Verification {
     }
     verdict_.passes += rows.passes();
     hold_against_output(nonfinite_, results_of_none(), places);
+    judge_suspects();
   }
 
   OutputColumns columns_of_output() const {
@@ -234,7 +270,8 @@ class Verification {
     verdict_.made.clear();
     for (std::size_t a = 0; a < chain_.made().size(); ++a) {
       told.insert(told.end(), estimates_of(chain_.made()[a]), chain_.is_told(a));
-      if (chain_.is_told(a)) verdict_.made.push_back(chain_.made()[a].name);
+      if (chain_.is_told(a) && !ChainValues::is_selection(chain_.made()[a]))
+        verdict_.made.push_back(chain_.made()[a].name);
     }
     std::erase_if(made_values_, [&](const auto& value) { return !told[value.first]; });
   }
@@ -258,6 +295,9 @@ class Verification {
   ChainResults results_of_none() const {
     ChainResults results;
     results.estimates.resize(nonfinite_.size() * chain_.estimates_per_point());
+    for (std::size_t i = 0; i < nonfinite_.size(); ++i)
+      for (const std::size_t s : selections_)
+        results.estimates[i * chain_.estimates_per_point() + s] = formulas::open();
     for (const KnownPoint& p : nonfinite_) {
       for (const Attribute& a : chain_.made()) {
         const std::size_t at = results.values.size();
@@ -278,6 +318,11 @@ class Verification {
     };
     std::vector<Wanted> wanted;
     for (std::size_t i = 0; i < points.size(); ++i) {
+      if (alignment_) {
+        check_selection(points[i].row, results.estimates.data() + i * chain_.estimates_per_point());
+        if (const auto place = alignment_->place_of(points[i].row)) wanted.push_back({*place, i});
+        continue;
+      }
       const auto at = std::lower_bound(rows_.begin(), rows_.end(), points[i].row) - rows_.begin();
       wanted.push_back({places[static_cast<std::size_t>(at)], i});
     }
@@ -302,22 +347,57 @@ class Verification {
       const auto component = value.wrong_component(estimate, result, record);
       if (!component) continue;
       if (!wrong)
-        differ("row {}{}: {}", place, place == row ? "" : fmt::format(" (row {} of the input)", row),
-               value.difference(*component, estimate, result, record));
+        suspect(row, fmt::format("row {}{}: {}", place, place == row ? "" : fmt::format(" (row {} of the input)", row),
+                                 value.difference(*component, estimate, result, record)));
       wrong = true;
     }
-    verdict_.wrong_points += wrong;
+  }
+
+  /// Whether the output has a row as the conditions say, all of which hold for a row that stays.
+  void check_selection(std::uint64_t row, const formulas::Estimate* estimates) {
+    bool told = true, stays = true;
+    for (const std::size_t s : selections_) {
+      told = told && !estimates[s].is_open();
+      stays = stays && (estimates[s].is_open() || estimates[s].value.x != 0);
+    }
+    const bool has = alignment_->has(row);
+    if (stays && (!told || (made_by_.leaves_out_more && !has)))
+      ++verdict_.open_rows;
+    else if (stays != has)
+      suspect(row, fmt::format("row {} of the input {}", row,
+                               stays ? "is left out, and the conditions hold for it"
+                                     : "is in the output, and a condition does not hold for it"));
+  }
+
+  void suspect(std::uint64_t row, std::string difference) { suspects_.emplace_back(row, std::move(difference)); }
+
+  /// Of two rows that are the same in the output, one of which is left out, it does not tell which it has.
+  void judge_suspects() {
+    std::ranges::stable_sort(suspects_, {}, [](const auto& s) { return s.first; });
+    std::vector<std::uint64_t> rows, twins;
+    for (const auto& [row, difference] : suspects_)
+      if (rows.empty() || rows.back() != row) rows.push_back(row);
+    if (alignment_ && !rows.empty())
+      twins = rows_with_twins(in_, *alignment_, known_, rows, options_.progress), ++verdict_.passes;
+    for (const auto& [row, difference] : suspects_)
+      if (!std::ranges::binary_search(twins, row)) differ("{}", difference);
+    verdict_.wrong_points = rows.size() - twins.size();
+    verdict_.open_rows += twins.size();
   }
 
   RowSource in_, out_;
   const MadeBy& made_by_;
   const VerifyOptions& options_;
   ChainValues chain_;
-  std::vector<std::uint64_t> rows_;                             ///< of the sample, ascending
-  std::vector<KnownPoint> finite_, nonfinite_;                  ///< the sample
-  std::vector<KnownPoint> subset_;                              ///< of all points, at evenly spaced rows
-  std::vector<bool> replaced_;                                  ///< by field of the input
-  std::vector<std::pair<std::size_t, MadeValue>> made_values_;  ///< by number of the estimate
+  std::vector<std::uint64_t> rows_;                              ///< of the sample, ascending
+  std::vector<KnownPoint> finite_, nonfinite_;                   ///< the sample
+  std::vector<KnownPoint> subset_;                               ///< of all points, at evenly spaced rows
+  std::vector<bool> replaced_;                                   ///< by field of the input
+  std::vector<std::pair<std::size_t, MadeValue>> made_values_;   ///< by number of the estimate
+  std::vector<std::size_t> selections_;                          ///< numbers of estimates that say whether a row stays
+  std::optional<RowAlignment> alignment_;                        ///< where the output has not all rows
+  std::vector<FieldPair> known_;                                 ///< by which rows are recognized then
+  std::vector<std::pair<std::uint64_t, std::string>> suspects_;  ///< rows that seem to be wrong, and why
   int axis_ = -1;  ///< of the sweep whose order the rows have; negative: the input's
   bool order_is_lost_ = false;
   Verdict verdict_;
@@ -328,6 +408,14 @@ class Verification {
 Verdict verify(InputCloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options) {
   MadeBy known = made_by;
   known.operators = with_input_values(std::move(known.operators), in);
+  if (known.leaves_out) {
+    try {
+      known.outlier_threshold =
+          outlier_threshold_of_all(in, known.operators, known.rule, known.neighborhood, options.memory_bytes);
+    } catch (const NotTold& why) {
+      known.untold.push_back(fmt::format("outlier: the mean distance of all points {}", why.what()));
+    }
+  }
   return Verification(in, out, is_array, known, options).run();
 }
 

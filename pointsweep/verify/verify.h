@@ -44,6 +44,11 @@ struct MadeBy {
   std::shared_ptr<InputCloud> before_means = {};
   /// The threshold of outliers, found in the output (outlier_threshold.h).
   CloudThreshold outlier_threshold = {};
+  /// Selects behind other stages are among the operators: the output has a part of the rows of the input.
+  bool leaves_out = false;
+  /// Other stages leave out rows too, so that a row that the output has not may have gone there.
+  bool leaves_out_more = false;
+  std::vector<std::string> untold = {};  ///< sentences about what is not checked, and why
   /// Fields that were not written: of kept made attributes, and of the input under the input's own names.
   std::set<std::string> left_out_made = {}, left_out_input = {};
 };
@@ -52,6 +57,9 @@ struct MadeBy {
 /// the order of the sweep, by checksums of values and of whole points. A sample: the made attributes equal those that
 /// the same operators make of neighbourhoods found by holding every point of the input against them. `is_array`: `out`
 /// holds made values only. Values are compared as far as the types of the output tell (FieldPair).
+///
+/// Where rows are left out behind other stages, half of the sample are rows that the output has not: the conditions are
+/// evaluated on what the stages before make of all rows of the input, and tell whether a row stays.
 ///
 /// Reads both files once, the input once more for each ring of neighbours a chain looks at (normals and splats 1,
 /// curvature 2, fairing with splats again 3), and once for an order of the sweep. A point of the stream is held against

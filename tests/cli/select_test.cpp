@@ -91,7 +91,7 @@ TEST_F(SelectStages, VerifyFindsAMissingRowAndAWrongOutlier) {
   write("wrong.txt", wrong);
   refused(1, "verify all.txt wrong.txt", "outlier");
   made("run all.txt kept.txt --pipeline 'sor | where(outlier == 0)' -q");
-  refused(2, "verify all.txt kept.txt", "'where' leaves out rows after other stages");
+  EXPECT_EQ(tool("verify all.txt kept.txt").status, 0);
 }
 
 /// The rest of the output is checked, and the sentence names what is not.
@@ -175,10 +175,9 @@ TEST_F(SelectStages, VerifyFindsAWrongRowOfAThinning) {
   refused(2, "verify all.txt out.txt --pipeline 'poisson(2, radius_from=level)'", "is not checked");
 }
 
-TEST_F(SelectStages, VerifyRefusesASelectBehindOtherStagesAndChecksWhatStandsBeforeIt) {
+TEST_F(SelectStages, VerifyRefusesAThinningBehindOtherStagesAndChecksWhatStandsBeforeIt) {
   write_rows("all.txt", [](int) { return true; });
-  for (const char* behind : {"normals | where(nz > 0 || level < 3)", "normals | unique", "reneighbor | where(z < 0.5)",
-                             "where(level > 1) | normals | where(z < 0.5)"}) {
+  for (const char* behind : {"normals | unique", "normals | voxel(1)", "where(level > 1) | normals | unique"}) {
     made(fmt::format("run all.txt out.txt -f -q --pipeline '{}'", behind), "out.txt");
     refused(2, "verify all.txt out.txt", "leaves out rows after other stages, and a sample of the input does not tell");
     refused(2, fmt::format("verify all.txt out.txt --pipeline '{}'", behind), "of the stages before it");

@@ -116,6 +116,10 @@ MUTANTS = [
     Mutant("verify does not see that a point is missing", "verify", "pointsweep/verify/verify.cpp",
            "if (a.points_in != a.points_out) differ", "if (a.points_in < a.points_out) differ",
            ("verify:Verify.AMissing*", "cli:VerifyVerb.*")),
+    Mutant("verify does not ask about rows that were left out", "verify", "pointsweep/verify/verify.cpp",
+           "else if (stays != has)", "else if (has && !stays)", ("cli:VerifySelects.*",)),
+    Mutant("verify takes rows that should go", "verify", "pointsweep/verify/verify.cpp",
+           "else if (stays != has)", "else if (stays && !has)", ("cli:VerifySelects.*",)),
     Mutant("verify takes points that are not finite for wherever they stand", "verify", "pointsweep/verify/arrivals.cpp",
            "if (finite && (met_nonfinite_ || p[a] < last_[a]))", "if (finite && p[a] < last_[a])", ("verify",)),
 
