@@ -23,7 +23,8 @@ namespace nb = nanobind;
 namespace pointsweep {
 namespace {
 
-/// The function of Python, and the first exception it raised. Used with the interpreter lock, destroyed without.
+/// The function of Python, and the first exception it raised. Called by threads that are attached to the interpreter, at
+/// the same time where it has no lock; destroyed by one that is not.
 class PythonFunction {
  public:
   explicit PythonFunction(nb::object op) : op_(std::move(op)) {}
@@ -38,12 +39,12 @@ class PythonFunction {
       return results;
     } catch (const nb::python_error&) {
       batch.end();
-      if (!raised_) raised_ = std::current_exception();
-      failed_ = true;
+      if (!failed_.exchange(true)) raised_ = std::current_exception();
     }
     require_success();
     return {};
   }
+  /// To be called when no thread calls the function any more.
   void rethrow() const {
     if (raised_) std::rethrow_exception(raised_);
   }

@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import subprocess
 import sys
+import sysconfig
 import threading
 import types
 
@@ -27,6 +28,24 @@ print(*sorted(m for m in set(sys.modules) - before if not m.startswith("pointswe
 """
     run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert set(run.stdout.split()) <= {"__future__", "atexit", "copy"}, "import these where they are needed"
+
+
+def test_it_leaves_the_interpreter_lock_off():
+    if not sysconfig.get_config_var("Py_GIL_DISABLED"):
+        pytest.skip("this interpreter has a lock")
+    code = "import sys, pointsweep; print(sys._is_gil_enabled())"
+    run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env={**os.environ, "PYTHON_GIL": ""})
+    assert run.stdout.split() == ["False"]
+
+
+def test_threads_that_raise_at_once_raise_one_exception():
+    @ps.operator(makes={"nothing": "f4"})
+    def raising(p):
+        raise LookupError(threading.get_ident())
+
+    raising._most_places = 1  # a batch for each point
+    with pytest.raises(LookupError):
+        ps.run(XYZ, ["knn(k=4)", raising], threads=2)
 
 
 def normals_of(xyz):
