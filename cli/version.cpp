@@ -5,6 +5,7 @@
 
 #include <string_view>
 
+#include "cli/commit.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/math/instruction_set_in_use.h"
 
@@ -27,9 +28,9 @@ std::string compiler() {
 std::string version_number() { return POINTSWEEP_VERSION; }
 
 std::string version_text() {
-  constexpr std::string_view kCommit = POINTSWEEP_COMMIT, kBuildType = POINTSWEEP_BUILD_TYPE;
+  constexpr std::string_view kBuildType = POINTSWEEP_BUILD_TYPE;
   std::string text = "pointsweep " POINTSWEEP_VERSION "\n";
-  if (!kCommit.empty()) text += fmt::format("  {:<16}{}\n", "commit", kCommit);
+  if (!commit_of_build().empty()) text += fmt::format("  {:<16}{}\n", "commit", commit_of_build());
   text += fmt::format("  {:<16}{}, {}\n", "build", compiler(), kBuildType.empty() ? "no build type" : kBuildType);
   text += fmt::format("  {:<16}{}\n", "instruction set", instruction_set_in_use());
   text += fmt::format("  {:<16}{}\n", "reads", readable_formats());

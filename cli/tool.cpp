@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "cli/tool.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "cli/command_line.h"
+#include "cli/commands.h"
+#include "cli/help.h"
+#include "cli/interrupt.h"
+#include "cli/usage_errors.h"
+#include "cli/version.h"
+#include "pointsweep/cancellation.h"
+#include "pointsweep/error.h"
+#include "pointsweep/formats/files/output_file.h"
+
+namespace pointsweep {
+namespace {
+
+int fail_with(int status, const std::string& sentence) {
+  fmt::print(stderr, "pointsweep: {}\n", sentence);
+  return status;
+}
+
+int parse_and_run(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    return fail_with(2, usage_sentence(app, error));
+  } catch (const UsageError& error) {
+    return fail_with(2, error.what());
+  } catch (const Cancelled&) {
+    const char* const outputs = OutputFile::any_is_complete()   ? "outputs that were complete by then stay"
+                                : OutputFile::any_is_streamed() ? "what standard output has got is incomplete"
+                                                                : "no output was written";
+    return fail_with(128 + interrupting_signal(), fmt::format("stopped; {}", outputs));
+  } catch (const std::bad_alloc&) {
+    return fail_with(1, "the machine has no memory left for this; lower --memory or close other programs");
+  } catch (const std::exception& error) {
+    // After an interruption, threads that still run may miss what the hard end has removed.
+    return fail_with(interrupted() ? 128 + interrupting_signal() : 1, error.what());
+  }
+}
+
+}  // namespace
+
+int run_tool(int argc, char** argv) {
+  CLI::App app{
+      "Computes normals, curvatures, splats and other local attributes of point clouds of any size, exactly and within "
+      "a memory budget.",
+      "pointsweep"};
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.set_help_flag("-h,--help", "Show this help");
+  app.set_version_flag("--version", version_text, "Show version, build, instruction set and formats");
+  app.require_subcommand(1);
+  app.footer(
+      "'pointsweep help VERB' explains a verb. Exit status: 0 success; 1 an error of a file or of the machine; 2 an "
+      "error of the command line; 128 + N stopped by signal N.\n"
+      "\nExample:\n"
+      "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G");
+  add_commands(app);
+  keep_command_line(argc, argv, version_number());
+
+  catch_interrupts();
+  // A reader that went away and a limit on file sizes are errors of writing, not a sudden death.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  if (argc <= 1) {
+    fmt::print(stderr, "{}", app.help());
+    return 2;
+  }
+  const CancellationScope scope(&interrupt_token());
+  const int status = parse_and_run(app, argc, argv);
+  if (std::fflush(stdout) != 0 && status == 0) return fail_with(1, "standard output cannot be written");
+  return status;
+}
+
+}  // namespace pointsweep
