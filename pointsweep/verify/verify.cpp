@@ -5,9 +5,9 @@
 #include <cstring>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/field_names.h"
 #include "pointsweep/verify/chain_values.h"
 #include "pointsweep/verify/input_values.h"
+#include "pointsweep/verify/made_fields.h"
 #include "pointsweep/verify/made_value.h"
 #include "pointsweep/verify/outlier_threshold.h"
 #include "pointsweep/verify/row_alignment.h"
@@ -19,24 +19,6 @@ namespace {
 
 constexpr std::uint64_t kSubset = 65536;
 constexpr std::size_t kDifferencesShown = 10;
-
-/// Rows of `made` values as the chain gives them, under the names that the output has for them.
-Schema result_schema(const std::vector<Attribute>& made, const std::string& prefix) {
-  Schema schema;
-  for (const Attribute& a : made)
-    for (const std::string& field : a.fields)
-      schema.append(a.name == position_attribute().name ? field : prefix + field, a.type);
-  return schema;
-}
-
-/// Whether a field of an output comes from one of `schema`.
-bool is_of(const Schema& schema, const std::string& name) {
-  const auto copy = [&](const Field& field) { return name == fmt::format("{}_{}", field.name, name_of(field.type)); };
-  const std::vector<std::string> columns = column_names(schema);
-  return schema.find(name) || schema.find(library_name_of(name)) ||
-         std::find(columns.begin(), columns.end(), name) != columns.end() ||
-         std::any_of(schema.fields.begin(), schema.fields.end(), copy);
-}
 
 /// Of the sample and those asked for by number, ascending.
 std::vector<std::uint64_t> rows_to_check(std::uint64_t count, const VerifyOptions& options,
@@ -88,7 +70,7 @@ class Verification {
   }
 
   void pair_made_attributes() {
-    const Schema results = result_schema(chain_.made(), options_.prefix);
+    const Schema results = schema_of_made(chain_.made(), options_.prefix);
     replaced_.assign(in_.schema().fields.size(), !verdict_.attributes_compared);
     for (std::size_t f = 0; f < replaced_.size(); ++f)
       if (made_by_.left_out_input.contains(in_.schema().fields[f].name)) replaced_[f] = true;
@@ -107,7 +89,7 @@ class Verification {
         if (const auto old = in_.schema().find(name)) replaced_[*old] = true;
     }
     for (const Field& field : out_.schema().fields)
-      if (!is_of(in_.schema(), field.name) && !is_of(results, field.name) &&
+      if (!is_field_of(in_.schema(), field.name) && !is_field_of(results, field.name) &&
           std::find(verdict_.unknown.begin(), verdict_.unknown.end(), field.name) == verdict_.unknown.end())
         verdict_.unknown.push_back(field.name);
   }
@@ -252,7 +234,7 @@ class Verification {
 
   OutputColumns columns_of_output() const {
     return [this](const Attribute& made) -> std::optional<std::vector<FieldPair>> {
-      const Schema schema = result_schema({made}, options_.prefix);
+      const Schema schema = schema_of_made({made}, options_.prefix);
       std::vector<FieldPair> pairs;
       for (std::size_t f = 0; f < schema.fields.size(); ++f) {
         if (made_by_.left_out_made.contains(schema.fields[f].name)) return std::nullopt;
