@@ -15,6 +15,7 @@ namespace {
 bool is_within(double value, const OptionDeclaration& option) { return value >= option.least && value <= option.most; }
 
 std::string range_text(double least, double most) {
+  if (least == kAboveZero) return std::isfinite(most) ? fmt::format("above 0, at most {}", most) : "above 0";
   return std::isfinite(most) ? fmt::format("{} to {}", least, most) : fmt::format("{} or more", least);
 }
 

@@ -37,6 +37,9 @@ enum class OptionKind : std::uint8_t {
   assignments,  ///< std::string, NAME = NUMBER or NAME = NUMBER where CONDITION, with commas between; not empty
 };
 
+/// The least of numbers that have to be above 0, however small the cloud is.
+inline constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();
+
 struct OptionDeclaration {
   std::string name;
   OptionKind kind;

@@ -59,7 +59,7 @@ OperatorDeclaration distance_to_declaration() {
                   {.name = "most",
                    .kind = OptionKind::number,
                    .meaning = "farthest that the nearest point is looked for; by default as far as it is",
-                   .least = std::numeric_limits<double>::min(),
+                   .least = kAboveZero,
                    .unit = "length",
                    .sample = 5.0}},
       .make =

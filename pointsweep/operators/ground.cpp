@@ -16,8 +16,12 @@ namespace {
 constexpr double kMostCells = 1000;
 
 OptionDeclaration positive_length(const char* name, double preset, const char* meaning) {
-  return {
-      .name = name, .kind = OptionKind::number, .preset = preset, .meaning = meaning, .least = 1e-9, .unit = "length"};
+  return {.name = name,
+          .kind = OptionKind::number,
+          .preset = preset,
+          .meaning = meaning,
+          .least = kAboveZero,
+          .unit = "length"};
 }
 
 std::vector<OptionDeclaration> ground_options() {

@@ -142,7 +142,7 @@ OperatorDeclaration m3c2_declaration() {
     return OptionDeclaration{.name = std::move(name),
                              .kind = OptionKind::number,
                              .meaning = std::move(meaning),
-                             .least = std::numeric_limits<double>::min(),
+                             .least = kAboveZero,
                              .unit = "length",
                              .required = true,
                              .sample = sample};

@@ -55,7 +55,7 @@ OperatorDeclaration poisson_declaration() {
           .options = {{.name = "radius",
                        .kind = OptionKind::number,
                        .meaning = "within which a kept point leaves out others; with radius_from the most it can be",
-                       .least = 1e-9,
+                       .least = kAboveZero,
                        .unit = "length",
                        .required = true,
                        .positional = true,
@@ -81,8 +81,10 @@ OperatorDeclaration poisson_declaration() {
 
 Poisson::Poisson(PoissonOptions options) : options_(std::move(options)) {
   const double r = options_.radius;
-  if (!(r > 0 && std::isnormal(r * r)))
+  if (!(r > 0 && std::isfinite(r)))
     fail_usage("poisson: the radius {} is not a positive length; give one in the length unit of the cloud.", r);
+  if (!std::isnormal(r * r))
+    fail_usage("poisson: double precision cannot hold the square of the radius {}: scale the coordinates.", r);
 }
 
 Contract Poisson::contract() const {

@@ -63,7 +63,7 @@ OperatorDeclaration voxel_declaration() {
       .options = {{.name = "size",
                    .kind = OptionKind::number,
                    .meaning = "length of the edges of the cubes, whose faces lie at multiples of it",
-                   .least = 1e-9,
+                   .least = kAboveZero,
                    .unit = "length",
                    .required = true,
                    .positional = true,

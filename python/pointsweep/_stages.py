@@ -727,7 +727,7 @@ def voxel(size: float, *, keep: Literal["center", "hash", "centroid"] = "center"
 
     Parameters
     ----------
-    size : length of the edges of the cubes, whose faces lie at multiples of it; 1e-09 or more; unit: length.
+    size : length of the edges of the cubes, whose faces lie at multiples of it; 5e-324 or more; unit: length.
     keep : the point nearest to the centre of the cube, the one whose coordinates have the smallest hash, or the
         first of these with means of the cube.
 
@@ -769,7 +769,7 @@ def poisson(radius: float, *, radius_from: str | None = None) -> Stage:
 
     Parameters
     ----------
-    radius : within which a kept point leaves out others; with radius_from the most it can be; 1e-09 or more; unit:
+    radius : within which a kept point leaves out others; with radius_from the most it can be; 5e-324 or more; unit:
         length.
     radius_from : attribute of the input, or made before, that holds the radius of each point.
 
@@ -808,9 +808,9 @@ def simplify(error: float, *, most: float | None = None, least: float = 0) -> St
 
     Parameters
     ----------
-    error : how far a kept point may be off the tangent plane of a point that it represents; 1e-12 or more; unit:
+    error : how far a kept point may be off the tangent plane of a point that it represents; 5e-324 or more; unit:
         length.
-    most : the largest radius, on flat parts; without it, 32 error; 1e-09 or more; unit: length.
+    most : the largest radius, on flat parts; without it, 32 error; 5e-324 or more; unit: length.
     least : the smallest radius, where noise looks like curvature; at most `most`; 0 or more; unit: length.
 
     Makes
@@ -861,7 +861,7 @@ def ground(
     Parameters
     ----------
     method : the filter; there is one.
-    cell : edge of a cell of the raster, whose lines lie at multiples of it; 1e-09 or more; unit: length.
+    cell : edge of a cell of the raster, whose lines lie at multiples of it; 5e-324 or more; unit: length.
     slope : steepest slope of the ground, rise over run; what is steeper is an object; 0 or more.
     window : radius of the largest disk: about half the width of the widest object; 0 or more; unit: length.
     threshold : a point this far above or below the surface is still ground where that is level; 0 or more; unit:
@@ -1026,7 +1026,7 @@ def distance_to(cloud: str | os.PathLike[str] | Cloud, *, most: float | None = N
     Parameters
     ----------
     cloud : the other cloud: a point file, a folder of them or a pattern.
-    most : farthest that the nearest point is looked for; by default as far as it is; more than 0; unit: length.
+    most : farthest that the nearest point is looked for; by default as far as it is; 5e-324 or more; unit: length.
 
     Makes
     -----
@@ -1066,8 +1066,8 @@ def m3c2(cloud: str | os.PathLike[str] | Cloud, cylinder: float, depth: float, *
     Parameters
     ----------
     cloud : the other cloud, measured later: a point file, a folder of them or a pattern.
-    cylinder : diameter of the cylinder along the normal (projection scale); more than 0; unit: length.
-    depth : how far the cylinder reaches to each side of the point; more than 0; unit: length.
+    cylinder : diameter of the cylinder along the normal (projection scale); 5e-324 or more; unit: length.
+    depth : how far the cylinder reaches to each side of the point; 5e-324 or more; unit: length.
     registration : error of the registration of the two clouds; 0 or more; unit: length.
 
     Makes
