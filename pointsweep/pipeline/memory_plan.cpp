@@ -224,7 +224,8 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
     others += more;
   }
   out.cells_bytes = (budget - std::min(budget, others)) / kLostBetweenAllocations * (kLostBetweenAllocations - 1);
-  out.recall_bytes = std::max(kMega, out.cells_bytes);  // the window is empty by then
+  // The window is empty by then, and the distribution pass is over.
+  out.recall_bytes = std::max(kMega, out.cells_bytes + (out.on_demand ? 0 : out.stream_buffer_bytes));
   out.thinning_bytes = demand.thinning_bytes + (budget - std::min(budget, out.expected_bytes));
   return out;
 }

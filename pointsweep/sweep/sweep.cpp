@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <optional>
+#include <span>
 
 #include "pointsweep/prefetch.h"
 #include "pointsweep/sweep/cell_runner.h"
@@ -27,6 +28,20 @@ decltype(SweepStatistics::buffers) named_buffers(const SweepPlan& plan) {
   }
   buffers.push_back({"finished", {}});
   return buffers;
+}
+
+/// So that points near to each other follow one another: halved across the widest extent again and again.
+void put_near_together(std::span<DeferredPoint> points) {
+  if (points.size() <= 2) return;
+  Box box;
+  for (const DeferredPoint& p : points) box.include(p.position);
+  const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
+  std::nth_element(points.begin(), middle, points.end(),
+                   [axis = box.longest_axis()](const DeferredPoint& a, const DeferredPoint& b) {
+                     return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.row < b.row;
+                   });
+  put_near_together({points.begin(), middle});
+  put_near_together({middle, points.end()});
 }
 
 class Sweep {
@@ -185,17 +200,14 @@ class Sweep {
     return p;
   }
 
-  /// The deferred points of all threads, along the axis: successive ones are near to each other.
+  /// The deferred points of all threads; successive ones are near to each other.
   std::vector<DeferredPoint> take_deferred() {
     std::vector<DeferredPoint> deferred;
     for (Worker& worker : workers_) {
       deferred.insert(deferred.end(), worker.deferred.begin(), worker.deferred.end());
       worker.deferred = {};
     }
-    const int axis = stream_.axis();
-    std::sort(deferred.begin(), deferred.end(), [axis](const DeferredPoint& a, const DeferredPoint& b) {
-      return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.row < b.row;
-    });
+    put_near_together(deferred);
     return deferred;
   }
 
