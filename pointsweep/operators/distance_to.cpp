@@ -27,12 +27,10 @@ class DistanceToWork final : public OrderedWork {
 
   void add(unsigned, const OrderedPoints& points, MadeInOrder& made) override {
     std::vector<double> distances(points.rows.size(), std::numeric_limits<double>::quiet_NaN());
-    const auto place = [&](std::size_t i) { return points.positions[i]; };
-    other_.answer_all(distances.size(), place, [&](std::size_t i, PointCells::View& view) {
-      const auto* const nearest = view.nearest(place(i), 1, most2_);
-      if (nearest != nullptr && !nearest->empty()) distances[i] = std::sqrt(nearest->front().distance2);
-      return nearest != nullptr;
-    });
+    other_.nearest_of_all(points.positions, {.most2 = most2_, .any_of_equal = true},
+                          [&](std::size_t i, const std::vector<CellNeighbor>& nearest) {
+                            if (!nearest.empty()) distances[i] = std::sqrt(nearest.front().distance2);
+                          });
     made.rows.insert(made.rows.end(), points.rows.begin(), points.rows.end());
     const auto bytes = std::as_bytes(std::span(distances));
     made.values.insert(made.values.end(), bytes.begin(), bytes.end());

@@ -52,11 +52,8 @@ class HeightWork final : public OrderedWork {
   void measure(const OrderedPoints& points, MadeInOrder& made) {
     const std::size_t n = points.rows.size();
     std::vector<double> heights(n);
-    const auto place = [&](std::size_t i) { return points.positions[i]; };
-    ground_.answer_all(n, place, [&](std::size_t i, PointCells::View& view) {
-      const auto* const ground = view.nearest(place(i), k_, std::numeric_limits<double>::infinity());
-      if (ground != nullptr) heights[i] = height_above(place(i).z, *ground);
-      return ground != nullptr;
+    ground_.nearest_of_all(points.positions, {.k = k_}, [&](std::size_t i, const std::vector<CellNeighbor>& ground) {
+      heights[i] = height_above(points.positions[i].z, ground);
     });
     made.rows.insert(made.rows.end(), points.rows.begin(), points.rows.end());
     const auto bytes = std::as_bytes(std::span(heights));

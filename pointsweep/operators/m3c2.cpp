@@ -16,6 +16,8 @@
 namespace pointsweep {
 namespace {
 
+/// That a thread compares with a view of the cells.
+constexpr std::size_t kPointsAtOnce = 256;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// The points of one cloud in a cylinder, by where they lie along its axis.
@@ -107,7 +109,7 @@ class M3c2Work final : public OrderedWork {
   std::vector<Section> sections(const OrderedPoints& points, PointCells& cloud) const {
     std::vector<Section> all(points.rows.size());
     const auto place = [&](std::size_t i) { return points.positions[i]; };
-    cloud.answer_all(all.size(), place, [&](std::size_t i, PointCells::View& view) {
+    cloud.answer_all(all.size(), kPointsAtOnce, place, [&](std::size_t i, PointCells::View& view) {
       const Vec3 normal{points.values[3 * i], points.values[3 * i + 1], points.values[3 * i + 2]};
       if (!(length(normal) > 0) || !is_finite(normal)) return true;
       const Cylinder cylinder(place(i), normal, options_.cylinder, options_.depth);

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/operators/place_group.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -15,49 +15,19 @@ namespace {
 
 constexpr std::size_t kCellPoints = 512, kSlabCells = 64, kLeafPoints = 8;
 constexpr std::size_t kLeastCells = 2 * kSlabCells;
-constexpr std::size_t kQuestionsAtOnce = 256;
+/// Places that are asked about together.
+constexpr std::size_t kLeastGroup = 512, kMostGroup = 8192;
+
+bool meet(const Box& a, const Box& b) {
+  return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&
+         b.lo.z <= a.hi.z;
+}
 
 bool holds(const Box& b, Vec3 p) {
   return p.x >= b.lo.x && p.x <= b.hi.x && p.y >= b.lo.y && p.y <= b.hi.y && p.z >= b.lo.z && p.z <= b.hi.z;
 }
 
 }  // namespace
-
-bool CellNeighbor::operator<(const CellNeighbor& other) const {
-  const auto key = [](const CellNeighbor& n) {
-    return std::tuple(n.distance2, n.position.x, n.position.y, n.position.z, n.row);
-  };
-  return key(*this) < key(other);
-}
-
-unsigned HalvedBoxes::levels_for(std::size_t points, std::size_t most) {
-  unsigned levels = 0;
-  while (((points - 1) >> levels) >= most) ++levels;
-  return levels;
-}
-
-HalvedBoxes::HalvedBoxes(std::span<CellPoint> points, unsigned levels, bool in_plane)
-    : points_(points.size()), levels_(levels), boxes_((std::size_t{2} << levels) - 1) {
-  for (unsigned level = 0; level <= levels_; ++level) {
-    for (std::size_t j = 0; j < std::size_t{1} << level; ++j) {
-      const std::span<CellPoint> part =
-          points.subspan(part_begin(level, j), part_begin(level, j + 1) - part_begin(level, j));
-      Box& own = boxes_[(std::size_t{1} << level) - 1 + j];
-      for (const CellPoint& p : part) own.include(in_plane ? Vec3{p.position.x, p.position.y, 0} : p.position);
-      if (level == levels_) continue;
-      const std::size_t middle = part_begin(level + 1, 2 * j + 1) - part_begin(level, j);
-      std::nth_element(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(middle), part.end(),
-                       [axis = own.longest_axis()](const CellPoint& a, const CellPoint& b) {
-                         return a.position[axis] < b.position[axis];
-                       });
-    }
-  }
-}
-
-bool HalvedBoxes::meet(const Box& a, const Box& b) {
-  return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&
-         b.lo.z <= a.hi.z;
-}
 
 /// The points of a cell in memory.
 class PointCells::Tree {
@@ -67,24 +37,22 @@ class PointCells::Tree {
         in_plane_(space == Space::plane),
         leaves_(points_, HalvedBoxes::levels_for(points_.size(), kLeafPoints), in_plane_) {}
 
-  /// `found` stays in order, of at most k.
-  void nearest(Vec3 place, std::size_t k, double most2, std::vector<CellNeighbor>& found) const {
-    const auto worst = [&] { return found.size() == k ? found.back().distance2 : most2; };
-    leaves_.nearest_first(place, worst, [&](std::size_t leaf) {
-      for (std::size_t i = leaves_.begin(leaf); i < leaves_.begin(leaf + 1); ++i) {
-        const CellNeighbor next{distance2(flat(i), place), points_[i].position, points_[i].row};
-        if (next.distance2 > most2 || (found.size() == k && !(next < found.back()))) continue;
-        if (found.size() == k) found.pop_back();
-        found.insert(std::upper_bound(found.begin(), found.end(), next), next);
-      }
-      return true;
-    });
+  void nearest(Vec3 place, NearestSoFar& nearest) const {
+    leaves_.nearest_first(
+        place, [&] { return nearest.worst(); },
+        [&](std::size_t leaf) {
+          for (std::size_t i = leaves_.begin(leaf); i < leaves_.begin(leaf + 1); ++i)
+            nearest.see(distance2(flat(i), place), points_[i]);
+          return true;
+        });
   }
 
-  void within(const Box& box, const std::function<void(const CellPoint&)>& use) const {
-    leaves_.all_within(box, [&](std::size_t leaf) {
+  /// Calls `use` for the points of all boxes that are wanted, with their places; ends when it returns false.
+  template <class Wanted, class Use>
+  bool all_of(Wanted wanted, Use use) const {
+    return leaves_.all_of(wanted, [&](std::size_t leaf) {
       for (std::size_t i = leaves_.begin(leaf); i < leaves_.begin(leaf + 1); ++i)
-        if (holds(box, flat(i))) use(points_[i]);
+        if (!use(points_[i], flat(i))) return false;
       return true;
     });
   }
@@ -165,26 +133,26 @@ const PointCells::Tree& PointCells::load(std::size_t cell, std::size_t near) {
 
 /// In parallel with what is in memory, then what was missing is loaded for those that are left, and so on; where that
 /// does not fit, one after another.
-void PointCells::answer_all(std::size_t n, const std::function<Vec3(std::size_t i)>& place, const Answer& answer) {
-  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> open(n), missing;
+void PointCells::answer_all(std::size_t n, std::size_t at_once, const std::function<Vec3(std::size_t i)>& place,
+                            const Answer& answer) {
+  std::vector<std::size_t> open(n);
   std::iota(open.begin(), open.end(), std::size_t{0});
   for (std::size_t loads = 0; !open.empty();) {
-    missing.assign(open.size(), kNone);
-    parallel_for((open.size() + kQuestionsAtOnce - 1) / kQuestionsAtOnce, [&](std::size_t part, unsigned) {
+    const std::size_t parts = (open.size() + at_once - 1) / at_once;
+    std::vector<std::vector<std::size_t>> left(parts), missing(parts);
+    parallel_for(parts, [&](std::size_t part, unsigned) {
       View view(*this);
-      const std::size_t end = std::min(open.size(), (part + 1) * kQuestionsAtOnce);
-      for (std::size_t i = part * kQuestionsAtOnce; i < end; ++i)
-        if (!answer(open[i], view)) missing[i] = view.missing_;
+      const std::size_t end = std::min(open.size(), (part + 1) * at_once);
+      for (std::size_t i = part * at_once; i < end; ++i)
+        if (!answer(open[i], view)) left[part].push_back(open[i]);
+      missing[part] = std::move(view.missing_);
     });
     std::set<std::size_t> wanted;
-    std::size_t left = 0;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      if (missing[i] == kNone) continue;
-      wanted.insert(missing[i]);
-      open[left++] = open[i];
+    open.clear();
+    for (std::size_t part = 0; part < parts; ++part) {
+      open.insert(open.end(), left[part].begin(), left[part].end());
+      wanted.insert(missing[part].begin(), missing[part].end());
     }
-    open.resize(left);
     loads += wanted.size();
     if (loads > most_loaded_) break;
     for (const std::size_t cell : wanted) load(cell, cell);
@@ -197,25 +165,49 @@ void PointCells::answer_all(std::size_t n, const std::function<Vec3(std::size_t 
   }
 }
 
+void PointCells::nearest_of_all(std::span<const Vec3> places, const NearestWanted& wanted,
+                                const std::function<void(std::size_t, const std::vector<CellNeighbor>&)>& use) {
+  if (places.empty()) return;
+  std::vector<CellPoint> asked(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) asked[i] = {flat(places[i]), i};
+  const std::size_t most = std::clamp(asked.size() / (4 * thread_count()), kLeastGroup, kMostGroup);
+  const HalvedBoxes parts(asked, HalvedBoxes::levels_for(asked.size(), most), false);
+  std::vector<PlaceGroup> groups;
+  for (std::size_t g = 0; g < std::size_t{1} << parts.levels(); ++g)
+    groups.emplace_back(std::span(asked).subspan(parts.begin(g), parts.begin(g + 1) - parts.begin(g)), wanted,
+                        space_ == Space::plane);
+  answer_all(
+      groups.size(), 1, [&](std::size_t g) { return groups[g].first(); },
+      [&](std::size_t g, View& view) { return groups[g].answer(view, use); });
+}
+
 const PointCells::Tree* PointCells::View::tree(std::size_t cell) {
   stop_if_cancelled();
   if (const Tree* known = of_.cells_[cell].loaded.get()) return known;
   if (loading_ != nullptr) return &loading_->load(cell, near_);
-  missing_ = cell;
+  missing_.push_back(cell);
   return nullptr;
 }
 
+std::span<const PointCells::Slab> PointCells::View::slabs_between(double lo, double hi) const {
+  if (of_.slabs_.empty()) return {};
+  const std::span<const Slab> from = std::span(of_.slabs_).subspan(of_.slab_at(lo));
+  const auto end = std::ranges::upper_bound(from, hi, {}, [this](const Slab& s) { return s.box.lo[of_.axis_]; });
+  return from.first(static_cast<std::size_t>(end - from.begin()));
+}
+
 /// From the slab of the place to both sides along the axis, as long as a slab may hold a point that is not farther than
-/// the k found; in a slab the nearest cells first.
-const std::vector<CellNeighbor>* PointCells::View::nearest(Vec3 place, std::size_t k, double most2) {
-  std::vector<CellNeighbor>& found = neighbors_;
-  found.clear();
+/// the k found; in a slab the nearest cells first. Once k are found, all cells that are needed and not in memory are
+/// noted at once.
+const std::vector<CellNeighbor>* PointCells::View::nearest(Vec3 place, const NearestWanted& wanted) {
+  nearest_.begin(wanted);
   const std::vector<Slab>& slabs = of_.slabs_;
   const Vec3 p = of_.flat(place);
   const double at = p[of_.axis_];
-  const auto worst = [&] { return found.size() == k ? found.back().distance2 : most2; };
+  const auto worst = [&] { return nearest_.worst(); };
   const std::size_t near = slabs.empty() ? 0 : of_.slab_at(at);
   std::size_t before = near, behind = near;  // slabs from `before` to `behind` - 1 have been searched
+  bool complete = true;
   while (before > 0 || behind < slabs.size()) {
     constexpr double kNone = std::numeric_limits<double>::infinity();
     const double up = behind == near ? 0 : behind < slabs.size() ? slabs[behind].box.lo[of_.axis_] - at : kNone;
@@ -223,28 +215,55 @@ const std::vector<CellNeighbor>* PointCells::View::nearest(Vec3 place, std::size
     const bool goes_up = behind == near || up <= down;
     if (behind != near && (goes_up ? up * up : down * down) > worst()) break;
     const Slab& slab = slabs[goes_up ? behind++ : --before];
-    const bool complete = slab.cells.nearest_first(p, worst, [&](std::size_t c) {
+    const bool goes_on = slab.cells.nearest_first(p, worst, [&](std::size_t c) {
       const Tree* const points = tree(slab.first_cell + c);
-      if (points != nullptr) points->nearest(p, k, most2, found);
-      return points != nullptr;
+      if (points == nullptr)
+        complete = false;
+      else
+        points->nearest(p, nearest_);
+      return complete || nearest_.full();
     });
-    if (!complete) return nullptr;
+    if (!goes_on) return nullptr;
   }
-  return &found;
+  return complete ? &nearest_.found() : nullptr;
 }
 
 bool PointCells::View::within(const Box& box, const std::function<void(const CellPoint&)>& use) {
-  const std::vector<Slab>& slabs = of_.slabs_;
-  for (std::size_t s = slabs.empty() ? 0 : of_.slab_at(box.lo[of_.axis_]); s < slabs.size(); ++s) {
-    if (slabs[s].box.lo[of_.axis_] > box.hi[of_.axis_]) break;
-    const bool complete = slabs[s].cells.all_within(box, [&](std::size_t c) {
-      const Tree* const points = tree(slabs[s].first_cell + c);
-      if (points != nullptr) points->within(box, use);
-      return points != nullptr;
+  bool complete = true;
+  const auto wanted = [&](const Box& b) { return meet(b, box); };
+  for (const Slab& slab : slabs_between(box.lo[of_.axis_], box.hi[of_.axis_])) {
+    slab.cells.all_of(wanted, [&](std::size_t c) {
+      const Tree* const points = tree(slab.first_cell + c);
+      if (points == nullptr) complete = false;
+      if (complete)
+        points->all_of(wanted, [&](const CellPoint& point, Vec3 at) {
+          if (holds(box, at)) use(point);
+          return true;
+        });
+      return true;
     });
-    if (!complete) return false;
   }
-  return true;
+  return complete;
+}
+
+PointCells::View::Collected PointCells::View::collect(const Box& places, const NearestBound& bound, std::size_t most,
+                                                      std::vector<CellPoint>& to) {
+  bool complete = true;
+  const auto wanted = [&](const Box& b) { return !bound.out(b); };
+  const auto take = [&](const CellPoint& point, Vec3 at) {
+    if (!bound.out(at)) to.push_back(point);
+    return to.size() <= most;
+  };
+  const double lo = places.lo[of_.axis_] - bound.reach(), hi = places.hi[of_.axis_] + bound.reach();
+  for (const Slab& slab : slabs_between(lo, hi)) {
+    const bool goes_on = slab.cells.all_of(wanted, [&](std::size_t c) {
+      const Tree* const points = tree(slab.first_cell + c);
+      if (points == nullptr) complete = false;
+      return points == nullptr || points->all_of(wanted, take);
+    });
+    if (!goes_on) return Collected::too_many;
+  }
+  return complete ? Collected::all : Collected::lacks_cells;
 }
 
 }  // namespace pointsweep

@@ -3,7 +3,6 @@
 /// questions in memory.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -13,69 +12,12 @@
 #include <vector>
 
 #include "pointsweep/geometry.h"
-#include "pointsweep/math/box.h"
+#include "pointsweep/operators/cell_point.h"
+#include "pointsweep/operators/halved_boxes.h"
+#include "pointsweep/operators/nearest_bound.h"
 #include "pointsweep/points/scratch.h"
 
 namespace pointsweep {
-
-struct CellPoint {
-  Vec3 position;
-  std::uint64_t row;
-};
-
-/// A point of the set, with its squared distance from the place that is asked about.
-struct CellNeighbor {
-  double distance2;  ///< in float64: (dx² + dy²) + dz², without dz² in the plane
-  Vec3 position;
-  std::uint64_t row;
-
-  /// Nearest first; equal distances by x, y, z, row.
-  bool operator<(const CellNeighbor& other) const;
-};
-
-/// Boxes of points that are halved again and again: part j of level l is one of 2^l parts of nearly the same size.
-class HalvedBoxes {
- public:
-  /// So many levels below the whole that no part of the last one has more than `most` points.
-  static unsigned levels_for(std::size_t points, std::size_t most);
-  /// Puts `points` in the order of the parts: each is halved across its widest extent.
-  HalvedBoxes(std::span<CellPoint> points, unsigned levels, bool in_plane);
-
-  unsigned levels() const { return levels_; }
-  /// The first point of part j of the last level; of the part behind the last one: their number.
-  std::size_t begin(std::size_t j) const { return part_begin(levels_, j); }
-  /// Calls `use(j)` for parts of the last level that are not farther than worst() when their turn comes, the nearer
-  /// half first. Ends and returns false when `use` does.
-  template <class Worst, class Use>
-  bool nearest_first(Vec3 place, Worst worst, Use use) const {
-    return descend(0, 0, distance2(box(0, 0), place), place, worst, use);
-  }
-  /// The same for all parts that meet a box.
-  template <class Use>
-  bool all_within(const Box& wanted, Use use, unsigned level = 0, std::size_t j = 0) const {
-    if (!meet(box(level, j), wanted)) return true;
-    if (level == levels_) return use(j);
-    return all_within(wanted, use, level + 1, 2 * j) && all_within(wanted, use, level + 1, 2 * j + 1);
-  }
-
- private:
-  std::size_t part_begin(unsigned level, std::size_t j) const { return points_ * j >> level; }
-  const Box& box(unsigned level, std::size_t j) const { return boxes_[(std::size_t{1} << level) - 1 + j]; }
-  static bool meet(const Box& a, const Box& b);
-  template <class Worst, class Use>
-  bool descend(unsigned level, std::size_t j, double d2, Vec3 place, Worst worst, Use use) const {
-    if (d2 > worst()) return true;
-    if (level == levels_) return use(j);
-    const double first = distance2(box(level + 1, 2 * j), place), second = distance2(box(level + 1, 2 * j + 1), place);
-    const std::size_t nearer = second < first;
-    return descend(level + 1, 2 * j + nearer, std::min(first, second), place, worst, use) &&
-           descend(level + 1, 2 * j + 1 - nearer, std::max(first, second), place, worst, use);
-  }
-
-  std::size_t points_;
-  unsigned levels_;
-  std::vector<Box> boxes_;
-};
 
 class PointCells {
  public:
@@ -93,11 +35,15 @@ class PointCells {
 
   /// What a question is asked of. It sees the cells that are in memory.
   class View;
-  /// Answers question i; false if a search lacked a cell. Then it is asked again, when more cells are in memory.
+  /// Answers question i; false if a search lacked cells. Then it is asked again, when more cells are in memory.
   using Answer = std::function<bool(std::size_t i, View& view)>;
-  /// Answers n questions on all threads. `place(i)`: where question i is asked. Places that follow one another should
-  /// be near to each other.
-  void answer_all(std::size_t n, const std::function<Vec3(std::size_t i)>& place, const Answer& answer);
+  /// Answers n questions on all threads, `at_once` by one of them. `place(i)`: where question i is asked. Places that
+  /// follow one another should be near to each other.
+  void answer_all(std::size_t n, std::size_t at_once, const std::function<Vec3(std::size_t i)>& place,
+                  const Answer& answer);
+  /// Gives the nearest of the set for each place, nearest first, on all threads; for some places more than once.
+  void nearest_of_all(std::span<const Vec3> places, const NearestWanted& wanted,
+                      const std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>& use);
 
   /// The least memory that answers questions without reading most cells again and again.
   static std::uint64_t least_bytes();
@@ -134,22 +80,28 @@ class PointCells {
 
 class PointCells::View {
  public:
-  /// The k nearest of the set whose squared distance is at most `most2`, nearest first, until the next search. Null if
-  /// a cell is needed that is not in memory.
-  const std::vector<CellNeighbor>* nearest(Vec3 place, std::size_t k, double most2);
+  /// The nearest of the set, until the next search. Null if a cell is needed that is not in memory.
+  const std::vector<CellNeighbor>* nearest(Vec3 place, const NearestWanted& wanted);
+  /// Points that the last search looked at.
+  std::size_t seen() const { return nearest_.seen(); }
   /// Calls `use` for all points of the set in a box, in no particular order. False as above: then some may be missing.
   bool within(const Box& box, const std::function<void(const CellPoint&)>& use);
+  enum class Collected : std::uint8_t { all, too_many, lacks_cells };
+  /// Adds the points that are not out to `to`, until it has more than `most`.
+  Collected collect(const Box& places, const NearestBound& bound, std::size_t most, std::vector<CellPoint>& to);
 
  private:
   friend class PointCells;
   explicit View(const PointCells& of) : of_(of) {}
   const Tree* tree(std::size_t cell);
+  /// Slabs that meet a range along the axis.
+  std::span<const Slab> slabs_between(double lo, double hi) const;
 
   const PointCells& of_;
-  std::size_t missing_ = 0;        ///< the cell that was needed
-  PointCells* loading_ = nullptr;  ///< loads cells when they are needed,
-  std::size_t near_ = 0;           ///< and drops first those far from this one
-  std::vector<CellNeighbor> neighbors_;
+  std::vector<std::size_t> missing_;  ///< cells that were needed
+  PointCells* loading_ = nullptr;     ///< loads cells when they are needed,
+  std::size_t near_ = 0;              ///< and drops first those far from this one
+  NearestSoFar nearest_;
 };
 
 }  // namespace pointsweep

@@ -16,6 +16,8 @@
 namespace pointsweep {
 namespace {
 
+/// Points near to each other are found together (operators/place_group.h).
+constexpr std::size_t kOrderedBatch = 32768;
 constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
 
 /// No field of a file has a blank in its library name.
@@ -123,15 +125,15 @@ class OrderedBatch {
   std::vector<double> values_;
 };
 
-/// Gives all points in order, a batch at a time.
+/// Gives all points in order, at most so many at once.
 template <class Use>
-void for_each_batch(const ThinningPass& run, Use use) {
+void for_each_batch(const ThinningPass& run, std::size_t most, Use use) {
   const std::size_t stride = run.stream.record_schema().stride;
   OrderedBatch batch(run.stream.record_schema(), run.pass);
   const auto take = [&](std::span<const std::byte> records) {
-    for (std::size_t at = 0; at < records.size(); at += kThinningBatch * stride) {
+    for (std::size_t at = 0; at < records.size(); at += most * stride) {
       stop_if_cancelled();
-      const std::size_t n = std::min(kThinningBatch, (records.size() - at) / stride);
+      const std::size_t n = std::min(most, (records.size() - at) / stride);
       use(batch.of(records.data() + at, n));
     }
   };
@@ -200,7 +202,7 @@ void run_thinning(const ThinningPass& run) {
     run.results.put(decided.left_out, std::vector<std::byte>(decided.left_out.size() * run.pass.plan.result_bytes));
     decided.left_out.clear();
   };
-  for_each_batch(run, [&](const OrderedPoints& points) {
+  for_each_batch(run, kThinningBatch, [&](const OrderedPoints& points) {
     thinning->add(points, decided);
     put();
   });
@@ -219,7 +221,7 @@ void run_ordered_work(const ThinningPass& run, const OrderedOperator& op, const 
     made.values.clear();
   };
   for (unsigned round = 0; round < work->rounds(); ++round) {
-    for_each_batch(run, [&](const OrderedPoints& points) {
+    for_each_batch(run, kOrderedBatch, [&](const OrderedPoints& points) {
       work->add(round, points, made);
       put();
     });

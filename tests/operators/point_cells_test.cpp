@@ -54,13 +54,21 @@ std::vector<Key> nearest_by_brute_force(const std::vector<Vec3>& points, PointCe
 
 std::vector<std::vector<Key>> nearest(PointCells& cells, const std::vector<Vec3>& places, std::size_t k, double most2) {
   std::vector<std::vector<Key>> all(places.size());
-  const auto place = [&](std::size_t i) { return places[i]; };
-  cells.answer_all(places.size(), place, [&](std::size_t i, PointCells::View& view) {
-    const auto* const found = view.nearest(places[i], k, most2);
-    if (found == nullptr) return false;
-    for (const CellNeighbor& n : *found)
+  cells.nearest_of_all(places, {.k = k, .most2 = most2}, [&](std::size_t i, const std::vector<CellNeighbor>& found) {
+    all[i].clear();
+    for (const CellNeighbor& n : found)
       all[i].emplace_back(n.distance2, n.position.x, n.position.y, n.position.z, n.row);
-    return true;
+  });
+  return all;
+}
+
+/// Of each place the least distance; of none, none.
+std::vector<std::vector<double>> distances(PointCells& cells, const std::vector<Vec3>& places, double most2) {
+  std::vector<std::vector<double>> all(places.size());
+  const NearestWanted any{.most2 = most2, .any_of_equal = true};
+  cells.nearest_of_all(places, any, [&](std::size_t i, const std::vector<CellNeighbor>& found) {
+    all[i].clear();
+    for (const CellNeighbor& n : found) all[i].push_back(n.distance2);
   });
   return all;
 }
@@ -70,8 +78,15 @@ void expect_nearest(const std::vector<Vec3>& points, const std::vector<Vec3>& pl
     for (const int axis : {0, 1}) {
       PointCells cells = cells_of(points, space, axis);
       const std::vector<std::vector<Key>> found = nearest(cells, places, k, most2);
-      for (std::size_t i = 0; i < places.size(); ++i)
-        ASSERT_EQ(found[i], nearest_by_brute_force(points, space, places[i], k, most2)) << i << ", axis " << axis;
+      const std::vector<std::vector<double>> least = distances(cells, places, most2);
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        const std::vector<Key> expected = nearest_by_brute_force(points, space, places[i], k, most2);
+        ASSERT_EQ(found[i], expected) << i << ", axis " << axis;
+        ASSERT_EQ(least[i].size(), std::min<std::size_t>(1, expected.size())) << i;
+        if (!expected.empty()) {
+          ASSERT_EQ(least[i][0], std::get<0>(expected[0])) << i;
+        }
+      }
     }
   }
 }
@@ -103,6 +118,39 @@ TEST(PointCells, EqualDistancesGoByPositionAndRowAndDistancesHaveALimit) {
   expect_nearest(points, {{1, 2, 3}}, 1, 0);
 }
 
+Vec3 on_sphere(Vec3 p) { return (1 / length(p - Vec3{0.5, 0.5, 0.5})) * (p - Vec3{0.5, 0.5, 0.5}); }
+
+std::vector<Vec3> moved(std::vector<Vec3> points, double scale, Vec3 by) {
+  for (Vec3& p : points) p = scale * p + by;
+  return points;
+}
+
+/// More places than are asked about together, of points that are all nearly as far away.
+TEST(PointCells, FindTheNearestOfPlacesFarAwayAndInTheMiddle) {
+  std::vector<Vec3> points = random_points(3000, {1, 1, 1}, 8);
+  std::ranges::transform(points, points.begin(), on_sphere);
+  const std::vector<Vec3> places = moved(random_points(2200, {1, 1, 1}, 9), 1, {-0.5, -0.5, -0.5});
+  for (const Vec3 far : {Vec3{100, 0, 0}, Vec3{0, -3, 0}, Vec3{7, 7, 1e6}})
+    expect_nearest(points, moved(places, 1, far), 2, kAny);
+  for (const double scale : {0.0, 1e-12, 0.01, 1.0}) expect_nearest(points, moved(places, scale, {}), 2, kAny);
+  expect_nearest(points, moved(places, 1, {3, 0, 0}), 3, 7);  // of some places, a few or none
+  expect_nearest(moved(points, 1e-160, {}), moved(places, 1e-160, {}), 2, kAny);
+}
+
+TEST(PointCells, FindTheNearestOfManyPlacesAmongFewPointsAndOfFewAmongMany) {
+  const std::vector<Vec3> many = random_points(3000, {10, 4, 1}, 10);
+  for (const std::size_t few : {1u, 2u, 9u, 200u}) {
+    const std::vector<Vec3> some = random_points(few, {10, 4, 1}, 11);
+    expect_nearest(some, many, 4, kAny);
+    expect_nearest(many, some, 4, kAny);
+    expect_nearest(some, many, 30, 1);
+  }
+  std::vector<Vec3> copies;
+  for (const Vec3 p : random_points(50, {10, 4, 1}, 12)) copies.insert(copies.end(), 100, p);
+  expect_nearest(copies, many, 3, kAny);
+  expect_nearest(many, copies, 3, kAny);
+}
+
 TEST(PointCells, AreRightForFewPointsOnePlaceAndNone) {
   expect_nearest({}, {{1, 2, 3}}, 4, kAny);
   expect_nearest({{1, 1, 1}}, {{1, 2, 3}, {1, 1, 1}}, 4, kAny);
@@ -117,7 +165,7 @@ TEST(PointCells, GiveAllPointsOfABox) {
     std::vector<std::vector<std::uint64_t>> rows(corners.size());
     const auto box = [&](std::size_t i) { return Box{corners[i], corners[i] + Vec3{3, 2, double(i % 4)}}; };
     cells.answer_all(
-        corners.size(), [&](std::size_t i) { return corners[i]; },
+        corners.size(), 7, [&](std::size_t i) { return corners[i]; },
         [&](std::size_t i, PointCells::View& view) {
           rows[i].clear();
           return view.within(box(i), [&](const CellPoint& p) { rows[i].push_back(p.row); });

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+/// A point of a set that is searched, and how far it is from a place that is asked about.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <tuple>
+#include <vector>
+
+#include "pointsweep/geometry.h"
+
+namespace pointsweep {
+
+struct CellPoint {
+  Vec3 position;
+  std::uint64_t row;
+};
+
+/// A point of the set, with its squared distance from the place that is asked about.
+struct CellNeighbor {
+  double distance2;  ///< in float64: (dx² + dy²) + dz², without dz² in the plane
+  Vec3 position;
+  std::uint64_t row;
+
+  /// Nearest first; equal distances by x, y, z, row.
+  bool operator<(const CellNeighbor& other) const {
+    const auto key = [](const CellNeighbor& n) {
+      return std::tuple(n.distance2, n.position.x, n.position.y, n.position.z, n.row);
+    };
+    return key(*this) < key(other);
+  }
+};
+
+/// Which points of the set are asked for.
+struct NearestWanted {
+  std::size_t k = 1;
+  double most2 = std::numeric_limits<double>::infinity();  ///< squared distance, at most
+  bool any_of_equal = false;                               ///< of points at equal distances any will do
+  /// When so many points have been seen, the k nearest of them will do.
+  std::size_t most_seen = std::numeric_limits<std::size_t>::max();
+};
+
+/// The nearest points seen so far, in order, of at most k.
+class NearestSoFar {
+ public:
+  void begin(const NearestWanted& wanted) {
+    wanted_ = wanted;
+    worst_ = wanted.most2;
+    seen_ = 0;
+    found_.clear();
+  }
+  bool full() const { return found_.size() == wanted_.k; }
+  /// A point that is farther than this is not wanted.
+  double worst() const { return full() && seen_ >= wanted_.most_seen ? -1 : worst_; }
+  void see(double distance2, const CellPoint& point) {
+    ++seen_;
+    if (distance2 > worst_) return;
+    const CellNeighbor next{distance2, point.position, point.row};
+    if (full()) {
+      if (!(next < found_.back())) return;
+      found_.pop_back();
+    }
+    found_.insert(std::upper_bound(found_.begin(), found_.end(), next), next);
+    if (full()) worst_ = wanted_.any_of_equal ? below(found_.back().distance2) : found_.back().distance2;
+  }
+  const std::vector<CellNeighbor>& found() const { return found_; }
+  /// How many points.
+  std::size_t seen() const { return seen_; }
+
+ private:
+  /// The next smaller number, but for the smallest ones.
+  static double below(double distance2) { return distance2 > 0 ? distance2 * (1 - 0x1p-53) : -1; }
+
+  NearestWanted wanted_;
+  double worst_ = 0;
+  std::size_t seen_ = 0;
+  std::vector<CellNeighbor> found_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+/// What cannot be among the nearest of any place in a box.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "pointsweep/math/box.h"
+
+namespace pointsweep {
+
+/// A point is out if each place of a box has k other points nearer to it. That is decided for all places at once: as
+/// (q - p)² - (q - r)² is linear in q, its least value over the places is at an end of the box in each coordinate
+/// (Emrich, Kriegel, Kröger, Renz and Züfle, Boosting spatial pruning: on optimal pruning of MBRs, SIGMOD 2010).
+/// Far away from the points, where all of them are nearly as far from a place as the nearest, it leaves few of them.
+class NearestBound {
+ public:
+  /// `near`: holds k points; `most2`: a point whose squared distance from all places is more is out, too.
+  NearestBound(const Box& places, const Box& near, double most2) : places_(places), most2_(most2 * (1 + kMargin)) {
+    double sum = 0;
+    for (int a = 0; a < 3; ++a) {
+      at_lo_[a] = farthest2(near, places.lo[a], a), at_hi_[a] = farthest2(near, places.hi[a], a);
+      sum += std::max(at_lo_[a], at_hi_[a]);
+    }
+    margin_ = sum * kMargin + kUnderflow;
+    reach_ = std::sqrt(sum) * (1 + kMargin);
+  }
+
+  /// No point that is farther from the box of places along an axis is wanted.
+  double reach() const { return reach_; }
+
+  bool out(const Box& points) const {
+    double least = 0, apart = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double lo = gap(points, places_.lo[a], a), hi = gap(points, places_.hi[a], a);
+      least += std::min(lo * lo - at_lo_[a], hi * hi - at_hi_[a]);
+      const double between = std::max(0.0, std::max(points.lo[a] - places_.hi[a], places_.lo[a] - points.hi[a]));
+      apart += between * between;
+    }
+    return least > margin_ || apart > most2_;
+  }
+  bool out(Vec3 point) const {
+    double least = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double lo = point[a] - places_.lo[a], hi = point[a] - places_.hi[a];
+      least += std::min(lo * lo - at_lo_[a], hi * hi - at_hi_[a]);
+    }
+    return least > margin_;
+  }
+
+ private:
+  /// More than what rounding does to the differences and to the distances that are compared in the end.
+  static constexpr double kMargin = 0x1p-40, kUnderflow = 1e-300;
+
+  static double gap(const Box& box, double at, int a) {
+    return std::max(0.0, std::max(box.lo[a] - at, at - box.hi[a]));
+  }
+  static double farthest2(const Box& box, double at, int a) {
+    const double lo = at - box.lo[a], hi = at - box.hi[a];
+    return std::max(lo * lo, hi * hi);
+  }
+
+  Box places_;
+  Vec3 at_lo_, at_hi_;  ///< squared distances from the ends of the places to the farthest of `near`
+  double most2_, margin_ = 0, reach_ = 0;
+};
+
+}  // namespace pointsweep
