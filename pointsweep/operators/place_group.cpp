@@ -44,7 +44,7 @@ void PlaceGroup::search(Part part, PointCells::View& view, const Use& use) {
   Outcome outcome = one_by_one(begin, end, most_seen(wanted_.k), view, use);
   if (outcome == Outcome::takes_long) {
     const auto collected = collect(tree_->box(part.level, part.j), view);
-    if (collected == PointCells::View::Collected::all) return narrow(part, 0, use);
+    if (collected == PointCells::View::Collected::all) return narrow(part, points_.size(), use);
     if (collected == PointCells::View::Collected::lacks_cells)
       outcome = Outcome::lacks_cells;
     else if (part.level == tree_->levels())
@@ -87,6 +87,7 @@ PointCells::View::Collected PlaceGroup::collect(const Box& places, PointCells::V
   Box near;
   for (const CellNeighbor& n : *found) near.include(flat(n.position));
   points_.clear();
+  points_.reserve(kMostCollected + 1);
   return view.collect(places, NearestBound(places, near, wanted_.most2), kMostCollected, points_);
 }
 
@@ -95,14 +96,13 @@ void PlaceGroup::nearest_of(std::span<const CellPoint> points, Vec3 place, const
   for (const CellPoint& p : points) nearest_.see(distance2(flat(p.position), place), p);
 }
 
-/// Of the points from `begin` on.
-void PlaceGroup::narrow(Part part, std::size_t begin, const Use& use) {
+/// Of the first `count` points. Each half moves those of its own to the front, so the points are there once.
+void PlaceGroup::narrow(Part part, std::size_t count, const Use& use) {
   stop_if_cancelled();
-  const std::size_t end = points_.size();
-  const auto points = [&] { return std::span<const CellPoint>(points_).subspan(begin, end - begin); };
-  if (part.level == tree_->levels() || end - begin <= std::max(kFewPoints, wanted_.k)) {
+  const std::span<CellPoint> points = std::span(points_).first(count);
+  if (part.level == tree_->levels() || count <= std::max(kFewPoints, wanted_.k)) {
     for (std::size_t i = tree_->begin(part.level, part.j); i < tree_->begin(part.level, part.j + 1); ++i) {
-      nearest_of(points(), places_[i].position, wanted_);
+      nearest_of(points, places_[i].position, wanted_);
       use(places_[i].row, nearest_.found());
     }
     return;
@@ -110,14 +110,13 @@ void PlaceGroup::narrow(Part part, std::size_t begin, const Use& use) {
   for (const std::size_t j : {2 * part.j, 2 * part.j + 1}) {
     const Part half{part.level + 1, j};
     const Box& box = tree_->box(half.level, half.j);
-    nearest_of(points(), box.center(), {.k = wanted_.k});
+    nearest_of(points, box.center(), {.k = wanted_.k});
     Box near;
     for (const CellNeighbor& n : nearest_.found()) near.include(flat(n.position));
     const NearestBound bound(box, near, wanted_.most2);
-    for (std::size_t i = begin; i < end; ++i)
-      if (!bound.out(flat(points_[i].position))) points_.push_back(points_[i]);
-    narrow(half, end, use);
-    points_.resize(end);
+    const auto out =
+        std::partition(points.begin(), points.end(), [&](const CellPoint& p) { return !bound.out(flat(p.position)); });
+    narrow(half, static_cast<std::size_t>(out - points.begin()), use);
   }
 }
 

@@ -41,7 +41,7 @@ class PlaceGroup {
   /// Places from `begin` to `end` - 1 that are not done. Ends when searches look at more than `most` points each.
   Outcome one_by_one(std::size_t begin, std::size_t end, std::size_t most, PointCells::View& view, const Use& use);
   PointCells::View::Collected collect(const Box& places, PointCells::View& view);
-  void narrow(Part part, std::size_t begin, const Use& use);
+  void narrow(Part part, std::size_t count, const Use& use);
   /// Leaves the nearest of `points` in nearest_.
   void nearest_of(std::span<const CellPoint> points, Vec3 place, const NearestWanted& wanted);
   Vec3 flat(Vec3 p) const { return in_plane_ ? Vec3{p.x, p.y, 0} : p; }
@@ -52,7 +52,7 @@ class PlaceGroup {
   std::vector<bool> done_;           ///< by place
   std::optional<HalvedBoxes> tree_;  ///< of the places, where one by one takes long
   std::vector<Part> open_;           ///< that lacked cells
-  std::vector<CellPoint> points_;    ///< of a part, behind them those of its half, and so on
+  std::vector<CellPoint> points_;    ///< collected for a part
   NearestSoFar nearest_;
 };
 
