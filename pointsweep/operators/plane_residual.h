@@ -11,7 +11,8 @@ namespace pointsweep {
 /// The root mean square distance to the plane that makes it least: the square root of the least eigenvalue of the
 /// covariance of the points. Positions count to 2^-40, at most 2^40 in absolute value, so that sums are exact integers;
 /// from the sums on it is float64, which knows an eigenvalue to about 2^-50 of the largest, then float32. So the error
-/// is below 10^-7 of the extent of the component. Fewer than four points are in a plane: 0.
+/// is below 10^-7 of the extent of the component, or 2^-40 where that is more. Fewer than four points are in a plane:
+/// 0.
 class PlaneResidual final : public VoteRule {
  public:
   /// `moved`: a ballot is a position, three float64; otherwise that of the search counts and ballots are empty.

@@ -56,7 +56,7 @@ OperatorDeclaration segments_declaration() {
           "segment_residual: the root mean square distance of the points of the segment to the plane for\n"
           "which it is least: the square root of the least eigenvalue of their covariance; 0 for fewer than\n"
           "4 points. Of positions to 2^-40, at most 2^40 in absolute value, summed exactly; its error is\n"
-          "below 10^-7 of the extent of the segment.",
+          "below 10^-7 of the extent of the segment, or 2^-40 where that is more.",
       .source =
           "after Rabbani, van den Heuvel, Vosselman, Segmentation of point clouds using smoothness constraint "
           "(ISPRS Archives XXXVI-5, 2006): its condition, without seeds and their order",

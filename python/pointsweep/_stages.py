@@ -1232,7 +1232,7 @@ def segments(angle: float = 5, *, distance: float | None = None) -> Stage:
     segment_residual: the root mean square distance of the points of the segment to the plane for
     which it is least: the square root of the least eigenvalue of their covariance; 0 for fewer than
     4 points. Of positions to 2^-40, at most 2^40 in absolute value, summed exactly; its error is
-    below 10^-7 of the extent of the segment.
+    below 10^-7 of the extent of the segment, or 2^-40 where that is more.
 
     Undefined
     ---------
