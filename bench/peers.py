@@ -126,7 +126,7 @@ def main():
     bench = Bench(options)
     rows = [row for size in options.sizes for order in options.orders for row in bench.rows(size, order)]
     versions = subprocess.run([str(bench.python), "-m", "pip", "list", "--format=json", "--disable-pip-version-check"], capture_output=True, text=True)
-    result = committed.begun(shape=str(options.cloud or options.shape), threads=options.threads, k=16,
+    result = committed.begun(shape=options.cloud.name if options.cloud else options.shape, threads=options.threads, k=16,
                              versions={p["name"]: p["version"] for p in json.loads(versions.stdout)}, rows=rows)
     output = committed.file_of(result, "python", options.output)
     committed.write(output, result)
