@@ -49,8 +49,9 @@ class NearestBound {
   }
 
  private:
-  /// More than what rounding does to the differences and to the distances that are compared in the end.
-  static constexpr double kMargin = 0x1p-40, kUnderflow = 1e-300;
+  /// Of the squared distances. Rounding changes a squared distance by less than 2^-50 of it, and two of them are
+  /// subtracted here and compared in the end. The margin is small because it tells from what distance on no point is out.
+  static constexpr double kMargin = 0x1p-46, kUnderflow = 1e-300;
 
   static double gap(const Box& box, double at, int a) {
     return std::max(0.0, std::max(box.lo[a] - at, at - box.hi[a]));
