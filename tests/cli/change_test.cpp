@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// distance_to and m3c2 with files of all kinds, folders, budgets and resumed runs.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+
+#include <cmath>
 
 #include "tests/cli/tool.h"
 
@@ -18,9 +21,16 @@ class ChangeOfFiles : public Tool {
   static constexpr const char* kDistances = "run before.las out.las --force --quiet --no-provenance --pipeline ";
 };
 
+/// All points of the sphere are nearly as far from the terrain in its middle as the nearest: searches in groups.
 TEST_F(ChangeOfFiles, IsTheSameInAllWaysToRun) {
-  for (const std::string pipeline :
-       {"'distance_to(after.las)'", "'knn(k=8) | normals | m3c2(after.las, cylinder=30, depth=5)'"}) {
+  std::string sphere;
+  for (int i = 0; i < 20'000; ++i) {
+    const double angle = i * 2.399963229728653, z = (i + 0.5) / 10'000 - 1, r = std::sqrt(1 - z * z);
+    sphere += fmt::format("{} {} {}\n", 1e5 * r * std::cos(angle), 1e5 * r * std::sin(angle), 1e5 * z);
+  }
+  write("sphere.xyz", sphere);
+  for (const std::string pipeline : {"'distance_to(after.las)'", "'distance_to(sphere.xyz)'",
+                                     "'knn(k=8) | normals | m3c2(after.las, cylinder=30, depth=5)'"}) {
     const std::string right = made(kDistances + pipeline, "out.las");
     for (const char* options : {"--threads 1", "--memory 80M", "--axis y", "--resume done --checkpoint-seconds 0"})
       EXPECT_TRUE(made(kDistances + pipeline + " " + options, "out.las") == right) << pipeline << options;

@@ -119,6 +119,26 @@ TEST_F(SharedOptions, KeptCoordinatesAreTheMovedOnes) {
   expect_columns_of(table("all.ply"), table("kept.ply"));
 }
 
+/// Values of all points, of which some are wanted: kept alone, read by a later stage alone, or both.
+TEST_F(SharedOptions, KeptValuesOfSegmentsAreThoseOfAll) {
+  const std::string segments = "run in.ply {} -f -q --pipeline 'knn(k=12) | normals | segments(angle=2){}'{}";
+  for (const std::string rows : {"", " | where(segment_residual < 0.64 && segment_size > 2)"}) {
+    made(fmt::format(fmt::runtime(segments), "all.ply", rows, ""));
+    for (const std::string order : {"", " --order sweep"}) {
+      made(fmt::format(fmt::runtime(segments), "whole.ply", rows, order));
+      ASSERT_GT(table("whole.ply").at("x").size(), 400u) << rows;
+      for (const std::string name : {"segment_residual", "segment", "segment_size,segment_residual", "intensity", "nx"}) {
+        made(fmt::format(fmt::runtime(segments), "kept.ply", rows, order + " --keep " + name));
+        EXPECT_LT(table("kept.ply").size(), table("whole.ply").size()) << name;
+        expect_columns_of(table("whole.ply"), table("kept.ply"));
+        if (order.empty()) {
+          EXPECT_EQ(tool("verify kept.ply").status, 0) << name << rows;
+        }
+      }
+    }
+  }
+}
+
 TEST_F(SharedOptions, KeepTakesNamesWithAndWithoutThePrefixOfTheOutput) {
   made("curvature in.ply all.ply --prefix my_ -k 12");
   for (const std::string format : {"ply", "csv", "las"}) {
