@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Operators against what others hold in memory, and against themselves within little memory.
 
-Whole runs of pointsweep, file to file, beside one call of the other library on arrays that are in memory already; its
-process has read them before, and its peak counts them. Answers are compared before times count."""
+Whole runs of pointsweep, file to file, without a limit and within --memory, beside one call of the other library on
+arrays that are in memory already; its process has read them before, and its peak counts them. Answers are compared
+before times count."""
 import argparse
 import json
 import os
@@ -56,6 +57,7 @@ class Bench:
     def __init__(self, options):
         self.options = options
         self.python = ROOT / "build/python-bench/bin/python"
+        self.bounded = f"pointsweep, --memory {options.memory}"
 
     def tool(self, verb, *words):
         return processes.run([self.options.build / "cli/pointsweep", verb, *words, "--quiet", "--force"])
@@ -98,7 +100,8 @@ class Bench:
         size = self.options.size
         cloud, other = self.clouds(shape, size)
         text, output = self.pipeline(text, other, size), self.options.work / "operators-out.ply"
-        runs = {"pointsweep": [self.own(text, cloud, output) for _ in range(self.options.repeat)]}
+        runs = {"pointsweep": [self.own(text, cloud, output) for _ in range(self.options.repeat)],
+                self.bounded: [self.own(text, cloud, output, "--memory", self.options.memory) for _ in range(self.options.repeat)]}
         agreement = {}
         for library in libraries:
             said = [self.peer(library, name, text, cloud, other, output) for _ in range(self.options.repeat)]
