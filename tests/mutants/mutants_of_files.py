@@ -120,7 +120,7 @@ MUTANTS = [
            "const double side = 2 * info_.half_size /", "const double side = info_.half_size /", ("formats:Copc*",)),
     Mutant("the last chunk of a LAZ output is left out if it is not full", "formats", FORMATS + "las/laz_writer.cpp",
            "compressed((batch_.size() + chunk - 1) / chunk)", "compressed(batch_.size() / chunk)", ("formats:Laz.*",)),
-    Mutant("the LASzip VLR of the input stays in a LAS output", "formats", FORMATS + "las/las_layout.cpp",
+    Mutant("the LASzip VLR of the input stays in a LAS output", "formats", FORMATS + "las/las_pieces.cpp",
            "{vlrs.laszip, vlrs.copc}", "{vlrs.copc, vlrs.copc}", ("formats:Laz.*",)),
     Mutant("extended VLRs behind compressed points are where they would be behind plain ones", "formats", FORMATS + "las/las_frame.cpp",
            "*reference = *reference - laid_out + points_end;", "*reference = *reference + 0 * points_end;", ("formats:Laz.*",)),
