@@ -50,7 +50,8 @@ class NearestBound {
 
  private:
   /// Of the squared distances. Rounding changes a squared distance by less than 2^-50 of it, and two of them are
-  /// subtracted here and compared in the end. The margin is small because it tells from what distance on no point is out.
+  /// subtracted here and compared in the end. The margin is small because it tells from what distance on no point is
+  /// out.
   static constexpr double kMargin = 0x1p-46, kUnderflow = 1e-300;
 
   static double gap(const Box& box, double at, int a) {

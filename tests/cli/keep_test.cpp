@@ -127,7 +127,8 @@ TEST_F(SharedOptions, KeptValuesOfSegmentsAreThoseOfAll) {
     for (const std::string order : {"", " --order sweep"}) {
       made(fmt::format(fmt::runtime(segments), "whole.ply", rows, order));
       ASSERT_GT(table("whole.ply").at("x").size(), 400u) << rows;
-      for (const std::string name : {"segment_residual", "segment", "segment_size,segment_residual", "intensity", "nx"}) {
+      for (const std::string name :
+           {"segment_residual", "segment", "segment_size,segment_residual", "intensity", "nx"}) {
         made(fmt::format(fmt::runtime(segments), "kept.ply", rows, order + " --keep " + name));
         EXPECT_LT(table("kept.ply").size(), table("whole.ply").size()) << name;
         expect_columns_of(table("whole.ply"), table("kept.ply"));
