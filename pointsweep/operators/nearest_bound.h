@@ -49,9 +49,8 @@ class NearestBound {
   }
 
  private:
-  /// Of the squared distances. Rounding changes a squared distance by less than 2^-50 of it, and two of them are
-  /// subtracted here and compared in the end. The margin is small because it tells from what distance on no point is
-  /// out.
+  /// Relative to the squared distances. Rounding changes one by less than 2^-50 of it; two are subtracted here, and two
+  /// are compared in the end. With a wider margin places far away from the points would exclude fewer of them.
   static constexpr double kMargin = 0x1p-46, kUnderflow = 1e-300;
 
   static double gap(const Box& box, double at, int a) {

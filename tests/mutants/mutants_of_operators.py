@@ -303,7 +303,7 @@ MUTANTS = [
     Mutant("a point closes with the first bucket that its marks name", "connect", "pointsweep/connect/components.cpp",
            "until = std::max(until, mark.last);", "until = until == 0 ? mark.last : std::min(until, mark.last);",
            ("pipeline:Components.*",)),
-    Mutant("components are numbered as they are finished", "connect", "pointsweep/connect/components.cpp",
+    Mutant("components are numbered in the order in which they end", "connect", "pointsweep/connect/components.cpp",
            "return a.first < b.first; }", "return a.component < b.component; }", ("pipeline:Components.*",)),
     Mutant("a batch keeps edges that close a cycle instead of the others", "connect", "pointsweep/connect/edge_batch.cpp",
            "return a == b;", "return a != b;", ("pipeline:Components.*",)),
