@@ -24,6 +24,8 @@ void take_counts(Statistics& to, const Statistics& from) {
 std::vector<std::byte> Checkpoint::packed() const {
   Packer out;
   out.put_text(identity);
+  out.put(memory_bytes);
+  out.put(survey.sample);
   out.put(survey.bounds);
   out.put(survey.exact);
   out.put(survey.axis);
@@ -31,6 +33,7 @@ std::vector<std::byte> Checkpoint::packed() const {
   out.put(sweep);
   out.put(slab_points);
   for (const auto& part : {&stream, &results, &progress}) out.put(*part);
+  out.put(bucket_places);
   out.put(mask);
   out.put<std::uint64_t>(values.size());
   for (const std::vector<double>& value : values) out.put(value);
@@ -48,6 +51,8 @@ Checkpoint Checkpoint::unpacked(std::span<const std::byte> bytes) {
   Unpacker in(bytes);
   Checkpoint c;
   c.identity = in.get_text();
+  c.memory_bytes = in.get<std::uint64_t>();
+  c.survey.sample = in.get_vector<Vec3>();
   c.survey.bounds = in.get<Box>();
   c.survey.exact = in.get<bool>();
   c.survey.axis = in.get<int>();
@@ -55,6 +60,7 @@ Checkpoint Checkpoint::unpacked(std::span<const std::byte> bytes) {
   c.sweep = in.get<std::uint64_t>();
   c.slab_points = in.get<std::uint64_t>();
   for (auto* part : {&c.stream, &c.results, &c.progress}) *part = in.get_vector<std::byte>();
+  c.bucket_places = in.get_vector<Vec3>();
   c.mask = in.get<std::uint64_t>();
   const auto values = in.get<std::uint64_t>();
   for (std::uint64_t v = 0; v < values; ++v) c.values.push_back(in.get_vector<double>());

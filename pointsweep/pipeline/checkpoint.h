@@ -17,10 +17,12 @@ namespace pointsweep {
 /// the results are left; at last they have become the rows that the next sweep begins with, or the output.
 struct Checkpoint {
   std::string identity;                     ///< run_identity()
-  Survey survey;                            ///< of the input, without its sample
+  std::uint64_t memory_bytes = 0;           ///< the budget, for a run that goes on and names none
+  Survey survey;                            ///< of the input: a run that goes on plans its memory from it, too
   std::uint64_t sweep = 0;                  ///< pass to begin, or to go on with; rows carried into it are complete
   std::uint64_t slab_points = 0;            ///< the aim of the slabs of `stream`
   std::vector<std::byte> stream;            ///< packed Stream; empty before it is in order, and when it has been swept
+  std::vector<Vec3> bucket_places;          ///< RunState::bucket_places of the pass
   std::vector<std::byte> results;           ///< packed RowStore; empty before the stream is in order
   std::vector<std::byte> progress;          ///< packed SweepProgress; empty before the first slab
   std::uint64_t mask = 0;                   ///< the pass whose select decided which rows are left; 0: all are

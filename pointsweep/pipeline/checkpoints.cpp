@@ -44,20 +44,23 @@ std::optional<SweepProgress> Checkpoints::progress() const {
 
 void Checkpoints::require_slabs_of(std::uint64_t slab_points) const {
   if (last_.slab_points > slab_points)
-    fail("'{}' was begun with more memory: give --memory as then, or more, or remove the folder to start again.",
+    fail("'{}' was begun with more memory or fewer threads: give --memory and --threads as then, or remove the folder "
+         "to start again.",
          folder_.path().string());
 }
 
-void Checkpoints::surveyed(const Survey& survey) {
+void Checkpoints::surveyed(const Survey& survey, std::uint64_t memory_bytes) {
   last_.survey = survey;
-  last_.survey.sample = {};
+  last_.memory_bytes = memory_bytes;
 }
 
-void Checkpoints::in_order(const Stream& stream, std::uint64_t slab_points, RowStore* results) {
+void Checkpoints::in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places,
+                           RowStore* results) {
   if (last_.is_in_order()) return;
   const auto begun = Clock::now();
   last_.slab_points = slab_points;
   last_.stream = packed(stream);
+  last_.bucket_places = bucket_places;
   if (results != nullptr) last_.results = packed(*results);
   save(begun);
 }
@@ -77,6 +80,7 @@ void Checkpoints::swept(RowStore& results, const Statistics& counts) {
   const auto begun = Clock::now();
   last_.results = packed(results);
   last_.stream = last_.progress = {};
+  last_.bucket_places = {};
   take_counts(last_.counts, counts);
   save(begun);
 }

@@ -28,12 +28,14 @@ class Checkpoints {
   /// What a stream, the "results" of a pass, or the "rows" carried into it and their "mask" are spilled to.
   SpillPlace place(const char* kind, std::uint64_t sweep) const;
   std::optional<SweepProgress> progress() const;
-  /// Throws Error if the stream was cut into larger slabs than these, for more memory than there is now.
+  /// Throws Error if the stream was cut into larger slabs than these, for more memory or fewer threads than now.
   void require_slabs_of(std::uint64_t slab_points) const;
 
-  void surveyed(const Survey& survey);
-  /// `results` may be null where there will be none.
-  void in_order(const Stream& stream, std::uint64_t slab_points, RowStore* results);
+  /// `memory_bytes`: the budget that the plan is made for.
+  void surveyed(const Survey& survey, std::uint64_t memory_bytes);
+  /// `bucket_places`: RunState::bucket_places. `results` may be null where there will be none.
+  void in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places,
+                RowStore* results);
   void swept(RowStore& results, const Statistics& counts);
   /// The rows for the next pass are complete, and the mask of its number if `selects`.
   void updated(bool selects, const CloudValues& values, const Statistics& counts);

@@ -66,6 +66,11 @@ bool make_on_demand(RunState& run, const PointsInOrder& how) {
   return false;
 }
 
+/// Whether the pass connects points.
+bool needs_buckets(const RunState& run) {
+  return *run.pass < run.plan.passes.size() && run.plan.passes[*run.pass].connecting_stage() != nullptr;
+}
+
 /// The stream of a checkpoint, or a new one.
 void make_stream(RunState& run, const PointsInOrder& how) {
   const auto start = std::chrono::steady_clock::now();
@@ -75,11 +80,11 @@ void make_stream(RunState& run, const PointsInOrder& how) {
     run.checkpoints->require_slabs_of(how.memory.slab_points);
     Unpacker packed(run.checkpoints->last().stream);
     run.stream.emplace(packed, how.source, options);
-  } else if (!on_demand) {
-    run.stream.emplace(how.source, how.survey, options);
+    run.bucket_places = run.checkpoints->last().bucket_places;
+  } else {
+    if (!on_demand) run.stream.emplace(how.source, how.survey, options);
+    run.bucket_places = needs_buckets(run) ? places_between_buckets(how.survey, run.source.count) : std::vector<Vec3>();
   }
-  const bool connects = *run.pass < run.plan.passes.size() && run.plan.passes[*run.pass].connecting_stage() != nullptr;
-  if (connects) run.bucket_places = places_between_buckets(how.survey, run.source.count);
   how.survey.sample = {};
   note_nonfinite(run);
   if (run.statistics.ordering.empty()) run.statistics.ordering = run.memory.order_text;

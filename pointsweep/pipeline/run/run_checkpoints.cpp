@@ -26,6 +26,8 @@ void open_checkpoints(RunState& run) {
   run.checkpoints.emplace(run.options, identity);
   if (!run.checkpoints->found()) return;
   take_counts(run.statistics, run.checkpoints->last().counts);
+  if (run.options.resources.memory_bytes == 0)
+    run.statistics.memory_budget_bytes = run.checkpoints->last().memory_bytes;
   run.warn("Went on where an earlier process had ended: times and series are of this one alone.");
 }
 
@@ -52,10 +54,10 @@ void checkpoint_after(RunState& run, const Phase& phase) {
   if (!run.checkpoints || is_of_reordering(run, phase)) return;
   switch (phase.kind) {
     case PhaseKind::survey:
-      return run.checkpoints->surveyed(run.survey);
+      return run.checkpoints->surveyed(run.survey, run.statistics.memory_budget_bytes);
     case PhaseKind::order: {
       const MemoryPlan& memory = run.plan.passes.empty() ? run.memory.reordering : run.memory.passes[phase.pass];
-      return run.checkpoints->in_order(*run.stream, memory.slab_points, run.results.get());
+      return run.checkpoints->in_order(*run.stream, memory.slab_points, run.bucket_places, run.results.get());
     }
     case PhaseKind::sweep:
       return run.checkpoints->swept(*run.results, run.statistics);

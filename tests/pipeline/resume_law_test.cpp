@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+/// The law of --resume: every operator, killed in every phase, resumed in the same memory, gives the same bytes.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "pointsweep/error.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "tests/formats/point_files.h"
+#include "tests/formats/temporary_folder.h"
+#include "tests/support/examples.h"
+#include "tests/support/watching.h"
+
+namespace pointsweep {
+namespace {
+
+class ResumeLaw : public testing::Test {
+ protected:
+  ResumeLaw() {
+    write("in.ply", cloud_for_examples(20000, 1));
+    write("other.ply", cloud_for_examples(5000, 2));
+  }
+
+  void write(const std::string& name, const std::vector<Vec3>& points) const {
+    Schema schema;
+    for (const char* field : {"x", "y", "z"}) schema.append(field, Type::f64);
+    write_all(plan_for(folder_ / name, points.size(), schema), std::as_bytes(std::span(points)));
+  }
+
+  EngineOptions options(const std::string& output, std::uint64_t memory) const {
+    EngineOptions options;
+    options.slab_points = 5000;
+    options.resources.threads = 2;
+    options.resources.memory_bytes = memory;
+    options.resources.temp_folder = folder_.path();
+    options.resume_folder = folder_ / (output + ".done");
+    options.checkpoint_seconds = 0;
+    return options;
+  }
+
+  Statistics run_example(const Example& example, const std::string& output, const EngineOptions& options) const {
+    InputCloud cloud({folder_ / "in.ply"});
+    return run(cloud, build_chain(parse_pipeline(example.pipeline), cloud), {folder_ / output, {}, {}}, options);
+  }
+
+  /// The least memory with which the example runs; one that is not refused in any memory runs in 64 MB.
+  std::uint64_t least_memory(const Example& example) const {
+    const std::string give = "give --memory ";
+    std::string refusal = give + "64M";
+    try {
+      run_example(example, "whole.ply", options("whole.ply", 1 << 20));
+      std::filesystem::remove(folder_ / "whole.ply");
+    } catch (const Error& error) {
+      refusal = error.what();
+    }
+    const std::size_t at = refusal.find(give);
+    if (at == std::string::npos) throw std::runtime_error(refusal);
+    return std::stoull(refusal.substr(at + give.size())) << 20;
+  }
+
+  /// Processes that it takes: each phase ends one at its first report, and a sweep one more between its slabs.
+  std::size_t run_killed_in_every_phase(const Example& example, const std::string& output, EngineOptions options) {
+    std::map<std::string, int> kills;
+    for (std::size_t processes = 1;; ++processes) {
+      std::map<std::string, int> reports;
+      Watching watching([&](const Progress& progress) {
+        const int times = kills[progress.phase], most = std::string(progress.phase) == "sweeping" ? 2 : 1;
+        if (times == most || ++reports[progress.phase] < 1 + 2 * times) return;
+        ++kills[progress.phase];
+        throw Cancelled();
+      });
+      options.observer = &watching;
+      try {
+        run_example(example, output, options);
+        return processes;
+      } catch (const Cancelled&) {
+      }
+    }
+  }
+
+  TemporaryFolder folder_;
+};
+
+class ResumeLawOf : public ResumeLaw, public testing::WithParamInterface<std::string> {};
+
+TEST_P(ResumeLawOf, KilledInEveryPhaseItGivesTheSameBytesInTheSameMemory) {
+  const Example example = example_of(GetParam(), (folder_ / "other.ply").string());
+  SCOPED_TRACE(example.pipeline);
+  const std::uint64_t memory = least_memory(example);
+  run_example(example, "whole.ply", options("whole.ply", memory));
+  std::size_t processes = 0;
+  ASSERT_NO_THROW(processes = run_killed_in_every_phase(example, "killed.ply", options("killed.ply", memory)));
+  EXPECT_GT(processes, 1u);
+  EXPECT_TRUE(content_of(folder_ / "killed.ply") == content_of(folder_ / "whole.ply"));
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryOperator, ResumeLawOf, testing::ValuesIn(names_of_all_operators()),
+                         [](const auto& tested) { return tested.param; });
+
+TEST_F(ResumeLaw, ARunThatNamesNoMemoryGoesOnWithThatOfTheFirst) {
+  const Example example{"normals", "normals"};
+  EngineOptions first = options("out.ply", 77 << 20);
+  Watching stopping([](const Progress& progress) {
+    if (std::string(progress.phase) == "writing") throw Cancelled();
+  });
+  first.observer = &stopping;
+  EXPECT_THROW(run_example(example, "out.ply", first), Cancelled);
+  EXPECT_EQ(run_example(example, "out.ply", options("out.ply", 0)).memory_budget_bytes, std::uint64_t{77} << 20);
+}
+
+}  // namespace
+}  // namespace pointsweep

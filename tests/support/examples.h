@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+/// The examples of all operators, as pipelines that run on a cloud of a test.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "pointsweep/geometry.h"
+#include "pointsweep/pipeline/registry.h"
+
+namespace pointsweep {
+
+struct Example {
+  std::string name;  ///< of the operator
+  std::string pipeline;
+};
+
+inline std::vector<std::string> names_of_all_operators() {
+  std::vector<std::string> names;
+  for (const OperatorDeclaration& declaration : all_operators()) names.push_back(declaration.name);
+  return names;
+}
+
+/// The example of its declaration, in which `other_cloud` takes the place of another cloud.
+inline Example example_of(const std::string& name, const std::string& other_cloud) {
+  static const std::regex file("[a-z]+\\.las");
+  return {name, std::regex_replace(declaration_of(name)->example, file, other_cloud)};
+}
+
+/// Hilly ground of 4 points per unit of area, and a wall across the x axis: radii and cells of the examples hold some
+/// points each, and a tenth of the points have nearly the same x.
+inline std::vector<Vec3> cloud_for_examples(std::size_t n, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const double side = std::sqrt(static_cast<double>(n) / 4);
+  std::vector<Vec3> points(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double u = side * uniform(random), v = side * uniform(random);
+    points[i] = i % 10 == 0 ? Vec3{side / 2 + 0.01 * uniform(random), u, 0.2 * v}
+                            : Vec3{u, v, 2 * std::sin(0.2 * u) * std::cos(0.3 * v) + 0.05 * uniform(random)};
+  }
+  return points;
+}
+
+}  // namespace pointsweep
