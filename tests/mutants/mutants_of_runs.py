@@ -30,8 +30,6 @@ MUTANTS = [
            ("pipeline:Resume.*:Refused.*",)),
     Mutant("a resumed run plans its memory without a sample", "resume", PIPELINE + "checkpoints.cpp",
            "last_.survey = survey;", "last_.survey = survey;\n  last_.survey.sample = {};", ("pipeline:*ResumeLaw*",)),
-    Mutant("a resumed run puts all edges into one bucket", "resume", PIPELINE + "run/order_phase.cpp",
-           "run.bucket_places = run.checkpoints->last().bucket_places;", "", ("pipeline:*ResumeLaw*",)),
     Mutant("another radius counts as the same run", "resume", "pointsweep/points/neighborhood_options.cpp",
            "if (std::isfinite(neighborhood.radius)) options", "if (neighborhood.radius < 0) options", ("pipeline:Resume.*:Refused.*",)),
     Mutant("a run that keeps other attributes counts as the same run", "resume", PIPELINE + "run_identity.cpp",
