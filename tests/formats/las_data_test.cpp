@@ -13,6 +13,7 @@
 #include "pointsweep/formats/las/las_reader.h"
 #include "pointsweep/formats/las/las_writer.h"
 #include "tests/formats/temporary_folder.h"
+#include "tests/support/data_folder.h"
 
 namespace pointsweep {
 namespace {
@@ -23,14 +24,14 @@ enum Outcome {
   kRefused,
 };
 
-struct Row {
+struct LasFile {
   const char* file;
   std::uint64_t points;
   Outcome outcome;
   const char* sentence = "";  ///< part of the error, or of the only warning
 };
 
-constexpr Row kRows[] = {
+constexpr LasFile kLasFiles[] = {
     {"lidar/ign_las-digital-models/ground/test_data_77050_627755_LA93_IGN69.las", 21172, kSame},
     {"lidar/ign_las-digital-models/ground/test_data_77050_627760_LA93_IGN69.las", 33568, kSame},
     {"lidar/ign_las-digital-models/ground/test_data_77055_627755_LA93_IGN69.las", 39468, kSame},
@@ -118,12 +119,6 @@ constexpr Row kRows[] = {
     {"scans/sheridan/sheridan_A.las", 609414, kSame},
 };
 
-std::filesystem::path data_folder() {
-  const char* named = std::getenv("POINTSWEEP_DATA");
-  return named != nullptr && *named != 0 ? std::filesystem::path(named)
-                                         : std::filesystem::path(POINTSWEEP_SOURCE_DIR) / "../shared/data";
-}
-
 bool in_statistics(std::size_t byte, int minor) {
   return (byte >= 107 && byte < 131) || (byte >= 179 && byte < 227) || (minor == 4 && byte >= 247 && byte < 375);
 }
@@ -159,7 +154,7 @@ void check_copy(const std::string& in, const std::string& out, Outcome outcome) 
 TEST(LasData, EveryFileHasItsPointsOrItsSentence) {
   if (!std::filesystem::exists(data_folder() / "lidar")) GTEST_SKIP() << "no real data in " << data_folder();
   const TemporaryFolder folder;
-  for (const Row& row : kRows) {
+  for (const LasFile& row : kLasFiles) {
     SCOPED_TRACE(row.file);
     const std::filesystem::path path = data_folder() / row.file;
     if (row.outcome == kRefused) {

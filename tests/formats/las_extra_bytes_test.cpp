@@ -8,19 +8,18 @@
 #include <string>
 
 #include "tests/formats/las_test_file.h"
+#include "tests/formats/temporary_folder.h"
 
 namespace pointsweep {
 namespace {
 
 using las_test::descriptor;
 
-std::span<const std::byte> as_bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
-
 /// The fields that `descriptors` add to a record of `length` bytes whose first 20 are the point format's.
 Schema fields_of(const std::string& descriptors, std::uint32_t length = 1000) {
   Schema schema;
   schema.stride = 20;
-  EXPECT_EQ(append_extra_bytes(as_bytes(descriptors), length, schema), std::nullopt);
+  EXPECT_EQ(append_extra_bytes(text_bytes(descriptors), length, schema), std::nullopt);
   return schema;
 }
 
@@ -94,7 +93,7 @@ TEST(LasExtraBytes, ThatDoNotFitAreExplainedAndChangeNothing) {
   schema.stride = 20;
   const Schema before = schema;
   const auto reason = [&](const std::string& descriptors) {
-    return append_extra_bytes(as_bytes(descriptors), 23, schema).value_or("none");
+    return append_extra_bytes(text_bytes(descriptors), 23, schema).value_or("none");
   };
   EXPECT_EQ(reason(descriptor("a", 5)), "it describes 4 bytes of each point, where there are 3");
   EXPECT_EQ(reason(descriptor("a", 31)), "it has an attribute of the undefined type 31");

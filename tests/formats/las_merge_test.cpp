@@ -17,6 +17,7 @@
 #include "tests/formats/las_decode.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
+#include "tests/support/data_folder.h"
 
 namespace pointsweep::las_merge_test {
 namespace {
@@ -407,7 +408,7 @@ TEST(LasThroughPly, CommentsThatMakeNoSenseStayComments) {
 std::vector<fs::path> real_files() {
   std::map<std::pair<int, bool>, std::vector<fs::path>> by_kind;
   std::vector<std::pair<std::uintmax_t, fs::path>> all;
-  for (const auto& entry : fs::recursive_directory_iterator(real_data() / "lidar"))
+  for (const auto& entry : fs::recursive_directory_iterator(data_folder() / "lidar"))
     if (entry.path().extension() == ".las" && entry.file_size() < (1 << 18)) all.push_back({entry.file_size(), entry});
   std::sort(all.begin(), all.end());
   for (const auto& [size, path] : all) {
@@ -447,7 +448,7 @@ std::optional<double> scale_of_merge(const Decoded& a, const Decoded& b, std::si
 }
 
 TEST(LasMerge, RealFilesOfDifferentPointFormatsHaveOnlyStandardNamesAndTheFinestScale) {
-  if (real_data().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
+  if (data_folder().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
   const TemporaryFolder folder;
   const std::vector<fs::path> files = real_files();
   std::size_t pairs = 0;
@@ -475,7 +476,7 @@ TEST(LasMerge, RealFilesOfDifferentPointFormatsHaveOnlyStandardNamesAndTheFinest
 }
 
 TEST(LasThroughPly, RealFilesComeBackWithTheSamePoints) {
-  if (real_data().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
+  if (data_folder().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
   const TemporaryFolder folder;
   for (const fs::path& path : real_files()) {
     SCOPED_TRACE(path.string());

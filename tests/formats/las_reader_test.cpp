@@ -10,18 +10,13 @@
 
 #include "pointsweep/error.h"
 #include "tests/formats/las_test_file.h"
+#include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 
 namespace pointsweep {
 namespace {
 
 using las_test::File;
-
-std::string all_records(Reader& reader) {
-  std::string bytes(reader.info().count * reader.info().schema.stride, '\0');
-  EXPECT_EQ(reader.read(0, std::as_writable_bytes(std::span(bytes))), reader.info().count);
-  return bytes;
-}
 
 /// What opening the file that `change` made of a good one says.
 template <class Change>
@@ -51,7 +46,7 @@ TEST(LasReader, RecordsAreTheBytesOfTheFileInEveryPointFormat) {
       const auto reader = open_las(folder.write("a.las", file.bytes()));
       EXPECT_EQ(reader->info().count, 100u);
       EXPECT_EQ(reader->info().schema.stride, file.record_length());
-      EXPECT_EQ(all_records(*reader), file.points());
+      EXPECT_EQ(record_text(*reader), file.points());
       EXPECT_EQ(reader->info().format, "LAS 1.4 point format " + std::to_string(format));
     }
   }
@@ -86,7 +81,7 @@ TEST(LasReader, DecodesTheCoreOfFormatsZeroToFive) {
     bytes[at + 17] = static_cast<char>(200);
     las_test::put(bytes, at + 18, std::uint16_t{65000});
     const auto reader = open_las(folder.write("a.las", bytes));
-    const std::string records = all_records(*reader);
+    const std::string records = record_text(*reader);
     const auto v = [&](const char* name) { return value(*reader, records, name); };
     EXPECT_EQ(v("x"), 100 * 0.01 + 500000);
     EXPECT_EQ(v("y"), -2000 * 0.001 - 20.5);
@@ -123,7 +118,7 @@ TEST(LasReader, DecodesTheCoreOfFormatsSixToTen) {
     las_test::put(bytes, at + 20, std::uint16_t{7});
     las_test::put(bytes, at + 22, 1.25e8);
     const auto reader = open_las(folder.write("a.las", bytes));
-    const std::string records = all_records(*reader);
+    const std::string records = record_text(*reader);
     const auto v = [&](const char* name) { return value(*reader, records, name); };
     EXPECT_EQ(v("return_number"), 11);
     EXPECT_EQ(v("number_of_returns"), 13);
@@ -169,7 +164,7 @@ TEST(LasReader, DecodesTimeColorsInfraredAndWaveformWhereTheFormatHasThem) {
       las_test::put(bytes, at + places.wave + 13, std::array<float, 4>{1.5f, 2.5f, -3.5f, 4.5f});
     }
     const auto reader = open_las(folder.write("a.las", bytes));
-    const std::string records = all_records(*reader);
+    const std::string records = record_text(*reader);
     const auto has = [&](const char* name) { return reader->info().schema.find(name).has_value(); };
     const auto v = [&](const char* name) { return value(*reader, records, name); };
     ASSERT_EQ(has("gps_time"), places.time != 0) << format;
@@ -260,7 +255,7 @@ TEST(LasReader, WarnsOfVlrsThatRunIntoThePoints) {
   std::string bytes = file.bytes();
   las_test::put(bytes, 100, std::uint32_t{4000000000u});
   const auto reader = open_las(folder.write("a.las", bytes));
-  EXPECT_EQ(all_records(*reader), file.points());
+  EXPECT_EQ(record_text(*reader), file.points());
   ASSERT_EQ(reader->info().warnings.size(), 1u);
   EXPECT_NE(reader->info().warnings[0].find("promises 4000000000 VLRs, but only 1 fit"), std::string::npos);
 }
@@ -342,7 +337,7 @@ TEST(LasReader, SurvivesAnyDamageToTheHeaderAndVlrs) {
       for (const Field& field : reader->info().schema.fields) {
         ASSERT_LE(field.offset + size_of(field.type) * field.count, reader->info().schema.stride);
       }
-      all_records(*reader);
+      record_text(*reader);
       ++opened;
     } catch (const Error&) {
       ++refused;

@@ -13,6 +13,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/las/las_reader.h"
 #include "tests/formats/las_test_file.h"
+#include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 
 namespace pointsweep {
@@ -24,8 +25,6 @@ using las_test::get;
 using las_test::put;
 using las_test::vlr;
 
-std::span<const std::byte> as_bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
-
 OutputPlan plan_like(const Reader& reader, const std::filesystem::path& path) {
   OutputPlan plan;
   plan.path = path;
@@ -35,19 +34,13 @@ OutputPlan plan_like(const Reader& reader, const std::filesystem::path& path) {
   return plan;
 }
 
-std::string all_records(Reader& reader) {
-  std::string bytes(reader.info().count * reader.info().schema.stride, '\0');
-  reader.read(0, std::as_writable_bytes(std::span(bytes)));
-  return bytes;
-}
-
 /// What comes out when `file` is read and written unchanged.
 std::string copy_of(const TemporaryFolder& folder, const std::string& file) {
   const auto reader = open_las(folder.write("in.las", file));
   OutputPlan plan = plan_like(*reader, folder / "out.las");
   plan.overwrite = true;
   const auto writer = create_las_writer(plan);
-  writer->write(as_bytes(all_records(*reader)));
+  writer->write(text_bytes(record_text(*reader)));
   writer->finish();
   return content_of(folder / "out.las");
 }
@@ -128,7 +121,7 @@ TEST(LasWriter, AppendsMadeFieldsAsExtraBytesAndMovesWhatLiesBehind) {
     plan.schema.append("surface_variation", Type::f64);
     const std::string records = with_made(file.points(), file.record_length(), 20);
     const auto writer = create_las_writer(plan);
-    writer->write(as_bytes(records));
+    writer->write(text_bytes(records));
     writer->finish();
 
     const std::string out = content_of(folder / "out.las");
@@ -162,7 +155,7 @@ TEST(LasWriter, AppendsMadeFieldsAsExtraBytesAndMovesWhatLiesBehind) {
     EXPECT_TRUE(again->info().warnings.empty());
     EXPECT_EQ(again->info().schema.fields.size(), plan.schema.fields.size());
     EXPECT_TRUE(again->info().schema.find("nx") && again->info().schema.find("surface_variation"));
-    EXPECT_TRUE(all_records(*again) == records);
+    EXPECT_TRUE(record_text(*again) == records);
   }
 }
 
@@ -177,7 +170,7 @@ TEST(LasWriter, ContinuesTheExtraBytesOfTheInput) {
   plan.schema.append("b", Type::i64, 3);
   const std::string records = with_made(file.points(), file.record_length(), 25);
   const auto writer = create_las_writer(plan);
-  writer->write(as_bytes(records));
+  writer->write(text_bytes(records));
   writer->finish();
   const auto again = open_las(folder / "out.las");
   const Schema& schema = again->info().schema;
@@ -192,7 +185,7 @@ TEST(LasWriter, ContinuesTheExtraBytesOfTheInput) {
   EXPECT_EQ(schema.fields[*schema.find("a")].offset, 39u);
   EXPECT_EQ(schema.fields[*schema.find("b[2]")].offset, 56u);
   EXPECT_EQ(schema.fields[*schema.find("b[2]")].type, Type::i64);
-  EXPECT_TRUE(all_records(*again) == records);
+  EXPECT_TRUE(record_text(*again) == records);
 }
 
 TEST(LasWriter, ReplacesAnExtraBytesVlrThatDoesNotFit) {
@@ -205,13 +198,13 @@ TEST(LasWriter, ReplacesAnExtraBytesVlrThatDoesNotFit) {
   plan.schema.append("nx", Type::f32);
   const std::string records = with_made(file.points(), 20, 4);
   const auto writer = create_las_writer(plan);
-  writer->write(as_bytes(records));
+  writer->write(text_bytes(records));
   writer->finish();
   const auto again = open_las(folder / "out.las");
   EXPECT_TRUE(again->info().warnings.empty());
   EXPECT_FALSE(again->info().schema.find("lie"));
   EXPECT_TRUE(again->info().schema.find("nx"));
-  EXPECT_TRUE(all_records(*again) == records);
+  EXPECT_TRUE(record_text(*again) == records);
 }
 
 TEST(LasWriter, GivesNewNormalsTheirNameAndKeepsTheOldOnes) {
@@ -223,7 +216,7 @@ TEST(LasWriter, GivesNewNormalsTheirNameAndKeepsTheOldOnes) {
   OutputPlan plan = plan_like(*reader, folder / "out.las");
   plan.schema.append("nx", Type::f32);
   const auto writer = create_las_writer(plan);
-  writer->write(as_bytes(with_made(file.points(), 24, 4)));
+  writer->write(text_bytes(with_made(file.points(), 24, 4)));
   writer->finish();
   const Schema schema = open_las(folder / "out.las")->info().schema;
   EXPECT_EQ(schema.fields[*schema.find("nx")].offset, 24u);
@@ -239,7 +232,7 @@ TEST(LasWriter, StoresAMadeFieldOfThePointFormatInItsPlace) {
   std::string records;
   for (std::size_t i = 0; i < file.count; ++i) records += file.points().substr(i * 20, 20) + static_cast<char>(i % 32);
   const auto writer = create_las_writer(plan);
-  writer->write(as_bytes(records));
+  writer->write(text_bytes(records));
   writer->finish();
   const auto again = open_las(folder / "out.las");
   EXPECT_EQ(again->info().schema, reader->info().schema);
@@ -248,7 +241,7 @@ TEST(LasWriter, StoresAMadeFieldOfThePointFormatInItsPlace) {
     char& byte = expected[i * 20 + 15];
     byte = static_cast<char>((byte & 0b1110'0000) | static_cast<int>(i % 32));
   }
-  EXPECT_TRUE(all_records(*again) == expected);
+  EXPECT_TRUE(record_text(*again) == expected);
 }
 
 TEST(LasWriter, AcceptsRowsInAnyOrderAndMoreThanOnce) {
@@ -263,11 +256,11 @@ TEST(LasWriter, AcceptsRowsInAnyOrderAndMoreThanOnce) {
       ASSERT_TRUE(writer->can_write_at());
       const std::size_t stride = file.record_length();
       const std::string junk(3 * stride, '\x55');
-      if (twice) writer->write_at(60, as_bytes(junk));
+      if (twice) writer->write_at(60, text_bytes(junk));
       for (const std::size_t row : {70u, 0u, 40u}) {
-        writer->write_at(row, as_bytes(file.points().substr(row * stride, 30 * stride)));
+        writer->write_at(row, text_bytes(file.points().substr(row * stride, 30 * stride)));
       }
-      writer->write_at(30, as_bytes(file.points().substr(30 * stride, 10 * stride)));
+      writer->write_at(30, text_bytes(file.points().substr(30 * stride, 10 * stride)));
       writer->finish();
       EXPECT_TRUE(content_of(folder / "out.las") == file.bytes()) << minor << twice;
       std::filesystem::remove(folder / "in.las");
@@ -282,7 +275,7 @@ TEST(LasWriter, MayReplaceItsOwnInput) {
   OutputPlan plan = plan_like(*reader, folder / "in.las");
   plan.overwrite = true;
   const auto writer = create_las_writer(plan);
-  writer->write(as_bytes(all_records(*reader)));
+  writer->write(text_bytes(record_text(*reader)));
   writer->finish();
   EXPECT_TRUE(content_of(folder / "in.las") == file.bytes());
 }
@@ -293,14 +286,14 @@ TEST(LasWriter, LeavesNothingBehindWhenRowsAreMissingOrTooMany) {
   const auto reader = open_las(folder.write("in.las", file.bytes()));
   {
     const auto writer = create_las_writer(plan_like(*reader, folder / "out.las"));
-    writer->write(as_bytes(file.points().substr(20)));
+    writer->write(text_bytes(file.points().substr(20)));
     EXPECT_NE(sentence_of<Error>([&] { writer->finish(); }).find("100 points were announced, but 99 came"),
               std::string::npos);
   }
   {
     const auto writer = create_las_writer(plan_like(*reader, folder / "out.las"));
-    EXPECT_THROW(writer->write(as_bytes(file.points() + std::string(20, 'x'))), Error);
-    EXPECT_THROW(writer->write_at(101, as_bytes(std::string(20, 'x'))), Error);
+    EXPECT_THROW(writer->write(text_bytes(file.points() + std::string(20, 'x'))), Error);
+    EXPECT_THROW(writer->write_at(101, text_bytes(std::string(20, 'x'))), Error);
   }
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
@@ -331,12 +324,12 @@ TEST(LasWriter, WhatADamagedFileStillHoldsReachesTheOutput) {
     plan.overwrite = true;
     const std::size_t stride = plan.schema.stride;
     plan.schema.append("nx", Type::f32);
-    const std::string records = with_made(all_records(*reader), stride, 4);
+    const std::string records = with_made(record_text(*reader), stride, 4);
     const auto writer = create_las_writer(plan);
-    writer->write(as_bytes(records));
+    writer->write(text_bytes(records));
     writer->finish();
     const auto again = open_las(folder / "out.las");
-    ASSERT_TRUE(all_records(*again) == records) << round;
+    ASSERT_TRUE(record_text(*again) == records) << round;
     ASSERT_TRUE(again->info().schema.find("nx")) << round;
     ++written;
   }

@@ -28,7 +28,7 @@ void write_file(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
-std::string records_of(const std::filesystem::path& path) {
+std::string record_text_of(const std::filesystem::path& path) {
   const auto reader = open_las(path);
   const FileInfo& info = reader->info();
   std::string records(info.count * info.schema.stride, '\0');
@@ -94,7 +94,7 @@ TEST_F(Laz, HoldsAllOfALasFileOfEveryPointFormat) {
         write_file(folder_ / "a.las", file.bytes());
         copy_points(folder_ / "a.las", folder_ / "b.laz", create_laz_writer);
         copy_points(folder_ / "b.laz", folder_ / "c.las", create_las_writer);
-        EXPECT_TRUE(records_of(folder_ / "b.laz") == file.points());
+        EXPECT_TRUE(record_text_of(folder_ / "b.laz") == file.points());
         EXPECT_TRUE(content_of(folder_ / "c.las") == file.bytes()) << "header, VLRs, padding, points, EVLRs";
         const std::string laz = content_of(folder_ / "b.laz");
         EXPECT_EQ(laz[104], static_cast<char>(0x80 | format));
@@ -108,7 +108,7 @@ TEST_F(Laz, HoldsAllOfALasFileOfEveryPointFormat) {
 TEST_F(Laz, GivesAnyRowsInAnyOrder) {
   two_chunks();
   const auto reader = open_las(folder_ / "two.laz");
-  const std::string all = records_of(folder_ / "two.las");
+  const std::string all = record_text_of(folder_ / "two.las");
   const std::size_t stride = reader->info().schema.stride;
   const std::uint64_t count = reader->info().count;
   EXPECT_EQ(reader->info().format, "LAZ 1.4 point format 6");
@@ -127,7 +127,7 @@ TEST_F(Laz, GivesAnyRowsInAnyOrder) {
 TEST_F(Laz, IsTheSameFileHoweverManyPointsComeAtOnce) {
   const std::string expected = two_chunks();
   const auto reader = open_las(folder_ / "two.las");
-  const std::string all = records_of(folder_ / "two.las");
+  const std::string all = record_text_of(folder_ / "two.las");
   const std::size_t stride = reader->info().schema.stride;
   for (const std::size_t rows : {std::size_t{1}, std::size_t{49'999}, std::size_t{51'000}}) {
     OutputPlan plan;
@@ -148,7 +148,7 @@ TEST_F(Laz, IsTheSameFileHoweverManyPointsComeAtOnce) {
 TEST_F(Laz, RefusesFewerOrMorePointsThanWereAnnounced) {
   two_chunks();
   const auto reader = open_las(folder_ / "two.las");
-  const std::string all = records_of(folder_ / "two.las");
+  const std::string all = record_text_of(folder_ / "two.las");
   for (const bool more : {false, true}) {
     OutputPlan plan;
     plan.path = folder_ / "wrong.laz";
@@ -190,14 +190,14 @@ TEST_F(Laz, DamagedTablesAreOneSentence) {
     std::string bytes = good;
     c.change(bytes, points_at, static_cast<std::size_t>(table_at));
     write_file(folder_ / "bad.laz", bytes);
-    const std::string sentence = sentence_of<Error>([&] { records_of(folder_ / "bad.laz"); });
+    const std::string sentence = sentence_of<Error>([&] { record_text_of(folder_ / "bad.laz"); });
     EXPECT_NE(sentence.find(c.sentence), std::string::npos) << "expected: " << c.sentence << "\ngot: " << sentence;
     EXPECT_NE(sentence.find("bad.laz: "), std::string::npos) << sentence;
   }
 }
 
 TEST_F(Laz, TruncatedAndDamagedFilesAreErrorsNotCrashes) {
-  const std::string good = two_chunks(), points = records_of(folder_ / "two.las");
+  const std::string good = two_chunks(), points = record_text_of(folder_ / "two.las");
   std::mt19937_64 random(8);
   for (int i = 0; i < 120; ++i) {
     std::string bytes = good;
@@ -208,7 +208,7 @@ TEST_F(Laz, TruncatedAndDamagedFilesAreErrorsNotCrashes) {
         bytes[i % 3 == 1 ? 375 + random() % 200 : random() % bytes.size()] = static_cast<char>(random());
     write_file(folder_ / "bad.laz", bytes);
     try {
-      records_of(folder_ / "bad.laz");  // an undetected change of a value is possible: LASzip has no checksums
+      record_text_of(folder_ / "bad.laz");  // an undetected change of a value is possible: LASzip has no checksums
       EXPECT_NE(i % 3, 0) << "cut off at " << bytes.size();
     } catch (const Error& e) {
       EXPECT_NE(std::string(e.what()).find("bad.laz: "), std::string::npos) << e.what();
@@ -232,7 +232,7 @@ TEST(LazData, HasTheRecordsOfTheSameFileAsLas) {
   };
   for (const auto& [las, laz] : pairs) {
     SCOPED_TRACE(laz);
-    EXPECT_TRUE(records_of(lidar / las) == records_of(lidar / laz));
+    EXPECT_TRUE(record_text_of(lidar / las) == record_text_of(lidar / laz));
   }
 }
 
@@ -245,7 +245,7 @@ TEST(LazData, EveryFileIsReadToItsEnd) {
     SCOPED_TRACE(entry.path());
     ++files;
     if (has_laz()) {
-      EXPECT_NO_THROW(records_of(entry.path()));
+      EXPECT_NO_THROW(record_text_of(entry.path()));
     } else {
       const std::string sentence = sentence_of<Error>([&] { open_las(entry.path()); });
       EXPECT_NE(sentence.find("is compressed (LAZ), and this pointsweep was built without"), std::string::npos);

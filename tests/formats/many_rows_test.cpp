@@ -17,7 +17,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kRows = 4'400'000'000, kFar = 4'300'000'000;  ///< the lower 32 bits of kFar are 5,032,704
+constexpr std::uint64_t kManyRows = 4'400'000'000, kFar = 4'300'000'000;  ///< the lower 32 bits of kFar are 5,032,704
 
 /// Makes the file `size` bytes long and puts `bytes` at `offset`; false where the file system knows no holes so large.
 bool grow_with_hole(const std::filesystem::path& path, std::uint64_t size, std::uint64_t offset,
@@ -54,17 +54,17 @@ TEST(ManyRows, OfPlyAreReadPastFourBillion) {
   const std::string header = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty uchar x\nproperty uchar y\nproperty uchar z\n"
       "end_header\n",
-      kRows);
+      kManyRows);
   const auto path = folder.write("in.ply", header);
-  if (!grow_with_hole(path, header.size() + 3 * kRows, header.size() + 3 * kFar, "abc"))
+  if (!grow_with_hole(path, header.size() + 3 * kManyRows, header.size() + 3 * kFar, "abc"))
     GTEST_SKIP() << "the temporary folder takes no file of 13 GB, all holes";
   const auto reader = open_ply(path);
-  ASSERT_EQ(reader->info().count, kRows);
+  ASSERT_EQ(reader->info().count, kManyRows);
   const auto records = rows_of(*reader, kFar - 1, 3);
   const unsigned char expected[] = {0, 0, 0, 'a', 'b', 'c', 0, 0, 0};
   ASSERT_EQ(records.size(), sizeof expected);
   EXPECT_EQ(std::memcmp(records.data(), expected, sizeof expected), 0);
-  EXPECT_EQ(rows_of(*reader, kRows - 1, 1), std::vector<std::byte>(3));
+  EXPECT_EQ(rows_of(*reader, kManyRows - 1, 1), std::vector<std::byte>(3));
 }
 
 TEST(ManyRows, OfLas14AreReadPastFourBillion) {
@@ -74,12 +74,12 @@ TEST(ManyRows, OfLas14AreReadPastFourBillion) {
   std::string bytes = file.bytes();
   const std::string record = bytes.substr(file.points_at());
   bytes.resize(file.points_at());
-  las_test::put(bytes, 247, kRows);
+  las_test::put(bytes, 247, kManyRows);
   const auto path = folder.write("in.las", bytes);
-  if (!grow_with_hole(path, bytes.size() + record.size() * kRows, bytes.size() + record.size() * kFar, record))
+  if (!grow_with_hole(path, bytes.size() + record.size() * kManyRows, bytes.size() + record.size() * kFar, record))
     GTEST_SKIP() << "the temporary folder takes no file of 132 GB, all holes";
   const auto reader = open_las(path);
-  ASSERT_EQ(reader->info().count, kRows);
+  ASSERT_EQ(reader->info().count, kManyRows);
   const auto records = rows_of(*reader, kFar, 2);
   EXPECT_EQ(std::memcmp(records.data(), record.data(), 12), 0) << "x, y and z as they were put there";
   EXPECT_NE(std::memcmp(records.data() + records.size() / 2, record.data(), 12), 0) << "and not in the next row";
@@ -87,7 +87,7 @@ TEST(ManyRows, OfLas14AreReadPastFourBillion) {
 
 TEST(ManyRows, OfPlyAreWrittenPastFourBillion) {
   const TemporaryFolder folder;
-  OutputPlan plan = plan_for(folder / "out.ply", kRows);
+  OutputPlan plan = plan_for(folder / "out.ply", kManyRows);
   for (const char* name : {"x", "y", "z"}) plan.schema.append(name, Type::u8);
   const auto writer = create_ply_writer(plan);
   ASSERT_TRUE(writer->can_write_at());
@@ -100,7 +100,7 @@ TEST(ManyRows, OfPlyAreWrittenPastFourBillion) {
 
 TEST(ManyRows, OfArraysAreWrittenPastFourBillion) {
   const TemporaryFolder folder;
-  OutputPlan plan = plan_for(folder / "out.npy", kRows);
+  OutputPlan plan = plan_for(folder / "out.npy", kManyRows);
   plan.schema.append("neighbors", Type::u64, 2);
   NpyWriter writer(plan);
   const std::uint64_t neighbors[] = {kFar - 1, kFar + 1};

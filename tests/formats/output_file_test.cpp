@@ -18,8 +18,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
-
 std::ptrdiff_t files_in(const std::filesystem::path& folder) {
   return std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator());
 }
@@ -28,8 +26,8 @@ TEST(OutputFile, AppearsOnlyWhenCommitted) {
   const TemporaryFolder folder;
   {
     OutputFile file(folder / "out", false);
-    file.append(bytes_of("hello "));
-    file.append(bytes_of("world"));
+    file.append(text_bytes("hello "));
+    file.append(text_bytes("world"));
     EXPECT_EQ(file.size(), 11u);
     EXPECT_FALSE(std::filesystem::exists(folder / "out"));
     file.commit();
@@ -40,15 +38,15 @@ TEST(OutputFile, AppearsOnlyWhenCommitted) {
 
 TEST(OutputFile, LeavesNothingWithoutCommit) {
   const TemporaryFolder folder;
-  { OutputFile(folder / "out", false).append(bytes_of("half")); }
+  { OutputFile(folder / "out", false).append(text_bytes("half")); }
   EXPECT_EQ(files_in(folder.path()), 0);
 }
 
 TEST(OutputFile, WritesAtAnyPlace) {
   const TemporaryFolder folder;
   OutputFile file(folder / "out", false);
-  file.write_at(3, bytes_of("def"));
-  file.write_at(0, bytes_of("abc"));
+  file.write_at(3, text_bytes("def"));
+  file.write_at(0, text_bytes("abc"));
   file.commit();
   EXPECT_EQ(content_of(folder / "out"), "abcdef");
 }
@@ -58,7 +56,7 @@ TEST(OutputFile, RefusesAnExistingFileUnlessToldToReplaceIt) {
   const auto path = folder.write("out", "old");
   EXPECT_THAT(sentence_of<Error>([&] { OutputFile(path, false); }), HasSubstr("exists already"));
   OutputFile file(path, true);
-  file.append(bytes_of("new"));
+  file.append(text_bytes("new"));
   EXPECT_EQ(content_of(path), "old");
   file.commit();
   EXPECT_EQ(content_of(path), "new");
@@ -80,7 +78,7 @@ TEST(OutputFile, ReplacesWhatALinkPointsTo) {
   const auto target = folder.write("target", "old");
   std::filesystem::create_symlink(target, folder / "link");
   OutputFile file(folder / "link", true);
-  file.append(bytes_of("new"));
+  file.append(text_bytes("new"));
   file.commit();
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
   EXPECT_EQ(content_of(target), "new");
@@ -118,7 +116,7 @@ TEST(OutputFile, RunningOutOfRoomIsAnErrorAndLeavesNothing) {
     OutputFile file(folder / "out", false);
     const std::string block(3000, 'a');
     sentence = sentence_of<Error>([&] {
-      for (int i = 0; i < 3; ++i) file.append(bytes_of(block));
+      for (int i = 0; i < 3; ++i) file.append(text_bytes(block));
     });
   }
   ::setrlimit(RLIMIT_FSIZE, &old);
@@ -145,7 +143,7 @@ TEST(OutputFile, RemovesWhatAKilledRunLeft) {
 TEST(OutputFile, IsNotTakenFromAWriterThatIsStillAtWork) {
   const TemporaryFolder folder;
   OutputFile first(folder / "out", false);
-  first.append(bytes_of("first"));
+  first.append(text_bytes("first"));
   EXPECT_THAT(sentence_of<Error>([&] { OutputFile(folder / "out", false); }), HasSubstr("is being written already"));
   first.commit();
   EXPECT_EQ(content_of(folder / "out"), "first");

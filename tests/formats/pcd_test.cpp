@@ -13,6 +13,7 @@
 #include "pointsweep/formats/pcd/pcd_reader.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
+#include "tests/support/data_folder.h"
 
 namespace pointsweep {
 namespace {
@@ -55,7 +56,7 @@ std::string lzf(const std::string& plain) {
 }
 
 template <class T>
-std::string bytes_of(const T& value) {
+std::string raw_bytes(const T& value) {
   return {reinterpret_cast<const char*>(&value), sizeof value};
 }
 
@@ -88,8 +89,8 @@ std::vector<Row> some_rows(std::size_t count) {
 constexpr std::uint32_t kSizes[] = {4, 4, 4, 3, 4, 4, 8};
 
 std::vector<std::string> values_of_row(const Row& r) {
-  return {bytes_of(r.x),   bytes_of(r.y),    bytes_of(r.z),   bytes_of(r.padding),
-          bytes_of(r.rgb), bytes_of(r.pair), bytes_of(r.time)};
+  return {raw_bytes(r.x),   raw_bytes(r.y),    raw_bytes(r.z),   raw_bytes(r.padding),
+          raw_bytes(r.rgb), raw_bytes(r.pair), raw_bytes(r.time)};
 }
 
 std::string header(std::size_t points, const std::string& data, const std::string& more = "") {
@@ -117,7 +118,7 @@ std::string compressed_body(const std::vector<Row>& rows) {
   for (std::size_t f = 0; f < std::size(kSizes); ++f)
     for (const Row& r : rows) plain += values_of_row(r)[f];
   const std::string packed = lzf(plain);
-  return bytes_of(static_cast<std::uint32_t>(packed.size())) + bytes_of(static_cast<std::uint32_t>(plain.size())) +
+  return raw_bytes(static_cast<std::uint32_t>(packed.size())) + raw_bytes(static_cast<std::uint32_t>(plain.size())) +
          packed;
 }
 
@@ -259,7 +260,7 @@ TEST(Pcd, WarnsOfWhatIsNotApplied) {
 }
 
 TEST(Pcd, RealFilesHaveThePointsAndBoundsOfTheirInventory) {
-  if (real_data().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
+  if (data_folder().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
   struct Known {
     const char* file;
     std::uint64_t count;
@@ -268,7 +269,7 @@ TEST(Pcd, RealFilesHaveThePointsAndBoundsOfTheirInventory) {
   for (const Known& known :
        {Known{"models/pcl_chef/chef.pcd", 5092, -0.111101, -0.588471}, Known{"malformed/pcl/octants.pcd", 8, -9, -3},
         Known{"malformed/pdal/pcd/utm17_tab.pcd", 10, 289814.15, 170.76}}) {
-    const auto reader = open_reader(real_data() / known.file);
+    const auto reader = open_reader(data_folder() / known.file);
     ASSERT_EQ(reader->info().count, known.count) << known.file;
     const Schema& schema = reader->info().schema;
     const PositionFields p = position_fields(schema, known.file);

@@ -24,7 +24,7 @@ std::string bytes_in(const std::filesystem::path& path) {
 }
 
 /// Records of `schema` with these values, field by field, component by component.
-std::vector<std::byte> records_of(const Schema& schema, const std::vector<std::vector<double>>& rows) {
+std::vector<std::byte> records_of_rows(const Schema& schema, const std::vector<std::vector<double>>& rows) {
   std::vector<std::byte> records(rows.size() * schema.stride);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::size_t next = 0;
@@ -36,7 +36,7 @@ std::vector<std::byte> records_of(const Schema& schema, const std::vector<std::v
 }
 
 std::string written(const OutputPlan& plan, const std::vector<std::vector<double>>& rows) {
-  write_all(plan, records_of(plan.schema, rows));
+  write_all(plan, records_of_rows(plan.schema, rows));
   return bytes_in(plan.path);
 }
 

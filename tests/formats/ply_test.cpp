@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 
 /// The bytes of a value, the lowest first or the highest first.
 template <class T>
-std::string bytes_of(T value, bool big_endian = false) {
+std::string value_bytes(T value, bool big_endian = false) {
   std::string bytes(sizeof value, '\0');
   std::memcpy(bytes.data(), &value, sizeof value);
   if (big_endian) std::reverse(bytes.begin(), bytes.end());
@@ -83,7 +83,7 @@ std::string binary_file(bool big_endian) {
   content += "element camera 3\nproperty double focus\nproperty uchar id\n";
   content += "element vertex 2\nproperty double x\nproperty float y\nproperty int16 z\nproperty uint64 id\n";
   content += "element strip 1\nproperty list int int items\nend_header\n";
-  const auto add = [&](auto value) { content += bytes_of(value, big_endian); };
+  const auto add = [&](auto value) { content += value_bytes(value, big_endian); };
   add(std::uint8_t{3}), add(0), add(1), add(2), add(std::int16_t{-1});
   add(std::uint8_t{0}), add(std::int16_t{5});
   for (int i = 0; i < 3; ++i) add(35.5), add(std::uint8_t{9});
@@ -115,7 +115,7 @@ TEST(Ply, ACarriageReturnBehindEndHeaderBelongsToTheHeader) {
   const std::string header =
       "ply\r\nformat binary_little_endian 1.0\r\nelement vertex 1\r\nproperty float x\r\n"
       "property float y\r\nproperty float z\r\nend_header\r\n";
-  const auto reader = open_ply(folder.write("in.ply", header + bytes_of(1.f) + bytes_of(2.f) + bytes_of(3.f)));
+  const auto reader = open_ply(folder.write("in.ply", header + value_bytes(1.f) + value_bytes(2.f) + value_bytes(3.f)));
   EXPECT_THAT(values_of(*reader, "z"), ElementsAre(3));
 }
 

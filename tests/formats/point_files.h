@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// What tests of formats share: whole files as bytes and values, and where the real data lies.
+/// What tests of formats share: whole files as bytes and values.
 #pragma once
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -33,6 +32,13 @@ std::vector<std::byte> all_records(Source& source, const Schema& schema, std::ui
 
 inline std::vector<std::byte> all_records(Reader& reader, std::size_t block = 1000) {
   return all_records(reader, reader.info().schema, reader.info().count, block);
+}
+
+/// All records as text, in one read.
+inline std::string record_text(Reader& reader) {
+  std::string bytes(reader.info().count * reader.info().schema.stride, '\0');
+  EXPECT_EQ(reader.read(0, std::as_writable_bytes(std::span(bytes))), reader.info().count);
+  return bytes;
 }
 
 /// The values of one field, by its name in the file.
@@ -73,14 +79,6 @@ inline void write_all(const OutputPlan& plan, std::span<const std::byte> records
   writer->write(records.first(half));
   writer->write(records.subspan(half));
   writer->finish();
-}
-
-/// The folder of real point clouds, empty if there is none.
-inline std::filesystem::path real_data() {
-  const char* set = std::getenv("POINTSWEEP_DATA");
-  const std::filesystem::path folder =
-      set != nullptr && *set != '\0' ? set : std::filesystem::path(POINTSWEEP_SOURCE_DIR) / "../shared/data";
-  return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
 }
 
 }  // namespace pointsweep

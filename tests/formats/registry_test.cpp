@@ -7,6 +7,7 @@
 #include "pointsweep/error.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
+#include "tests/support/data_folder.h"
 
 namespace pointsweep {
 namespace {
@@ -51,14 +52,14 @@ TEST(Registry, RefusesExtensionsItCannotWrite) {
 }
 
 /// What becomes of a real file: the points it holds, or a part of the sentence that refuses it.
-struct Outcome {
+struct RealFile {
   const char* path;
   std::uint64_t points;
   const char* refusal = nullptr;
 };
 
 // Every PLY and text file of malformed/, and good files with the quirks that readers stumble over.
-constexpr Outcome kOutcomes[] = {
+constexpr RealFile kRealFiles[] = {
     {"malformed/assimp/models/PLY/cube.ply", 8},
     {"malformed/assimp/models/PLY/cube_binary.ply", 8},
     {"malformed/assimp/models/PLY/cube_binary_header_with_RN_newline.ply", 8},
@@ -127,10 +128,10 @@ constexpr Outcome kOutcomes[] = {
 };
 
 TEST(RealFiles, OpenOrAreRefusedAsTheTableSays) {
-  if (real_data().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
-  for (const Outcome& outcome : kOutcomes) {
+  if (data_folder().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
+  for (const RealFile& outcome : kRealFiles) {
     SCOPED_TRACE(outcome.path);
-    const auto path = real_data() / outcome.path;
+    const auto path = data_folder() / outcome.path;
     if (outcome.refusal != nullptr) {
       EXPECT_THAT(sentence_of<Error>([&] { open_reader(path); }), HasSubstr(outcome.refusal));
       continue;
@@ -142,24 +143,24 @@ TEST(RealFiles, OpenOrAreRefusedAsTheTableSays) {
 }
 
 TEST(RealFiles, TheTableNamesEveryMalformedPlyAndTextFile) {
-  if (real_data().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
+  if (data_folder().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
   std::set<std::string> named;
-  for (const Outcome& outcome : kOutcomes) named.insert(outcome.path);
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(real_data() / "malformed")) {
+  for (const RealFile& outcome : kRealFiles) named.insert(outcome.path);
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(data_folder() / "malformed")) {
     const std::string extension = entry.path().extension();
     if (!entry.is_regular_file() || extension == ".las" || extension == ".laz" || extension == ".e57") continue;
-    EXPECT_TRUE(named.contains(entry.path().lexically_relative(real_data()).string())) << entry.path();
+    EXPECT_TRUE(named.contains(entry.path().lexically_relative(data_folder()).string())) << entry.path();
   }
 }
 
 TEST(RealFiles, SurviveBeingWrittenAndReadAgain) {
-  if (real_data().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
+  if (data_folder().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
   const TemporaryFolder folder;
   for (const char* name :
        {"models/cgal/b9_training.ply", "models/stanford_bunny/data/bun000.ply", "models/cgal/kitten.xyz",
         "models/derived_big_endian/dragon_vrip_res3_be.ply", "scans/pdal/pts/autzen.pts"}) {
     SCOPED_TRACE(name);
-    const auto reader = open_reader(real_data() / name);
+    const auto reader = open_reader(data_folder() / name);
     for (const char* extension : {".ply", ".csv"}) {
       OutputPlan plan =
           plan_for(folder / (std::string("out") + extension), reader->info().count, reader->info().schema);
@@ -181,9 +182,9 @@ TEST(RealFiles, SurviveBeingWrittenAndReadAgain) {
 }
 
 TEST(RealFiles, BigEndianDragonEqualsTheLittleEndianOne) {
-  if (real_data().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
-  const auto big = open_reader(real_data() / "models/derived_big_endian/dragon_vrip_res3_be.ply");
-  const auto original = open_reader(real_data() / "models/stanford_dragon/dragon_vrip_res3.ply");
+  if (data_folder().empty()) GTEST_SKIP() << "the folder of real clouds is absent; set POINTSWEEP_DATA to it";
+  const auto big = open_reader(data_folder() / "models/derived_big_endian/dragon_vrip_res3_be.ply");
+  const auto original = open_reader(data_folder() / "models/stanford_dragon/dragon_vrip_res3.ply");
   EXPECT_EQ(all_records(*big), all_records(*original));
 }
 

@@ -12,14 +12,14 @@ namespace pointsweep {
 namespace {
 
 /// What came to a writer, and whether it was completed.
-struct Written {
+struct Arrived {
   std::vector<std::byte> bytes;
   bool finished = false;
 };
 
 class Keeper final : public Writer {
  public:
-  explicit Keeper(Written& to, std::size_t room = 1 << 20) : to_(to), room_(room) {}
+  explicit Keeper(Arrived& to, std::size_t room = 1 << 20) : to_(to), room_(room) {}
   void write(std::span<const std::byte> records) override {
     if (to_.bytes.size() + records.size() > room_) throw std::runtime_error("no space left");
     to_.bytes.insert(to_.bytes.end(), records.begin(), records.end());
@@ -28,7 +28,7 @@ class Keeper final : public Writer {
   void finish() override { to_.finished = true; }
 
  private:
-  Written& to_;
+  Arrived& to_;
   std::size_t room_;
 };
 
@@ -37,7 +37,7 @@ std::vector<std::byte> chunk(int number) { return std::vector<std::byte>(100, st
 TEST(WriteBehind, WritesEverythingInOrderToEveryWriter) {
   for (const unsigned threads : {1u, 3u}) {
     with_threads(threads, [] {
-      Written a, b;
+      Arrived a, b;
       WriteBehind files;
       files.add(std::make_unique<Keeper>(a));
       files.add(std::make_unique<Keeper>(b));
@@ -58,7 +58,7 @@ TEST(WriteBehind, WritesEverythingInOrderToEveryWriter) {
 
 TEST(WriteBehind, ThrowsAFailureAtTheNextCallAndCompletesNothing) {
   with_threads(2, [] {
-    Written a;
+    Arrived a;
     WriteBehind files;
     files.add(std::make_unique<Keeper>(a, 250));
     std::vector<std::byte> records;
@@ -71,7 +71,7 @@ TEST(WriteBehind, ThrowsAFailureAtTheNextCallAndCompletesNothing) {
 
 TEST(WriteBehind, FinishThrowsWhatTheLastChunkMet) {
   with_threads(2, [] {
-    Written a;
+    Arrived a;
     WriteBehind waited, last;
     for (WriteBehind* files : {&waited, &last}) {
       std::vector<std::byte> records = chunk(1);

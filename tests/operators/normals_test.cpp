@@ -232,8 +232,8 @@ TEST(Normals, AreZeroAndCountedWherePointsDefineNoPlane) {
   EXPECT_EQ(count_zero(std::vector<Vec3>(100, Vec3{5, 6, 7}), 8), 100u);
   EXPECT_EQ(count_zero({{0, 0, 0}, {1e-320, 0, 0}, {0, 1e-320, 0}}, 2), 3u);
   EXPECT_EQ(count_zero({{-1e308, 0, 0}, {1e308, 0, 0}, {0, 1e308, 0}, {0, -1e308, 1e308}}, 3), 4u);
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(count_zero({{kNan, 0, 0}, {1, 0, 0}, {2, 0, 0}}, 8), 3u);
+  constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(count_zero({{kNotANumber, 0, 0}, {1, 0, 0}, {2, 0, 0}}, 8), 3u);
 }
 
 TEST(Normals, OfPointsOnALineAreZeroWhereverTheLineLies) {

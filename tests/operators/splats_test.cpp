@@ -24,7 +24,7 @@ using Float3 = std::array<float, 3>;
 using Lists = std::vector<std::vector<std::uint32_t>>;
 using Points = std::vector<AnalyticPoint>;
 
-enum Made { kAxis, kLength, kRatio };
+enum MadeBySplats { kAxis, kLength, kRatio };
 
 struct SplatCloud {
   std::vector<Vec3> points;

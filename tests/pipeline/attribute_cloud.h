@@ -60,6 +60,9 @@ struct Records {
       if (keep(i)) out.bytes.insert(out.bytes.end(), at(i), at(i) + schema.stride);
     return out;
   }
+  Records kept(const std::vector<bool>& keep) const {
+    return those([&](std::size_t i) { return keep[i]; });
+  }
   InputCloud cloud() const {
     std::vector<std::unique_ptr<Reader>> readers;
     readers.push_back(std::make_unique<RecordReader>(schema, bytes));

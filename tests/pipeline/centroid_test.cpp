@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// voxel(keep=centroid) against a map of voxels.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

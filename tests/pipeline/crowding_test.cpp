@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-const char* const kPipelines[] = {
+const char* const kCrowdedPipelines[] = {
     "knn(k=7) | features | density",
     "knn(k=6) | lof | sor(definition=open3d) | where(outlier == 0) | features(with_point=no, eigenvalues=sqrt)",
     "knn(k=5) | normals | splats | ror(radius=0.1, min_neighbors=5) | sor(definition=cloudcompare) | lof",
@@ -32,7 +32,7 @@ RunResult result_of(const std::vector<Vec3>& points, const std::string& pipeline
 TEST(FeaturesAndOutliers, AreTheSameBytesInMemoryAndSpilledByAnyThreadsAndSlabs) {
   for (const auto& [name, shape] : hostile_shapes()) {
     const std::vector<Vec3> points = make_cloud(shape, sized(700), 31);
-    for (const char* pipeline : kPipelines)
+    for (const char* pipeline : kCrowdedPipelines)
       for (const Order order : {Order::input, Order::sweep}) {
         SCOPED_TRACE(name + ", " + pipeline);
         const RunResult expected = result_of(points, pipeline, tiny(50'000, false, 1), order);
@@ -58,7 +58,7 @@ std::vector<std::string> sorted_records(const RunResult& result) {
 TEST(FeaturesAndOutliers, DoNotDependOnTheOrderOfThePoints) {
   for (const auto& [name, shape] : hostile_shapes()) {
     std::vector<Vec3> points = make_cloud(shape, sized(600), 32);
-    for (const char* pipeline : kPipelines) {
+    for (const char* pipeline : kCrowdedPipelines) {
       SCOPED_TRACE(name + ", " + pipeline);
       const auto expected = sorted_records(result_of(points, pipeline, tiny(90), Order::input));
       std::shuffle(points.begin(), points.end(), std::mt19937_64(33));

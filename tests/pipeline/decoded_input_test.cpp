@@ -85,7 +85,7 @@ InputCloud cloud_of(SlowReader::Counts& counts, Decoding decoding, bool side_by_
   return InputCloud(std::move(readers));
 }
 
-class DecodedInput : public testing::Test {
+class InputDecodedOnce : public testing::Test {
  protected:
   std::string bytes_of(InputCloud& cloud, const std::string& pipeline, const EngineOptions& options,
                        const char* format) {
@@ -100,7 +100,7 @@ class DecodedInput : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(DecodedInput, EachRowIsDecodedOnceAndResultsAreTheSame) {
+TEST_F(InputDecodedOnce, EachRowIsDecodedOnceAndResultsAreTheSame) {
   for (const char* pipeline : {"knn(k=6) | normals", "knn(k=6) | where(intensity < 3000) | normals",
                                "knn(k=6) | normals | splats | fair | reneighbor | normals", "unique"})
     for (const Order order : {Order::input, Order::sweep})
@@ -119,7 +119,7 @@ TEST_F(DecodedInput, EachRowIsDecodedOnceAndResultsAreTheSame) {
         }
 }
 
-TEST_F(DecodedInput, PointsThatAreDroppedKeepTheirNumbers) {
+TEST_F(InputDecodedOnce, PointsThatAreDroppedKeepTheirNumbers) {
   SlowReader::Counts once, often;
   InputCloud slow = cloud_of(once, Decoding::once, true, 17);
   InputCloud plain = cloud_of(often, Decoding::each_time, true, 17);
@@ -137,7 +137,7 @@ TEST_F(DecodedInput, PointsThatAreDroppedKeepTheirNumbers) {
   EXPECT_EQ(of_slow.degenerate_results[0].rows, of_plain.degenerate_results[0].rows);
 }
 
-TEST_F(DecodedInput, IsRefusedBeforeItIsDecoded) {
+TEST_F(InputDecodedOnce, IsRefusedBeforeItIsDecoded) {
   SlowReader::Counts counts;
   InputCloud slow = cloud_of(counts, Decoding::once, true);
   Outputs outputs;
@@ -147,7 +147,7 @@ TEST_F(DecodedInput, IsRefusedBeforeItIsDecoded) {
   EXPECT_EQ(content_of(outputs.points), "precious");
 }
 
-TEST_F(DecodedInput, ThatIsDamagedEndsTheRunAndLeavesTheCloudAsItWas) {
+TEST_F(InputDecodedOnce, ThatIsDamagedEndsTheRunAndLeavesTheCloudAsItWas) {
   for (const bool side_by_side : {false, true}) {
     SlowReader::Counts counts;
     counts.fail_at = 4321;
@@ -166,7 +166,7 @@ TEST_F(DecodedInput, ThatIsDamagedEndsTheRunAndLeavesTheCloudAsItWas) {
   }
 }
 
-TEST_F(DecodedInput, LeavesNothingInTheFolderOfARunThatIsResumed) {
+TEST_F(InputDecodedOnce, LeavesNothingInTheFolderOfARunThatIsResumed) {
   const std::filesystem::path laz = folder_ / "in.laz", las = folder_ / "in.las";
   if (!format_of_output(laz)->is_built_in()) GTEST_SKIP() << "built without LAZ";
   SlowReader::Counts counts;
@@ -191,7 +191,7 @@ TEST_F(DecodedInput, LeavesNothingInTheFolderOfARunThatIsResumed) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "work"));
 }
 
-TEST_F(DecodedInput, IsNamedInADryRun) {
+TEST_F(InputDecodedOnce, IsNamedInADryRun) {
   SlowReader::Counts counts;
   InputCloud slow = cloud_of(counts, Decoding::once, true);
   const std::string text = to_text(preview(slow, build_chain(parse_pipeline("normals"), Facts{})));

@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kPoints = 6000, kNeighbors = 8;
+constexpr std::size_t kForestPoints = 6000, kForestNeighbors = 8;
 
 std::vector<Vec3> cloud_of(const std::string& name) {
   std::mt19937_64 random(5);
@@ -48,8 +48,8 @@ std::vector<Vec3> cloud_of(const std::string& name) {
       {"one place", [&](std::size_t) {
          return Vec3{1, 2, 3};
        }}};
-  std::vector<Vec3> points(kPoints);
-  for (std::size_t i = 0; i < kPoints; ++i) points[i] = shapes.at(name)(i);
+  std::vector<Vec3> points(kForestPoints);
+  for (std::size_t i = 0; i < kForestPoints; ++i) points[i] = shapes.at(name)(i);
   return points;
 }
 
@@ -71,8 +71,8 @@ std::size_t most_open(const std::vector<Vec3>& points) {
   std::vector<std::pair<double, std::size_t>> all(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t j = 0; j < points.size(); ++j) all[j] = {j == i ? -1 : distance2(points[i], points[j]), j};
-    std::partial_sort(all.begin(), all.begin() + kNeighbors + 1, all.end());
-    for (std::size_t n = 1; n <= kNeighbors; ++n) {
+    std::partial_sort(all.begin(), all.begin() + kForestNeighbors + 1, all.end());
+    for (std::size_t n = 1; n <= kForestNeighbors; ++n) {
       const std::size_t j = all[n].second;
       ends[i] = std::max(ends[i], keys[j], along);
       ends[j] = std::max(ends[j], keys[i], along);
@@ -97,7 +97,7 @@ TEST(ForestEstimate, IsNearTheMostOpenPointsWhateverTheSample) {
     const std::vector<Vec3> points = cloud_of(name);
     const auto open = static_cast<double>(most_open(points));
     for (const std::size_t step : {1, 4}) {
-      const auto told = static_cast<double>(estimate_open_points(survey_of(points, step, dimension), kPoints, 8));
+      const auto told = static_cast<double>(estimate_open_points(survey_of(points, step, dimension), kForestPoints, 8));
       EXPECT_GE(told, 0.7 * open) << name << ", one of " << step << ": " << open << " are open";
       EXPECT_LE(told, 6 * open + 60) << name << ", one of " << step << ": " << open << " are open";
     }
@@ -105,12 +105,12 @@ TEST(ForestEstimate, IsNearTheMostOpenPointsWhateverTheSample) {
 }
 
 TEST(ForestEstimate, CopiesOfAPointAreNotOpenTogether) {
-  EXPECT_LE(estimate_open_points(survey_of(cloud_of("one place"), 2, 1), kPoints, 8), kPoints / 100);
+  EXPECT_LE(estimate_open_points(survey_of(cloud_of("one place"), 2, 1), kForestPoints, 8), kForestPoints / 100);
 }
 
 TEST(ForestEstimate, AWallThatIsAThirdOfTheCloudIsOpenAtOnceInACloudOfAnySize) {
   const Survey survey = survey_of(cloud_of("thick wall across"), 1, 2);
-  EXPECT_GE(estimate_open_points(survey, 100 * kPoints, 8), 100 * kPoints / 4);
+  EXPECT_GE(estimate_open_points(survey, 100 * kForestPoints, 8), 100 * kForestPoints / 4);
 }
 
 TEST(ForestEstimate, OfSmallCloudsAllPointsMayBeOpen) {
@@ -125,7 +125,7 @@ TEST(ForestEstimate, BucketsAreDividedEvenly) {
   for (const char* name : {"surface", "wall across", "plane across"}) {
     const std::vector<Vec3> points = cloud_of(name);
     constexpr std::uint64_t kTimes = 100;  // each point of the sample stands for so many
-    std::vector<Vec3> begins = places_between_buckets(survey_of(points, 1, 2), kTimes * kPoints);
+    std::vector<Vec3> begins = places_between_buckets(survey_of(points, 1, 2), kTimes * kForestPoints);
     std::ranges::sort(begins, AlongAxis{0}, [](Vec3 p) { return PointKey{p}; });
     std::map<std::size_t, std::uint64_t> counts;
     for (const Vec3& p : points) {

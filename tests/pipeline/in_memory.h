@@ -9,11 +9,14 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/geometry.h"
+#include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/writer.h"
 
 namespace pointsweep {
+
+constexpr std::uint64_t kMega = 1 << 20;
 
 struct RunResult {
   Statistics statistics;
@@ -40,6 +43,21 @@ class RecordKeeper final : public Writer {
  private:
   std::vector<std::byte>& out_;
 };
+
+/// The chain of a pipeline over a cloud of which nothing is known.
+inline Chain chain_of_any_cloud(const std::string& pipeline) { return build_chain(parse_pipeline(pipeline), Facts{}); }
+
+/// Slabs and cells so small that every boundary case happens.
+inline EngineOptions small_slabs(std::uint64_t slab_points, std::uint32_t cell_points, unsigned threads = 2,
+                                 bool spill = false) {
+  EngineOptions options;
+  options.slab_points = slab_points;
+  options.cell_points = cell_points;
+  options.resources.threads = threads;
+  options.resources.memory_bytes = 1ull << 30;
+  options.spill = spill;
+  return options;
+}
 
 inline RunResult run_in_memory(InputCloud& cloud, const Chain& chain, const EngineOptions& options) {
   RunResult result;

@@ -5,11 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "pointsweep/error.h"
+#include "tests/pipeline/in_memory.h"
 
 namespace pointsweep {
 namespace {
-
-constexpr std::uint64_t kMega = 1 << 20;
 
 SweepPlan normals_plan(std::size_t k = 8) {
   SweepPlan plan;

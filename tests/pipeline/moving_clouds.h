@@ -62,13 +62,7 @@ inline std::shared_ptr<const Operator> graph(std::size_t k, std::size_t n) {
 
 /// Slabs and cells so small that every boundary case happens, in memory or spilled.
 inline EngineOptions tiny(std::uint64_t slab_points, bool spill = false, unsigned threads = 2) {
-  EngineOptions options;
-  options.slab_points = slab_points;
-  options.cell_points = slab_points < 200 ? 16 : slab_points < 1000 ? 64 : 1024;
-  options.resources.threads = threads;
-  options.resources.memory_bytes = 1ull << 30;
-  options.spill = spill;
-  return options;
+  return small_slabs(slab_points, slab_points < 200 ? 16 : slab_points < 1000 ? 64 : 1024, threads, spill);
 }
 
 /// Threads, spilled or in memory, and axes.
@@ -77,6 +71,14 @@ inline std::vector<EngineOptions> ways_to_run() {
   all[1].axis = 1;
   all[2].axis = 0;
   all[3].axis = 2;
+  return all;
+}
+
+/// Threads, spilled or in memory, and axes, for rows in one order.
+inline std::vector<EngineOptions> ways_to_run(Order order) {
+  std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3)};
+  for (EngineOptions& options : all) options.order = order;
+  all[1].axis = 1;
   return all;
 }
 

@@ -77,14 +77,6 @@ class LargestCount final : public Operator {
   }
 };
 
-EngineOptions tiny(std::uint64_t slab_points, std::uint32_t cell_points, unsigned threads) {
-  EngineOptions options;
-  options.slab_points = slab_points, options.cell_points = cell_points, options.resources.threads = threads;
-  options.resources.memory_bytes = 1ull << 30;
-  options.spill = threads == 2;
-  return options;
-}
-
 constexpr std::size_t kWritten = 12;  // neighbours of each point that are compared by row
 
 void expect_lists(const RunResult& found, const std::vector<Vec3>& points, const Lists& expected) {
@@ -115,7 +107,7 @@ void expect_everywhere(const Attributed& input, const Neighborhood& what, const 
        {std::tuple<std::uint64_t, std::uint32_t, unsigned>{60, 16, 1}, {250, 64, 2}, {100000, 1024, 4}}) {
     SCOPED_TRACE("slabs of " + std::to_string(slab));
     InputCloud cloud = input.cloud();
-    const RunResult result = run_in_memory(cloud, chain, tiny(slab, cell, threads));
+    const RunResult result = run_in_memory(cloud, chain, small_slabs(slab, cell, threads, threads == 2));
     expect_lists(result, input.points, expected);
     if (testing::Test::HasFatalFailure()) return;
     recalled += result.statistics.recalled;
@@ -180,7 +172,7 @@ TEST(NeighborhoodRules, ThatKeepAllGiveTheBytesOfNoRule) {
     InputCloud cloud(std::move(readers));
     Chain chain = build_chain(parse_pipeline("normals | curvature | splats"), Facts{});
     chain.neighborhood = what;
-    return run_in_memory(cloud, chain, tiny(250, 64, 2)).records;
+    return run_in_memory(cloud, chain, small_slabs(250, 64, 2, true)).records;
   };
   EXPECT_EQ(records({.k = 12, .rule = rule}), records({.k = 12}));
 }
@@ -198,7 +190,7 @@ TEST(NeighborhoodRules, ReadAttributesOfAnyTypeEvenCoordinates) {
   readers.push_back(std::move(reader));
   InputCloud cloud(std::move(readers));
   for (const Order order : {Order::input, Order::sweep}) {
-    EngineOptions options = tiny(100, 32, 2);
+    EngineOptions options = small_slabs(100, 32, 2, true);
     options.order = order;
     const auto stages = parse_pipeline("knn(k=8, k_from=few, radius_from=z) | neighborhood_size");
     const RunResult result = run_in_memory(cloud, build_chain(stages, cloud), options);
@@ -220,7 +212,7 @@ TEST(NeighborhoodRules, OfALaterSweepReadWhatAnEarlierOneMade) {
     InputCloud cloud = input.cloud();
     Chain chain = build_chain(parse_pipeline(pipeline), cloud);
     chain.keep = {"normal"};
-    return run_in_memory(cloud, chain, tiny(250, 64, 2)).records;
+    return run_in_memory(cloud, chain, small_slabs(250, 64, 2, true)).records;
   };
   const auto adaptive = normals_of("knn(k=40, adaptive=eigenentropy) | normals");
   EXPECT_EQ(normals_of("knn(k=40, adaptive=eigenentropy) | neighborhood_size | "

@@ -16,10 +16,10 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kNeighbors = 8;
+constexpr std::size_t kObserved = 8;
 
 Chain curvatures() {
-  return {{.k = kNeighbors, .radius = std::numeric_limits<double>::infinity()},
+  return {{.k = kObserved, .radius = std::numeric_limits<double>::infinity()},
           {std::make_shared<Normals>(), std::make_shared<Curvature>()}};
 }
 
@@ -36,7 +36,7 @@ EngineOptions observed(std::uint64_t slab_points, unsigned threads) {
 TEST(Observation, DistancesAreThoseOfBruteForceForAnySlabsAndThreads) {
   for (const auto& [name, shape] : hostile_shapes()) {
     const std::vector<Vec3> points = make_cloud(shape, 1500, 5);
-    const auto lists = brute_force_neighbors(points, kNeighbors);
+    const auto lists = brute_force_neighbors(points, kObserved);
     for (const auto& [slab, threads] : {std::pair<std::uint64_t, unsigned>{64, 2}, {400, 1}, {100000, 3}}) {
       SCOPED_TRACE(name + ", slabs of " + std::to_string(slab));
       const auto bins = run_in_memory(points, curvatures(), observed(slab, threads)).statistics.neighbor_distances;

@@ -113,19 +113,17 @@ EngineOptions small(Ordering ordering) {
   return options;
 }
 
-Chain chain_of(const std::string& pipeline) { return build_chain(parse_pipeline(pipeline), Facts{}); }
-
 void expect_the_same_both_ways(InputCloud& cloud, const std::string& pipeline, EngineOptions options) {
   SCOPED_TRACE(pipeline);
   options.ordering = Ordering::distribution;
-  const RunResult wanted = run_in_memory(cloud, chain_of(pipeline), options);
+  const RunResult wanted = run_in_memory(cloud, chain_of_any_cloud(pipeline), options);
   EXPECT_EQ(wanted.statistics.ordering.substr(0, 15), "by distribution");
   options.ordering = Ordering::on_demand;
   for (const unsigned threads : {1, 2, 4}) {
     for (const bool spill : {false, true}) {
       options.resources.threads = threads;
       options.spill = spill;
-      const RunResult got = run_in_memory(cloud, chain_of(pipeline), options);
+      const RunResult got = run_in_memory(cloud, chain_of_any_cloud(pipeline), options);
       EXPECT_THAT(got.statistics.ordering, StartsWith("by the boxes of the inputs"));
       EXPECT_EQ(got.statistics.bytes_spilled > 0, spill);
       EXPECT_EQ(got.records, wanted.records) << threads << " threads, spilling " << spill;
@@ -161,7 +159,7 @@ TEST(OnDemandOrder, GivesTheBytesOfADistributionForHostilePointsWhichAreRecalled
       }
   EngineOptions options = small(Ordering::on_demand);
   options.slab_points = 2000;
-  EXPECT_GT(run_in_memory(cloud, chain_of("knn(k=6) | normals"), options).statistics.recalled, 0u);
+  EXPECT_GT(run_in_memory(cloud, chain_of_any_cloud("knn(k=6) | normals"), options).statistics.recalled, 0u);
 }
 
 TEST(OnDemandOrder, FallsBackToADistributionWherePointsNeedIt) {
@@ -178,9 +176,9 @@ TEST(OnDemandOrder, FallsBackToADistributionWherePointsNeedIt) {
     for (const Order order : {Order::input, Order::sweep}) {
       EngineOptions options = small(Ordering::distribution);
       options.order = order;
-      const RunResult wanted = run_in_memory(cloud, chain_of("normals"), options);
+      const RunResult wanted = run_in_memory(cloud, chain_of_any_cloud("normals"), options);
       options.ordering = Ordering::on_demand;
-      const RunResult got = run_in_memory(cloud, chain_of("normals"), options);
+      const RunResult got = run_in_memory(cloud, chain_of_any_cloud("normals"), options);
       EXPECT_EQ(got.records, wanted.records);
       EXPECT_THAT(got.statistics.ordering, HasSubstr(wall ? "their slab has to be split" : "no finite coordinates"));
       EXPECT_THAT(got.statistics.ordering, StartsWith("by distribution: "));
@@ -195,7 +193,7 @@ TEST(OnDemandOrder, IsChosenForTilesThatDoNotFitTheBudgetAndSpillsNothingForIt) 
   EngineOptions options;
   options.resources.memory_bytes = kBudget;
   InputCloud cloud = tiles_in_a_row(kTiles, kTilePoints);
-  const Chain chain = chain_of("knn(k=6) | normals");
+  const Chain chain = chain_of_any_cloud("knn(k=6) | normals");
   const std::string plan = to_text(preview(cloud, chain, options));
   EXPECT_THAT(plan, HasSubstr("ordering      by the boxes of the inputs: at most about "));
   EXPECT_THAT(plan, HasSubstr("made on demand\n"));
@@ -212,7 +210,7 @@ TEST(OnDemandOrder, IsChosenForTilesThatDoNotFitTheBudgetAndSpillsNothingForIt) 
 TEST(OnDemandOrder, OfTilesWhoseHeadersLieTurnsIntoADistribution) {
   EngineOptions options;
   options.resources.memory_bytes = kBudget;
-  const Chain chain = chain_of("knn(k=6) | normals");
+  const Chain chain = chain_of_any_cloud("knn(k=6) | normals");
   std::vector<std::unique_ptr<Reader>> readers;
   for (std::uint64_t t = 0; t < kTiles; ++t) {  // each tile holds points of the whole cloud
     const auto from = static_cast<double>(t);
@@ -230,7 +228,7 @@ TEST(OnDemandOrder, OfTilesWhoseHeadersLieTurnsIntoADistribution) {
 TEST(OnDemandOrder, OfOneTileWhoseHeaderLiesIsStillRight) {
   EngineOptions options;
   options.resources.memory_bytes = kBudget;
-  const Chain chain = chain_of("knn(k=6) | normals");
+  const Chain chain = chain_of_any_cloud("knn(k=6) | normals");
   std::vector<std::unique_ptr<Reader>> readers;
   for (std::uint64_t t = 0; t < kTiles; ++t) {
     const auto from = static_cast<double>(t);
@@ -248,7 +246,7 @@ TEST(OnDemandOrder, OfOneTileWhoseHeaderLiesIsStillRight) {
 std::string planned_order(InputCloud& cloud, const std::string& pipeline, EngineOptions options,
                           std::uint64_t budget = kBudget) {
   options.resources.memory_bytes = budget;
-  return preview(cloud, chain_of(pipeline), options).memory.order_text;
+  return preview(cloud, chain_of_any_cloud(pipeline), options).memory.order_text;
 }
 
 TEST(OnDemandOrder, ThePlanSaysWhyItIsNotChosen) {
@@ -275,7 +273,7 @@ TEST(OnDemandOrder, OfFilesWithAFileForEachHasNoSeamsAndSpillsNothingForIt) {
     one.push_back(std::make_unique<TileReader>("tile", 2000, std::nullopt, hills(static_cast<double>(t), 1, t)));
     InputCloud cloud(std::move(one));
     inputs.push_back(folder / fmt::format("tile{}{}", t, t == 1 ? ".ply" : ".las"));
-    run(cloud, chain_of("knn(k=6) | normals"), {.points = inputs.back()}, {});
+    run(cloud, chain_of_any_cloud("knn(k=6) | normals"), {.points = inputs.back()}, {});
   }
   for (const char* pipeline : {"knn(k=8) | normals | curvature", "knn(k=8) | sor | normals"}) {
     std::vector<std::string> bytes;
@@ -285,7 +283,7 @@ TEST(OnDemandOrder, OfFilesWithAFileForEachHasNoSeamsAndSpillsNothingForIt) {
       options.overwrite = true;
       Outputs outputs;
       for (std::size_t t = 0; t < 3; ++t) outputs.tiles.push_back(folder / "out" / inputs[t].filename());
-      const Statistics statistics = run(cloud, chain_of(pipeline), outputs, options);
+      const Statistics statistics = run(cloud, chain_of_any_cloud(pipeline), outputs, options);
       EXPECT_THAT(statistics.ordering,
                   StartsWith(ordering == Ordering::on_demand ? "by the boxes of the inputs" : "by distribution"));
       std::string all;

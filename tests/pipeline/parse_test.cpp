@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-using Stages = std::vector<StageText>;
+using StageTexts = std::vector<StageText>;
 
 std::string told(const std::string& text) {
   return refusal([&] { parse_pipeline(text); });
@@ -27,7 +27,7 @@ void expect_told(const std::string& text, const std::string& place, const std::s
   EXPECT_NE(sentence.find(words), std::string::npos) << text << "\n" << sentence;
 }
 
-const Stages kExample = {{"knn", {{"k", "8", ""}}, ""},
+const StageTexts kExample = {{"knn", {{"k", "8", ""}}, ""},
                          {"normals", {{"orient", "viewpoint", ""}, {"viewpoint", "0,-1.5,1e3", ""}}, ""},
                          {"splats", {}, ""}};
 
@@ -41,7 +41,7 @@ TEST(Parse, SpaceMeansNothingBetweenWords) {
 }
 
 TEST(Parse, QuotesHoldAnyCharacter) {
-  const Stages stages = parse_pipeline(R"(a(x="p | q) \"\\", y='it\'s', z=""))");
+  const StageTexts stages = parse_pipeline(R"(a(x="p | q) \"\\", y='it\'s', z=""))");
   ASSERT_EQ(stages.size(), 1u);
   EXPECT_EQ(stages[0].options, (std::vector<OptionText>{{"x", "p | q) \"\\", ""}, {"y", "it's", ""}, {"z", "", ""}}));
 }
@@ -58,7 +58,7 @@ TEST(Parse, PdalPipelineObjectSaysTheSame) {
 }
 
 TEST(Parse, JsonNumbersKeepTheirValue) {
-  const Stages stages =
+  const StageTexts stages =
       parse_pipeline(R"([{"type": "a", "b": 0.1, "c": 1e300, "d": 18446744073709551615, "e": -3, "f": true}])");
   const auto& o = stages[0].options;
   ASSERT_EQ(o.size(), 5u);
@@ -112,7 +112,7 @@ TEST(Parse, MessagesAboutJsonNameTheLineOrTheStage) {
 }
 
 TEST(Parse, PlacesAreThoseOfTheWords) {
-  const Stages stages = parse_pipeline("knn(k=8) | normals(orient = up)");
+  const StageTexts stages = parse_pipeline("knn(k=8) | normals(orient = up)");
   EXPECT_EQ(stages[1].place, "pipeline, column 12");
   EXPECT_EQ(stages[1].options[0].place, "pipeline, column 20");
 }
@@ -126,25 +126,25 @@ rc::Gen<std::string> values() {
                         rc::gen::arbitrary<std::string>());
 }
 
-rc::Gen<Stages> pipelines() {
+rc::Gen<StageTexts> pipelines() {
   const auto option = rc::gen::construct<OptionText>(names(), values(), rc::gen::just(std::string()));
   const auto stage = rc::gen::construct<StageText>(names(), rc::gen::container<std::vector<OptionText>>(option),
                                                    rc::gen::just(std::string()));
-  return rc::gen::nonEmpty(rc::gen::container<Stages>(stage));
+  return rc::gen::nonEmpty(rc::gen::container<StageTexts>(stage));
 }
 
 TEST(Parse, TextOfAnyPipelineGivesItBack) {
   EXPECT_TRUE(rc::check("text and back", [] {
-    const Stages stages = *pipelines();
+    const StageTexts stages = *pipelines();
     RC_ASSERT(parse_pipeline(to_text(stages)) == stages);
   }));
 }
 
 TEST(Parse, JsonOfAnyPipelineGivesItBack) {
   EXPECT_TRUE(rc::check("JSON and back", [] {
-    const Stages stages = *pipelines();
+    const StageTexts stages = *pipelines();
     auto json = nlohmann::ordered_json::array();
-    Stages expected;
+    StageTexts expected;
     for (const StageText& stage : stages) {
       json.push_back({{"type", stage.name}});
       expected.push_back({stage.name, {}, ""});

@@ -168,8 +168,6 @@ Survey survey_of() {
   return survey;
 }
 
-constexpr std::uint64_t kMega = 1 << 20;
-
 TEST(RunMemory, CountsRowsAndMasksBetweenPassesOnce) {
   constexpr std::uint64_t kPoints = 10'000'000;
   const auto memory = [&](const std::string& text, std::uint64_t budget, bool ordered = false) {

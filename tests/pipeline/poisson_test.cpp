@@ -25,14 +25,6 @@
 namespace pointsweep {
 namespace {
 
-/// Threads, slabs, axes, spilling.
-std::vector<EngineOptions> ways(Order order) {
-  std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3)};
-  for (EngineOptions& options : all) options.order = order;
-  all[1].axis = 1;
-  return all;
-}
-
 std::uint64_t disk_hash(const Vec3& p) { return plain_hash({p.x, p.y, p.z}, 0x706f6973736f6e); }
 
 /// The loop: one point after another, compared with all that have been kept.
@@ -59,17 +51,13 @@ std::vector<bool> greedy(const std::vector<Vec3>& points, double radius) {
   return greedy(points, std::vector<double>(points.size(), radius));
 }
 
-Records kept_of(const Records& input, const std::vector<bool>& keep) {
-  return input.those([&](std::size_t i) { return keep[i]; });
-}
-
 TEST(Poisson, KeepsWhatTheGreedyLoopKeeps) {
   for (const auto& [name, shape] : hostile_shapes()) {
     for (const double radius : {1e-9, 0.003, 0.06, 0.4, 5.0, 1e4}) {
       SCOPED_TRACE(fmt::format("{}, radius {}", name, radius));
       const Records input = with_attributes(make_cloud(shape, sized(700), 51));
-      const Records kept = kept_of(input, greedy(input.positions(), radius));
-      for (const EngineOptions& options : ways(Order::input)) {
+      const Records kept = input.kept(greedy(input.positions(), radius));
+      for (const EngineOptions& options : ways_to_run(Order::input)) {
         const RunResult got = run_text(input, fmt::format("poisson({})", radius), options);
         ASSERT_TRUE(got.records == kept.bytes);
         EXPECT_EQ(got.statistics.sweeps, 0u);
@@ -119,7 +107,7 @@ TEST(Poisson, AChainThroughTheWholeCloudIsDecidedExactly) {
     std::vector<double> expected;
     for (std::size_t i = 0; i < points.size(); ++i)
       if (keep[i]) expected.push_back(points[i].x);
-    for (const EngineOptions& options : ways(Order::input))
+    for (const EngineOptions& options : ways_to_run(Order::input))
       EXPECT_EQ(run_in_memory(points, {{}, {std::make_shared<Poisson>(PoissonOptions{radius})}}, options).field("x"),
                 expected);
   }
@@ -139,8 +127,8 @@ TEST(Poisson, EachPointHasTheRadiusOfItsAttribute) {
     for (const double limit : {0.3, 2.0}) {
       SCOPED_TRACE(name);
       const Records input = with_attributes(make_cloud(shape, sized(700), 53));
-      const Records kept = kept_of(input, greedy(input.positions(), gains(input, limit)));
-      for (const EngineOptions& options : ways(Order::input))
+      const Records kept = input.kept(greedy(input.positions(), gains(input, limit)));
+      for (const EngineOptions& options : ways_to_run(Order::input))
         ASSERT_TRUE(run_text(input, fmt::format("poisson({}, radius_from=gain)", limit), options).records ==
                     kept.bytes);
     }
@@ -156,11 +144,11 @@ TEST(Poisson, TheRadiusMayComeFromAnEarlierStage) {
       const double value = made.value(i, name);
       radius.push_back(value > 0 ? std::min(value, 0.2) : 0);
     }
-    const Records kept = kept_of(made, greedy(made.positions(), radius));
+    const Records kept = made.kept(greedy(made.positions(), radius));
     ASSERT_LT(kept.size(), made.size());
     for (const Order order : {Order::input, Order::sweep}) {
-      const RunResult sorted = run_text(kept, "where(x > -1e300)", ways(order)[0]);
-      for (const EngineOptions& options : ways(order)) {
+      const RunResult sorted = run_text(kept, "where(x > -1e300)", ways_to_run(order)[0]);
+      for (const EngineOptions& options : ways_to_run(order)) {
         if (order == Order::sweep && options.axis) continue;
         const RunResult got = run_text(
             input, fmt::format("knn(k=7) | normals | neighborhood_size | poisson(0.2, radius_from={})", name), options);
@@ -174,10 +162,10 @@ TEST(Poisson, LeavesTheCloudOfTheKeptRowsForAllLaterStages) {
   for (const std::size_t shape : {0, 1, 5, 6, 9, 11, 13}) {
     const Records input = with_attributes(make_cloud(hostile_shapes()[shape].second, sized(800), 55));
     const Records first = input.those([&](std::size_t i) { return input.value(i, "classification") < 8; });
-    const Records kept = kept_of(first, greedy(first.positions(), 0.04));
+    const Records kept = first.kept(greedy(first.positions(), 0.04));
     if (kept.size() < 2) continue;
     for (const Order order : {Order::input, Order::sweep}) {
-      for (const EngineOptions& options : ways(order)) {
+      for (const EngineOptions& options : ways_to_run(order)) {
         const RunResult expected = run_text(kept, "knn(k=5) | normals | curvature", options);
         const RunResult got =
             run_text(input, "knn(k=5) | where(classification < 8) | poisson(0.04) | normals | curvature", options);
@@ -196,7 +184,7 @@ TEST(Poisson, SeesMovedPositions) {
   for (std::size_t i = 0; i < moved.size(); ++i)
     if (keep[i]) kept.push_back(moved[i]);
   const RunResult expected = run_in_memory(kept, {{.k = 5}, {normals()}}, tiny(100));
-  for (const EngineOptions& options : ways(Order::input)) {
+  for (const EngineOptions& options : ways_to_run(Order::input)) {
     const Chain chain{{.k = 5}, {thrown(0.5), std::make_shared<Poisson>(PoissonOptions{0.2}), normals()}};
     const RunResult got = run_in_memory(points, chain, options);
     for (const char* field : {"x", "nx", "ny", "nz"}) EXPECT_TRUE(same_bytes(got.field(field), expected.field(field)));
@@ -252,9 +240,9 @@ TEST(Simplify, KeepsWhatTheGreedyLoopKeepsWithRadiiOfTheCurvature) {
     std::vector<double> radius;
     for (std::size_t i = 0; i < made.size(); ++i)
       radius.push_back(std::max(0.01, std::min(0.3, std::sqrt(2 * 0.002 / made.value(i, "k1")))));
-    const Records kept = kept_of(made, greedy(made.positions(), radius));
+    const Records kept = made.kept(greedy(made.positions(), radius));
     ASSERT_LT(kept.size(), made.size());
-    for (const EngineOptions& options : ways(Order::input)) {
+    for (const EngineOptions& options : ways_to_run(Order::input)) {
       const RunResult got =
           run_text(input, "knn(k=9) | normals | curvature | simplify(0.002, most=0.3, least=0.01)", options);
       for (const char* field : {"x", "y", "k1", "nx"}) {

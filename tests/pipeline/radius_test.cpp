@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::size_t kAll = Neighborhood::kUnlimited;
 
-Chain chain_of(const std::vector<Vec3>& points, const std::string& text) {
+Chain chain_over(const std::vector<Vec3>& points, const std::string& text) {
   std::vector<double> xyz;
   for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
   std::vector<std::unique_ptr<Reader>> readers;
@@ -56,7 +56,7 @@ TEST(Radius, BytesAreTheSameHoweverFewListsAThreadHasInHand) {
           "knn(k=100, adaptive=eigenentropy) | normals | curvature", "knn(k=70, radius=0.2) | normals | splats | fair",
           "knn(radius=0.15) | normals | splats | fair | reneighbor | normals"}) {
       SCOPED_TRACE(name + ": " + text);
-      const Chain chain = chain_of(points, text);
+      const Chain chain = chain_over(points, text);
       const RunResult expected = run_in_memory(points, chain, options_of(1'000'000, 1024, 1u << 30));
       for (const std::uint64_t lists : {1, 4000}) {
         for (const bool again : {false, true}) {
@@ -127,7 +127,7 @@ TEST(Radius, NoPointIsEverRecalled) {
   for (const auto& [name, shape] : hostile_shapes()) {
     const std::vector<Vec3> points = make_cloud(shape, sized(3000), 3);
     const RunResult result =
-        run_in_memory(points, chain_of(points, "knn(radius=0.1) | normals | curvature"), options_of(200, 64, 0));
+        run_in_memory(points, chain_over(points, "knn(radius=0.1) | normals | curvature"), options_of(200, 64, 0));
     EXPECT_EQ(result.statistics.recalled, 0u) << name;
   }
 }
@@ -137,7 +137,8 @@ TEST(Radius, TheWindowHoldsNoMoreThanTwoRadiiAndSomeSlabs) {
   std::mt19937_64 rng(1);
   std::uniform_real_distribution<double> u(0, 1);
   for (std::size_t i = 0; i < 20'000; ++i) points.push_back({10 * u(rng), u(rng), 0.01 * u(rng)});
-  const RunResult result = run_in_memory(points, chain_of(points, "knn(radius=0.5) | normals"), options_of(250, 64, 0));
+  const RunResult result =
+      run_in_memory(points, chain_over(points, "knn(radius=0.5) | normals"), options_of(250, 64, 0));
   EXPECT_LT(result.statistics.peak_points, 2 * 0.5 * 2000 + 6 * 250)
       << "three radii would be 3,000 points and some slabs";
 }
@@ -184,7 +185,7 @@ TEST(Radius, ARunThatCannotFitIsRefusedBeforeTheWork) {
   options.resources.memory_bytes = 30u << 20;
   options.resources.threads = 1;
   try {
-    run_in_memory(points, chain_of(points, "knn(radius=100) | normals"), options);
+    run_in_memory(points, chain_over(points, "knn(radius=100) | normals"), options);
     ADD_FAILURE() << "200,000 points, each the neighbour of all, in 30 MB";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("give --memory "), std::string::npos) << error.what();
@@ -204,7 +205,7 @@ TEST(Radius, ABudgetCountsThePointsThatTheRadiusKeeps) {
     options.resources.threads = 1;
     options.axis = 0;
     try {
-      run_in_memory(points, chain_of(points, "knn(radius=" + radius + ") | normals"), options);
+      run_in_memory(points, chain_over(points, "knn(radius=" + radius + ") | normals"), options);
     } catch (const Error& error) {
       const std::string sentence = error.what();
       return std::stoul(sentence.substr(sentence.find("--memory ") + 9));
@@ -226,14 +227,14 @@ TEST(Radius, TheUserIsToldOfALongRunBeforeIt) {
     watching.cancel();
   });
   options.observer = &watching;
-  EXPECT_THROW(run_in_memory(points, chain_of(points, "knn(radius=100) | normals"), options), Cancelled);
+  EXPECT_THROW(run_in_memory(points, chain_over(points, "knn(radius=100) | normals"), options), Cancelled);
   EXPECT_NE(told.find("about 300,000 neighbours per point, about "), std::string::npos) << told;
 }
 
 TEST(Radius, ACancelledRunEndsWithinASecond) {
   using Clock = std::chrono::steady_clock;
   const std::vector<Vec3> points = surface(300'000);
-  const Chain chain = chain_of(points, "knn(radius=0.5) | normals | curvature");
+  const Chain chain = chain_over(points, "knn(radius=0.5) | normals | curvature");
   for (const int milliseconds : {50, 500, 1500}) {
     Observer observer;
     EngineOptions options = options_of(0, 1024, 0);

@@ -43,14 +43,12 @@ Schema schema_with_normals() {
   return schema;
 }
 
-Chain chain_of(const std::string& text) { return build_chain(parse_pipeline(text), Facts{}); }
-
 std::vector<std::byte> records_of(const std::string& text) {
-  return run_in_memory(surface(), chain_of(text), {}).records;
+  return run_in_memory(surface(), chain_of_any_cloud(text), {}).records;
 }
 
 void expect_refused(const std::string& text, const std::string& words) {
-  const std::string sentence = refusal([&] { chain_of(text); });
+  const std::string sentence = refusal([&] { chain_of_any_cloud(text); });
   EXPECT_NE(sentence.find(words), std::string::npos) << text << "\n" << sentence;
 }
 
@@ -152,7 +150,7 @@ TEST(Registry, EveryOptionOfEveryOperatorIsInItsCanonicalTextWhichIsReadBack) {
         EXPECT_NE(text.find(text_of_value(value_of(values, option.name))), std::string::npos)
             << option.name << ": " << text;
         // Some operators refuse neighbourhoods that do not hold what they count.
-        EXPECT_EQ(canonical_text(chain_of("knn(radius=1e9) | " + text).stages.front(), presets), text);
+        EXPECT_EQ(canonical_text(chain_of_any_cloud("knn(radius=1e9) | " + text).stages.front(), presets), text);
       }
     }
   }
@@ -160,7 +158,7 @@ TEST(Registry, EveryOptionOfEveryOperatorIsInItsCanonicalTextWhichIsReadBack) {
 
 TEST(Registry, CanonicalTextsAreEqualWhereverStagesAreEqual) {
   const auto texts = [](const std::string& text, Presets presets = Presets::left_out) {
-    return fmt::format("{}", fmt::join(canonical_stages(chain_of(text), presets), " | "));
+    return fmt::format("{}", fmt::join(canonical_stages(chain_of_any_cloud(text), presets), " | "));
   };
   EXPECT_EQ(texts("normals"), "knn(k=8) | normals");
   EXPECT_EQ(texts("knn(k=08) | normals(orient=none)"), "knn(k=8) | normals");
@@ -272,7 +270,7 @@ TEST(Registry, WidthsOfFairFollowTheDiagonal) {
 }
 
 TEST(Registry, FairRefusesACloudInOnePlace) {
-  const Chain chain = chain_of("normals | splats | fair");
+  const Chain chain = chain_of_any_cloud("normals | splats | fair");
   const std::vector<Vec3> points(9, {1, 2, 3});
   EXPECT_NE(refusal([&] { run_in_memory(points, chain, {}); }).find("column 20: fair: all points lie in one place"),
             std::string::npos);
@@ -339,7 +337,7 @@ TEST(Registry, AProbableNameDiffersInAThirdOfItsLettersAtMostOrIsBegun) {
 }
 
 TEST(Keep, WritesOnlyWhatItNames) {
-  Chain chain = chain_of("normals");
+  Chain chain = chain_of_any_cloud("normals");
   const RunResult all = run_in_memory(surface(), chain, {});
   chain.keep = {"normal"};
   EXPECT_EQ(run_in_memory(surface(), chain, {}).records, all.records);

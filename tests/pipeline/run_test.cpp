@@ -17,26 +17,15 @@
 namespace pointsweep {
 namespace {
 
-Chain graph(std::size_t k, std::size_t n, double radius = std::numeric_limits<double>::infinity()) {
+Chain graph_within(std::size_t k, std::size_t n, double radius = std::numeric_limits<double>::infinity()) {
   return {{.k = k, .radius = radius}, {std::make_shared<NeighborRows>(k, n, false)}};
-}
-
-/// Slabs and cells so small that every boundary case happens.
-EngineOptions tiny(std::uint64_t slab_points, std::uint32_t cell_points, unsigned threads = 2) {
-  EngineOptions options;
-  options.slab_points = slab_points;
-  options.cell_points = cell_points;
-  options.resources.threads = threads;
-  options.resources.memory_bytes = 1ull << 30;
-  options.spill = slab_points == 300;
-  return options;
 }
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
 void expect_lists(const std::vector<Vec3>& points, const Lists& expected, std::size_t k, double radius,
                   const EngineOptions& options) {
-  const RunResult result = run_in_memory(points, graph(k, points.size(), radius), options);
+  const RunResult result = run_in_memory(points, graph_within(k, points.size(), radius), options);
   ASSERT_EQ(result.records.size(), points.size() * result.schema.stride);
   const std::size_t offset = result.schema.fields[*result.schema.find("neighbor_0")].offset;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -61,7 +50,8 @@ TEST(Run, NeighborsEqualBruteForceWhateverTheSlabsAndCells) {
            {std::pair<std::uint64_t, std::uint32_t>{64, 16}, {300, 64}, {1000, 1024}, {100000, 256}}) {
         SCOPED_TRACE(name + ", slabs of " + std::to_string(slab) + ", cells of " + std::to_string(cell) +
                      ", k = " + std::to_string(k));
-        expect_lists(points, expected, k, std::numeric_limits<double>::infinity(), tiny(slab, cell));
+        expect_lists(points, expected, k, std::numeric_limits<double>::infinity(),
+                     small_slabs(slab, cell, 2, slab == 300));
         if (HasFatalFailure()) return;
       }
     }
@@ -73,7 +63,7 @@ TEST(Run, RadiusAndHybridNeighborsEqualBruteForce) {
     const std::vector<Vec3> points = make_cloud(shape, sized(1500), 6);
     for (const double radius : {0.01, 0.2, 50.0}) {
       SCOPED_TRACE(name + ", radius " + std::to_string(radius));
-      expect_lists(points, brute_force_neighbors(points, 12, radius), 12, radius, tiny(100, 32));
+      expect_lists(points, brute_force_neighbors(points, 12, radius), 12, radius, small_slabs(100, 32));
       if (HasFatalFailure()) return;
     }
   }
@@ -83,7 +73,8 @@ TEST(Run, FewPointsHaveFewNeighbors) {
   for (const std::size_t n : {1, 2, 7, 8, 9}) {
     SCOPED_TRACE(n);
     const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, n, 1);
-    expect_lists(points, brute_force_neighbors(points, 8), 8, std::numeric_limits<double>::infinity(), tiny(64, 16));
+    expect_lists(points, brute_force_neighbors(points, 8), 8, std::numeric_limits<double>::infinity(),
+                 small_slabs(64, 16));
   }
 }
 
@@ -97,7 +88,7 @@ TEST(Run, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
       for (const unsigned threads : {1u, 2u, 4u}) {
         for (const std::uint64_t slab : {100, 700, 50000}) {
           for (const bool spill : {false, true}) {
-            EngineOptions options = tiny(slab, slab < 500 ? 32 : 512, threads);
+            EngineOptions options = small_slabs(slab, slab < 500 ? 32 : 512, threads, slab == 300);
             options.order = order;
             options.spill = spill;
             const RunResult result = run_in_memory(points, chain, options);
@@ -119,7 +110,7 @@ TEST(Run, TheBytesAreTheSameForOneToSixteenThreads) {
   std::vector<std::byte> first;
   for (unsigned threads = 1; threads <= 16; ++threads) {
     for (const std::uint64_t slab : {300, 4000}) {
-      const RunResult result = run_in_memory(points, chain, tiny(slab, 128, threads));
+      const RunResult result = run_in_memory(points, chain, small_slabs(slab, 128, threads, slab == 300));
       if (first.empty()) first = result.records;
       ASSERT_TRUE(result.records == first) << threads << " threads, slabs of " << slab;
     }
@@ -136,8 +127,8 @@ TEST(Run, ShufflingTheInputShufflesTheOutputAndNothingElse) {
     std::vector<Vec3> shuffled;
     for (const std::uint32_t i : from) shuffled.push_back(points[i]);
     const Chain chain{{.k = 8}, {std::make_shared<Normals>()}};
-    const RunResult a = run_in_memory(points, chain, tiny(200, 64));
-    const RunResult b = run_in_memory(shuffled, chain, tiny(200, 64));
+    const RunResult a = run_in_memory(points, chain, small_slabs(200, 64));
+    const RunResult b = run_in_memory(shuffled, chain, small_slabs(200, 64));
     for (std::size_t i = 0; i < from.size(); ++i) {
       ASSERT_EQ(std::memcmp(b.records.data() + i * b.schema.stride, a.records.data() + from[i] * a.schema.stride,
                             a.schema.stride),
@@ -197,7 +188,7 @@ TEST(Run, ChainsThatLookAtNeighborsAttributesEqualTheEvaluationOfTheWholeCloud) 
     const auto neighbors = brute_force_neighbors(points, 8);
     for (const auto& [slab, cell] : {std::pair<std::uint64_t, std::uint32_t>{80, 16}, {400, 64}, {100000, 1024}}) {
       SCOPED_TRACE(name + ", slabs of " + std::to_string(slab));
-      const RunResult result = run_in_memory(points, chain, tiny(slab, cell));
+      const RunResult result = run_in_memory(points, chain, small_slabs(slab, cell, 2, slab == 300));
       const auto nx = result.field("nx"), ny = result.field("ny"), nz = result.field("nz");
       const auto agreement = result.field("agreement"), largest = result.field("largest");
       for (std::size_t i = 0; i < points.size(); ++i) {
@@ -224,7 +215,7 @@ TEST(Run, NeighborhoodsFoundAgainAreThoseKept) {
       const Chain chain{
           neighborhoods[n],
           {std::make_shared<Normals>(), std::make_shared<MeanNormal>(), std::make_shared<LargestAgreement>()}};
-      EngineOptions options = tiny(80, 16);
+      EngineOptions options = small_slabs(80, 16);
       const RunResult kept = run_in_memory(points, chain, options);
       options.search_again = true;
       ASSERT_EQ(run_in_memory(points, chain, options).records, kept.records);
@@ -259,7 +250,8 @@ TEST(Run, AttributesOfTheFileAreThereForNeighborsAsLongAsAnybodyLooks) {
     std::vector<std::unique_ptr<Reader>> readers;
     readers.push_back(std::move(reader));
     InputCloud cloud(std::move(readers));
-    const auto sum = run_in_memory(cloud, {{.k = 6}, {std::make_shared<SumOfMarks>()}}, tiny(80, 16)).field("sum");
+    const auto sum =
+        run_in_memory(cloud, {{.k = 6}, {std::make_shared<SumOfMarks>()}}, small_slabs(80, 16)).field("sum");
     const auto neighbors = brute_force_neighbors(points, 6);
     for (std::size_t i = 0; i < points.size(); ++i) {
       double expected = 0;
@@ -303,7 +295,8 @@ TEST(Run, StagesAfterAMoverSeeMovedNeighborsAndNeverAMixture) {
     const auto mover = std::make_shared<MoveToMean>();
     for (const auto& [slab, cell] : {std::pair<std::uint64_t, std::uint32_t>{70, 16}, {300, 64}, {100000, 1024}}) {
       SCOPED_TRACE(name + ", slabs of " + std::to_string(slab));
-      const RunResult result = run_in_memory(points, {{.k = 6}, {mover, mover, mover}}, tiny(slab, cell));
+      const RunResult result =
+          run_in_memory(points, {{.k = 6}, {mover, mover, mover}}, small_slabs(slab, cell, 2, slab == 300));
       ASSERT_EQ(result.schema.fields.size(), 3u) << "positions are replaced where they stand";
       const auto x = result.field("x"), y = result.field("y"), z = result.field("z");
       for (std::size_t i = 0; i < points.size(); ++i) {
@@ -322,14 +315,14 @@ TEST(Run, SeveralInputsAreOneCloudWithoutSeams) {
     std::vector<double> xyz;
     for (const Vec3& p : points) xyz.insert(xyz.end(), {p.x, p.y, p.z});
     const Chain chain{{.k = 8}, {std::make_shared<Normals>()}};
-    const RunResult merged = run_in_memory(points, chain, tiny(200, 64));
+    const RunResult merged = run_in_memory(points, chain, small_slabs(200, 64));
     std::vector<std::unique_ptr<Reader>> tiles;
     for (const auto& [first, last] : {std::pair<std::size_t, std::size_t>{0, 300}, {300, 301}, {301, points.size()}}) {
       tiles.push_back(
           std::make_unique<ArrayReader>(std::span<const double>(xyz).subspan(3 * first, 3 * (last - first))));
     }
     InputCloud cloud(std::move(tiles));
-    const RunResult tiled = run_in_memory(cloud, chain, tiny(200, 64));
+    const RunResult tiled = run_in_memory(cloud, chain, small_slabs(200, 64));
     ASSERT_EQ(tiled.records, merged.records);
   }
 }
@@ -356,7 +349,7 @@ TEST(Sort, PutsEveryPointInCanonicalOrderAndThoseWithoutAPlaceLast) {
       readers.push_back(std::move(reader));
       InputCloud cloud(std::move(readers));
       for (const bool spill : {false, true}) {
-        EngineOptions options = tiny(170, 64);
+        EngineOptions options = small_slabs(170, 64);
         options.axis = axis, options.order = Order::sweep, options.spill = spill;
         const RunResult swept = run_in_memory(cloud, {{.k = 3}, {std::make_shared<Normals>()}}, options);
         const std::filesystem::path file =
@@ -386,8 +379,8 @@ TEST(Run, AChainThatDoesNotFitIsRefusedBeforeAnyWork) {
   } catch (const UsageError& e) {
     EXPECT_NE(std::string(e.what()).find("needs 'normal'"), std::string::npos) << e.what();
   }
-  EXPECT_THROW(run_in_memory(points, graph(0, 10), {}), UsageError);
-  EXPECT_THROW(run_in_memory({}, graph(8, 10), {}), Error);
+  EXPECT_THROW(run_in_memory(points, graph_within(0, 10), {}), UsageError);
+  EXPECT_THROW(run_in_memory({}, graph_within(8, 10), {}), Error);
 }
 
 TEST(Run, ACloudWhoseDistancesHaveNoSquaresIsRefused) {
@@ -395,7 +388,7 @@ TEST(Run, ACloudWhoseDistancesHaveNoSquaresIsRefused) {
     std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 500, 1);
     for (Vec3& p : points) p = scale * p;
     try {
-      run_in_memory(points, graph(8, points.size()), {});
+      run_in_memory(points, graph_within(8, points.size()), {});
       FAIL() << "accepted a cloud of " << scale;
     } catch (const Error& e) {
       EXPECT_NE(std::string(e.what()).find("scale its coordinates"), std::string::npos) << e.what();
@@ -404,7 +397,8 @@ TEST(Run, ACloudWhoseDistancesHaveNoSquaresIsRefused) {
   for (const double scale : {1e-130, 1e140}) {
     std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 500, 1);
     for (Vec3& p : points) p = scale * p;
-    expect_lists(points, brute_force_neighbors(points, 8), 8, std::numeric_limits<double>::infinity(), tiny(64, 16));
+    expect_lists(points, brute_force_neighbors(points, 8), 8, std::numeric_limits<double>::infinity(),
+                 small_slabs(64, 16));
   }
 }
 
@@ -427,7 +421,7 @@ class Failing final : public Operator {
 TEST(Run, AnExceptionInAnyWorkerEndsTheRunWithItsCause) {
   const std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 5000, 1);
   const auto run_to_row = [&](std::uint64_t row, unsigned threads, std::uint64_t slab) {
-    run_in_memory(points, {{.k = 8}, {std::make_shared<Failing>(row)}}, tiny(slab, 64, threads));
+    run_in_memory(points, {{.k = 8}, {std::make_shared<Failing>(row)}}, small_slabs(slab, 64, threads, slab == 300));
   };
   EXPECT_NO_THROW(run_to_row(5000, 2, 300));
   for (const unsigned threads : {1u, 2u, 16u}) {

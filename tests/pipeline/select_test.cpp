@@ -15,6 +15,7 @@
 #include "pointsweep/pipeline/preview.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/attribute_cloud.h"
+#include "tests/pipeline/kept_rows.h"
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/refusal.h"
 #include "tests/support/brute_force.h"
@@ -44,30 +45,6 @@ const std::vector<std::pair<std::string, Keeps>>& conditions() {
       {"1 < 2", [](const Records&, std::size_t) { return true; }},
   };
   return all;
-}
-
-/// Threads, slabs, spilling.
-std::vector<EngineOptions> ways(Order order) {
-  std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3)};
-  for (EngineOptions& options : all) options.order = order;
-  return all;
-}
-
-/// That the bytes of `pipeline` over `input` are those of `rest` over `kept`, in both orders and however it is done.
-void expect_as_over(const Records& input, const std::string& pipeline, const Records& kept, const std::string& rest) {
-  for (const Order order : {Order::input, Order::sweep}) {
-    EngineOptions plain = tiny(300);
-    plain.order = order;
-    const RunResult expected = run_text(kept, rest, plain);
-    for (const EngineOptions& options : ways(order)) {
-      SCOPED_TRACE(pipeline + (order == Order::input ? ", input order" : ", sweep order"));
-      const RunResult got = run_text(input, pipeline, options);
-      ASSERT_EQ(got.schema, expected.schema);
-      ASSERT_TRUE(got.records == expected.records);
-      ASSERT_EQ(got.statistics.points, input.size());
-      ASSERT_EQ(got.statistics.points_written, kept.size());
-    }
-  }
 }
 
 /// Makes 7 of every point once the diagonal of the input is known: its pass reads rows and searches nothing.
@@ -125,7 +102,7 @@ TEST(Where, SeesWhatEarlierStagesHaveMade) {
   const Records kept =
       made.those([&](std::size_t i) { return made.value(i, "nz") > 0.2 && made.value(i, "neighbor_count") == 7; });
   ASSERT_GT(kept.size(), 50u);
-  for (const EngineOptions& options : ways(Order::input)) {
+  for (const EngineOptions& options : ways_to_run(Order::input)) {
     const RunResult got = run_text(
         input, "knn(k=7) | normals | neighborhood_size | where(nz > 0.2 && neighbor_count == 7) | curvature", options);
     const RunResult rest = run_text(kept, "knn(k=7) | curvature", tiny(100));
@@ -181,7 +158,7 @@ TEST(Where, SeesMovedPositionsAndEndsTheOldNeighborhoods) {
   for (const Vec3& p : moved)
     if (p.z > 0) kept.push_back(p);
   const RunResult expected = run_in_memory(kept, {{.k = 6}, {normals()}}, tiny(100));
-  for (const EngineOptions& options : ways(Order::input)) {
+  for (const EngineOptions& options : ways_to_run(Order::input)) {
     const RunResult got = run_in_memory(points, chain, options);
     for (const char* field : {"nx", "ny", "nz"}) EXPECT_EQ(got.field(field), expected.field(field));
     EXPECT_EQ(got.field("x"), expected.field("x"));
@@ -207,7 +184,7 @@ TEST(Where, NumbersOfRowsCountThoseThatAreLeft) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[1].second, 500, 12));
   const Records kept = input.those([&](std::size_t i) { return input.value(i, "classification") < 3; });
   const auto lists = brute_force_neighbors(kept.positions(), 4);
-  for (const EngineOptions& options : ways(Order::input)) {
+  for (const EngineOptions& options : ways_to_run(Order::input)) {
     InputCloud cloud = input.cloud();
     const Chain chain{{.k = 4}, {std::make_shared<Where>("classification < 3"), graph(4, 500)}};
     const RunResult got = run_in_memory(cloud, chain, options);
@@ -252,7 +229,7 @@ TEST(Unique, KeepsTheFirstRowOfEqualCoordinates) {
     const Records input = with_attributes(points);
     const std::vector<bool> keep = firsts(points);
     const Records kept = input.those([&](std::size_t i) { return keep[i]; });
-    for (const EngineOptions& options : ways(Order::input)) {
+    for (const EngineOptions& options : ways_to_run(Order::input)) {
       const RunResult got = run_text(input, "unique", options);
       ASSERT_TRUE(got.records == kept.bytes);
       EXPECT_EQ(got.statistics.sweeps, 0u);
@@ -288,7 +265,7 @@ TEST(Unique, ComparesMovedPositions) {
     if (keep[i]) kept.push_back(snapped[i]);
   ASSERT_LT(kept.size(), points.size());
   const RunResult expected = run_in_memory(kept, {{.k = 5}, {normals()}}, tiny(100));
-  for (const EngineOptions& options : ways(Order::input)) {
+  for (const EngineOptions& options : ways_to_run(Order::input)) {
     const Chain chain{{.k = 5}, {std::make_shared<Snap>(), std::make_shared<Unique>(), normals()}};
     const RunResult got = run_in_memory(points, chain, options);
     for (const char* field : {"x", "z", "nx", "nz"}) EXPECT_EQ(got.field(field), expected.field(field));
@@ -342,7 +319,7 @@ TEST(Select, ArraysHoldTheRowsThatAreLeft) {
         {{}, {{"normal", folder / "n.npy"}, {"splat_length", folder / "l.npy"}}, {}}, over);
     return content_of(folder / "n.npy") + content_of(folder / "l.npy");
   };
-  for (const EngineOptions& options : ways(Order::input)) {
+  for (const EngineOptions& options : ways_to_run(Order::input)) {
     const std::string got = arrays(input, "where(classification < 3) | normals | splats", options);
     EXPECT_TRUE(got == arrays(kept, "normals | splats", options));
     EXPECT_NE(got.find(fmt::format("({}, 3)", kept.size())), std::string::npos);

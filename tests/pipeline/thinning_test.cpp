@@ -14,6 +14,7 @@
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/preview.h"
 #include "tests/pipeline/attribute_cloud.h"
+#include "tests/pipeline/kept_rows.h"
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/plain_hash.h"
 #include "tests/pipeline/refusal.h"
@@ -21,27 +22,6 @@
 
 namespace pointsweep {
 namespace {
-
-/// Threads, slabs, spilling.
-std::vector<EngineOptions> ways(Order order) {
-  std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3)};
-  for (EngineOptions& options : all) options.order = order;
-  all[1].axis = 1;
-  return all;
-}
-
-/// That the bytes of `pipeline` over `input` are those of `rest` over `kept`, in both orders and however it is done.
-void expect_as_over(const Records& input, const std::string& pipeline, const Records& kept, const std::string& rest) {
-  for (const Order order : {Order::input, Order::sweep}) {
-    for (const EngineOptions& options : ways(order)) {
-      SCOPED_TRACE(pipeline + (order == Order::input ? ", input order" : ", sweep order"));
-      const RunResult expected = run_text(kept, rest, options), got = run_text(input, pipeline, options);
-      ASSERT_EQ(got.schema, expected.schema);
-      ASSERT_TRUE(got.records == expected.records);
-      ASSERT_EQ(got.statistics.points_written, kept.size());
-    }
-  }
-}
 
 std::array<double, 3> array_of(Vec3 p) { return {p.x, p.y, p.z}; }
 
@@ -61,10 +41,6 @@ std::vector<bool> in_share(const std::vector<Vec3>& points, long double share, s
   return keep;
 }
 
-Records kept_of(const Records& input, const std::vector<bool>& keep) {
-  return input.those([&](std::size_t i) { return keep[i]; });
-}
-
 TEST(Decimate, KeepsTheRowsWhoseHashIsBelowTheShare) {
   std::size_t turn = 0;
   for (const auto& [name, shape] : hostile_shapes()) {
@@ -74,9 +50,9 @@ TEST(Decimate, KeepsTheRowsWhoseHashIsBelowTheShare) {
     const Records input = with_attributes(points);
     const double share = std::array{0.5, 0.1, 0.9}[turn % 3];
     const std::uint64_t seed = std::array{0, 5}[turn++ % 2];
-    const Records kept = kept_of(input, in_share(input.positions(), share, seed));
+    const Records kept = input.kept(in_share(input.positions(), share, seed));
     const std::string text = fmt::format("decimate({}, seed={})", share, seed);
-    for (const EngineOptions& options : ways(Order::input))
+    for (const EngineOptions& options : ways_to_run(Order::input))
       ASSERT_TRUE(run_text(input, text, options).records == kept.bytes);
     if (kept.size() > 1) expect_as_over(input, "knn(k=5) | " + text + " | normals", kept, "knn(k=5) | normals");
   }
@@ -142,9 +118,9 @@ TEST(Voxel, KeepsTheOneOfEachThatThePlainLoopKeeps) {
       SCOPED_TRACE(fmt::format("{}, size {}", name, size));
       const bool by_hash = std::fmod(size * 1000, 2) == 0;
       const Records input = with_attributes(make_cloud(shape, sized(700), 34));
-      const Records kept = kept_of(input, one_of_each_voxel(input.positions(), size, by_hash));
+      const Records kept = input.kept(one_of_each_voxel(input.positions(), size, by_hash));
       const std::string text = fmt::format("voxel({}, keep={})", size, by_hash ? "hash" : "center");
-      for (const EngineOptions& options : ways(Order::input)) {
+      for (const EngineOptions& options : ways_to_run(Order::input)) {
         const RunResult got = run_text(input, text, options);
         ASSERT_TRUE(got.records == kept.bytes);
         EXPECT_EQ(got.statistics.sweeps, 0u);
@@ -157,7 +133,7 @@ TEST(Voxel, LeavesTheCloudOfTheKeptRowsForAllLaterStages) {
   for (const auto& [name, shape] : hostile_shapes()) {
     SCOPED_TRACE(name);
     const Records input = with_attributes(make_cloud(shape, sized(700), 35));
-    const Records kept = kept_of(input, one_of_each_voxel(input.positions(), 0.07, false));
+    const Records kept = input.kept(one_of_each_voxel(input.positions(), 0.07, false));
     if (kept.size() < 2) continue;
     expect_as_over(input, "knn(k=5) | voxel(0.07) | normals | curvature", kept, "knn(k=5) | normals | curvature");
     const Records fewer = kept.those([&](std::size_t i) { return kept.value(i, "classification") < 7; });
@@ -170,7 +146,7 @@ TEST(Voxel, SeesOnlyTheRowsThatEarlierSelectsHaveLeft) {
   for (const std::size_t shape : {0, 4, 6, 9}) {
     const Records input = with_attributes(make_cloud(hostile_shapes()[shape].second, sized(900), 36));
     const Records first = input.those([&](std::size_t i) { return input.value(i, "classification") < 6; });
-    const Records kept = kept_of(first, one_of_each_voxel(first.positions(), 0.2, true));
+    const Records kept = first.kept(one_of_each_voxel(first.positions(), 0.2, true));
     if (kept.size() < 2) continue;
     expect_as_over(input, "knn(k=4) | where(classification < 6) | voxel(0.2, keep=hash) | normals", kept,
                    "knn(k=4) | normals");
@@ -181,7 +157,7 @@ TEST(Voxel, StandsBehindOutliersAndBeforeNormals) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[9].second, sized(900), 37));
   const Records marked = records_of(run_text(input, "knn(k=6) | sor(multiplier=1)", tiny(200)));
   const Records inliers = marked.those([&](std::size_t i) { return marked.value(i, "outlier") == 0; });
-  const Records kept = kept_of(inliers, one_of_each_voxel(inliers.positions(), 0.05, false));
+  const Records kept = inliers.kept(one_of_each_voxel(inliers.positions(), 0.05, false));
   ASSERT_LT(kept.size(), inliers.size());
   expect_as_over(input, "knn(k=6) | sor(multiplier=1) | where(outlier == 0) | voxel(0.05) | normals", kept,
                  "knn(k=6) | normals");
@@ -197,7 +173,7 @@ TEST(Voxel, SeesMovedPositions) {
     if (keep[i]) kept.push_back(moved[i]);
   ASSERT_LT(kept.size(), points.size());
   const RunResult expected = run_in_memory(kept, {{.k = 5}, {normals()}}, tiny(100));
-  for (const EngineOptions& options : ways(Order::input)) {
+  for (const EngineOptions& options : ways_to_run(Order::input)) {
     const Chain chain{{.k = 5}, {thrown(0.5), std::make_shared<Voxel>(0.25), normals()}};
     const RunResult got = run_in_memory(points, chain, options);
     for (const char* field : {"x", "nx", "ny", "nz"}) EXPECT_TRUE(same_bytes(got.field(field), expected.field(field)));

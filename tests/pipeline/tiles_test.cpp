@@ -181,7 +181,7 @@ class Tiles : public testing::Test {
   std::vector<std::string> names_ = {"a.las", "b.las", "c.ply", "d.xyz", "deep/c.ply"};
 };
 
-constexpr std::array kPipelines = {
+constexpr std::array kTiledPipelines = {
     "normals",
     "knn(k=6) | normals | curvature | splats",
     "knn(radius=0.1) | normals",
@@ -201,7 +201,7 @@ constexpr std::array kPipelines = {
 };
 
 TEST_F(Tiles, HaveTheBytesOfTheMergedRunInEveryPipeline) {
-  for (const std::string pipeline : kPipelines) {
+  for (const std::string pipeline : kTiledPipelines) {
     SCOPED_TRACE(pipeline);
     EngineOptions some = options();
     some.overwrite = true;
@@ -403,7 +403,7 @@ class ResumedTiles : public StoppedTiles {
 
 TEST_F(ResumedTiles, AreSkippedIfTheyAreCompleteAndTheOthersHaveTheBytesOfARunWithoutStops) {
   for (const std::size_t number : {0, 3, 4, 5}) {
-    const std::string pipeline = kPipelines[number];
+    const std::string pipeline = kTiledPipelines[number];
     SCOPED_TRACE(pipeline);
     fs::remove_all(folder_ / "out");
     fs::remove_all(folder_ / "whole");

@@ -9,18 +9,11 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kPoints = 100000;
-
-EngineOptions small_slabs() {
-  EngineOptions options;
-  options.slab_points = 3000, options.cell_points = 256, options.resources.threads = 2,
-  options.resources.memory_bytes = 1ull << 30;
-  return options;
-}
+constexpr std::size_t kSwept = 100000;
 
 Statistics sweep_of(const CloudShape& shape, std::size_t k = 8) {
-  const Chain chain{{.k = k}, {std::make_shared<NeighborRows>(k, kPoints, false)}};
-  return run_in_memory(make_cloud(shape, kPoints, 3), chain, small_slabs()).statistics;
+  const Chain chain{{.k = k}, {std::make_shared<NeighborRows>(k, kSwept, false)}};
+  return run_in_memory(make_cloud(shape, kSwept, 3), chain, small_slabs(3000, 256)).statistics;
 }
 
 Vec3 on_sphere(std::mt19937_64& r) {
@@ -31,7 +24,7 @@ Vec3 on_sphere(std::mt19937_64& r) {
 
 TEST(Window, HoldsNoMoreForOutliersThanTheOutliers) {
   const Statistics clean = sweep_of(on_sphere);
-  EXPECT_LT(clean.peak_points, kPoints / 5);
+  EXPECT_LT(clean.peak_points, kSwept / 5);
   for (const double share : {0.001, 0.01}) {
     for (const double size : {10.0, 1000.0}) {
       SCOPED_TRACE(testing::Message() << share << " of the points in a box " << size << " times larger");
@@ -39,8 +32,8 @@ TEST(Window, HoldsNoMoreForOutliersThanTheOutliers) {
         return uniform(r) < share ? size * Vec3{2 * uniform(r) - 1, 2 * uniform(r) - 1, 2 * uniform(r) - 1}
                                   : on_sphere(r);
       });
-      EXPECT_LT(s.peak_points, 3 * clean.peak_points / 2 + static_cast<std::uint64_t>(share * kPoints));
-      EXPECT_LT(s.recalled, static_cast<std::uint64_t>(share * kPoints) + 60);
+      EXPECT_LT(s.peak_points, 3 * clean.peak_points / 2 + static_cast<std::uint64_t>(share * kSwept));
+      EXPECT_LT(s.recalled, static_cast<std::uint64_t>(share * kSwept) + 60);
     }
   }
 }
@@ -52,8 +45,8 @@ TEST(Window, HoldsNoMoreForAWallAcrossTheAxis) {
       return uniform(r) < 0.5 ? Vec3{4 + noise * uniform(r), uniform(r), uniform(r)}
                               : Vec3{10 * uniform(r), uniform(r), 0};
     });
-    EXPECT_LT(s.peak_points, kPoints / 4);
-    EXPECT_LT(s.recalled, kPoints / 200);
+    EXPECT_LT(s.peak_points, kSwept / 4);
+    EXPECT_LT(s.recalled, kSwept / 200);
   }
 }
 
@@ -61,8 +54,8 @@ TEST(Window, LetsCopiesOfOnePointPass) {
   for (const std::size_t k : {8, 100}) {
     SCOPED_TRACE(k);
     const Statistics s = sweep_of([](auto& r) { return uniform(r) < 0.9 ? Vec3{0, 0, 1} : on_sphere(r); }, k);
-    EXPECT_LT(s.peak_points, kPoints / 4);
-    EXPECT_LT(s.recalled, kPoints / 200);
+    EXPECT_LT(s.peak_points, kSwept / 4);
+    EXPECT_LT(s.recalled, kSwept / 200);
   }
 }
 
@@ -71,8 +64,8 @@ TEST(Window, FollowsADensityThatFallsOverFourDecades) {
     const double d = std::pow(10, 4 * uniform(r) - 4), a = 2 * M_PI * uniform(r);
     return Vec3{d * std::cos(a), d * std::sin(a), 0.001 * d * uniform(r)};
   });
-  EXPECT_LT(s.peak_points, kPoints / 4);
-  EXPECT_LT(s.recalled, kPoints / 200);
+  EXPECT_LT(s.peak_points, kSwept / 4);
+  EXPECT_LT(s.recalled, kSwept / 200);
 }
 
 }  // namespace
