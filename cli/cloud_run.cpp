@@ -133,7 +133,7 @@ class RunDisplay final : public Observer {
  public:
   explicit RunDisplay(ProgressDisplay& display) : display_(display) {}
   void on_progress(const Progress& p) override { display_.report(p.phase, p.done, p.total); }
-  void on_warning(const std::string& sentence) override { display_.say(sentence); }
+  void on_warning(const std::string& sentence) override { display_.say(Severity::warning, sentence); }
   const CancellationToken& token() const noexcept override { return interrupt_token(); }
 
  private:
@@ -174,11 +174,11 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
   EngineOptions run = run_options(options);
   RunDisplay watching(display);
   run.observer = &watching;
-  for (const std::string& notice : files.notices) display.say(notice);
+  for (const std::string& notice : files.notices) display.say(Severity::note, notice);
   const Statistics statistics = work(cloud, files, run);
   if (stats) complete(*stats, to_json(statistics) + "\n");
   if (report) complete(*report, report_of(summary_of(files, cloud.schema(), statistics, display)));
-  display.say(conclusion(files, statistics, options.stats));
+  display.say(Severity::note, conclusion(files, statistics, options.stats));
 }
 
 void look_at_cloud(const InputsAndOutput& paths, const CommonOptions& options,

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep completion SHELL`: a script for the shell.
-#include <fmt/format.h>
-
 #include <memory>
 #include <string>
 
 #include "cli/commands.h"
 #include "cli/completion.h"
+#include "cli/console.h"
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
@@ -31,7 +30,7 @@ void add_completion_command(CLI::App& app) {
       "  source <(pointsweep completion bash)\n"
       "\nExample:\n"
       "  pointsweep completion bash > pointsweep.bash");
-  verb.callback([&app, shell] { fmt::print("{}", completion_for(app, *shell)); });
+  verb.callback([&app, shell] { print(completion_for(app, *shell)); });
 }
 
 }  // namespace pointsweep

@@ -61,8 +61,8 @@ void generate(const GenerateOptions& options) {
   with_threads(static_cast<unsigned>(options.common.threads), [&] { write_all(reader, *writer, progress); });
   writer->finish();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  progress.say(fmt::format("wrote {}: {} points of a {} in {:.1f} s", options.output.string(), plan.count,
-                           options.shape, seconds));
+  progress.say(Severity::note, fmt::format("wrote {}: {} points of a {} in {:.1f} s", options.output.string(),
+                                           plan.count, options.shape, seconds));
 }
 
 /// Made only for help, because setting up the shapes takes a moment.

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep help [VERB]`: the same as `pointsweep [VERB] --help`.
-#include <fmt/format.h>
-
 #include <memory>
 #include <string>
 
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/usage_errors.h"
 #include "pointsweep/fail.h"
 
@@ -28,7 +27,7 @@ void add_help_command(CLI::App& app) {
   verb.callback([&app, name] {
     const CLI::App& shown = name->empty() ? app : verb_named(app, *name);
     const std::string title = name->empty() ? app.get_name() : app.get_name() + " " + *name;
-    fmt::print("{}", app.get_formatter()->make_help(&shown, title, CLI::AppFormatMode::Normal));
+    print(app.get_formatter()->make_help(&shown, title, CLI::AppFormatMode::Normal));
   });
 }
 

@@ -7,6 +7,7 @@
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
+#include "cli/console.h"
 #include "cli/file_summary.h"
 #include "cli/file_table.h"
 #include "cli/inconsistencies.h"
@@ -37,7 +38,7 @@ class InfoReport {
   void add(const FileInfo& info, const FileSummary& summary) {
     rows_.emplace_back(info, summary);
     if (style_ == InfoStyle::json) files_.push_back(to_json(info, summary));
-    if (style_ == InfoStyle::details) fmt::print("{}", to_text(info, summary));
+    if (style_ == InfoStyle::details) print(to_text(info, summary));
   }
   void add_failure(const std::filesystem::path& file, const std::string& sentence) {
     ++failures_;
@@ -46,9 +47,9 @@ class InfoReport {
   }
   void finish() const {
     if (style_ == InfoStyle::json)
-      fmt::print("{}\n", all_as_json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
-    if (style_ == InfoStyle::table) fmt::print("{}", table_of(rows_));
-    if (style_ != InfoStyle::json && rows_.size() > 1) fmt::print("{}", summary_of(rows_));
+      print(all_as_json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    if (style_ == InfoStyle::table) print(table_of(rows_));
+    if (style_ != InfoStyle::json && rows_.size() > 1) print(summary_of(rows_));
   }
   std::size_t files() const { return rows_.size(); }
   std::size_t failures() const { return failures_; }
@@ -85,16 +86,9 @@ void look_at_file(const std::filesystem::path& file, const InfoOptions& options,
     progress.report("info", done, total);
   });
   for (const std::string& warning : reader->info().warnings)
-    progress.say(warning.starts_with(file.string()) ? warning : fmt::format("{}: {}", file.string(), warning));
+    progress.say(Severity::warning,
+                 warning.starts_with(file.string()) ? warning : fmt::format("{}: {}", file.string(), warning));
   report.add(reader->info(), summary);
-}
-
-/// Errors reach people also with --quiet.
-void complain(const std::string& sentence, const CommonOptions& options, ProgressDisplay& progress) {
-  if (options.quiet)
-    fmt::print(stderr, "pointsweep: {}\n", sentence);
-  else
-    progress.say(sentence);
 }
 
 /// The files that an argument stands for; nothing, after a complaint, where it stands for none.
@@ -104,11 +98,11 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& named, 
   try {
     const InputList list = list_inputs({named}, options.recursive, options.common.format);
     for (const ListedFile& file : list.files) files.push_back(file.path);
-    for (const std::string& notice : list.notices) progress.say(notice);
+    for (const std::string& notice : list.notices) progress.say(Severity::note, notice);
   } catch (const Cancelled&) {
     throw;
   } catch (const Error& error) {
-    complain(error.what(), options.common, progress);
+    progress.say(Severity::error, error.what());
     report.add_failure(named, error.what());
   }
   return files;
@@ -137,7 +131,7 @@ void info(const InfoOptions& options) {
     } catch (const Cancelled&) {
       throw;
     } catch (const Error& error) {
-      complain(error.what(), options.common, progress);
+      progress.say(Severity::error, error.what());
       report.add_failure(file, error.what());
     }
   }

@@ -33,7 +33,7 @@ void remember(int signal) {
 void end_at_once(int) {
   if (interrupting_signal() == 0) return;
   remove_leftovers();
-  constexpr char kSentence[] = "\npointsweep: stopped; what was not complete is removed\n";
+  constexpr char kSentence[] = "\nerror: stopped; what was not complete is removed\n";
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kSentence, sizeof kSentence - 1);
   ::_exit(128 + interrupting_signal());
 }

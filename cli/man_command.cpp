@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep man [VERB]`: manual pages.
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -9,6 +7,7 @@
 
 #include "cli/commands.h"
 #include "cli/common_options.h"
+#include "cli/console.h"
 #include "cli/declared_options.h"
 #include "cli/man_pages.h"
 #include "cli/usage_errors.h"
@@ -42,7 +41,7 @@ void write_pages(const CLI::App& app, const ManCommand& command) {
 void print_page(const CLI::App& app, const std::string& verb) {
   const std::string page = verb.empty() ? man_page_of_tool(app) : man_page_of_verb(app, verb);
   if (page.empty()) fail_usage("{}\nRun 'pointsweep help' for the list of verbs.", unknown_verb_sentence(app, verb));
-  fmt::print("{}", page);
+  print(page);
 }
 
 }  // namespace

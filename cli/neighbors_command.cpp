@@ -6,6 +6,7 @@
 
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/stage_options.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
@@ -76,7 +77,7 @@ void neighbors(const NeighborsCommand& command) {
   if (!command.distances.empty()) require_npy(command.distances);
   if (command.common.dry_run) {
     look_at_cloud(paths, command.common, [&](InputCloud& cloud, const ResolvedFiles&, const EngineOptions& options) {
-      fmt::print("{}", to_text(preview(cloud, chain_of(command, arrays_of(command), cloud.count()), options)));
+      print(to_text(preview(cloud, chain_of(command, arrays_of(command), cloud.count()), options)));
     });
     return;
   }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep operators [NAME...]`: what a pipeline can be made of, as the declarations say.
-#include <fmt/format.h>
-
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/operator_listing.h"
 
 namespace pointsweep {
@@ -18,9 +17,9 @@ struct OperatorsCommand {
 };
 
 void list_operators(const OperatorsCommand& command) {
-  if (command.attributes) return fmt::print("{}", attributes_markdown());
+  if (command.attributes) return print(attributes_markdown());
   const std::vector<ListedOperator> operators = listed_operators(command.names);
-  fmt::print("{}", command.json ? to_json(operators) : command.markdown ? to_markdown(operators) : to_text(operators));
+  print(command.json ? to_json(operators) : command.markdown ? to_markdown(operators) : to_text(operators));
 }
 
 }  // namespace

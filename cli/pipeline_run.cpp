@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "cli/console.h"
 #include "cli/stage_options.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/build_chain.h"
@@ -80,7 +81,7 @@ void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
                   [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
                     const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
                     require_a_mover(chain, command.common);
-                    fmt::print("{}", to_text(preview(cloud, chain, options, outputs_of(files))));
+                    print(to_text(preview(cloud, chain, options, outputs_of(files))));
                   });
     return;
   }

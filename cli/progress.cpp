@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "cli/quantities.h"
@@ -17,28 +18,57 @@ namespace {
 constexpr double kBarInterval = 0.1;      // s
 constexpr double kLineInterval = 5;       // s
 constexpr double kProgramInterval = 0.2;  // s
-constexpr int kBarWidth = 24;             // characters
+constexpr std::size_t kLongestBar = 24, kShortestBar = 4;  // characters
+constexpr int kNarrow = 60;                                // columns; fewer have room for percent and time left alone
 
 ProgressDisplay::Targets targets_of(const CommonOptions& options) {
   ProgressDisplay::Targets targets;
   targets.programs = options.progress_descriptor;
+  targets.errors = STDERR_FILENO;
   if (options.quiet) return targets;
   targets.people = STDERR_FILENO;
-  targets.terminal = isatty(STDERR_FILENO) != 0;
+  const char* const kind = std::getenv("TERM");
+  targets.terminal = isatty(STDERR_FILENO) != 0 && kind != nullptr && std::string_view(kind) != "dumb";
   winsize size{};
   if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) targets.columns = size.ws_col;
   return targets;
 }
 
-/// "8.40M of 20.0M points, 12.1M/s, 0:02 left"
-std::string figures(std::uint64_t done, std::uint64_t total, double seconds) {
-  std::string text =
-      fmt::format("{} of {} points", count_text(static_cast<double>(done)), count_text(static_cast<double>(total)));
-  if (done == 0 || seconds <= 0) return text;
-  const double rate = static_cast<double>(done) / seconds;
-  text += fmt::format(", {}/s", count_text(rate));
-  if (done < total) text += fmt::format(", {} left", duration_text(static_cast<double>(total - done) / rate));
-  return text;
+/// How far a phase has come.
+struct Figures {
+  std::string_view phase;
+  std::uint64_t done, total;  // points
+  double seconds;
+
+  double share() const { return total == 0 ? 1 : static_cast<double>(done) / static_cast<double>(total); }
+  std::string percent() const { return fmt::format("{} %", static_cast<int>(100 * share())); }
+  double rate() const { return seconds > 0 ? static_cast<double>(done) / seconds : 0; }
+  /// ", 0:02 left"; empty where nothing tells.
+  std::string time_left() const {
+    if (rate() <= 0 || done >= total) return "";
+    return fmt::format(", {} left", duration_text(static_cast<double>(total - done) / rate()));
+  }
+  /// "8.40M of 20.0M points, 12.1M/s, 0:02 left"
+  std::string text(std::string_view unit) const {
+    const std::string counts =
+        fmt::format("{} of {}{}", count_text(static_cast<double>(done)), count_text(static_cast<double>(total)), unit);
+    return rate() <= 0 ? counts : fmt::format("{}, {}/s{}", counts, count_text(rate()), time_left());
+  }
+};
+
+/// At most columns - 1 characters: a bar as long as there is room for, or none, and the figures.
+std::string bar_line(const Figures& figures, int columns) {
+  const std::string head = fmt::format("{:<10} ", figures.phase),
+                    tail = fmt::format("{:>5}  {}", figures.percent(), figures.text(""));
+  const std::size_t most = static_cast<std::size_t>(std::max(columns, 1)) - 1;
+  std::string narrow = figures.percent() + figures.time_left();
+  narrow.resize(std::min(narrow.size(), most));
+  if (columns < kNarrow || head.size() + tail.size() > most) return narrow;
+  const std::size_t room = most - head.size() - tail.size(), frame = 3;  // "[] "
+  if (room < kShortestBar + frame) return head + tail;
+  const std::size_t length = std::min(room - frame, kLongestBar);
+  const auto filled = static_cast<std::size_t>(std::min(1.0, figures.share()) * static_cast<double>(length));
+  return fmt::format("{}[{:-<{}}] {}", head, std::string(filled, '#'), length, tail);
 }
 
 }  // namespace
@@ -84,18 +114,15 @@ bool ProgressDisplay::due(Time now, Time& next, double interval, bool first, boo
 }
 
 void ProgressDisplay::print_for_people(std::uint64_t done, std::uint64_t total, double seconds) {
-  const double share = total == 0 ? 1 : static_cast<double>(done) / static_cast<double>(total);
-  const int percent = static_cast<int>(100 * share);
+  const Figures figures{phase_, done, total, seconds};
   if (!targets_.terminal) {
-    write(targets_.people, fmt::format("pointsweep: {} {} %, {}\n", phase_, percent, figures(done, total, seconds)));
+    write(targets_.people, fmt::format("{} {}, {}\n", phase_, figures.percent(), figures.text(" points")));
     return;
   }
-  const auto filled = static_cast<std::size_t>(std::min(1.0, share) * kBarWidth);
-  std::string line = fmt::format("{:<10} [{:-<{}}] {:3} %  {}", phase_, std::string(filled, '#'), kBarWidth, percent,
-                                 figures(done, total, seconds));
-  line.resize(std::min(line.size(), static_cast<std::size_t>(std::max(1, targets_.columns - 1))));
-  write(targets_.people, "\r\x1b[K" + line);
-  bar_shown_ = true;
+  const std::string line = bar_line(figures, targets_.columns);
+  // Blanks take the rest of a longer bar away, for not every terminal knows an escape sequence that does.
+  write(targets_.people, fmt::format("\r{:<{}}", line, shown_));
+  shown_ = line.size();
 }
 
 void ProgressDisplay::print_for_programs(std::uint64_t done, std::uint64_t total, double seconds) {
@@ -103,15 +130,15 @@ void ProgressDisplay::print_for_programs(std::uint64_t done, std::uint64_t total
   write(targets_.programs, report.dump() + "\n");
 }
 
-void ProgressDisplay::say(std::string_view sentence) {
+void ProgressDisplay::say(Severity severity, std::string_view sentence) {
   const std::lock_guard lock(mutex_);
   clear_bar();
-  if (targets_.people >= 0) write(targets_.people, fmt::format("pointsweep: {}\n", sentence));
+  write(severity == Severity::error ? targets_.errors : targets_.people, message_line(severity, sentence));
 }
 
 void ProgressDisplay::clear_bar() {
-  if (bar_shown_) write(targets_.people, "\r\x1b[K");
-  bar_shown_ = false;
+  if (shown_ > 0) write(targets_.people, "\r" + std::string(shown_, ' ') + "\r");
+  shown_ = 0;
 }
 
 /// The terminal is gone: say nothing from now on.

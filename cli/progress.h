@@ -10,13 +10,13 @@
 #include <string_view>
 
 #include "cli/common_options.h"
+#include "cli/console.h"
 
 namespace pointsweep {
 
-/// On a terminal a bar with rate and remaining time, ten times a second; otherwise a line every five seconds. Programs
-/// get
-/// `{"phase":"normals","done":123,"total":456,"seconds":0.5}` five times a second, and always the first and the last of
-/// a phase.
+/// On a terminal a bar with rate and remaining time, ten times a second, without escape sequences; elsewhere, and where
+/// TERM is dumb, a line every five seconds. Programs get `{"phase":"normals","done":123,"total":456,"seconds":0.5}`
+/// five times a second, and always the first and the last of a phase.
 class ProgressDisplay {
  public:
   using Clock = std::function<std::chrono::steady_clock::time_point()>;
@@ -24,6 +24,7 @@ class ProgressDisplay {
   /// Descriptors of -1 get nothing.
   struct Targets {
     int people = -1;
+    int errors = -1;  ///< for sentences of this severity, which --quiet leaves
     bool terminal = false;
     int columns = 80;
     int programs = -1;
@@ -38,8 +39,8 @@ class ProgressDisplay {
   /// `done` of `total` points have passed `phase`, e.g. "sort". Rate and time count from the first report of a phase.
   /// Cheap and thread-safe: a report that comes while another is printed is dropped unless it completes the phase.
   void report(std::string_view phase, std::uint64_t done, std::uint64_t total);
-  /// A sentence for people that stays, e.g. a warning; the bar gives way to it.
-  void say(std::string_view sentence);
+  /// A sentence for people that stays; the bar gives way to it.
+  void say(Severity severity, std::string_view sentence);
 
  private:
   using Time = std::chrono::steady_clock::time_point;
@@ -53,7 +54,8 @@ class ProgressDisplay {
   Targets targets_;
   Clock clock_;
   std::string phase_;
-  bool complete_ = false, bar_shown_ = false;
+  bool complete_ = false;
+  std::size_t shown_ = 0;  ///< characters of the bar on the terminal
   Time start_, next_for_people_, next_for_programs_;
 };
 

@@ -79,12 +79,12 @@ void render_picture(RenderCommand& command) {
     display.report(phase, done, total);
   };
   const Rendering rendering = render(cloud, options);
-  for (const std::string& notice : files.notices) display.say(notice);
-  for (const std::string& warning : cloud.warnings()) display.say(warning);
+  for (const std::string& notice : files.notices) display.say(Severity::note, notice);
+  for (const std::string& warning : cloud.warnings()) display.say(Severity::warning, warning);
   file.append(to_png(rendering.picture));
   file.commit();
-  if (!rendering.remark.empty()) display.say(rendering.remark);
-  display.say(conclusion(output, cloud.count(), rendering));
+  if (!rendering.remark.empty()) display.say(Severity::note, rendering.remark);
+  display.say(Severity::note, conclusion(output, cloud.count(), rendering));
 }
 
 }  // namespace

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep sort IN... OUT`: the ordered stream as a normal file.
-#include <fmt/format.h>
-
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "pointsweep/pipeline/sort_preview.h"
 
 namespace pointsweep {
@@ -22,7 +21,7 @@ void sort_points(const SortCommand& command) {
     look_at_cloud(command.paths, command.common,
                   [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
                     require_one_output(files, kOneOrder);
-                    fmt::print("{}", to_text(preview_sort(cloud, files.output, options, keep)));
+                    print(to_text(preview_sort(cloud, files.output, options, keep)));
                   });
     return;
   }

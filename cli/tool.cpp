@@ -4,13 +4,13 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
-#include <cstdio>
 #include <exception>
 #include <new>
+#include <system_error>
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/help.h"
 #include "cli/interrupt.h"
 #include "cli/usage_errors.h"
@@ -23,7 +23,7 @@ namespace pointsweep {
 namespace {
 
 int fail_with(int status, const std::string& sentence) {
-  fmt::print(stderr, "pointsweep: {}\n", sentence);
+  report(Severity::error, sentence);
   return status;
 }
 
@@ -31,8 +31,12 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
     return 0;
-  } catch (const CLI::Success& help_or_version) {
-    return app.exit(help_or_version);
+  } catch (const CLI::CallForVersion& version) {
+    print(std::string(version.what()) + "\n");
+    return 0;
+  } catch (const CLI::CallForHelp&) {
+    print(app.help());
+    return 0;
   } catch (const CLI::ParseError& error) {
     return fail_with(2, usage_sentence(app, error));
   } catch (const UsageError& error) {
@@ -53,6 +57,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
 }  // namespace
 
 int run_tool(int argc, char** argv) {
+  open_console();
   CLI::App app{
       "Computes normals, curvatures, splats and other local attributes of point clouds of any size, exactly and within "
       "a memory budget.",
@@ -70,17 +75,12 @@ int run_tool(int argc, char** argv) {
   keep_command_line(argc, argv, version_number());
 
   catch_interrupts();
-  // A reader that went away and a limit on file sizes are errors of writing, not a sudden death.
-  std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);
-  if (argc <= 1) {
-    fmt::print(stderr, "{}", app.help());
-    return 2;
-  }
+  if (argc <= 1) return fail_with(2, "name a verb, as in the example below.\n\n" + app.help());
   const CancellationScope scope(&interrupt_token());
   const int status = parse_and_run(app, argc, argv);
-  if (std::fflush(stdout) != 0 && status == 0) return fail_with(1, "standard output cannot be written");
-  return status;
+  if (status != 0 || printing_error() == 0) return status;
+  return fail_with(1, fmt::format("standard output cannot be written: {}; redirect it to another place.",
+                                  std::generic_category().message(printing_error())));
 }
 
 }  // namespace pointsweep

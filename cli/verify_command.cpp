@@ -8,6 +8,7 @@
 #include "cli/checked_stages.h"
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/pipeline_run.h"
 #include "cli/progress.h"
 #include "cli/quantities.h"
@@ -144,8 +145,9 @@ std::shared_ptr<InputCloud> opened_again(const VerifyCommand& command) {
 void drop_nonfinite(const VerifyCommand& command, InputCloud& cloud) {
   const NonfiniteRows dropped = left_out(command, cloud);
   if (dropped.count > 0 && !command.common.quiet)
-    fmt::print("left out     {} points of the input whose coordinates are not finite; rows count the others\n",
-               dropped.count);
+    print(
+        fmt::format("left out     {} points of the input whose coordinates are not finite; rows count the others\n",
+                    dropped.count));
 }
 
 void refuse_resorted(const VerifyCommand& command, const ChainGraph& graph) {
@@ -292,7 +294,7 @@ void run_check(const VerifyCommand& given) {
   drop_nonfinite(command, cloud);
   ProgressDisplay display(command.common);
   const Verdict verdict = checked(command, cloud, display);
-  if (!command.common.quiet) fmt::print("{}", to_text(verdict));
+  if (!command.common.quiet) print(to_text(verdict));
   if (verdict.same()) return;
   fail("{}: is not what the input gives; {}: {}.", verdict.output,
        verdict.difference_count == 1 ? "one difference"

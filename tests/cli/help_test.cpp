@@ -68,7 +68,7 @@ TEST_F(Help, IsShownWhereNoVerbIsGiven) {
   const Result result = tool("");
   EXPECT_EQ(result.status, 2);
   EXPECT_EQ(result.out, "");
-  EXPECT_EQ(result.err, tool("--help").out);
+  EXPECT_EQ(result.err, "error: name a verb, as in the example below.\n\n" + tool("--help").out + "\n");
 }
 
 TEST_F(Help, NamesTheVerbThatWasProbablyMeant) {

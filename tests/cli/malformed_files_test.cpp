@@ -119,7 +119,7 @@ class MalformedFiles : public Tool {
       return;
     }
     EXPECT_EQ(run.status, 1) << run.err;
-    EXPECT_TRUE(run.err.starts_with("pointsweep: ")) << run.err;
+    EXPECT_TRUE(run.err.starts_with("error: ")) << run.err;
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
     EXPECT_NE(run.err.find(outcome.sentence), std::string::npos) << run.err;
   }

@@ -43,7 +43,7 @@ TEST_F(ProgressDisplays, LinesComeEveryFiveSecondsWithRateAndRemainingTime) {
   EXPECT_EQ(written(), "");
   wait(1);
   display.report("sweeping", 1'000'000, 4'000'000);
-  EXPECT_EQ(written(), "pointsweep: sweeping 25 %, 1.00M of 4.00M points, 200K/s, 0:15 left\n");
+  EXPECT_EQ(written(), "sweeping 25 %, 1.00M of 4.00M points, 200K/s, 0:15 left\n");
   wait(1);
   display.report("sweeping", 1'100'000, 4'000'000);
   EXPECT_EQ(written(), "");
@@ -56,35 +56,59 @@ TEST_F(ProgressDisplays, ANewPhaseHasItsOwnClock) {
   display.report("sweeping", 0, 100);
   wait(5);
   display.report("sweeping", 50, 100);
-  EXPECT_EQ(written(), "pointsweep: sweeping 50 %, 50 of 100 points, 10/s, 0:05 left\n");
+  EXPECT_EQ(written(), "sweeping 50 %, 50 of 100 points, 10/s, 0:05 left\n");
 }
 
 TEST_F(ProgressDisplays, ATerminalGetsABarTenTimesASecondWhichIsTakenAwayAtTheEnd) {
   {
     ProgressDisplay display({.people = pipe_[1], .terminal = true}, clock());
     display.report("writing", 1, 2);
-    EXPECT_EQ(written(), "\r\x1b[Kwriting    [############------------]  50 %  1 of 2 points");
+    EXPECT_EQ(written(), "\rwriting    [############------------]  50 %  1 of 2");
     display.report("writing", 1, 2);
     EXPECT_EQ(written(), "");
     wait(0.1);
     display.report("writing", 1, 2);
     EXPECT_NE(written(), "");
   }
-  EXPECT_EQ(written(), "\r\x1b[K");
+  EXPECT_EQ(written(), "\r" + std::string(68, ' ') + "\r");
 }
 
-TEST_F(ProgressDisplays, ABarNeverWraps) {
-  ProgressDisplay display({.people = pipe_[1], .terminal = true, .columns = 20}, clock());
-  display.report("writing", 1, 2);
-  EXPECT_EQ(written(), "\r\x1b[Kwriting    [#######");
+TEST_F(ProgressDisplays, ATerminalOfAnyWidthGetsAWholeLine) {
+  constexpr std::uint64_t kTotals[] = {20'000, 4'000'000, 999'499'999, 20'000'000'000'000};
+  for (int columns = 1; columns <= 140; ++columns) {
+    for (const std::uint64_t total : kTotals) {
+      ProgressDisplay display({.people = pipe_[1], .terminal = true, .columns = columns}, clock());
+      display.report("generating", 0, total);
+      wait(7);
+      written();
+      display.report("generating", total / 3, total);
+      const std::string line = written().substr(1, static_cast<std::size_t>(columns));
+      EXPECT_LT(line.find_last_not_of(' ') + 1, static_cast<std::size_t>(columns)) << line;
+      const bool is_whole = line.find("33 %") != line.npos && line.find(" 0:14 left") != line.npos;
+      EXPECT_TRUE(is_whole || columns < 20) << line;
+      EXPECT_EQ(line.find("/s") != line.npos, columns >= 60) << columns << line;
+    }
+  }
+}
+
+TEST_F(ProgressDisplays, AShorterLineTakesALongerOneAway) {
+  ProgressDisplay display({.people = pipe_[1], .terminal = true, .columns = 30}, clock());
+  display.report("sweeping", 0, 100);
+  wait(1);
+  display.report("sweeping", 1, 100);
+  display.report("sweeping", 100, 100);
+  EXPECT_EQ(written(), "\r0 %\r1 %, 1:39 left");
+  wait(1);
+  display.report("writing", 0, 100);
+  EXPECT_EQ(written(), "\r0 %           ");
 }
 
 TEST_F(ProgressDisplays, ASentenceTakesThePlaceOfTheBar) {
   ProgressDisplay display({.people = pipe_[1], .terminal = true}, clock());
   display.report("writing", 1, 2);
   written();
-  display.say("something is odd");
-  EXPECT_EQ(written(), "\r\x1b[Kpointsweep: something is odd\n");
+  display.say(Severity::warning, "a.las: something is odd");
+  EXPECT_EQ(written(), "\r" + std::string(51, ' ') + "\rwarning: a.las: something is odd\n");
 }
 
 TEST_F(ProgressDisplays, ProgramsGetTheFirstAndTheLastOfAPhaseAndSomeBetween) {
@@ -107,8 +131,15 @@ TEST_F(ProgressDisplays, ProgramsGetTheFirstAndTheLastOfAPhaseAndSomeBetween) {
 TEST_F(ProgressDisplays, AreSilentUnlessAsked) {
   ProgressDisplay display(ProgressDisplay::Targets{}, clock());
   display.report("sweeping", 1, 1);
-  display.say("hello");
+  display.say(Severity::note, "hello");
   EXPECT_EQ(written(), "");
+}
+
+TEST_F(ProgressDisplays, ThatAreQuietLeaveErrors) {
+  ProgressDisplay display({.errors = pipe_[1]}, clock());
+  display.say(Severity::warning, "hello");
+  display.say(Severity::error, "a.las: no such file");
+  EXPECT_EQ(written(), "error: a.las: no such file\n");
 }
 
 TEST_F(ProgressDisplays, AReaderThatWentAwayIsForgotten) {

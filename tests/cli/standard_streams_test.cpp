@@ -82,11 +82,11 @@ TEST_F(StandardStreams, ErrorsLeaveStandardOutputEmpty) {
   const Result empty = script("$T normals - - < /dev/null");
   EXPECT_EQ(empty.status, 1);
   EXPECT_EQ(empty.out, "");
-  EXPECT_TRUE(empty.err.starts_with("pointsweep: -: is empty")) << empty.err;
+  EXPECT_TRUE(empty.err.starts_with("error: -: is empty")) << empty.err;
   const Result truncated = script("head -c 100000 in.ply | $T normals - -");
   EXPECT_EQ(truncated.status, 1);
   EXPECT_EQ(truncated.out, "");
-  EXPECT_THAT(truncated.err, HasSubstr("pointsweep: -: "));
+  EXPECT_THAT(truncated.err, HasSubstr("error: -: "));
   const Result resumed = script("cat in.ply | $T normals - out.ply --resume done");
   EXPECT_EQ(resumed.status, 2);
   EXPECT_THAT(resumed.err, HasSubstr("save it to a file first"));
@@ -113,7 +113,7 @@ TEST_F(StandardStreams, AStopWhileAPipeIsReadLeavesNothing) {
       "mkfifo p; $T normals - out.ply --temp-dir temp < p & exec 3> p; cat in.ply >&3; sleep 0.6\n"
       "kill -TERM $!; wait $!; echo status $?");
   EXPECT_EQ(stopped.out, "status 143\n");
-  EXPECT_EQ(stopped.err, "pointsweep: stopped; no output was written\n");
+  EXPECT_EQ(stopped.err, "error: stopped; no output was written\n");
   EXPECT_FALSE(exists("out.ply"));
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "temp"));
 }
@@ -124,7 +124,7 @@ TEST_F(StandardStreams, AStopWhileTheReaderOfAPipeWaitsIsSeen) {
       "mkfifo p; $T normals large.ply - --quiet > p & exec 3< p; read -r -n 3 <&3; sleep 0.3\n"
       "kill -TERM $!; wait $!; echo status $?");
   EXPECT_EQ(stopped.out, "status 143\n");
-  EXPECT_EQ(stopped.err, "pointsweep: stopped; what standard output has got is incomplete\n");
+  EXPECT_EQ(stopped.err, "error: stopped; what standard output has got is incomplete\n");
 }
 
 TEST_F(StandardStreams, AnErrorBeforeTheFirstPointLeavesStandardOutputEmpty) {

@@ -47,11 +47,11 @@ class Tool : public testing::Test {
     EXPECT_EQ(result.status, 0) << arguments << "\n" << result.err;
     return name.empty() ? "" : contents(folder_ / name);
   }
-  /// Expects the status and one sentence on standard error that contains `words`.
+  /// Expects the status and an error on standard error, and `words` there.
   void refused(int status, const std::string& arguments, const std::string& words) {
     const Result result = tool(arguments);
     EXPECT_EQ(result.status, status) << arguments << "\n" << result.err;
-    EXPECT_TRUE(result.err.starts_with("pointsweep: ")) << result.err;
+    EXPECT_NE(("\n" + result.err).find("\nerror: "), std::string::npos) << result.err;
     EXPECT_NE(result.err.find(words), std::string::npos) << arguments << "\n" << result.err;
   }
   void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }

@@ -60,7 +60,7 @@ TEST_F(VerifyVerb, WhatDiffersIsStatus1AndOneSentence) {
   const Result result = tool("verify in.ply out.ply");
   EXPECT_EQ(result.status, 1);
   EXPECT_TRUE(result.out.ends_with("different\n"));
-  EXPECT_TRUE(result.err.starts_with("pointsweep: out.ply: is not what the input gives; one difference: row 3999: nz"))
+  EXPECT_TRUE(result.err.starts_with("error: out.ply: is not what the input gives; one difference: row 3999: nz"))
       << result.err;
   EXPECT_EQ(tool("verify in.ply out.ply --quiet").out, "");
 }

@@ -48,7 +48,7 @@ class Faults : public Tool {
   void expect_all_or_nothing(const Result& result) {
     EXPECT_TRUE(result.status == 0 || result.status == 1) << result.status << result.err;
     if (result.status == 1) {
-      EXPECT_TRUE(result.err.starts_with("pointsweep: ")) << result.err;
+      EXPECT_TRUE(result.err.starts_with("error: ")) << result.err;
       EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     } else {
       EXPECT_TRUE(contents(folder_ / "out.ply") == right_);

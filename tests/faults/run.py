@@ -166,7 +166,7 @@ def check_ended(place, kind, status, error):
         require(status in (0, STATUS_OF_SIGNAL[kind]), f"status {status}: {error}")
     else:
         require(status == 0 or (status == 1 and kind not in HARMLESS), f"status {status}: {error}")
-    require(status == 0 or (len(sentences) == 1 and sentences[0].startswith("pointsweep: ")), f"not one sentence: {error}")
+    require(status == 0 or (len(sentences) == 1 and sentences[0].startswith("error: ")), f"not one sentence: {error}")
     place.require_outputs_whole(status == 0)
     place.require_clean()
 

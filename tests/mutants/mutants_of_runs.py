@@ -129,6 +129,12 @@ MUTANTS = [
     Mutant("K, M, G of --memory are powers of 1000", "cli", "cli/quantities.cpp",
            "scaled(without_byte(text), 1024)", "scaled(without_byte(text), 1000)", ("cli:Quantities.*",)),
 
+    Mutant("a reader that has gone is an error of standard output", "cli", "cli/console.cpp",
+           "error == EPIPE || error == EBADF", "error == EBADF", ("cli:Console.*",)),
+    Mutant("an output takes the place of a closed standard error", "cli", "cli/console.cpp",
+           "for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})",
+           "for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO})", ("cli:Console.*",)),
+
     # Selects
     Mutant("a second select counts the rows that the first left", "selects", PIPELINE + "row_mask.cpp",
            "while (before_ != nullptr && next_ < rows_ && !before_->has(next_)) append_any(false);",

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+/// What the tool prints: texts on standard output, sentences on standard error. Nothing here throws, so that the place
+/// where its words go changes no status of a verb but one: a full standard output is an error.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace pointsweep {
+
+/// Readies standard input, output and error, at the start of main(). A closed one gets a descriptor that can neither be
+/// read nor written, so that no file of a run takes its place; a reader that goes away and a limit on the size of files
+/// become errors of writing instead of signals.
+void open_console();
+
+/// Writes a text to standard output. Where that is closed, or its reader has gone, the text is dropped.
+void print(std::string_view text);
+
+/// The first error of print() other than a closed standard output, as errno; 0 if there was none.
+int printing_error();
+
+/// How much a sentence matters to people: something failed, a result may not be what was meant, or what was done.
+enum class Severity : std::uint8_t { error, warning, note };
+
+/// "warning: a.las: ...": a line of its own, as all sentences on standard error.
+std::string message_line(Severity severity, std::string_view sentence);
+
+/// Writes a sentence to standard error, if that can be written.
+void report(Severity severity, std::string_view sentence);
+
+}  // namespace pointsweep
