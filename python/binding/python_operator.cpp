@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cassert>
 #include <cstring>
 #include <exception>
 #include <span>
@@ -17,17 +18,24 @@
 #include "pointsweep/fail.h"
 #include "python/binding/array_columns.h"
 #include "python/binding/point_batch.h"
+#include "python/binding/python_threads.h"
 
 namespace nb = nanobind;
 
 namespace pointsweep {
 namespace {
 
-/// The function of Python, and the first exception it raised. Called by threads that are attached to the interpreter, at
-/// the same time where it has no lock; destroyed by one that is not.
+/// The function of Python, the threads of the run that call it, and the first exception it raised. These threads call at
+/// the same time where the interpreter has no lock; one that is not attached to it destroys this object.
 class PythonFunction {
  public:
   explicit PythonFunction(nb::object op) : op_(std::move(op)) {}
+
+  void call_on(PythonThreads& threads) { threads_ = &threads; }
+  PythonThreads& threads() const {
+    assert(threads_ != nullptr && "a run gives its threads to its operators before it starts");
+    return *threads_;
+  }
 
   nb::object call(PointBatch points) {
     require_success();
@@ -55,6 +63,7 @@ class PythonFunction {
   }
 
   nb::object op_;
+  PythonThreads* threads_ = nullptr;
   std::exception_ptr raised_;
   std::atomic<bool> failed_ = false;
 };
@@ -142,7 +151,14 @@ class PythonOperator final : public Operator {
   }
 
   void apply(const Neighborhoods& in, Columns& out) const override {
-    const nb::gil_scoped_acquire interpreter;
+    function_->threads().call([&] { call_function(in, out); });
+  }
+
+  void call_on(PythonThreads& threads) const { function_->call_on(threads); }
+  void rethrow() const { function_->rethrow(); }
+
+ private:
+  void call_function(const Neighborhoods& in, Columns& out) const {
     for (std::size_t first = 0, size = 0; first < in.size(); first += size) {
       size = size_at(in, first);
       const nb::object results = function_->call(PointBatch(in, contract_, first, size));
@@ -154,9 +170,6 @@ class PythonOperator final : public Operator {
     }
   }
 
-  void rethrow() const { function_->rethrow(); }
-
- private:
   /// Points from `first` on, so that the padded lists have at most most_places_.
   std::size_t size_at(const Neighborhoods& in, std::size_t first) const {
     std::size_t width = 1, size = 0;
@@ -180,12 +193,26 @@ class PythonOperator final : public Operator {
 
 std::shared_ptr<const Operator> python_operator(nb::handle op) { return std::make_shared<PythonOperator>(op); }
 
-void rethrow_python_exception(const Chain& chain) {
+namespace {
+
+/// Calls visit(operator) for each operator of Python in `chain`.
+template <class Visit>
+void for_each_python_operator(const Chain& chain, Visit visit) {
   for (const ChainStage& stage : chain.stages) {
     const auto* op = std::get_if<std::shared_ptr<const Operator>>(&stage);
     const auto* python = op != nullptr ? dynamic_cast<const PythonOperator*>(op->get()) : nullptr;
-    if (python != nullptr) python->rethrow();
+    if (python != nullptr) visit(*python);
   }
+}
+
+}  // namespace
+
+void call_python_on(PythonThreads& threads, const Chain& chain) {
+  for_each_python_operator(chain, [&](const PythonOperator& op) { op.call_on(threads); });
+}
+
+void rethrow_python_exception(const Chain& chain) {
+  for_each_python_operator(chain, [](const PythonOperator& op) { op.rethrow(); });
 }
 
 }  // namespace pointsweep

@@ -19,6 +19,7 @@
 #include "python/binding/neighbor_arrays.h"
 #include "python/binding/python_operator.h"
 #include "python/binding/radius_lists.h"
+#include "python/binding/python_threads.h"
 #include "python/binding/requests.h"
 #include "python/binding/result_arrays.h"
 #include "python/binding/watched_run.h"
@@ -36,6 +37,8 @@ std::string run_watched(Cloud& cloud, const Chain& chain, const Outputs& outputs
   try {
     watch(callbacks, [&](Observer& observer) {
       options.observer = &observer;
+      PythonThreads threads;
+      call_python_on(threads, chain);
       statistics = to_json(run(cloud, chain, outputs, options));
     });
   } catch (const Error&) {

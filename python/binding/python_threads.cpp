@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "python/binding/python_threads.h"
+
+#include <nanobind/nanobind.h>
+
+#include <exception>
+#include <semaphore>
+#include <thread>
+#include <utility>
+
+namespace nb = nanobind;
+
+namespace pointsweep {
+
+class PythonThreads::Thread {
+ public:
+  Thread() : thread_([this] { serve(); }) {}
+  ~Thread() {
+    given_.release();  // nothing
+    thread_.join();
+  }
+
+  void call(const std::function<void()>& work) {
+    work_ = &work;
+    given_.release();
+    done_.acquire();
+    if (const std::exception_ptr failed = std::exchange(failed_, nullptr)) std::rethrow_exception(failed);
+  }
+
+ private:
+  void serve() {
+    const nb::gil_scoped_acquire attached;
+    while (const auto* work = next()) {
+      try {
+        (*work)();
+      } catch (...) {
+        failed_ = std::current_exception();
+      }
+      done_.release();
+    }
+  }
+
+  const std::function<void()>* next() {
+    const nb::gil_scoped_release others_run;
+    given_.acquire();
+    return std::exchange(work_, nullptr);
+  }
+
+  const std::function<void()>* work_ = nullptr;
+  std::exception_ptr failed_;
+  std::binary_semaphore given_{0}, done_{0};
+  std::thread thread_;
+};
+
+PythonThreads::PythonThreads() = default;
+PythonThreads::~PythonThreads() = default;
+
+PythonThreads::Thread& PythonThreads::take() {
+  const std::lock_guard lock(mutex_);
+  if (idle_.empty()) return *threads_.emplace_back(std::make_unique<Thread>());
+  Thread* const last = idle_.back();
+  idle_.pop_back();
+  return *last;
+}
+
+void PythonThreads::call(const std::function<void()>& work) {
+  Thread& thread = take();
+  std::exception_ptr failed;
+  try {
+    thread.call(work);
+  } catch (...) {
+    failed = std::current_exception();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(&thread);
+  }
+  if (failed) std::rethrow_exception(failed);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+/// Threads on which the operators in Python of one run are called.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace pointsweep {
+
+/// A thread that the interpreter has not started gets a new thread state, with new `threading.local` values, each time
+/// that it attaches to the interpreter. The workers of a run are such threads, and the run does not own them. So the run
+/// owns these threads: each has one thread state from its first call to the end of the run. There are never more of them
+/// than workers that called at the same time.
+class PythonThreads {
+ public:
+  PythonThreads();
+  /// Ends the threads, which destroy their `threading.local` values. The calling thread is not attached.
+  ~PythonThreads();
+
+  /// Calls work() on a thread that is attached to the interpreter, and returns or throws what it throws. May be called
+  /// by several threads at once, which are not attached.
+  void call(const std::function<void()>& work);
+
+ private:
+  class Thread;
+  Thread& take();
+
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Thread>> threads_;
+  std::vector<Thread*> idle_;
+};
+
+}  // namespace pointsweep
