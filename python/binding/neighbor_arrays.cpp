@@ -43,9 +43,25 @@ NeighborArrays::NeighborArrays(std::size_t k, std::uint64_t points)
       rows_(points * k * size_of(row_type_)),
       distances_(points * k * sizeof(double)) {}
 
-Contract NeighborArrays::contract() const {
-  return {.makes = {scalar("neighbor_count", Type::u32, "1", "number of neighbours")}};
-}
+/// Keeps nothing itself: what a batch has goes to the arrays of the run.
+class NeighborArrays::WriteNeighbors final : public Operator {
+ public:
+  explicit WriteNeighbors(NeighborArrays& arrays) : arrays_(arrays) {}
+  std::string name() const override { return "neighbor_arrays"; }
+  Contract contract() const override {
+    return {.makes = {scalar("neighbor_count", Type::u32, "1", "number of neighbours")}};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const auto counts = out.column<std::uint32_t>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) counts[i] = static_cast<std::uint32_t>(in.count(i));
+    arrays_.write(in);
+  }
+
+ private:
+  NeighborArrays& arrays_;
+};
+
+std::shared_ptr<const Operator> NeighborArrays::op() { return std::make_shared<WriteNeighbors>(*this); }
 
 template <class Row>
 void NeighborArrays::write(const Neighborhoods& in, Row* rows, double* distances) const {
@@ -62,9 +78,7 @@ void NeighborArrays::write(const Neighborhoods& in, Row* rows, double* distances
   }
 }
 
-void NeighborArrays::apply(const Neighborhoods& in, Columns& out) const {
-  const auto counts = out.column<std::uint32_t>(0);
-  for (std::size_t i = 0; i < in.size(); ++i) counts[i] = static_cast<std::uint32_t>(in.count(i));
+void NeighborArrays::write(const Neighborhoods& in) {
   auto* const distances = reinterpret_cast<double*>(distances_.bytes.get());
   if (row_type_ == Type::u64) {
     write(in, reinterpret_cast<std::uint64_t*>(rows_.bytes.get()), distances);
@@ -73,8 +87,8 @@ void NeighborArrays::apply(const Neighborhoods& in, Columns& out) const {
   }
 }
 
-/// Of the records it needs the number of neighbours alone: points that are not finite have none, and apply() never saw
-/// them.
+/// Of the records it needs the number of neighbours alone: points that are not finite have none, and the operator
+/// never saw them.
 class NeighborArrays::EmptyRows final : public Writer {
  public:
   EmptyRows(NeighborArrays& arrays, const Schema& schema)

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <string>
 
 #include "pointsweep/operator.h"
 #include "pointsweep/writer.h"
@@ -15,16 +14,15 @@
 
 namespace pointsweep {
 
-/// Makes "neighbor_count", u32, and writes rows and distances of the neighbours to arrays of its own, at the row of the
-/// point: they are in memory once. That it may see a point twice does no harm: the list of a point is the same each
-/// time. Both arrays have the bytes of operators::neighbors().
-class NeighborArrays final : public Operator {
+/// Rows and distances of the neighbours of all points of a run, at the row of the point, so that they are in memory once.
+/// Both arrays have the bytes of operators::neighbors().
+class NeighborArrays {
  public:
   NeighborArrays(std::size_t k, std::uint64_t points);
-  std::string name() const override { return "neighbor_arrays"; }
-  Contract contract() const override;
-  void apply(const Neighborhoods& in, Columns& out) const override;
 
+  /// An operator that makes "neighbor_count", u32, and writes the neighbours of each point to *this, which outlives it.
+  /// A point may come twice, with the same neighbours.
+  std::shared_ptr<const Operator> op();
   /// For Outputs::writer: marks the rows of points that have no neighbours as missing. *this outlives the run.
   std::unique_ptr<Writer> writer(const OutputPlan& plan);
   /// After the run: (rows u32 or u64, distances f64), both N×k for the N points of the output. Empties *this.
@@ -32,6 +30,8 @@ class NeighborArrays final : public Operator {
 
  private:
   class EmptyRows;
+  class WriteNeighbors;
+  void write(const Neighborhoods& in);
   template <class Row>
   void write(const Neighborhoods& in, Row* rows, double* distances) const;
 

@@ -12,28 +12,54 @@ namespace nb = nanobind;
 
 namespace pointsweep {
 
-Contract RadiusLists::contract() const {
-  return {.makes = {scalar("neighbor_count", Type::u32, "1", "number of neighbours")}};
+/// Keeps nothing itself: what a batch has goes to the lists of the run.
+class RadiusLists::ListNeighbors final : public Operator {
+ public:
+  explicit ListNeighbors(RadiusLists& lists) : lists_(lists) {}
+  std::string name() const override { return "radius_lists"; }
+  Contract contract() const override {
+    return {.makes = {scalar("neighbor_count", Type::u32, "1", "number of neighbours")}};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const auto counts = out.column<std::uint32_t>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) counts[i] = static_cast<std::uint32_t>(in.count(i));
+    lists_.add(lists_of(in));
+  }
+
+ private:
+  static std::unique_ptr<Batch> lists_of(const Neighborhoods& in) {
+    auto batch = std::make_unique<Batch>();
+    std::size_t all = 0;
+    for (std::size_t i = 0; i < in.size(); ++i) all += in.count(i);
+    batch->rows.reserve(all);
+    batch->distances.reserve(all);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      batch->points.push_back(in.row(i));
+      batch->counts.push_back(static_cast<std::uint32_t>(in.count(i)));
+      for (std::size_t j = 0; j < in.count(i); ++j) {
+        batch->rows.push_back(in.neighbor_row(i, j));
+        batch->distances.push_back(std::sqrt(in.distance2(i, j)));
+      }
+    }
+    return batch;
+  }
+
+  RadiusLists& lists_;
+};
+
+std::shared_ptr<const Operator> RadiusLists::op() { return std::make_shared<ListNeighbors>(*this); }
+
+RadiusLists::~RadiusLists() {
+  for (std::unique_ptr<Batch> batch(newest_.load()); batch;) batch = std::move(batch->next);
 }
 
-void RadiusLists::apply(const Neighborhoods& in, Columns& out) const {
-  Batch batch;
-  const auto counts = out.column<std::uint32_t>(0);
-  std::size_t all = 0;
-  for (std::size_t i = 0; i < in.size(); ++i) all += in.count(i);
-  batch.rows.reserve(all);
-  batch.distances.reserve(all);
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    counts[i] = static_cast<std::uint32_t>(in.count(i));
-    batch.points.push_back(in.row(i));
-    batch.counts.push_back(counts[i]);
-    for (std::size_t j = 0; j < in.count(i); ++j) {
-      batch.rows.push_back(in.neighbor_row(i, j));
-      batch.distances.push_back(std::sqrt(in.distance2(i, j)));
-    }
-  }
-  const std::lock_guard lock(mutex_);
-  batches_.push_back(std::move(batch));
+void RadiusLists::add(std::unique_ptr<Batch> batch) {
+  Batch* const added = batch.release();
+  Batch* before = newest_.load();
+  do {
+    static_cast<void>(added->next.release());
+    added->next.reset(before);
+  } while (!newest_.compare_exchange_weak(before, added));
 }
 
 template <class Row>
@@ -41,23 +67,21 @@ nb::tuple RadiusLists::joined(std::uint64_t points, Type type) {
   ArrayMemory offsets((points + 1) * sizeof(std::int64_t));
   auto* const first = reinterpret_cast<std::int64_t*>(offsets.bytes.get());
   std::memset(first, 0, (points + 1) * sizeof(std::int64_t));
-  for (const Batch& batch : batches_)
-    for (std::size_t i = 0; i < batch.points.size(); ++i) first[batch.points[i] + 1] = batch.counts[i];
+  for (const Batch* batch = newest_; batch != nullptr; batch = batch->next.get())
+    for (std::size_t i = 0; i < batch->points.size(); ++i) first[batch->points[i] + 1] = batch->counts[i];
   for (std::uint64_t i = 0; i < points; ++i) first[i + 1] += first[i];
   const auto all = static_cast<std::size_t>(first[points]);
   ArrayMemory rows(all * sizeof(Row)), distances(all * sizeof(double));
   auto* const row = reinterpret_cast<Row*>(rows.bytes.get());
   auto* const distance = reinterpret_cast<double*>(distances.bytes.get());
-  for (Batch& batch : batches_) {
-    for (std::size_t i = 0, at = 0; i < batch.points.size(); at += batch.counts[i++]) {
-      const std::int64_t to = first[batch.points[i]];
-      for (std::size_t j = 0; j < batch.counts[i]; ++j)
-        row[to + static_cast<std::int64_t>(j)] = static_cast<Row>(batch.rows[at + j]);
-      std::memcpy(distance + to, batch.distances.data() + at, batch.counts[i] * sizeof(double));
+  std::unique_ptr<Batch> batch(newest_.exchange(nullptr));
+  for (; batch; batch = std::move(batch->next))  // frees it: lists and arrays are never in memory twice
+    for (std::size_t i = 0, at = 0; i < batch->points.size(); at += batch->counts[i++]) {
+      const std::int64_t to = first[batch->points[i]];
+      for (std::size_t j = 0; j < batch->counts[i]; ++j)
+        row[to + static_cast<std::int64_t>(j)] = static_cast<Row>(batch->rows[at + j]);
+      std::memcpy(distance + to, batch->distances.data() + at, batch->counts[i] * sizeof(double));
     }
-    batch = {};  // frees it: lists and arrays are never in memory twice
-  }
-  batches_.clear();
   return nb::make_tuple(numpy_array(std::move(offsets), {points + 1}, Type::i64),
                         numpy_array(std::move(rows), {all}, type), numpy_array(std::move(distances), {all}, Type::f64));
 }

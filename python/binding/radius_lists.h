@@ -4,40 +4,46 @@
 
 #include <nanobind/nanobind.h>
 
+#include <atomic>
 #include <cstdint>
-#include <mutex>
-#include <string>
+#include <memory>
 #include <vector>
 
 #include "pointsweep/operator.h"
 
 namespace pointsweep {
 
-/// Makes "neighbor_count", u32, and notes the lists themselves: 16 bytes for each neighbour, in memory. That it may see
-/// a point twice does no harm: the list of a point is the same each time.
-class RadiusLists final : public Operator {
+/// The lists of a run, by the row of their point: 16 bytes for each neighbour, in memory.
+class RadiusLists {
  public:
-  std::string name() const override { return "radius_lists"; }
-  Contract contract() const override;
-  void apply(const Neighborhoods& in, Columns& out) const override;
+  RadiusLists() = default;
+  RadiusLists(const RadiusLists&) = delete;
+  RadiusLists& operator=(const RadiusLists&) = delete;
+  ~RadiusLists();
+
+  /// An operator that makes "neighbor_count", u32, and gives the lists of each batch to *this, which outlives it.
+  std::shared_ptr<const Operator> op();
 
   /// After the run: (offsets i64 N+1, rows u32 or u64, distances f64); the neighbours of point i, nearest first, are
   /// those from offsets[i] up to offsets[i + 1]. Empties *this.
   nanobind::tuple arrays(std::uint64_t points);
 
  private:
+  class ListNeighbors;
   /// The lists of a batch, one after another.
   struct Batch {
     std::vector<std::uint64_t> points;
     std::vector<std::uint32_t> counts;
     std::vector<std::uint64_t> rows;  ///< of neighbours
     std::vector<double> distances;
+    std::unique_ptr<Batch> next;
   };
+  /// Called by any number of threads at once, none of which waits. A point may come twice, with the same list.
+  void add(std::unique_ptr<Batch> batch);
   template <class Row>
   nanobind::tuple joined(std::uint64_t points, Type type);
 
-  mutable std::mutex mutex_;
-  mutable std::vector<Batch> batches_;
+  std::atomic<Batch*> newest_ = nullptr;  ///< owned, and with it all others
 };
 
 }  // namespace pointsweep

@@ -18,9 +18,9 @@
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/neighbor_arrays.h"
 #include "python/binding/python_operator.h"
-#include "python/binding/radius_lists.h"
 #include "python/binding/python_threads.h"
 #include "python/binding/requests.h"
+#include "python/binding/radius_lists.h"
 #include "python/binding/result_arrays.h"
 #include "python/binding/watched_run.h"
 
@@ -135,23 +135,23 @@ nb::tuple run_to_blocks(const nb::list& source, const nb::list& pipeline, const 
 nb::tuple neighbors(const nb::list& source, std::size_t k, double radius, const nb::dict& given,
                     const nb::object& progress, const nb::object& warn) {
   Cloud cloud = open_cloud(source, false, given);
-  const auto made = std::make_shared<NeighborArrays>(k, cloud.count());
-  const Chain chain{.neighborhood = {.k = k, .radius = radius}, .stages = {made}, .keep = {"neighbor_count", "x"}};
+  NeighborArrays made(k, cloud.count());
+  const Chain chain{.neighborhood = {.k = k, .radius = radius}, .stages = {made.op()}, .keep = {"neighbor_count", "x"}};
   Outputs outputs;
-  outputs.writer = [&](const OutputPlan& plan) { return made->writer(plan); };
+  outputs.writer = [&](const OutputPlan& plan) { return made.writer(plan); };
   run_watched(cloud, chain, outputs, run_options(given), {progress, warn});
-  return made->arrays();
+  return made.arrays();
 }
 
 nb::tuple radius_neighbors(const nb::list& source, double radius, const nb::dict& given, const nb::object& progress,
                            const nb::object& warn) {
   Cloud cloud = open_cloud(source, false, given);
-  const auto lists = std::make_shared<RadiusLists>();
+  RadiusLists lists;
   const Chain chain{.neighborhood = {.k = Neighborhood::kUnlimited, .radius = radius},
-                    .stages = {lists},
+                    .stages = {lists.op()},
                     .keep = {"neighbor_count", "x"}};
   run_to_arrays(cloud, chain, {{}, {"neighbor_count"}, false}, run_options(given), {progress, warn});
-  return lists->arrays(cloud.count());
+  return lists.arrays(cloud.count());
 }
 
 }  // namespace
