@@ -125,7 +125,7 @@ class PythonOperator final : public Operator {
  public:
   explicit PythonOperator(nb::handle op)
       : name_(nb::cast<std::string>(op.attr("name"))),
-        identity_(nb::cast<std::string>(op.attr("_identity"))),
+        digest_(nb::cast<std::string>(op.attr("_digest"))),
         reads_(nb::cast<std::vector<std::string>>(op.attr("reads"))),
         reads_neighbors_(nb::cast<std::vector<std::string>>(op.attr("reads_neighbors"))),
         most_places_(nb::cast<std::size_t>(op.attr("_most_places"))),
@@ -180,9 +180,9 @@ class PythonOperator final : public Operator {
     return size;
   }
 
-  Options own_options() const override { return {{"python", identity_}}; }
+  Options own_options() const override { return digest_.empty() ? Options{} : Options{{"python", digest_}}; }
 
-  std::string name_, identity_;
+  std::string name_, digest_;
   std::vector<std::string> reads_, reads_neighbors_;
   std::size_t most_places_;  ///< in the padded lists that Python gets at once; one point may have more
   Contract contract_;

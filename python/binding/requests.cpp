@@ -10,6 +10,8 @@
 #include <utility>
 #include <variant>
 
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/parse.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/python_operator.h"
 
@@ -54,16 +56,15 @@ Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options
   return Cloud(std::make_unique<ColumnsOfArrays>(std::move(columns), with_rows));
 }
 
-Chain chain_of(const nb::list& pipeline, const Cloud& cloud) {
+Chain chain_of(const nb::list& pipeline, std::uint64_t points) {
   Chain chain;
   bool first = true;
   for (const nb::handle item : pipeline) {
     if (!nb::isinstance<nb::str>(item)) {
       chain.stages.emplace_back(python_operator(item));
-    } else if (first) {
-      chain = parse_chain(nb::cast<std::string>(item), cloud);
     } else {
-      append_stages(chain, nb::cast<std::string>(item), cloud);
+      const std::vector<StageText> stages = parse_pipeline(nb::cast<std::string>(item));
+      first ? void(chain = build_chain(stages, Facts{.points = points})) : append_to(chain, stages, {.points = points});
     }
     first = false;
   }

@@ -15,12 +15,13 @@
 #include <utility>
 #include <vector>
 
+#include "pointsweep/pipeline/canonical_text.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/neighbor_arrays.h"
 #include "python/binding/python_operator.h"
 #include "python/binding/python_threads.h"
-#include "python/binding/requests.h"
 #include "python/binding/radius_lists.h"
+#include "python/binding/requests.h"
 #include "python/binding/result_arrays.h"
 #include "python/binding/watched_run.h"
 
@@ -36,9 +37,9 @@ std::string run_watched(Cloud& cloud, const Chain& chain, const Outputs& outputs
   std::string statistics;
   try {
     watch(callbacks, [&](Observer& observer) {
-      options.observer = &observer;
       PythonThreads threads;
       call_python_on(threads, chain);
+      options.observer = &observer;
       statistics = to_json(run(cloud, chain, outputs, options));
     });
   } catch (const Error&) {
@@ -86,7 +87,7 @@ nb::tuple run_pipeline(const nb::list& source, const nb::list& pipeline, const s
   const Callbacks callbacks{progress, warn};
   const RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, to.is_none(), given);
-  Chain chain = chain_of(pipeline, cloud);
+  Chain chain = chain_of(pipeline, cloud.count());
   chain.keep = keep;
   if (to.is_none()) {
     WantedArrays wanted = wanted_arrays(chain, options, groups);
@@ -109,10 +110,15 @@ std::string plan(const nb::list& source, const nb::list& pipeline, const std::ve
                  const nb::dict& given, const std::vector<FieldGroup>& groups, const std::filesystem::path& to) {
   const RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, to.empty(), given);
-  Chain chain = chain_of(pipeline, cloud);
+  Chain chain = chain_of(pipeline, cloud.count());
   chain.keep = keep;
   if (to.empty()) wanted_arrays(chain, options, groups);
   return plan_text(cloud, chain, to, options);
+}
+
+/// Texts that are equal if the pipelines are.
+std::vector<std::string> canonical(const nb::list& pipeline) {
+  return canonical_stages(chain_of(pipeline, 0), Presets::left_out);
 }
 
 /// The same as run_pipeline() with results in a temporary file: (SpilledArrays, whether it has kRowField since its rows
@@ -122,7 +128,7 @@ nb::tuple run_to_blocks(const nb::list& source, const nb::list& pipeline, const 
                         const nb::object& progress, const nb::object& warn) {
   const RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, true, given);
-  Chain chain = chain_of(pipeline, cloud);
+  Chain chain = chain_of(pipeline, cloud.count());
   const bool changed = changes_rows(chain, options);
   chain.keep = keep;
   if (changed && !keep.empty()) chain.keep.emplace_back(kRowField);
@@ -160,6 +166,7 @@ void bind_runs(nb::module_& module) {
   module.def("run", &run_pipeline, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a.none(), "into"_a,
              "progress"_a.none(), "warn"_a.none());
   module.def("plan", &plan, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a);
+  module.def("canonical_stages", &canonical, "pipeline"_a);
   nb::class_<ResultArrays>(module, "SpilledArrays")
       .def("__len__", &ResultArrays::rows)
       .def("read", &ResultArrays::read, "first"_a, "rows"_a);

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._errors import UsageError
+from ._joinable import Joinable, MadeOfFunction
 
 if TYPE_CHECKING:
-    from ._pipeline import Pipeline, PipelineLike
+    from ._identity import Identity
 
 _TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64")
 
@@ -125,12 +126,14 @@ class Points:
         return f"<pointsweep.Points: {len(self)} points, up to {self._batch.width} neighbours>"
 
 
-class Operator:
+class Operator(MadeOfFunction, Joinable):
     """A function of Python as a stage of pipelines; made with `pointsweep.operator`."""
 
     #: places in the padded lists of a batch; one point may have more
     _most_places = 1 << 18
 
+    #: of the function, in records of files and checkpoints; of a copy that such a run has
+    _digest = ""
     def __init__(
         self,
         function: Callable[[Points], Any],
@@ -140,7 +143,7 @@ class Operator:
         name: str | None,
         sees_neighbors: bool = True,
     ) -> None:
-        self.function = function
+        self._takes_the_place_of(function)
         #: as plans, errors and statistics call it
         self.name: str = name or str(getattr(function, "__name__", type(function).__name__))
         self.reads = list(reads)
@@ -151,26 +154,19 @@ class Operator:
             raise UsageError(f"operator '{self.name}': reads_neighbors needs neighbors=True.")
         self.makes = {made: _made_type(made, kind) for made, kind in makes.items()}
         self._makes = [(made, t.base.name, t.shape[0] if t.shape else 0) for made, t in self.makes.items()]
-        self._identity = _identity(function, self.reads, self.reads_neighbors, self._makes, self.sees_neighbors)
-        self.__doc__ = getattr(function, "__doc__", None)
 
     def __call__(self, points: Points) -> Any:
         return self.function(points)
-
-    def __or__(self, other: PipelineLike) -> Pipeline:
-        from ._pipeline import Pipeline
-
-        return Pipeline(self, other)
-
-    def __ror__(self, other: PipelineLike) -> Pipeline:
-        from ._pipeline import Pipeline
-
-        return Pipeline(other, self)
 
     def __repr__(self) -> str:
         read = ", ".join(self.reads + [f"{name} of neighbours" for name in self.reads_neighbors])
         made = ", ".join(f"{name} {kind}" for name, kind in self.makes.items())
         return f"<pointsweep.Operator {self.name}: {read or 'positions'} -> {made}>"
+
+    def _identity(self) -> Identity:
+        from ._identity import identity_of
+
+        return identity_of(self.function, self.reads, self.reads_neighbors, self._makes, self.sees_neighbors)
 
     def _call(self, batch: Any) -> list[np.ndarray]:
         """For the extension module: an (n, components) array for each attribute that is made."""
@@ -217,23 +213,6 @@ def _made_type(name: str, kind: Any) -> np.dtype[Any]:
 
 
 _FIXED = {"position": "float64", "normal": "float32"}
-
-
-def _identity(function: Callable[..., Any], *contract: Any) -> str:
-    """Of another function another text: a run that is resumed has to be the same run."""
-    import hashlib
-    import inspect
-
-    try:
-        text = inspect.getsource(function)
-    except (OSError, TypeError):
-        code = getattr(function, "__code__", None)
-        text = repr((code.co_code, code.co_consts, code.co_names)) if code is not None else repr(type(function))
-    closure = getattr(function, "__closure__", None) or ()
-    values = [cell.cell_contents for cell in closure]
-    simple = [value for value in values if isinstance(value, (int, float, str, tuple))]
-    defaults = getattr(function, "__defaults__", None)
-    return hashlib.sha256(repr((text, simple, defaults, contract)).encode()).hexdigest()[:16]
 
 
 class Select(Operator):

@@ -8,18 +8,18 @@ from collections.abc import Callable
 from typing import Any
 
 from ._chunks import chunks
+from ._joinable import MadeOfFunction
 from ._pipeline import PipelineLike
 from ._results import Arrays
 
 
-class Reduction:
+class Reduction(MadeOfFunction):
     """A function that takes a cloud block by block; made with `pointsweep.reduce`. Call it with points."""
 
     def __init__(self, function: Callable[[Any, Arrays], Any], start: Any, keep: Any) -> None:
-        self.function = function
+        self._takes_the_place_of(function)
         self.start = start
         self.keep = keep
-        self.__doc__ = function.__doc__
 
     def __call__(self, points: Any, pipeline: PipelineLike | None = None, *, rows: int = 1 << 20, **options: Any) -> Any:
         """Of the results of a pipeline, or of the points themselves; `options` are those of `run`."""

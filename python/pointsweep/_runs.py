@@ -14,7 +14,7 @@ from . import _core, _stages
 from ._errors import UsageError, warn
 from ._files import outputs_of
 from ._options import choice, names, number, run_options, whole
-from ._pipeline import PipelineLike, stages_of
+from ._pipeline import PipelineLike, identified, stages_of
 from ._outputs import outputs_to
 from ._progress import ProgressCallback, called
 from ._results import Arrays, Neighbors, RadiusNeighbors, Report, arrays_of
@@ -144,6 +144,7 @@ def run(
 
 
 @overload
+    stages = identified(stages, resumed=bool(given["resume"]))
 def normals(*, orient: str = ..., viewpoint: Sequence[float] | None = ...) -> Stage: ...
 
 

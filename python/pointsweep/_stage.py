@@ -6,20 +6,18 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ._errors import UsageError
-from ._options import number, whole
-
-if TYPE_CHECKING:
-    from ._pipeline import Pipeline, PipelineLike
+from ._joinable import Joinable
+from ._options import number, path, whole
 
 
-class Stage:
+class Stage(Joinable):
     """A built-in operator with its options: ``ps.knn(16)``, ``ps.normals(orient="up")``.
 
     Stages, operators of your own and texts are joined by ``|``. `str` gives the stage in the language of
-    docs/pipelines.md.
+    docs/pipelines.md. Stages are equal if they are the same with all defaults written out, and can be pickled.
     """
 
     def __init__(self, name: str, options: Sequence[tuple[str, str]]) -> None:
@@ -33,16 +31,6 @@ class Stage:
 
     def __repr__(self) -> str:
         return f"<pointsweep.Stage: {self}>"
-
-    def __or__(self, other: PipelineLike) -> Pipeline:
-        from ._pipeline import Pipeline
-
-        return Pipeline(self, other)
-
-    def __ror__(self, other: PipelineLike) -> Pipeline:
-        from ._pipeline import Pipeline
-
-        return Pipeline(other, self)
 
 
 def made_stage(name: str, options: Iterable[tuple[str, str, Any, Any]]) -> Stage:

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: MIT
+"""A digest of everything that a function computes with: a run that is resumed has to be the same run."""
+
+from __future__ import annotations
+
+import builtins
+import copyreg
+import hashlib
+import sys
+import types
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+_PLAIN = (type(None), bool, int, float, complex, str, bytes, range, slice, type(...), type(NotImplemented))
+_BUILT_IN = (types.BuiltinFunctionType, types.MethodDescriptorType, types.WrapperDescriptorType, types.MethodWrapperType)
+
+
+class Identity(NamedTuple):
+    """What tells functions apart."""
+
+    digest: str
+    unknown: list[str]  #: what the digest leaves out, since it cannot be compared: "'lock' (a lock)"
+
+
+def identity_of(function: Callable[..., Any], *more: Any) -> Identity:
+    """Of the function with its code, defaults, the variables of functions around it, the globals and the attributes of
+    modules that it uses, and what these use in their turn. Libraries count by their names and versions."""
+    digests = _Digests()
+    digest = digests.of("function", (function, more))
+    return Identity(digest.hex()[:16], list(dict.fromkeys(digests.unknown)))
+
+
+class _Digests:
+    """Digests of values by content. Equal values have equal digests, also in another process."""
+
+    def __init__(self) -> None:
+        self.unknown: list[str] = []
+        self._known: dict[int, bytes] = {}  # by id
+        self._kept: list[Any] = []  # so that no id is used again
+        self._attributes: frozenset[str] = frozenset()  # that the function at hand uses
+        self._in_foreign = False  # inside of an object of a library that is not Python's
+
+    def of(self, name: str, value: Any) -> bytes:
+        """Of the value of a variable called `name`."""
+        if type(value) in _PLAIN:
+            return _joined(type(value).__name__, repr(value).encode("utf-8", "backslashreplace"))
+        if id(value) not in self._known:
+            self._kept.append(value)
+            self._known[id(value)] = _joined("seen before", str(len(self._known)).encode())  # inside of itself
+            try:
+                self._known[id(value)] = _joined(type(value).__name__, *self._parts(name, value))
+            except Exception:  # whatever the code of another library raises for what it cannot copy
+                if self._in_foreign:
+                    raise
+                self.unknown.append(f"'{name}' (a {type(value).__qualname__})")
+        return self._known[id(value)]
+
+    def _all(self, name: str, values: Iterable[Any]) -> list[bytes]:
+        return [self.of(name, value) for value in values]
+
+    def _parts(self, name: str, value: Any) -> Iterable[bytes]:
+        if isinstance(value, types.ModuleType):
+            return self._of_module(value)
+        if type(value) in (list, tuple):
+            return self._all(name, value)
+        if type(value) in (dict, types.MappingProxyType):
+            return self._all(name, [part for item in value.items() for part in item])
+        if type(value) in (set, frozenset):
+            return sorted(self._all(name, value))
+        if isinstance(value, types.CodeType):
+            return self._all(name, _parts_of_code(value))
+        if isinstance(value, types.CellType):
+            return self._all(name, [value.cell_contents] if _has_content(value) else [])
+        if isinstance(value, types.MethodType):
+            return self._all(name, [value.__func__, value.__self__])
+        if isinstance(value, _BUILT_IN):
+            return [_reference(value), *self._all(name, _bound_to(value))]
+        if isinstance(value, (types.FunctionType, type)) and _is_of_library(value.__module__):
+            return [_reference(value)]
+        if isinstance(value, types.FunctionType):
+            return self._of_function(value)
+        if isinstance(value, type):
+            return self._of_class(value)
+        if isinstance(value, (classmethod, staticmethod)):
+            return [self.of(name, value.__func__)]
+        if isinstance(value, memoryview):
+            return [value.tobytes()]
+        if isinstance(value, property):
+            return self._all(name, [value.fget, value.fset, value.fdel])
+        wrapped = getattr(value, "py_func", getattr(value, "__wrapped__", None))  # of Numba, of functools
+        if isinstance(wrapped, types.FunctionType):
+            return [_reference(type(value)), self.of(name, wrapped)]
+        if isinstance(value, (np.ndarray, np.generic)) or hasattr(value, "__dlpack__"):
+            return self._of_array(name, value)
+        return self._of_object(name, value)
+
+    def _of_function(self, function: types.FunctionType) -> Iterator[bytes]:
+        outer, codes = self._attributes, list(_codes_in(function.__code__))
+        self._attributes = frozenset(name for code in codes for name in code.co_names)
+        try:
+            yield self.of(function.__name__, function.__code__)
+            yield self.of(f"a default of {function.__name__}", (function.__defaults__, function.__kwdefaults__))
+            for name, cell in zip(function.__code__.co_freevars, function.__closure__ or ()):
+                yield self.of(name, cell)
+            for name, value in _globals_of(function, codes):
+                yield _joined(name, self.of(name, value))
+        finally:
+            self._attributes = outer
+
+    def _of_module(self, module: types.ModuleType) -> Iterator[bytes]:
+        yield _joined(module.__name__, _version(module.__name__))
+        if not _is_of_library(module.__name__):
+            for name in sorted(self._attributes & vars(module).keys()):
+                yield _joined(name, self.of(f"{module.__name__}.{name}", vars(module)[name]))
+
+    def _of_class(self, kind: type) -> Iterator[bytes]:
+        yield _reference(kind)
+        yield from self._all(kind.__name__, kind.__bases__)
+        for name, value in vars(kind).items():
+            is_code = isinstance(value, (types.FunctionType, classmethod, staticmethod, property))
+            if is_code or not name.startswith(("__", "_abc_")):
+                yield _joined(name, self.of(f"{kind.__name__}.{name}", value))
+
+    def _of_array(self, name: str, value: Any) -> list[bytes]:
+        array = np.asarray(value.detach() if hasattr(value, "detach") else value)  # of PyTorch
+        if self._in_foreign and array.dtype.kind in "uiSV" and array.dtype.itemsize == 1:
+            raise TypeError("an image of memory, as SciPy's trees have it, holds addresses")
+        layout = repr((array.dtype.str, array.dtype.names, array.shape)).encode()
+        if array.dtype.names:  # bytes between fields may be anything
+            return [layout, *self._all(name, [array[field] for field in array.dtype.names])]
+        if array.dtype.hasobject:
+            return [layout, *self._all(name, array.ravel().tolist())]
+        mask = np.ma.getmask(value) if np.ma.isMaskedArray(value) else None
+        return [layout, hashlib.sha256(np.ascontiguousarray(array).data).digest(), self.of(name, mask)]
+
+    def _of_object(self, name: str, value: Any) -> list[bytes]:
+        """By what pickle would keep of it."""
+        outer = self._in_foreign
+        module = type(value).__module__
+        self._in_foreign |= _is_of_library(module) and module.partition(".")[0] not in sys.stdlib_module_names
+        try:
+            return self._all_of_pickle(name, value)
+        finally:
+            self._in_foreign = outer
+
+    def _all_of_pickle(self, name: str, value: Any) -> list[bytes]:
+        reduce = copyreg.dispatch_table.get(type(value))
+        reduced = value.__reduce_ex__(4) if reduce is None else reduce(value)
+        if not isinstance(reduced, str):
+            made, arguments, state, listed, mapped = (*reduced, None, None, None)[:5]
+            return self._all(name, (made, arguments, state, list(listed or ()), list(mapped or ())))
+        of_library = _is_of_library(getattr(value, "__module__", None) or "builtins")
+        content = [] if of_library else [type(value), vars(value)]
+        return [_reference(value, reduced), *self._all(name, content)]
+
+
+def _joined(kind: str, *parts: bytes) -> bytes:
+    lengths = ",".join(str(len(part)) for part in parts)
+    return hashlib.sha256(b"".join([f"{kind} {lengths};".encode(), *parts])).digest()
+
+
+def _reference(value: Any, name: str | None = None) -> bytes:
+    module = getattr(value, "__module__", None) or "builtins"
+    return _joined(name or str(value.__qualname__), str(module).encode(), _version(str(module)))
+
+
+def _version(module: str) -> bytes:
+    top = sys.modules.get(module.partition(".")[0])
+    return str(getattr(top, "__version__", "")).encode()
+
+
+def _is_of_library(module: str) -> bool:
+    top = str(module).partition(".")[0]
+    if top == __name__.partition(".")[0] or top in sys.stdlib_module_names or top in sys.builtin_module_names:
+        return True
+    path = str(getattr(sys.modules.get(top), "__file__", None) or "")
+    return "site-packages" in path or "dist-packages" in path
+
+
+def _bound_to(function: Any) -> list[Any]:
+    owner = getattr(function, "__self__", None)
+    return [] if owner is None or isinstance(owner, types.ModuleType) else [owner]
+
+
+def _has_content(cell: types.CellType) -> bool:
+    try:
+        cell.cell_contents
+    except ValueError:
+        return False
+    return True
+
+
+def _parts_of_code(code: types.CodeType) -> tuple[Any, ...]:
+    """What is computed; not where it stands in a file."""
+    arguments = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
+    return (code.co_code, code.co_consts, code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars, arguments)
+
+
+def _codes_in(code: types.CodeType) -> Iterator[types.CodeType]:
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _codes_in(constant)
+
+
+def _globals_of(function: types.FunctionType, codes: list[types.CodeType]) -> Iterator[tuple[str, Any]]:
+    """Names and values of the globals and modules that the code uses."""
+    import dis
+
+    used = [(i.opname, i.argval) for code in codes for i in dis.get_instructions(code)]
+    for name in sorted({name for opcode, name in used if opcode in ("LOAD_GLOBAL", "LOAD_NAME")}):
+        if name in function.__globals__:
+            yield name, function.__globals__[name]
+        elif not hasattr(builtins, name):
+            yield name, None  # not there yet
+    for name in sorted({name for opcode, name in used if opcode == "IMPORT_NAME"}):
+        yield name, sys.modules.get(name, name)
