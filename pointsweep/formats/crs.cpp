@@ -184,6 +184,17 @@ Crs crs_of_geotiff(GeoTiffKeys keys) {
   return crs;
 }
 
+std::optional<Crs> crs_of_both(const std::string& wkt, GeoTiffKeys keys, bool wkt_counts) {
+  Crs text = crs_of_wkt(wkt), coded = crs_of_geotiff(keys);
+  if (text.wkt.empty() && coded.geotiff.empty()) return std::nullopt;
+  if (text.wkt.empty()) return coded;
+  if (coded.geotiff.empty()) return text;
+  Crs& crs = wkt_counts ? text : coded;
+  crs.wkt = text.wkt;
+  crs.geotiff = std::move(keys);
+  return crs;
+}
+
 std::string short_text(const Crs& crs) {
   std::string name = crs.name.substr(0, kLongestName);
   if (name.size() < crs.name.size()) name += "...";

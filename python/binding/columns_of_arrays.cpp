@@ -53,10 +53,12 @@ class ColumnsOfArrays::Decoder final : public RowDecoder {
   std::vector<Piece> pieces_;
 };
 
-ColumnsOfArrays::ColumnsOfArrays(std::vector<ArrayColumn> columns, bool with_rows) : columns_(std::move(columns)) {
+ColumnsOfArrays::ColumnsOfArrays(std::vector<ArrayColumn> columns, bool with_rows, std::optional<Crs> crs)
+    : columns_(std::move(columns)) {
   info_.path = "the arrays";
   info_.format = "arrays of Python";
   info_.count = columns_.front().rows;
+  info_.crs = std::move(crs);
   for (const ArrayColumn& column : columns_) add(column);
   if (!with_rows) return;
   info_.schema.append(kRowField, Type::i64);

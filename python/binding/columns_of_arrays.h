@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "pointsweep/reader.h"
@@ -17,7 +18,7 @@ inline constexpr const char* kRowField = "row";
 class ColumnsOfArrays final : public Reader {
  public:
   /// `with_rows`: one more field, kRowField, i64. Throws UsageError if the arrays differ in length.
-  ColumnsOfArrays(std::vector<ArrayColumn> columns, bool with_rows);
+  ColumnsOfArrays(std::vector<ArrayColumn> columns, bool with_rows, std::optional<Crs> crs);
 
   Chunk chunk_of(std::uint64_t row) const override;
   bool has_decoders() const override { return true; }

@@ -6,12 +6,12 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "pointsweep/formats/input_list.h"
+#include "python/binding/crs_values.h"
 #include "python/binding/requests.h"
 #include "python/binding/result_arrays.h"
 
@@ -43,17 +43,6 @@ nb::object stated_bounds(const Cloud& cloud) {
   return nb::make_tuple(corner(box.lo), corner(box.hi));
 }
 
-nb::object crs_of(const std::optional<Crs>& crs) {
-  if (!crs) return nb::none();
-  nb::dict known;
-  known["name"] = crs->name;
-  known["epsg"] = crs->epsg;
-  known["vertical_epsg"] = crs->vertical_epsg;
-  known["wkt"] = crs->wkt;
-  known["text"] = short_text(*crs);
-  return known;
-}
-
 /// What headers say. Reads no points.
 nb::dict describe(const nb::list& source, const nb::dict& options) {
   const Cloud cloud = open_cloud(source, false, options);
@@ -72,7 +61,7 @@ nb::dict describe(const nb::list& source, const nb::dict& options) {
   known["inputs"] = inputs;
   known["warnings"] = warnings;
   known["bounds"] = stated_bounds(cloud);
-  known["crs"] = crs_of(cloud.crs());
+  known["crs"] = crs_value(cloud.crs());
   return known;
 }
 

@@ -13,6 +13,7 @@
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/parse.h"
 #include "python/binding/columns_of_arrays.h"
+#include "python/binding/crs_values.h"
 #include "python/binding/python_operator.h"
 
 namespace nb = nanobind;
@@ -53,7 +54,7 @@ Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options
   std::vector<ArrayColumn> columns;
   for (const nb::handle pair : source)
     columns.push_back(borrow_array(pair[1], nb::cast<std::vector<std::string>>(pair[0])));
-  return Cloud(std::make_unique<ColumnsOfArrays>(std::move(columns), with_rows));
+  return Cloud(std::make_unique<ColumnsOfArrays>(std::move(columns), with_rows, crs_from(options["crs"])));
 }
 
 Chain chain_of(const nb::list& pipeline, std::uint64_t points) {

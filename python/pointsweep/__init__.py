@@ -15,8 +15,9 @@ things with.
 from . import _core, _stages
 from ._check import Check, check
 from ._chunks import Chunks, chunks
+from ._crs import Crs
 from ._errors import Error, PointsweepWarning, UsageError
-from ._files import Cloud, Crs, open
+from ._files import Cloud, open
 from ._generate import generate
 from ._operator import Operator, PointNeighbors, Points, Select, operator, select
 from ._pipeline import Pipeline

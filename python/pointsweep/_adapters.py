@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ._crs import Crs, crs_of, las_crs
 from ._errors import UsageError
+from ._results import Arrays
 
 _SCAN_ANGLE_STEP = 0.006  # degrees, from point format 6 on
 _CPU_DEVICES = (1, 3, 11)  # of DLPack: plain memory, and memory that CUDA or ROCm has pinned
@@ -16,12 +18,16 @@ _CPU_DEVICES = (1, 3, 11)  # of DLPack: plain memory, and memory that CUDA or RO
 
 def arrays_by_name(points: Any) -> dict[str, Any]:
     """The arrays of a dict, a structured array, a table or a cloud of another library; anything else is 'xyz'."""
+    if isinstance(points, Arrays):  # 'row' is what every result calls the numbers of the rows of its own input
+        return {name: values for name, values in points.items() if name != "row"}
     if isinstance(points, Mapping):
         return dict(points)
+    if _is_geometry(points):
+        return _geometries(points)
     fields = getattr(getattr(points, "dtype", None), "names", None)
     if fields:
         return {name: points[name] for name in fields}
-    if hasattr(points, "point_format") and hasattr(points, "header"):
+    if hasattr(points, "point_format") and hasattr(points, "x"):
         return _las_data(points)
     if hasattr(points, "has_normals") and hasattr(points, "points"):
         return _open3d_legacy(points)
@@ -32,6 +38,16 @@ def arrays_by_name(points: Any) -> dict[str, Any]:
     if hasattr(points, "columns") and hasattr(points, "__getitem__"):
         return {str(name): _table_column(name, points[name]) for name in points.columns}
     return {"xyz": points}
+
+
+def crs_stated_by(points: Any) -> Crs | None:
+    """The coordinate system that a cloud of another library, or the result of a run, knows."""
+    if isinstance(points, Arrays):
+        return points.crs
+    header = getattr(getattr(points, "reader", points), "header", None)
+    if hasattr(header, "vlrs"):
+        return las_crs(header)
+    return crs_of(points.crs) if _is_geometry(points) else None
 
 
 def from_dlpack(name: str, values: Any) -> Any:
@@ -46,7 +62,7 @@ def from_dlpack(name: str, values: Any) -> Any:
 
 
 def _las_data(las: Any) -> dict[str, Any]:
-    """Of a laspy.LasData, under the names that pointsweep gives the fields of LAS files."""
+    """Of a laspy.LasData, or of a block of points of its readers, under the names that pointsweep gives the fields of LAS files."""
     arrays = {axis: np.asarray(getattr(las, axis)) for axis in "xyz"}
     for name in las.point_format.dimension_names:
         if name in ("X", "Y", "Z"):
@@ -56,6 +72,23 @@ def _las_data(las: Any) -> dict[str, Any]:
             values = values * _SCAN_ANGLE_STEP
         arrays["scan_angle" if name == "scan_angle_rank" else name] = values
     return arrays
+
+
+def _is_geometry(points: Any) -> bool:
+    """Whether it is a GeoSeries or a GeoDataFrame of geopandas."""
+    return hasattr(points, "geometry") and hasattr(points, "has_z") and hasattr(points, "crs")
+
+
+def _geometries(frame: Any) -> dict[str, Any]:
+    """Coordinates of the columns x, y and z, or else of the geometry; and the other columns."""
+    geometry = frame.geometry
+    names = [name for name in getattr(frame, "columns", ()) if name != geometry.name]
+    arrays = {str(name): _table_column(name, frame[name]) for name in names}
+    if "xyz" in arrays or {"x", "y", "z"} <= arrays.keys():
+        return arrays
+    if not ((geometry.geom_type == "Point") & geometry.has_z).all():
+        raise UsageError("geometry: not all of it are points with a height; give them one, or columns x, y and z beside it.")
+    return {"xyz": np.column_stack([geometry.x, geometry.y, geometry.z]), **arrays}
 
 
 def _open3d_legacy(cloud: Any) -> dict[str, Any]:

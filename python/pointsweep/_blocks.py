@@ -9,6 +9,7 @@ from typing import IO, Any
 
 import numpy as np
 
+from ._crs import Crs
 from ._errors import Error, UsageError
 
 
@@ -46,12 +47,24 @@ class _Column:
         self._file.close()
 
 
-def spilled(blocks: Iterator[Any], named: Callable[[Any], dict[str, np.ndarray]], folder: str | None) -> dict[str, Any]:
-    """The arrays of all `blocks`, in temporary files in `folder`; `named` makes arrays by name of a block."""
+def spilled(
+    blocks: Iterator[Any],
+    named: Callable[[Any], dict[str, np.ndarray]],
+    crs_of_block: Callable[[Any], Crs | None],
+    folder: str | None,
+) -> tuple[dict[str, Any], Crs | None]:
+    """The arrays of all `blocks`, in temporary files in `folder`, and their coordinate system; `named` makes arrays by
+    name of a block."""
     columns: dict[str, _Column] = {}
+    crs: Crs | None = None
     try:
         for number, block in enumerate(blocks):
             arrays = named(block)
+            stated = crs_of_block(block)
+            if number == 0:
+                crs = stated
+            elif stated != crs:
+                raise UsageError(f"block {number} is in {stated}, but the first one is in {crs}; transform one of them first.")
             if number == 0:
                 columns = {name: _Column(name, values, folder) for name, values in arrays.items()}
             if arrays.keys() != columns.keys():
@@ -60,7 +73,7 @@ def spilled(blocks: Iterator[Any], named: Callable[[Any], dict[str, np.ndarray]]
                 columns[name].append(values)
         if not columns:
             raise UsageError("the iterator gave no block; without one the attributes are not known.")
-        return {name: column.array() for name, column in columns.items()}
+        return {name: column.array() for name, column in columns.items()}, crs
     except OSError as error:
         where = folder or tempfile.gettempdir()
         raise Error(f"cannot write to the temporary folder '{where}': {error.strerror}; name another with temp_folder.") from error

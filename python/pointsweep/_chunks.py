@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
+from ._crs import Crs
 from ._errors import UsageError, warn
 from ._operator import Operator, Points, operator
 from ._options import names, run_options, whole
@@ -35,19 +36,22 @@ class Chunks(Iterator[Arrays]):
     ends.
     """
 
-    def __init__(self, results: Any, has_rows: bool, statistics: str, kept: list[str], rows: int) -> None:
+    def __init__(
+        self, results: Any, has_rows: bool, statistics: str, kept: list[str], rows: int, crs: Crs | None
+    ) -> None:
         self.report = Report(statistics)  #: what the run did
         self._results: Any = results
         self._has_rows = has_rows
         self._kept = kept
         self._rows = rows
+        self._crs = crs
         self._next = 0
 
     def __next__(self) -> Arrays:
         if self._results is None or self._next >= len(self._results):
             self.close()
             raise StopIteration
-        block = arrays_of(self._results.read(self._next, self._rows), None, self._kept)
+        block = arrays_of(self._results.read(self._next, self._rows), None, self._kept, self._crs)
         n = min(self._rows, len(self._results) - self._next)
         if not self._has_rows and "row" not in block:
             block["row"] = np.arange(self._next, self._next + n)
@@ -72,6 +76,7 @@ def chunks(
     *,
     keep: Sequence[str] | str | None = None,
     attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
     progress: ProgressCallback | bool | None = None,
     **options: Any,
 ) -> Chunks:
@@ -83,7 +88,7 @@ def chunks(
 
     Parameters
     ----------
-    points, pipeline, keep, attributes, progress, options : as for `run`.
+    points, pipeline, keep, attributes, crs, progress, options : as for `run`.
     rows : of a block; the last one may have fewer.
 
     >>> for part in chunks("tiles/*.laz", 1_000_000, "knn(k=8) | normals", keep=["xyz", "normal"]):
@@ -97,7 +102,7 @@ def chunks(
     for option in ("prefix", "resume"):
         if checked[option]:
             raise UsageError(f"{option}: is for outputs in files; leave the option out.")
-    source = source_of(points, attributes, checked["temp_folder"])
+    source = source_of(points, attributes, crs, checked["temp_folder"])
     stages = [_row()] if pipeline is None else stages_of(pipeline)
     if pipeline is None and not kept:
         kept = _all_names(source.field_names(), source.groups)
@@ -109,7 +114,7 @@ def chunks(
         )
     if kept and has_rows and "row" not in kept:
         kept.append("row")
-    return Chunks(results, has_rows, statistics, kept, count)
+    return Chunks(results, has_rows, statistics, kept, count, source.crs)
 
 
 def _all_names(fields: list[str], groups: list[tuple[str, list[str]]]) -> list[str]:

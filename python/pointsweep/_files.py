@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _core
+from ._crs import Crs
 from ._errors import UsageError, warn
 from ._results import Arrays, Report
 from ._tables import html_table
@@ -18,20 +19,6 @@ if TYPE_CHECKING:
     from ._chunks import Chunks
 
 Path = str | os.PathLike[str]
-
-
-class Crs:
-    """A coordinate reference system as a file states it."""
-
-    def __init__(self, known: dict[str, Any]) -> None:
-        self.name: str = known["name"]  #: as the file calls it; may be empty
-        self.epsg: int = known["epsg"]  #: EPSG code of the horizontal system; 0: not stated
-        self.vertical_epsg: int = known["vertical_epsg"]  #: EPSG code of the heights; 0: not stated
-        self.wkt: str = known["wkt"]  #: well-known text; empty if the file has GeoTIFF keys
-        self._text: str = known["text"]
-
-    def __repr__(self) -> str:
-        return f"<pointsweep.Crs: {self._text}>"
 
 
 class Cloud:
@@ -87,7 +74,7 @@ class Cloud:
     def __repr__(self) -> str:
         files = self.files[0] if len(self.files) == 1 else f"{len(self.files)} files"
         crs = self.crs
-        lines = [f"<pointsweep.Cloud: {files}, {len(self):,} points" + (f", {crs._text}" if crs else "")]
+        lines = [f"<pointsweep.Cloud: {files}, {len(self):,} points" + (f", {crs}" if crs else "")]
         if self.bounds is not None:
             spans = (f"{a} {lo:.10g} to {hi:.10g}" for a, lo, hi in zip("xyz", *self.bounds))
             lines.append("  " + ", ".join(spans))
@@ -101,7 +88,7 @@ class Cloud:
             rows += [(axis, f"{low:.10g} to {high:.10g}") for axis, low, high in zip("xyz", *self.bounds)]
         crs = self.crs
         if crs is not None:
-            rows.append(("coordinate system", crs._text))
+            rows.append(("coordinate system", str(crs)))
         rows.append(("attributes", ", ".join(f"{name} {kind}" for name, kind in self.attributes.items())))
         return html_table("Cloud", None, rows)
 

@@ -33,6 +33,7 @@ def plan(
     to: str | os.PathLike[str] | None = None,
     keep: Sequence[str] | str | None = None,
     attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
     **options: Any,
 ) -> Plan:
     """What `run` would do with the same arguments: passes, stages with their buffers, columns, slabs and memory.
@@ -44,6 +45,6 @@ def plan(
     file = "" if to is None else os.fspath(to)
     if file.endswith(os.sep) or os.path.isdir(file or os.devnull):
         raise UsageError(f"to: {file} is a folder; a plan is that of a run to one file.")
-    source = source_of(points, attributes, checked["temp_folder"])
+    source = source_of(points, attributes, crs, checked["temp_folder"])
     text = _core.plan(source.inputs, stages, names("keep", keep), {**checked, **source.options}, source.groups, file)
     return Plan(text)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ._crs import Crs
 from ._tables import html_table
 
 if TYPE_CHECKING:
@@ -16,10 +17,29 @@ if TYPE_CHECKING:
 
 
 class Neighbors(NamedTuple):
-    """The k nearest neighbours of every point, the point itself excluded, nearest first."""
+    """The k nearest neighbours of every point, the point itself excluded, nearest first.
+
+    A point has fewer than k where a radius is given, where the cloud has no more points, and where its coordinates are
+    NaN or infinite. The places that are left over hold the largest value of their type, which is the row of no point:
+    ``xyz[indices]`` raises an IndexError then. ``mask`` says which places are taken.
+    """
 
     indices: np.ndarray  #: (n, k) rows, uint32, or uint64 from 2**32 - 1 points on; missing: the largest value
     distances: np.ndarray  #: (n, k) float64; missing: NaN
+
+    @property
+    def mask(self) -> np.ndarray:
+        """(n, k) bool: True where there is a neighbour."""
+        return ~np.isnan(self.distances)
+
+    def of(self, values: Any) -> np.ndarray:
+        """(n, k) or (n, k, m): an attribute of all points, an array of n rows, at the neighbours; missing: NaN, or 0 in
+        integers. ``neighbors.of(xyz) - xyz[:, None]`` are the vectors to them."""
+        known = np.asarray(values)
+        mask = self.mask
+        found = known[np.where(mask, self.indices, 0)]
+        found[~mask] = np.nan if known.dtype.kind == "f" else 0
+        return found
 
 
 class RadiusNeighbors(NamedTuple):
@@ -78,6 +98,8 @@ class Arrays(dict):
 
     #: what the run did; None of generated points
     report: Report | None = None
+    #: the coordinate system that the input of the run states
+    crs: Crs | None = None
     _components: Mapping[str, list[str]] = {}  # names of the components of arrays, as files have them
 
     def columns(self) -> dict[str, np.ndarray]:
@@ -137,11 +159,15 @@ def _least_and_greatest(values: np.ndarray) -> tuple[str, str]:
 
 
 def arrays_of(
-    known: dict[str, tuple[np.ndarray, list[str]]], statistics: str | None, keep: list[str] | None = None
+    known: dict[str, tuple[np.ndarray, list[str]]],
+    statistics: str | None,
+    keep: list[str] | None = None,
+    crs: Crs | None = None,
 ) -> Arrays:
     """The arrays, known with the names of their components, in the order of `keep`, else in their own."""
     result = Arrays({name: known[name][0] for name in keep or known})
     result._components = {name: components for name, (_, components) in known.items()}
+    result.crs = crs
     if statistics is not None:
         result.report = Report(statistics)
     return result

@@ -33,6 +33,7 @@ def run(
     keep: Sequence[str] | str | None = None,
     out: Mapping[str, np.ndarray] | None = None,
     attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
     order: str = "input",
     axis: int | str | None = None,
     memory: int | str | None = None,
@@ -55,6 +56,7 @@ def run(
     to: Path | Sequence[Path],
     keep: Sequence[str] | str | None = None,
     attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
     order: str = "input",
     axis: int | str | None = None,
     memory: int | str | None = None,
@@ -77,6 +79,7 @@ def run(
     keep: Sequence[str] | str | None = None,
     out: Mapping[str, np.ndarray] | None = None,
     attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
     progress: ProgressCallback | bool | None = None,
     **options: Any,
 ) -> Arrays | Report:
@@ -85,9 +88,10 @@ def run(
     Parameters
     ----------
     points : an (n, 3) array of any strides, also memory-mapped; a dict of arrays with 'xyz' (or 'x', 'y', 'z') and more
-        attributes; a structured array, a table of pandas or pyarrow with columns x, y, z; a laspy.LasData; a point cloud
-        of Open3D; an array on the CPU of any library with DLPack; an iterator of blocks of these, which are put in
-        temporary files first; a `Cloud`; or paths as `open` takes them.
+        attributes; a structured array, a table of pandas or pyarrow with columns x, y, z; a laspy.LasData or an open
+        reader of laspy; a table of geopandas with points that have heights, or such columns; a point cloud of Open3D; an
+        array on the CPU of any library with DLPack; an iterator of blocks of these, which are put in temporary files
+        first; a `Cloud`; or paths as `open` takes them.
     pipeline : a text such as ``"knn(k=16) | normals | sor"`` (docs/pipelines.md), stages such as ``ps.knn(16)``, operators
         of your own, or these in a list or joined by ``|``; or the path of a text file.
     to : the file to write, whose name says the format; a folder, with a file for each input file; None: arrays.
@@ -97,6 +101,8 @@ def run(
     out : arrays that the results of these names are written to, of the type and shape that they have, contiguous, e.g. a
         `numpy.memmap` for what does not fit in memory. They are what is kept where `keep` does not say.
     attributes : more attributes of points in arrays, by name.
+    crs : coordinate reference system of points in arrays, which outputs state: an EPSG code, WKT, a `pyproj.CRS`, or the
+        `crs` of a cloud. Default: what a laspy.LasData, a laspy reader or a table of geopandas states.
     order : of the result's rows: 'input', or 'sweep', along the axis of the largest extent.
     axis : of the sweep: 'x', 'y' or 'z'.
     memory : what the run may take in addition to the interpreter, its arrays and the results, e.g. '2G'; what does not
@@ -121,7 +127,7 @@ def run(
     into = outputs_to(out)
     kept = names("keep", list(out) if keep is None and out else keep)
     checked = run_options(**options)
-    source = source_of(points, attributes, checked["temp_folder"])
+    source = source_of(points, attributes, crs, checked["temp_folder"])
     given = {**checked, **source.options}
     if to is None:
         for option in ("prefix", "resume"):
@@ -132,19 +138,19 @@ def run(
             raise UsageError(f"out: '{missing[0]}' is not among what keep names; name it there, too.")
         with called(progress) as shown:
             known, statistics = _core.run(source.inputs, stages, kept, given, source.groups, None, into, shown, warn)
-        return arrays_of({**(known or {}), **{n: (out[n], known[n][1]) for n in into if known}}, statistics, kept)  # type: ignore[index]
+        return arrays_of({**(known or {}), **{n: (out[n], known[n][1]) for n in into if known}}, statistics, kept, source.crs)  # type: ignore[index]
     if into:
         raise UsageError("out: is for results in arrays; leave it out, or to=.")
     if given["resume"] and not source.is_files:
         raise UsageError("resume: is for files; arrays are gone when this process ends.")
     files = outputs_of(to, source, points)
+    stages = identified(stages, resumed=bool(given["resume"]))
     with called(progress) as shown:
         _, statistics = _core.run(source.inputs, stages, kept, given, source.groups, files, {}, shown, warn)
     return Report(statistics, os.fspath(to) if isinstance(to, (str, os.PathLike)) else f"{len(files)} files")
 
 
 @overload
-    stages = identified(stages, resumed=bool(given["resume"]))
 def normals(*, orient: str = ..., viewpoint: Sequence[float] | None = ...) -> Stage: ...
 
 
@@ -235,9 +241,9 @@ def neighbors(
     coordinates have no neighbours and are neighbours of no point.
     """
     progress = options.pop("progress", None)
-    attributes = options.pop("attributes", None)
+    attributes, crs = options.pop("attributes", None), options.pop("crs", None)
     checked = run_options(**options)
-    source: Source = source_of(points, attributes, checked["temp_folder"])
+    source: Source = source_of(points, attributes, crs, checked["temp_folder"])
     given = {**checked, **source.options}
     for option, plain in (("order", "input"), ("prefix", ""), ("resume", "")):
         if given[option] != plain:

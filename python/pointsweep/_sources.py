@@ -9,10 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._adapters import arrays_by_name, from_dlpack
+from ._adapters import arrays_by_name, crs_stated_by, from_dlpack
+from ._crs import Crs, given_or_stated
 from ._errors import UsageError
 
 _AXES = ("x", "y", "z")
+_LAS_BLOCK = 1 << 20  # points that laspy reads at once
 
 
 class Source(NamedTuple):
@@ -21,7 +23,8 @@ class Source(NamedTuple):
     inputs: list[Any]  #: paths as str, or pairs (names of components, (n, m) array)
     groups: list[tuple[str, list[str]]]  #: components of the input that make one array
     is_files: bool
-    options: dict[str, Any]  #: of opening files
+    options: dict[str, Any]  #: of opening files, and the coordinate system of arrays
+    crs: Crs | None
 
     def field_names(self) -> list[str]:
         """Names of the components that the points have."""
@@ -32,8 +35,11 @@ class Source(NamedTuple):
         return [name for name, _, _ in _core.describe(self.inputs, self.options)["attributes"]]
 
 
-def source_of(points: Any, attributes: Mapping[str, Any] | None = None, temp_folder: str = "") -> Source:
-    """`points` as `pointsweep.run` takes it; `attributes`: more arrays, by name. An iterator is spilled."""
+def source_of(
+    points: Any, attributes: Mapping[str, Any] | None = None, crs: Any = None, temp_folder: str = ""
+) -> Source:
+    """`points` as `pointsweep.run` takes it; `attributes`: more arrays, by name; `crs`: the system that these points are
+    in. An iterator is spilled."""
     from ._files import Cloud, open
 
     if isinstance(points, (str, os.PathLike)) or _is_list_of_paths(points):
@@ -41,19 +47,25 @@ def source_of(points: Any, attributes: Mapping[str, Any] | None = None, temp_fol
     if isinstance(points, Cloud):
         if attributes:
             raise UsageError("attributes: arrays cannot be added to the points of files; run on arrays instead.")
+        if crs is not None:
+            raise UsageError("crs: is for points in arrays; files state theirs.")
         groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]
-        return Source(list(points.files), groups, True, points._options)
+        return Source(list(points.files), groups, True, points._options, points.crs)
+    if hasattr(points, "chunk_iterator"):  # of laspy
+        points = points.chunk_iterator(_LAS_BLOCK)
+    stated = crs_stated_by(points)
     if isinstance(points, Iterator):
         from ._blocks import spilled
 
-        columns = spilled(points, _checked_arrays, temp_folder or None)
+        columns, of_blocks = spilled(points, _checked_arrays, crs_stated_by, temp_folder or None)
+        stated = stated or of_blocks
     else:
         columns = arrays_by_name(points)
     for name, values in (attributes or {}).items():
         if name in columns:
             raise UsageError(f"attributes: '{name}' is among the points, too; give it once.")
         columns[name] = values
-    return _source_of_arrays(columns)
+    return _source_of_arrays(columns, given_or_stated(crs, stated))
 
 
 def _is_list_of_paths(points: Any) -> bool:
@@ -69,7 +81,7 @@ def _checked_arrays(block: Any) -> dict[str, np.ndarray]:
     return arrays
 
 
-def _source_of_arrays(arrays: dict[str, Any]) -> Source:
+def _source_of_arrays(arrays: dict[str, Any], crs: Crs | None = None) -> Source:
     columns: list[tuple[list[str], np.ndarray]] = []
     groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]
     if "xyz" in arrays:
@@ -91,7 +103,8 @@ def _source_of_arrays(arrays: dict[str, Any]) -> Source:
             groups.append((name, fields))
     _require_equal_lengths(columns)
     _require_different_names([field for fields, _ in columns for field in fields])
-    return Source(columns, list(dict(groups).items()), False, {"ignore_crs": False, "format": ""})
+    options = {"ignore_crs": False, "format": "", "crs": None if crs is None else crs._known}
+    return Source(columns, list(dict(groups).items()), False, options, crs)
 
 
 def _fields(name: str, values: int, is_list: bool) -> list[str]:

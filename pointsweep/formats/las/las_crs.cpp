@@ -42,15 +42,7 @@ std::optional<Crs> read_las_crs(const InputFile& file, const LasHeader& header, 
   keys.directory = content_of<std::vector<std::uint16_t>>(file, either(vlrs.geo_keys, evlrs.geo_keys));
   keys.doubles = content_of<std::vector<double>>(file, either(vlrs.geo_doubles, evlrs.geo_doubles));
   keys.ascii = content_of<std::string>(file, either(vlrs.geo_ascii, evlrs.geo_ascii));
-  Crs text = crs_of_wkt(wkt), coded = crs_of_geotiff(keys);
-  if (text.wkt.empty() && coded.geotiff.empty()) return std::nullopt;
-  if (text.wkt.empty()) return coded;
-  if (coded.geotiff.empty()) return text;
-  const bool wkt_counts = (header.global_encoding & kLasWktBit) != 0 || header.point_format >= 6;
-  Crs& crs = wkt_counts ? text : coded;
-  crs.wkt = text.wkt;
-  crs.geotiff = std::move(keys);
-  return crs;
+  return crs_of_both(wkt, std::move(keys), (header.global_encoding & kLasWktBit) != 0 || header.point_format >= 6);
 }
 
 std::vector<std::byte> las_vlr(std::string_view user, std::uint16_t record, std::string_view description,

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+/// Coordinate reference systems as tuples of Python.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <optional>
+
+#include "pointsweep/crs.h"
+
+namespace pointsweep {
+
+/// (name, kind, EPSG code, EPSG code of the heights, WKT, directory, doubles and ascii of GeoTIFF keys); None without one.
+nanobind::object crs_value(const std::optional<Crs>& crs);
+/// The system that crs_value() made such a tuple of.
+std::optional<Crs> crs_from(nanobind::handle value);
+
+void bind_crs(nanobind::module_& module);
+
+}  // namespace pointsweep
