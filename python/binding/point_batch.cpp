@@ -29,6 +29,9 @@ nb::object filled(std::vector<std::size_t> shape, Type type, Fill fill) {
 
 void put(double* to, Vec3 p) { to[0] = p.x, to[1] = p.y, to[2] = p.z; }
 
+/// An index that no array has, so that it is an error where -1 would be the last row.
+constexpr std::int64_t kNoRow = std::numeric_limits<std::int64_t>::max();
+
 /// The bytes that stand for "no neighbour": NaN, or 0 in integers.
 std::vector<std::byte> missing_value(const Attribute& attribute) {
   const bool is_float = attribute.type == Type::f32 || attribute.type == Type::f64;
@@ -94,7 +97,7 @@ nb::object PointBatch::neighbor_rows() const {
   return filled<std::int64_t>({size_, width_}, Type::i64, [&](std::int64_t* to) {
     for (std::size_t i = first_; i < first_ + size_; ++i)
       for (std::size_t j = 0; j < width_; ++j)
-        *to++ = j < points.count(i) ? static_cast<std::int64_t>(points.neighbor_row(i, j)) : -1;
+        *to++ = j < points.count(i) ? static_cast<std::int64_t>(points.neighbor_row(i, j)) : kNoRow;
   });
 }
 

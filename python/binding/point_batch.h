@@ -29,7 +29,7 @@ class PointBatch {
   nanobind::object rows() const;                       ///< N i64
   nanobind::object counts() const;                     ///< N i64
   nanobind::object neighbor_positions() const;         ///< N×width×3 f64
-  nanobind::object neighbor_rows() const;              ///< N×width i64; missing: -1
+  nanobind::object neighbor_rows() const;              ///< N×width i64; missing: the largest
   nanobind::object own(std::size_t a) const;           ///< attribute a of `reads`, N or N×m
   nanobind::object of_neighbors(std::size_t a) const;  ///< of `reads_neighbors`, N×width or N×width×m
 

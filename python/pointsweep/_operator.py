@@ -22,8 +22,9 @@ class PointNeighbors:
 
     With ``knn(k=16)`` m is 16 and all places are taken, unless the cloud has fewer points. With a radius, points have
     different numbers of neighbours, and m is the largest of the batch. Places that are not taken hold NaN, or 0 in
-    integers. Neighbours come nearest first; the point itself is not among them. `offsets` and `flat` give the same
-    without such places: the neighbours of point i are ``offsets[i]:offsets[i + 1]``.
+    integers; in `rows` the largest value, which is the row of no point: ``values[rows]`` raises an IndexError.
+    Neighbours come nearest first; the point itself is not among them. `offsets` and `flat` give the same without such
+    places: the neighbours of point i are ``offsets[i]:offsets[i + 1]``.
     """
 
     def __init__(self, batch: Any, names: list[str]) -> None:
@@ -43,7 +44,7 @@ class PointNeighbors:
 
     @property
     def rows(self) -> np.ndarray:
-        """(n, m) int64: rows of the input; -1 in places that are not taken."""
+        """(n, m) int64: rows of the input; the largest int64 in places that are not taken."""
         return self._once(" rows", self._batch.neighbor_rows)
 
     @property
@@ -131,9 +132,9 @@ class Operator(MadeOfFunction, Joinable):
 
     #: places in the padded lists of a batch; one point may have more
     _most_places = 1 << 18
-
     #: of the function, in records of files and checkpoints; of a copy that such a run has
     _digest = ""
+
     def __init__(
         self,
         function: Callable[[Points], Any],

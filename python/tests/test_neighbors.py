@@ -54,6 +54,20 @@ def test_k_and_radius_together_pad_what_is_missing(surface):
     assert np.array_equal(indices == np.iinfo(np.uint32).max, missing)
 
 
+@pytest.mark.parametrize("points", [3000, 5])
+def test_places_without_a_neighbour_never_stand_for_a_point(surface, points):
+    xyz = surface[:points].copy()
+    xyz[3] = np.nan
+    near = ps.neighbors(xyz, k=3, radius=0.2)
+    assert not near.mask.all() and near.mask.any() == (points == 3000)
+    with pytest.raises(IndexError):
+        xyz[near.indices]
+    found, rows = near.of(xyz), near.of(np.arange(points))
+    assert found.shape == (points, 3, 3) and np.array_equal(np.isnan(found).any(2), ~near.mask)
+    assert np.array_equal(found[near.mask], xyz[near.indices[near.mask]])
+    assert np.array_equal(rows, np.where(near.mask, near.indices, 0))
+
+
 def test_bytes_are_those_of_the_tool(surface, run_tool, tmp_path):
     np.save(tmp_path / "in.npy", surface)
     run_tool("neighbors", "in.npy", "out.npy", "-k", 10, "--distances", "d.npy")

@@ -58,7 +58,10 @@ def test_radius_neighborhoods_have_masks(surface):
     def spread(p):
         assert p.neighbors.mask.shape == p.neighbors.rows.shape == p.neighbors_xyz.shape[:2]
         assert np.array_equal(np.isnan(p.neighbors_xyz).any(2), ~p.neighbors.mask)
-        assert np.array_equal(p.neighbors.rows >= 0, p.neighbors.mask)
+        assert np.array_equal(p.neighbors.rows < len(surface), p.neighbors.mask)
+        if not p.neighbors.mask.all():
+            with pytest.raises(IndexError):
+                surface[p.neighbors.rows]
         d = np.linalg.norm(p.neighbors_xyz - p.xyz[:, None], axis=2)
         return np.where(p.neighbors.mask, d, 0).sum(1), p.neighbors.counts
 
