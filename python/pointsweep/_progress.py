@@ -32,10 +32,14 @@ def called(progress: ProgressCallback | bool | None) -> Iterator[ProgressCallbac
 
 
 def _has_tqdm() -> bool:
-    try:
-        import tqdm.auto  # noqa: F401
-    except ImportError:
-        return False
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # in notebooks it asks for ipywidgets, without which it shows text
+        try:
+            import tqdm.auto  # noqa: F401
+        except ImportError:
+            return False
     return True
 
 

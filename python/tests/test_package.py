@@ -118,6 +118,16 @@ def test_progress_is_shown(monkeypatch, capsys):
         ps.normals(xyz, progress=3)
 
 
+def test_bars_of_notebooks_do_not_ask_for_other_packages(tmp_path):
+    (tmp_path / "tqdm").mkdir()
+    (tmp_path / "tqdm/__init__.py").write_text("")
+    (tmp_path / "tqdm/auto.py").write_text("import warnings; warnings.warn('IProgress not found. Please update ipywidgets.')")
+    code = "import pointsweep._progress as p; print(p._has_tqdm())"
+    paths = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    run = subprocess.run([sys.executable, "-W", "error", "-c", code], env={**os.environ, "PYTHONPATH": paths}, capture_output=True, text=True)
+    assert run.stdout == "True\n" and run.stderr == ""
+
+
 def test_tables_of_notebooks(tmp_path):
     cloud = ps.generate("plane", 100, tmp_path / "a&b.ply")
     table = cloud._repr_html_()
