@@ -12,6 +12,7 @@ import numpy as np
 from . import _core
 from ._crs import Crs
 from ._errors import UsageError, warn
+from ._options import path
 from ._results import Arrays, Report
 from ._tables import html_table
 
@@ -57,6 +58,13 @@ class Cloud:
     def warnings(self) -> list[str]:
         """What is wrong but harmless in the files and where they meet."""
         return list(self._known["warnings"])
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        """The positions, (n, 3): all points are read. ``cloud.chunks`` reads files larger than memory."""
+        if copy is False:
+            raise ValueError("the points of files are in no array before they are read; leave copy=False out.")
+        xyz: np.ndarray = self.run("decimate(1)", keep=["xyz"])["xyz"]  # type: ignore[index]
+        return xyz if dtype is None else xyz.astype(dtype, copy=False)
 
     def run(self, pipeline: Any, **options: Any) -> Arrays | Report:
         """`pointsweep.run` on these files: with ``to=`` it writes files, otherwise it returns arrays."""
@@ -109,27 +117,30 @@ def open(
     named = [files] if isinstance(files, (str, os.PathLike)) else list(files)
     if not named:
         raise UsageError("open: name at least one point file.")
-    for path in named:
-        if not isinstance(path, (str, os.PathLike)):
-            raise UsageError(f"open: {path!r} is not a path; arrays go to pointsweep.run at once.")
-    listed, notices = _core.list_files([os.fspath(path) for path in named], recursive, format)
+    for file in named:
+        if not isinstance(file, (str, os.PathLike)):
+            raise UsageError(f"open: {file!r} is not a path; arrays go to pointsweep.run at once.")
+    listed, notices = _core.list_files([path("open", file) for file in named], recursive, format)
     for notice in notices:
         warn(notice)
     options = {"ignore_crs": bool(ignore_crs), "format": format}
-    return Cloud([path for path, _ in listed], [name for _, name in listed], options)
+    return Cloud([file for file, _ in listed], [name for _, name in listed], options)
 
 
 def outputs_of(to: Path | Sequence[Path], source: Any, points: Any) -> str | list[str]:
     """The file to write, or a list with a file for each input."""
     if not isinstance(to, (str, os.PathLike)):
-        return [os.fspath(path) for path in to]
-    path = os.fspath(to)
-    if not (path.endswith(os.sep) or os.path.isdir(path)):
-        return path
+        files = [path("to", file) for file in to]
+        if not files:
+            raise UsageError("to: the list is empty; name a file, a folder, or a file for each input.")
+        return files
+    named = path("to", to)
+    if not (named.endswith(os.sep) or os.path.isdir(named)):
+        return named
     if not source.is_files:
-        raise UsageError(f"to: {path} is a folder, which gets a file for each input file; name a file for arrays.")
+        raise UsageError(f"to: {named} is a folder, which gets a file for each input file; name a file for arrays.")
     cloud = points if isinstance(points, Cloud) else open(points)
-    return [os.path.join(path, _tile_name(name)) for name in cloud._names]
+    return [os.path.join(named, _tile_name(name)) for name in cloud._names]
 
 
 def _tile_name(name: str) -> str:

@@ -7,7 +7,7 @@ import os
 from collections.abc import Sequence
 from typing import overload
 
-from . import _core
+from . import _core, _options
 from ._errors import UsageError, warn
 from ._files import Cloud, open
 from ._options import number, run_options, whole
@@ -96,7 +96,7 @@ def generate(
         "overwrite": bool(overwrite),
         "threads": run_options(threads=threads)["threads"],
     }
-    file = os.fspath(path) if path is not None else ""
+    file = "" if path is None else _options.path("path", path)
     with called(progress) as shown:
         known = _core.generate(shape, count, file, options, shown, warn)
     return open(file) if known is None else arrays_of(known, None)

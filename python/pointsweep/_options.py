@@ -64,13 +64,24 @@ def _axis(axis: int | str | None) -> int | None:
     return "xyz".index(choice("axis", axis, ("x", "y", "z")))
 
 
+def path(option: str, value: Any) -> str:
+    """`value` as the path of a file or folder."""
+    try:
+        text = os.fsdecode(value)
+    except TypeError:
+        raise UsageError(f"{option}: {value!r} is not a path.") from None
+    if not text:
+        raise UsageError(f"{option}: the path is empty; name a file or folder, or leave the option out.")
+    return text
+
+
 def names(option: str, value: Any) -> list[str]:
     """`value`, one name or several, as a list."""
     if value is None:
         return []
     listed = [value] if isinstance(value, str) else list(value)
     for name in listed:
-        if not isinstance(name, str):
+        if not isinstance(name, str) or not name:
             raise UsageError(f"{option}: {name!r} is not the name of an attribute.")
     return listed
 
@@ -97,8 +108,8 @@ def run_options(
         "axis": _axis(axis),
         "memory": bytes_of(memory),
         "threads": count,
-        "temp_folder": os.fspath(temp_folder or ""),
-        "resume": os.fspath(resume or ""),
+        "temp_folder": "" if temp_folder is None else path("temp_folder", temp_folder),
+        "resume": "" if resume is None else path("resume", resume),
         "nonfinite": "" if nonfinite is None else choice("nonfinite", nonfinite, ("keep", "drop", "refuse")),
         "overwrite": bool(overwrite),
         "replace": names("replace", replace),

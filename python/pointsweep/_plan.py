@@ -9,7 +9,7 @@ from typing import Any
 
 from . import _core
 from ._errors import UsageError
-from ._options import names, run_options
+from ._options import names, path, run_options
 from ._pipeline import PipelineLike, stages_of
 from ._sources import source_of
 
@@ -42,7 +42,7 @@ def plan(
     """
     stages = stages_of(pipeline)
     checked = run_options(**options)
-    file = "" if to is None else os.fspath(to)
+    file = "" if to is None else path("to", to)
     if file.endswith(os.sep) or os.path.isdir(file or os.devnull):
         raise UsageError(f"to: {file} is a folder; a plan is that of a run to one file.")
     source = source_of(points, attributes, crs, checked["temp_folder"])

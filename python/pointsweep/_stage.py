@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -47,10 +46,7 @@ def _path_of(where: str, value: Any) -> str:
     files = getattr(value, "files", None)  # of a Cloud
     if files is not None and len(files) != 1:
         raise UsageError(f"{where}: is a cloud of {len(files)} files; give their folder or a pattern instead.")
-    try:
-        return os.fspath(files[0] if files else value)
-    except TypeError:
-        raise UsageError(f"{where}: {value!r} is not a path.") from None
+    return path(where, files[0] if files else value)
 
 
 def _text_of(where: str, kind: str, value: Any) -> str:

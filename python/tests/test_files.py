@@ -69,6 +69,16 @@ def test_points_of_files_come_as_arrays(tiles):
     assert ps.neighbors(tiles, k=3).indices.shape == (4000, 3)
 
 
+def test_a_cloud_is_an_array_of_its_positions(tiles):
+    cloud = ps.open(tiles)
+    xyz = np.asarray(cloud)
+    assert xyz.shape == (4000, 3) and xyz.tobytes() == cloud.run("decimate(1)")["xyz"].tobytes()
+    assert np.array(cloud, np.float32).dtype == np.float32
+    assert ps.normals({"xyz": cloud}, 8).tobytes() == ps.normals(cloud, 8).tobytes()
+    with pytest.raises(ValueError, match="copy"):
+        cloud.__array__(copy=False)
+
+
 def test_a_run_of_files_is_resumed(tiles, tmp_path):
     to, folder = tmp_path / "out.las", tmp_path / "progress"
     whole = tmp_path / "whole.las"
