@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// `verify` of outputs that lack rows which a stage behind others has left out: right ones pass, and a value that was
 /// changed, a row that should stay and a row that should go are found.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <random>
 #include <sstream>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/files/output_file.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

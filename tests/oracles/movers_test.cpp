@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What operators make of points that have moved: neighbourhoods of the search, positions of now.
+#include <fmt/format.h>
+
 #include "pointsweep/operators/fair.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/operators/neighborhood_size.h"

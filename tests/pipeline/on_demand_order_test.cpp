@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Points put in order by the boxes of their inputs: the same bytes as after a distribution pass, nothing spilled for
 /// the order, and a plan that says what it chose and why.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

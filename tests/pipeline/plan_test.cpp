@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The one plan of a chain: its graph, its passes, what a point takes in them, and the phases of the run.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "pointsweep/operators/normals.h"

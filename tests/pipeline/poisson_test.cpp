@@ -2,6 +2,7 @@
 /// poisson against the sequential greedy loop over the whole cloud.
 #include "pointsweep/operators/poisson.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/registry.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Rows that leave the cloud: what is written, and what later stages see, is that of a file without them.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

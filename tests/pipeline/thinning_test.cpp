@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// decimate and voxel against loops over the whole cloud, written from their definitions.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

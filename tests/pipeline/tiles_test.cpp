@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// An output for each input: no seams, each tile like its input, complete or absent.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

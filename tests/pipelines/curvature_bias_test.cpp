@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How right curvatures are on dense noiseless surfaces, with normals estimated from the same neighbourhoods.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "pointsweep/pipeline/build_chain.h"

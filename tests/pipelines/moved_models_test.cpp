@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Normals, splats and sizes of neighbourhoods of scanned models after fairing and other moves, at k = 64, against
 // Equation 1 written out in long double over the neighbours found before the move.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>

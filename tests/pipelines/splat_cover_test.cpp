@@ -2,6 +2,7 @@
 // Splats cover surfaces without holes: generated ones, and the triangles of scanned models.
 #include "tests/pipelines/splat_cover.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
