@@ -76,18 +76,23 @@ class VerifyOperators : public Tool {
   }
   bool is_determined() { return tool("verify out.ply").out.find("undetermined") == std::string::npos; }
 
-  /// In both orders, with the record of the run and without.
+  /// Every shape in one of the two orders by turns; the first shape in both, with each field, and without the record
+  /// of the run.
   void checks(const std::string& pipeline, const std::vector<std::string>& fields) {
+    std::vector<std::string> orders = {"input", "sweep"};
     for (const auto& [name, shape] : hostile_shapes()) {
       const std::string what = name + ", " + pipeline;
       write_hostile(shape);
-      for (const std::string order : {"input", "sweep"}) {
-        run(pipeline, "--order " + order);
-        same("out.ply", what + ", " + order);
-        if (name == "closed surface")
-          for (const std::string& field : fields) found(field, 123, kPoints, what + ", " + order);
+      const bool is_first = name == "closed surface";
+      std::swap(orders[0], orders[1]);
+      for (std::size_t i = 0; i < (is_first ? 2 : 1); ++i) {
+        run(pipeline, "--order " + orders[i]);
+        same("out.ply", what + ", " + orders[i]);
+        if (is_first)
+          for (const std::string& field : fields) found(field, 123, kPoints, what + ", " + orders[i]);
       }
       if (fields.front() != "normal_turned" || is_determined()) found(fields.front(), 0, 4, what);
+      if (!is_first) continue;
       run(pipeline, "--no-provenance");
       same("in.ply out.ply --pipeline '" + pipeline + "'", what);
     }
