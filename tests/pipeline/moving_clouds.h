@@ -74,6 +74,12 @@ inline std::vector<EngineOptions> ways_to_run() {
   return all;
 }
 
+/// One half of the ways to run at even turns, the other half at odd ones.
+inline std::vector<EngineOptions> half_of_ways_to_run(std::size_t turn) {
+  const std::vector<EngineOptions> all = ways_to_run();
+  return {all[turn % 2], all[2 + turn % 2]};
+}
+
 /// Threads, spilled or in memory, and axes, for rows in one order.
 inline std::vector<EngineOptions> ways_to_run(Order order) {
   std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3)};

@@ -181,7 +181,7 @@ TEST_F(Resume, StoppedAnywhereARunGoesOnToTheSameBytes) {
     run_uninterrupted(work);
     run_until(0, work, resuming(work));
     const std::uint64_t all = reports_;
-    for (std::uint64_t stop = 2; stop <= all; stop += 1 + all / 5) {
+    for (std::uint64_t stop = 2; stop <= all; stop += 1 + all / 3) {
       SCOPED_TRACE(fmt::format("{}, stopped at report {} of {}", work.name, stop, all));
       EXPECT_FALSE(run_until(stop, work, resuming(work)));
       EngineOptions other = resuming(work);
