@@ -2,6 +2,7 @@
 /// Holds every point of a run against the formulas of verify/formulas, on neighbourhoods found by the tests' own grid.
 #pragma once
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
