@@ -94,6 +94,7 @@ class KindsOfTiles {
     const fs::path& output = request_.outputs.tiles[tile];
     const Reader& reader = *request_.cloud.readers()[tile];
     Kind kind{format_of_output(output), reader.info().schema};
+    for (Field& field : kind.schema.fields) field.bias = 0;  // wherever the grid of an input begins
     if (std::ranges::find(tried_, kind) != tried_.end()) return;
     tried_.push_back(std::move(kind));
     const InputCloud cloud = cloud_of_input(request_.cloud, tile);
@@ -140,7 +141,7 @@ struct TileSet::Tile {
 };
 
 TileSet::TileSet(const TileRequest& request, FinishedTiles finished)
-    : request_(request), finished_(std::move(finished)) {
+    : request_(request), outputs_(request.outputs.tiles), finished_(std::move(finished)) {
   std::uint64_t row = 0;
   for (const auto& reader : request.cloud.readers()) {
     first_row_.push_back(row);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pointsweep/formats/files/made_folders.h"
+#include "pointsweep/formats/files/unfinished_output.h"
 #include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/finished_tiles.h"
@@ -66,6 +67,7 @@ class TileSet {
   void note(const std::vector<std::string>& warnings, const std::filesystem::path& output);
 
   TileRequest request_;
+  ManyOutputs outputs_;
   FinishedTiles finished_;
   std::vector<std::uint64_t> first_row_;  ///< of each input, before any select
   std::size_t next_ = 0;                  ///< tile to be opened next

@@ -10,8 +10,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/files/unfinished_output.h"
 #include "tests/formats/temporary_folder.h"
 
 namespace pointsweep {
@@ -139,6 +141,31 @@ TEST(OutputFile, RemovesWhatAKilledRunLeft) {
   EXPECT_FALSE(std::filesystem::exists(folder / fmt::format(".out.{}.part", child)));
   EXPECT_TRUE(std::filesystem::exists(folder / ".out.1.part"));
   EXPECT_EQ(files_in(folder.path()), 2);
+}
+
+TEST(ManyOutputs, RemoveOnceWhatAKilledRunLeftAndTheirFilesDoNotLookForMore) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "b");
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(0);
+  ::waitpid(child, nullptr, 0);
+  const auto left = [&](const std::string& output) {
+    const std::filesystem::path path = folder / output;
+    return path.parent_path() / fmt::format(".{}.{}.part", path.filename().string(), child);
+  };
+  const auto is_left = [&](const std::string& output) { return std::filesystem::exists(left(output)); };
+  for (const char* output : {"one", "b/two", "b/other"}) std::ofstream(left(output)) << "half";
+  {
+    const ManyOutputs outputs({folder / "one", folder / "b/two", folder / "b/three.las"});
+    EXPECT_FALSE(is_left("one"));
+    EXPECT_FALSE(is_left("b/two"));
+    EXPECT_TRUE(is_left("b/other"));
+    std::ofstream(left("b/three.las")) << "half";
+    { OutputFile file(folder / "b/three.las", false); }
+    EXPECT_TRUE(is_left("b/three.las"));
+  }
+  { OutputFile file(folder / "b/three.las", false); }
+  EXPECT_FALSE(is_left("b/three.las"));
 }
 
 TEST(OutputFile, IsNotTakenFromAWriterThatIsStillAtWork) {

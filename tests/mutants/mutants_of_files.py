@@ -86,6 +86,8 @@ MUTANTS = [
            "if (!part_.empty()) ::unlink(part_.c_str());", "", ("formats:OutputFile.*", "cli:Interrupt.*")),
     Mutant("a run ended at once leaves its unfinished output", "files", FORMATS + "files/output_file.cpp",
            "leftover_.emplace(part_);", "", ("cli:Interrupt.*", "formats:OutputFile.*")),
+    Mutant("the folder of many outputs is listed for each of them", "files", FORMATS + "files/unfinished_output.cpp",
+           "if (cleared().targets.contains(target)) return;", "", ("formats:ManyOutputs.*", "pipeline:Tiles.*")),
     Mutant("a run ended at once leaves its temporary folder", "files", "pointsweep/order/temp_folder.cpp",
            "leftover_.emplace(path_);", "", ("cli:Interrupt.*", "order:TempFolders.*")),
 

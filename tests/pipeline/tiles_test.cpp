@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -283,6 +285,22 @@ TEST_F(Tiles, PointsThatAreNotFiniteAreDroppedFromTheirTileAlone) {
   run_all("normals", {.points = folder_ / "merged.ply"}, dropping);
   expect_no_seams(folder_ / "merged.ply");
   EXPECT_EQ(FileContent(folder_ / "out/d.xyz").rows, 350u);
+}
+
+/// A folder of so many tiles would be listed as many times, which takes the square of their number.
+TEST_F(Tiles, LookForWhatKilledRunsHaveLeftBeforeTheFirstOfThemAlone) {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(0);
+  ::waitpid(child, nullptr, 0);
+  const auto left = [&](const char* folder) { return folder_ / fmt::format("out/{}/.c.ply.{}.part", folder, child); };
+  fs::create_directories(folder_ / "out/deep");
+  folder_.write(fs::relative(left("deep"), folder_.path()).string(), "half");
+  InputCloud cloud = hooked(2, [&] {
+    if (fs::exists(folder_ / "out/a.las")) folder_.write(fs::relative(left("."), folder_.path()).string(), "half");
+  });
+  run_cloud(cloud, "normals", tiles(), options());
+  EXPECT_FALSE(fs::exists(left("deep")));
+  EXPECT_TRUE(fs::exists(left(".")));
 }
 
 TEST_F(Tiles, SayWhichTileOfWhichRunTheyAre) {

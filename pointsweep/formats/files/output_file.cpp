@@ -2,7 +2,6 @@
 #include "pointsweep/formats/files/output_file.h"
 
 #include <fcntl.h>
-#include <signal.h>
 #include <stdio.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -11,12 +10,12 @@
 #include <atomic>
 #include <cassert>
 #include <cerrno>
-#include <charconv>
 #include <string>
 #include <system_error>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/standard_streams.h"
+#include "pointsweep/formats/files/unfinished_output.h"
 
 namespace pointsweep {
 namespace {
@@ -24,10 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 std::atomic<bool> any_complete = false, any_streamed = false;
-
-fs::path folder_of(const fs::path& destination) {
-  return destination.has_parent_path() ? destination.parent_path() : fs::path(".");
-}
 
 [[noreturn]] void fail_to_write(const fs::path& destination, int error) {
   const std::string name = destination.string();
@@ -76,33 +71,6 @@ void check_destination(const fs::path& destination, bool overwrite) {
   }
 }
 
-/// A file whose process is gone, or that an earlier process with our number left: no process holds its lock.
-bool is_abandoned(const fs::path& part, pid_t owner) {
-  if (owner != ::getpid() && (::kill(owner, 0) == 0 || errno != ESRCH)) return false;
-  const int descriptor = ::open(part.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
-  if (descriptor < 0) return false;
-  const bool locked = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  ::close(descriptor);
-  return !locked;
-}
-
-/// Removes what runs that were killed have left of this destination.
-void remove_abandoned_parts(const fs::path& destination) {
-  const std::string prefix = "." + destination.filename().string() + ".", suffix = ".part";
-  std::error_code error;
-  for (fs::directory_iterator entry(folder_of(destination), error), end; !error && entry != end;
-       entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (name.size() <= prefix.size() + suffix.size() || !name.starts_with(prefix) || !name.ends_with(suffix)) continue;
-    pid_t owner = 0;
-    const char* const digits_end = name.data() + name.size() - suffix.size();
-    const auto parsed = std::from_chars(name.data() + prefix.size(), digits_end, owner);
-    if (parsed.ec != std::errc{} || parsed.ptr != digits_end || owner <= 0) continue;
-    std::error_code ignored;
-    if (is_abandoned(entry->path(), owner)) fs::remove(entry->path(), ignored);
-  }
-}
-
 /// Renames without ever replacing a file that has appeared meanwhile. Returns 0 or an errno.
 int rename_to_new(const fs::path& from, const fs::path& to) {
   if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
@@ -113,18 +81,6 @@ int rename_to_new(const fs::path& from, const fs::path& to) {
   struct stat status {};
   if (::lstat(to.c_str(), &status) == 0) return EEXIST;
   return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
-}
-
-/// An output that is a link replaces what the link points to.
-fs::path target_of(const fs::path& destination) {
-  std::error_code error;
-  if (!fs::is_symlink(destination, error)) return destination;
-  const fs::path target = fs::canonical(destination, error);
-  return error ? destination : target;
-}
-
-fs::path part_of(const fs::path& target) {
-  return folder_of(target) / fmt::format(".{}.{}.part", target.filename().string(), ::getpid());
 }
 
 }  // namespace
