@@ -72,12 +72,29 @@ std::shared_ptr<Operator> make_ground(const OptionValues& options, const Facts&)
                                                 .noise = options.word("noise") == "yes"});
 }
 
-/// Columns of the raster of a sample.
+/// The most columns of a band of rows of a sample.
 std::size_t columns_of(std::span<const Vec3> sample, int axis, double cell, AxisRule rule) {
+  std::vector<std::pair<double, double>> cells;  // row, column
+  for (const Vec3& p : sample) {
+    const double x = std::floor(p.x / cell), y = std::floor(p.y / cell);
+    cells.emplace_back(axis == 0 ? std::pair{x, y} : std::pair{y, x});
+  }
+  std::ranges::sort(cells);
+  BandedRows rows(rule);
   CellAxis columns(rule);
-  for (const Vec3& p : sample) columns.add(std::floor((axis == 0 ? p.y : p.x) / cell));
-  columns.finish();
-  return columns.size();
+  std::size_t most = 0;
+  const auto end_band = [&] {
+    columns.finish();
+    most = std::max(most, columns.size());
+    columns = CellAxis(rule);
+  };
+  for (const auto& [row, column] : cells) {
+    if (rows.begins_band(row)) end_band();
+    rows.place_of(row);
+    columns.add(column);
+  }
+  end_band();
+  return most;
 }
 
 }  // namespace

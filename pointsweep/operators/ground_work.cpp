@@ -53,7 +53,14 @@ void GroundWork::add(unsigned round, const OrderedPoints& points, MadeInOrder& m
 void GroundWork::end(unsigned round, MadeInOrder&) {
   if (round > 0) return;
   lowest_.finish();
-  surface_.emplace(ground_surface(lowest_, rule_, setup_.memory_bytes, setup_.make_scratch), kRowsAround);
+  require_ground_memory(rule_, lowest_.most_columns(), setup_.memory_bytes);
+}
+
+void GroundWork::open_band(std::size_t number) {
+  surface_.reset();
+  opened_ = number;
+  band_.emplace(lowest_, number);
+  surface_.emplace(ground_surface(*band_, rule_, setup_.memory_bytes, setup_.make_scratch), kRowsAround);
 }
 
 bool GroundWork::takes_part(const double* values) const {
@@ -82,14 +89,20 @@ void GroundWork::classify(const OrderedPoints& points, MadeInOrder& made) {
     const double* values = points.values.data() + i * values_;
     std::uint8_t result = class_of_others(values);
     if (takes_part(values)) {
-      const Cell cell{rows_.place_of(row_number(points.places[i])),
-                      lowest_.columns().place_of(column_number(points.places[i]))};
+      const Cell cell = cell_of(points.places[i]);
       surface_->move_to(cell.row);
       if (is_ground(points.positions[i], cell)) result = static_cast<std::uint8_t>(kGround);
     }
     made.rows.push_back(points.rows[i]);
     made.values.push_back(std::byte{result});
   }
+}
+
+/// Opens the band of the cell. Points come row by row, as in the first round.
+GroundWork::Cell GroundWork::cell_of(Vec3 place) {
+  const std::uint64_t row = rows_.place_of(row_number(place));
+  if (opened_ != rows_.band()) open_band(rows_.band());
+  return {row, band_->columns().place_of(column_number(place))};
 }
 
 bool GroundWork::is_ground(Vec3 p, Cell cell) const {

@@ -34,6 +34,8 @@ class GroundWork final : public OrderedWork {
   std::uint8_t class_of_others(const double* values) const;
   void add_lowest(const OrderedPoints& points);
   void classify(const OrderedPoints& points, MadeInOrder& made);
+  Cell cell_of(Vec3 place);
+  void open_band(std::size_t number);
   bool is_ground(Vec3 p, Cell cell) const;
   std::optional<Surface> surface_at(Vec3 p, Cell cell) const;
   double surface(Cell cell, int dx, int dy) const;
@@ -47,8 +49,10 @@ class GroundWork final : public OrderedWork {
   std::size_t values_;
   OrderedSetup setup_;
   LowestCells lowest_;
+  BandedRows rows_;               ///< of the second round
+  std::optional<std::size_t> opened_;
+  std::optional<CellBand> band_;  ///< of that number
   std::optional<SurfaceWindow> surface_;
-  AscendingPlaces rows_;  ///< of the second round
 };
 
 }  // namespace pointsweep

@@ -15,8 +15,14 @@ std::size_t step(double from, double to, std::size_t most) {
 
 }  // namespace
 
-std::uint64_t AscendingPlaces::place_of(double number) {
-  place_ = any_ ? place_ + step(number_, number, rule_.most) : rule_.margin;
+bool BandedRows::begins_band(double number) const {
+  return any_ && number - number_ >= static_cast<double>(rule_.most);
+}
+
+std::uint64_t BandedRows::place_of(double number) {
+  const bool begins = begins_band(number);
+  if (begins) ++band_;
+  place_ = any_ && !begins ? place_ + static_cast<std::uint64_t>(number - number_) : rule_.margin;
   number_ = number;
   any_ = true;
   return place_;

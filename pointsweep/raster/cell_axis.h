@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// Numbers of rows and columns of a raster that leaves out wide empty strips.
 ///
-/// Cells of an absolute grid have numbers floor(coordinate / cell). Where no cell of a strip of rows (or columns) has a
-/// point, and the strip is wider than any filter reaches across, only `most` of its rows are kept: an outlier far away
-/// does not make the raster large.
+/// Cells of an absolute grid have numbers floor(coordinate / cell). Where no cell of a strip has a point, and the strip
+/// is wider than any filter reaches across, `most` of its columns are kept, and of its rows none: the rows on its two
+/// sides are rasters of their own. An outlier far away does not make the raster large.
 #pragma once
 
 #include <cstddef>
@@ -17,20 +17,25 @@ struct AxisRule {
   std::size_t most;    ///< cells from one number to the next are at most so many
 };
 
-/// Places of numbers that come in ascending order.
-class AscendingPlaces {
+/// Places of numbers that come in ascending order, in bands: from one band to the next there are `most` cells or more.
+class BandedRows {
  public:
-  explicit AscendingPlaces(AxisRule rule) : rule_(rule) {}
-  /// `number` is at least that of the call before.
+  explicit BandedRows(AxisRule rule) : rule_(rule) {}
+  /// Whether `number` would be the first of a band after the one in hand.
+  bool begins_band(double number) const;
+  /// The place of a number in its band. `number` is at least that of the call before.
   std::uint64_t place_of(double number);
-  /// Places there are, with both margins. 0 without any number.
-  std::uint64_t size() const { return any_ ? place_ + rule_.margin + 1 : 0; }
+  /// The band in hand, counted from 0.
+  std::size_t band() const { return band_; }
+  /// Places of the band in hand, with both margins. 0 without any number.
+  std::uint64_t rows() const { return any_ ? place_ + rule_.margin + 1 : 0; }
 
  private:
   AxisRule rule_;
   bool any_ = false;
   double number_ = 0;
   std::uint64_t place_ = 0;
+  std::size_t band_ = 0;
 };
 
 /// Places of numbers that come in any order: first all numbers are added, then places are asked for.

@@ -42,6 +42,7 @@ void DiskMinima::add_part(const double* values, std::size_t rows, std::size_t fi
     const std::size_t from = first - std::min(first, radius), to = std::min(columns_, end + radius);
     std::copy(values + row * columns_ + from, values + row * columns_ + to,
               minima.begin() + static_cast<std::ptrdiff_t>(from + radius - first));
+    if (std::ranges::all_of(minima, [](double value) { return value == kNoCell; })) continue;
     // minima[i] is that around column first - radius + w + i.
     double* m = minima.data();
     for (std::size_t w = 0; w <= radius; ++w) {

@@ -24,7 +24,9 @@ class Disk {
 /// Rows whose cells become minima over disks around them, while rows are given from the first to the last.
 class DiskMinima {
  public:
-  DiskMinima(std::size_t radius, std::size_t columns) : disk_(radius), columns_(columns) {}
+  DiskMinima(std::size_t radius, std::size_t columns) : disk_(radius), columns_(columns) {
+    minima_.reserve(most_rows(radius) * columns);
+  }
 
   /// Takes `rows` rows more; kNoCell counts for nothing. On all threads.
   void add(const double* values, std::size_t rows);
@@ -36,9 +38,10 @@ class DiskMinima {
   /// Forgets the rows before `number`.
   void drop(std::size_t number);
   /// Memory for each column.
-  static std::size_t column_bytes(std::size_t radius) { return (2 * radius + kRowsAtOnce) * sizeof(double); }
+  static std::size_t column_bytes(std::size_t radius) { return most_rows(radius) * sizeof(double); }
 
  private:
+  static std::size_t most_rows(std::size_t radius) { return 2 * (radius + kRowsAtOnce); }
   void add_part(const double* values, std::size_t rows, std::size_t first, std::size_t end);
   void spread(const double* values, std::size_t row, std::size_t half_width, std::size_t first, std::size_t end);
 

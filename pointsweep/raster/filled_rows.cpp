@@ -28,7 +28,9 @@ struct Side {
 }  // namespace
 
 FilledRows::FilledRows(std::unique_ptr<RowStream> from, std::size_t reach)
-    : RowStream(from->columns()), from_(std::move(from)), reach_(reach), south_(columns()), since_(columns()) {}
+    : RowStream(from->columns()), from_(std::move(from)), reach_(reach), south_(columns()), since_(columns()) {
+  known_.reserve((reach + 2 * kRowsAtOnce) * columns());
+}
 
 std::size_t FilledRows::column_bytes(std::size_t reach) {
   return (reach + 6 * kRowsAtOnce) * sizeof(double) + 2 * kRowsAtOnce + 2 * sizeof(double);

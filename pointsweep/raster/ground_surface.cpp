@@ -12,8 +12,6 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kPitSlope = 5;
-
 /// A stream that was read to its end, in scratch.
 class KeptRows final : public RowStream {
  public:
@@ -48,7 +46,7 @@ class KeptRows final : public RowStream {
 /// The minima with the marks of another stream of as many rows.
 class MarkedRows final : public RowStream {
  public:
-  MarkedRows(const LowestCells& lowest, std::unique_ptr<RowStream> marks)
+  MarkedRows(const CellBand& lowest, std::unique_ptr<RowStream> marks)
       : RowStream(lowest.columns().size()), lowest_(lowest), marks_(std::move(marks)) {}
   bool next(CellRows& out) override {
     if (!lowest_.next(out)) return false;
@@ -102,17 +100,22 @@ std::uint64_t least_ground_bytes(const GroundRule& rule, std::size_t columns) {
   return columns * (other_column_bytes(rule) + OpenedRows::column_bytes(std::max<std::size_t>(rule.radius, 1)));
 }
 
-std::unique_ptr<RowStream> ground_surface(const LowestCells& lowest, const GroundRule& rule, std::uint64_t memory_bytes,
-                                          const MakeScratch& make_scratch) {
-  const std::size_t columns = lowest.columns().size();
+void require_ground_memory(const GroundRule& rule, std::size_t columns, std::uint64_t memory_bytes) {
   if (const std::uint64_t least = least_ground_bytes(rule, columns); least > memory_bytes)
     fail(
         "ground: {} columns of cells take {} MB and {} MB are left for them: give {} MB more by --memory, or larger "
         "cells.",
         columns, (least >> 20) + 1, memory_bytes >> 20, ((least - memory_bytes) >> 20) + 1);
+}
+
+std::unique_ptr<RowStream> ground_surface(const CellBand& lowest, const GroundRule& rule, std::uint64_t memory_bytes,
+                                          const MakeScratch& make_scratch) {
+  const std::size_t columns = lowest.columns().size();
+  require_ground_memory(rule, columns, memory_bytes);
   auto filled = std::make_unique<FilledRows>(std::make_unique<LowestRows>(lowest), rule.reach());
+  if (lowest.height() < rule.least_height()) return filled;
   Filters filters(std::move(filled), memory_bytes - columns * other_column_bytes(rule), make_scratch);
-  filters.add(1, kPitSlope * rule.cell, Opens::pit_marks);
+  filters.add(1, GroundRule::kPitSlope * rule.cell, Opens::pit_marks);
   for (std::size_t r = 1; r <= rule.radius; ++r)
     filters.add(r, rule.slope * (rule.cell * static_cast<double>(r)), Opens::surface);
   return std::make_unique<FilledRows>(std::make_unique<MarkedRows>(lowest, filters.finish()), rule.reach());

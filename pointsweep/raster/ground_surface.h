@@ -4,6 +4,7 @@
 /// Remote Sensing 77, 2013), with rows that come one after another and holes filled locally (filled_rows.h).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -16,10 +17,14 @@
 namespace pointsweep {
 
 struct GroundRule {
+  static constexpr double kPitSlope = 5;
   double cell;         ///< edge of a cell, length
   double slope;        ///< steepest slope of the ground, rise over run
   std::size_t radius;  ///< of the largest disk, in cells
 
+  /// Half of the height of the lowest pit or object: filled and opened surfaces do not leave the range of the minima by
+  /// more than roundings. Where minima differ by less, as those of an outlier far away, the filters do nothing.
+  double least_height() const { return std::min(slope, kPitSlope) * cell / 2; }
   /// Farthest cells from which a hole is filled: across what the largest disk erases, in any direction.
   std::size_t reach() const { return 3 * radius + 3; }
   /// A strip without points wider than this separates what lies on its two sides.
@@ -32,10 +37,12 @@ struct GroundRule {
 /// next. 4. Minima of cells that are neither pits nor objects are filled again.
 ///
 /// Filters whose rows do not fit in `memory_bytes` together run one after another, with their surfaces in scratch. The
-/// result does not depend on that. `lowest` must outlive it. Throws Error if a single filter does not fit.
-std::unique_ptr<RowStream> ground_surface(const LowestCells& lowest, const GroundRule& rule, std::uint64_t memory_bytes,
+/// result does not depend on that. `lowest` must outlive it. Throws as require_ground_memory().
+std::unique_ptr<RowStream> ground_surface(const CellBand& lowest, const GroundRule& rule, std::uint64_t memory_bytes,
                                           const MakeScratch& make_scratch);
 
+/// Throws Error if a single filter of so many columns does not fit.
+void require_ground_memory(const GroundRule& rule, std::size_t columns, std::uint64_t memory_bytes);
 /// The least memory that does for so many columns.
 std::uint64_t least_ground_bytes(const GroundRule& rule, std::size_t columns);
 

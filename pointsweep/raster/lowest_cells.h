@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The lowest z of each cell that has a point: the raster of minima, without its empty cells, in the temporary folder.
+/// It falls into bands: rows without a wide empty strip between them. No cell of a band has an effect on another band,
+/// so that each is a raster of its own, with columns of its own.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +17,7 @@ namespace pointsweep {
 
 /// A cell that has a point.
 struct LowestCell {
-  std::uint64_t row;  ///< its place
+  std::uint64_t row;  ///< its place in its band
   double column;      ///< its number
   double z;           ///< the least of its points
 };
@@ -29,34 +31,65 @@ class LowestCells {
   /// After the last point.
   void finish();
 
-  const CellAxis& columns() const { return columns_; }
-  std::uint64_t rows() const { return rows_.size(); }
   std::uint64_t count() const { return count_; }
-  /// Cells `first`, `first` + 1, ... in their order: ascending rows. At most 4,096, and none behind the last.
-  void read(std::uint64_t first, std::vector<LowestCell>& out) const;
+  std::size_t bands() const { return bands_.size(); }
+  /// The most columns of a band.
+  std::size_t most_columns() const { return most_columns_; }
 
  private:
+  friend class CellBand;
+  struct Band {
+    std::uint64_t first, end;  ///< cells
+    std::uint64_t rows;
+  };
   void put();
+  void end_band();
   void flush();
+  /// Cells `first`, `first` + 1, ... before `end`: ascending rows. At most 4,096.
+  void read(std::uint64_t first, std::uint64_t end, std::vector<LowestCell>& out) const;
 
-  CellAxis columns_;
-  AscendingPlaces rows_;
+  AxisRule rule_;
+  CellAxis columns_;  ///< of the band in hand
+  BandedRows rows_;
   std::unique_ptr<Scratch> scratch_;
   std::vector<LowestCell> buffer_;
+  std::vector<Band> bands_;
   LowestCell cell_{};
   double row_ = 0;  ///< number of the row of cell_
   bool any_ = false;
   std::uint64_t count_ = 0;
+  std::size_t most_columns_ = 0;
 };
 
-/// The raster of minima: cells without a point have kNoCell, and no cell is marked. `cells` must outlive it.
-class LowestRows final : public RowStream {
+/// One band of the cells, which must outlive it.
+class CellBand {
  public:
-  explicit LowestRows(const LowestCells& cells) : RowStream(cells.columns().size()), cells_(cells) {}
-  bool next(CellRows& out) override;
+  CellBand(const LowestCells& cells, std::size_t number);
+  const CellAxis& columns() const { return columns_; }
+  std::uint64_t rows() const { return band_.rows; }
+  std::uint64_t count() const { return band_.end - band_.first; }
+  /// From the least z to the greatest.
+  double height() const { return highest_ - lowest_; }
+  /// Its cells `first`, `first` + 1, ... in their order: ascending rows. At most 4,096, and none after the last.
+  void read(std::uint64_t first, std::vector<LowestCell>& out) const {
+    cells_.read(band_.first + first, band_.end, out);
+  }
 
  private:
   const LowestCells& cells_;
+  LowestCells::Band band_;
+  CellAxis columns_;
+  double lowest_ = kNoCell, highest_ = -kNoCell;
+};
+
+/// The raster of minima: cells without a point have kNoCell, and no cell is marked. `band` must outlive it.
+class LowestRows final : public RowStream {
+ public:
+  explicit LowestRows(const CellBand& band) : RowStream(band.columns().size()), band_(band) {}
+  bool next(CellRows& out) override;
+
+ private:
+  const CellBand& band_;
   std::uint64_t row_ = 0, read_ = 0;  ///< rows given, cells read
   std::vector<LowestCell> buffer_;
   std::size_t at_ = 0;  ///< the next cell of buffer_

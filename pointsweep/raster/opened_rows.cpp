@@ -12,12 +12,16 @@ OpenedRows::OpenedRows(std::unique_ptr<RowStream> from, std::size_t radius, doub
       threshold_(threshold),
       upside_down_(opens == Opens::pit_marks),
       eroded_(radius, columns()),
-      dilated_(radius, columns()) {}
+      dilated_(radius, columns()) {
+  held_.values.reserve(most_held(radius) * columns());
+  held_.marks.reserve(most_held(radius) * columns());
+}
 
+/// After the last row as many rows are complete at once as the disk reaches.
 std::size_t OpenedRows::column_bytes(std::size_t radius) {
-  const std::size_t block = kRowsAtOnce * (sizeof(double) + 1);
-  return 2 * DiskMinima::column_bytes(radius) + (2 * radius + kRowsAtOnce) * (sizeof(double) + 1) +
-         kRowsAtOnce * sizeof(double) + 2 * block;
+  constexpr std::size_t kCell = sizeof(double) + 1;
+  return 2 * DiskMinima::column_bytes(radius) + most_held(radius) * kCell +
+         (radius + kRowsAtOnce) * (sizeof(double) + 2 * kCell);
 }
 
 double OpenedRows::turned(double value) const { return upside_down_ && value != kNoCell ? -value : value; }

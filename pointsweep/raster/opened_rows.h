@@ -27,6 +27,7 @@ class OpenedRows final : public RowStream {
   static std::size_t column_bytes(std::size_t radius);
 
  private:
+  static std::size_t most_held(std::size_t radius) { return 2 * (radius + kRowsAtOnce); }
   double turned(double value) const;
   void take_rows();
   void dilate();

@@ -239,6 +239,18 @@ TEST(Ground, APointFarAwayChangesNoOtherPoint) {
     EXPECT_EQ(classes(run_in_memory(points, {{}, {ground}}, options)), expected);
 }
 
+/// One raster of them all would have 1e9 cells, nearly all of them empty.
+TEST(Ground, ManyPointsFarFromEachOtherCostLittleAndChangeNoOtherPoint) {
+  std::vector<Vec3> points = hills(sized(1500), 11);
+  const auto ground = std::make_shared<Ground>(GroundOptions{.window = 9});
+  std::vector<double> expected = classes(run_in_memory(points, {{}, {ground}}, tiny(300)));
+  for (int i = 1; i <= 500; ++i) points.push_back({1e4 * i, -2e4 * i, 10.0 * (i % 7)});
+  expected.resize(points.size(), 2);
+  EngineOptions options = tiny(300);
+  options.resources.memory_bytes = 48u << 20;
+  EXPECT_EQ(classes(run_in_memory(points, {{}, {ground}}, options)), expected);
+}
+
 /// Two sheets, the nearer with a bank at its edge that holes on the way to the farther one would make narrow.
 TEST(Ground, DoesNotDependOnPointsBeyondItsReach) {
   for (const bool along_x : {true, false}) {

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <memory>
 #include <random>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/error.h"
@@ -195,17 +197,30 @@ void add_islands(LowestCells& cells, double far) {
 /// Of the cells that have a point, row by row.
 std::vector<double> surface_of(const LowestCells& cells, const GroundRule& rule, std::uint64_t memory,
                                Scratches& made) {
-  const std::unique_ptr<RowStream> surface = ground_surface(cells, rule, memory, made.make());
-  const Raster raster = all_of(*surface);
-  EXPECT_EQ(raster.rows, cells.rows());
   std::vector<double> values;
-  std::vector<LowestCell> some;
-  for (std::uint64_t first = 0; first < cells.count(); first += some.size()) {
-    cells.read(first, some);
-    for (const LowestCell& cell : some)
-      values.push_back(raster.at(static_cast<std::size_t>(cell.row), cells.columns().place_of(cell.column)));
+  for (std::size_t b = 0; b < cells.bands(); ++b) {
+    const CellBand band(cells, b);
+    const std::unique_ptr<RowStream> surface = ground_surface(band, rule, memory, made.make());
+    const Raster raster = all_of(*surface);
+    EXPECT_EQ(raster.rows, band.rows());
+    std::vector<LowestCell> some;
+    for (std::uint64_t first = 0; first < band.count(); first += some.size()) {
+      band.read(first, some);
+      for (const LowestCell& cell : some)
+        values.push_back(raster.at(static_cast<std::size_t>(cell.row), band.columns().place_of(cell.column)));
+    }
   }
   return values;
+}
+
+/// Cells of all bands, with those that are empty.
+std::uint64_t all_cells(const LowestCells& cells) {
+  std::uint64_t all = 0;
+  for (std::size_t b = 0; b < cells.bands(); ++b) {
+    const CellBand band(cells, b);
+    all += band.rows() * band.columns().size();
+  }
+  return all;
 }
 
 LowestCells islands(const GroundRule& rule, double far) {
@@ -217,7 +232,7 @@ LowestCells islands(const GroundRule& rule, double far) {
 TEST(GroundSurface, DoesNotDependOnMemory) {
   const GroundRule rule{.cell = 1, .slope = 2, .radius = 6};
   const LowestCells cells = islands(rule, 1000);
-  const std::uint64_t least = least_ground_bytes(rule, cells.columns().size());
+  const std::uint64_t least = least_ground_bytes(rule, cells.most_columns());
   Scratches all, few;
   const std::vector<double> expected = surface_of(cells, rule, 1u << 30, all);
   EXPECT_EQ(all.made, 0u);
@@ -242,16 +257,51 @@ TEST(GroundSurface, DoesNotDependOnThreads) {
 /// Islands farther away than filters reach change nothing, wherever they are, and the raster does not grow with them.
 TEST(GroundSurface, DoesNotDependOnWhatIsFarAway) {
   const GroundRule rule{.cell = 1, .slope = 2, .radius = 3};
-  const std::size_t apart = 60 + rule.axis_rule().most;
+  const double apart = 39 + static_cast<double>(rule.axis_rule().most);  // the first island has rows 0 to 39
   Scratches made;
-  const std::vector<double> expected = surface_of(islands(rule, static_cast<double>(apart)), rule, 1u << 30, made);
-  const LowestCells close = islands(rule, static_cast<double>(apart));
-  for (const double far : {1e4, 1e7, 1e12}) {
+  const LowestCells together = islands(rule, apart - 1), close = islands(rule, apart);
+  EXPECT_EQ(together.bands(), 1u);
+  const std::vector<double> expected = surface_of(together, rule, 1u << 30, made);
+  for (const double far : {apart, 1e4, 1e7, 1e12}) {
     const LowestCells cells = islands(rule, far);
+    EXPECT_EQ(cells.bands(), 2u);
     EXPECT_EQ(surface_of(cells, rule, 1u << 30, made), expected) << far;
-    EXPECT_LE(cells.columns().size(), close.columns().size());
-    EXPECT_LE(cells.rows(), close.rows());
+    EXPECT_LE(all_cells(cells), all_cells(close));
   }
+}
+
+/// Less than the lowest object: the surface of minima that are filled, which is that of the filters.
+TEST(GroundSurface, OfALevelBandIsThatOfTheFilters) {
+  const GroundRule filters{.cell = 1, .slope = 2, .radius = 6};
+  std::mt19937_64 random(5);
+  LowestCells cells(filters.axis_rule(), std::make_unique<ScratchInMemory>());
+  LowestCells steep(filters.axis_rule(), std::make_unique<ScratchInMemory>());
+  for (int i = 0; i < 900; ++i) {
+    if (random() % 3 == 0) continue;
+    const double z = 0.9 * static_cast<double>(random() % 1000) / 1000;
+    cells.add(i / 30, i % 30, z);
+    steep.add(i / 30, i % 30, z);
+  }
+  cells.finish();
+  steep.add(29, 30, 1.9);  // too high a range for the short way, too low for an object
+  steep.finish();
+  Scratches made;
+  EXPECT_LT(CellBand(cells, 0).height(), filters.least_height());
+  EXPECT_GT(CellBand(steep, 0).height(), filters.least_height());
+  const std::vector<double> surface = surface_of(cells, filters, 1u << 30, made);
+  const std::vector<double> by_filters = surface_of(steep, filters, 1u << 30, made);
+  EXPECT_EQ(surface, std::vector<double>(by_filters.begin(), by_filters.end() - 1));
+}
+
+/// Cells one by one along a diagonal, each far from the others.
+TEST(GroundSurface, EmptyRangesBetweenIslandsAreNoCells) {
+  const GroundRule rule{.cell = 1, .slope = 2, .radius = 3};
+  LowestCells cells(rule.axis_rule(), std::make_unique<ScratchInMemory>());
+  constexpr int kIslands = 1000;
+  for (int i = 0; i < kIslands; ++i) cells.add(1000.0 * i, 500.0 * i, i % 7);
+  cells.finish();
+  const std::size_t side = 2 * rule.axis_rule().margin + 1;
+  EXPECT_EQ(all_cells(cells), kIslands * side * side);
 }
 
 TEST(CellAxis, PlacesNumbersInAnyOrderAsInAscendingOrder) {
@@ -263,9 +313,24 @@ TEST(CellAxis, PlacesNumbersInAnyOrderAsInAscendingOrder) {
   for (const double number : numbers) axis.add(number);
   axis.finish();
   std::ranges::sort(numbers);
-  AscendingPlaces places({.margin = 4, .most = 9});
-  for (const double number : numbers) ASSERT_EQ(places.place_of(number), axis.place_of(number)) << number;
-  EXPECT_EQ(places.size(), axis.size());
+  double before = numbers.front();
+  std::size_t place = 4;
+  for (const double number : numbers) {
+    place += static_cast<std::size_t>(std::min(number - std::exchange(before, number), 9.0));
+    ASSERT_EQ(axis.place_of(number), place) << number;
+  }
+  EXPECT_EQ(axis.size(), place + 4 + 1);
+}
+
+TEST(BandedRows, BeginWithTheirMarginAfterAWideGap) {
+  BandedRows rows({.margin = 4, .most = 9});
+  EXPECT_EQ(rows.rows(), 0u);
+  const std::vector<std::array<double, 3>> expected = {{-7, 0, 4}, {-7, 0, 4}, {1, 0, 12}, {10, 1, 4}, {18, 1, 12}, {1e9, 2, 4}};
+  for (const auto& [number, band, place] : expected) {
+    EXPECT_EQ(static_cast<double>(rows.place_of(number)), place) << number;
+    EXPECT_EQ(static_cast<double>(rows.band()), band) << number;
+    EXPECT_EQ(static_cast<double>(rows.rows()), place + 5) << number;
+  }
 }
 
 TEST(SurfaceWindow, HoldsTheRowsAroundARow) {
