@@ -18,6 +18,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/free_memory.h"
 
 namespace pointsweep {
 namespace {
@@ -57,6 +58,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
 }  // namespace
 
 int run_tool(int argc, char** argv) {
+  keep_little_free_memory();
   open_console();
   CLI::App app{
       "Computes normals, curvatures, splats and other local attributes of point clouds of any size, exactly and within "

@@ -45,6 +45,10 @@ def outliers(percent, box, **settings):
 
 CLEAN = [own("surface"), Cloud("statue", (("generate", "statue"),)), Cloud("volume", (("generate", "volume"),))]
 
+# Those of the law of --memory.
+LAW = [Cloud("statue", (("generate", "statue"),)), Cloud("terrain", (("generate", "terrain"),)), Cloud("tls", (("generate", "tls"),)),
+       Cloud("volume", (("generate", "volume"),)), own("dense-ball"), own("walls")]
+
 HOSTILE = [
     *[outliers(percent, box) for percent in (0.001, 0.1, 1) for box in (10, 1000)],
     outliers(0.1, 20, small_window=True),

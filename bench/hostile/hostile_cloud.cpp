@@ -76,6 +76,17 @@ const std::vector<Kind>& kinds() {
          if (random(i, 3) < 0.3) return {5 + 0.005 * (random(i, 2) - 0.5), random(i, 0), random(i, 1)};
          return {100 * random(i, 0), random(i, 1), 0.001 * random(i, 2)};
        }},
+      {"walls", false,
+       [](Index i, Index) -> Point {
+         const double across = 4 * static_cast<double>(i % 5) + 0.004 * random(i, 2), u = 20 * random(i, 0);
+         return i % 2 == 0 ? Point{across, u, 3 * random(i, 1)} : Point{u, across, 3 * random(i, 1)};
+       }},
+      {"dense-ball", false,
+       [](Index i, Index) {
+         const Point p = on_surface(random(i, 0), random(i, 1));
+         const double radius = (i % 4 == 0 ? 10 : 1) * std::cbrt(random(i, 2));
+         return Point{radius * p[0], radius * p[1], radius * p[2] / 2};
+       }},
       {"twice", false, [](Index i, Index) { return surface(i / 2, 0); }},
       {"ten-times", false, [](Index i, Index) { return surface(i / 10, 0); }},
       {"thousand-times", false, [](Index i, Index) { return surface(i / 1000, 0); }},

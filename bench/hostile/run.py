@@ -16,6 +16,8 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 import processes as bench  # noqa: E402
+import many_tiles  # noqa: E402
+import memory_law  # noqa: E402
 import operator_chains  # noqa: E402
 from clouds import CLEAN, HOSTILE  # noqa: E402
 
@@ -33,7 +35,13 @@ def arguments():
     parser.add_argument("--chain", metavar="PIPELINE", help="run this one instead of the chain of three steps of each cloud")
     parser.add_argument("--operators", action="store_true",
                         help="run the chains of bench/hostile/operator_chains.py: the same bytes inside the limit as without")
-    parser.add_argument("--patience", type=int, default=300, help="seconds after which a run of --operators is ended (default 300)")
+    parser.add_argument("--law", action="store_true",
+                        help="run every operator of the registry on every kind of cloud, with 2 and 64 threads: its peak memory stays within --memory")
+    parser.add_argument("--budgets", type=int, nargs="*", default=[64, 128, 256], help="MiB of --law, beside the least (default 64 128 256)")
+    parser.add_argument("--law-operators", nargs="+", metavar="NAME", help="operators of --law (default: all)")
+    parser.add_argument("--tiles", action="store_true", help="run folders of 100, 1,000 and 10,000 tiles: the time for a tile stays the same")
+    parser.add_argument("--verbose", action="store_true", help="print every run of --law")
+    parser.add_argument("--patience", type=int, default=300, help="seconds after which a run of --operators or --law is ended (default 300)")
     parser.add_argument("--work", type=pathlib.Path, default=bench.ROOT / "build/hostile", help="folder for clouds and outputs")
     parser.add_argument("--build", type=pathlib.Path, default=bench.ROOT / "build/release")
     parser.add_argument("--output", type=pathlib.Path, help="JSON file for the result; what it has of other clouds is kept")
@@ -200,6 +208,10 @@ def main():
     options = arguments()
     options.build, options.work = options.build.resolve(), options.work.resolve()
     tried = Bench(options)
+    if options.law:
+        return memory_law.main(tried, options.only)
+    if options.tiles:
+        return many_tiles.main(tried)
     names = {c.name for c in HOSTILE}
     chosen = [c for c in HOSTILE if not options.only or
               any(text == c.name if text in names else text in c.name for text in options.only)]

@@ -44,7 +44,7 @@ FinishedComponent component_in(const std::byte* record) {
 
 /// Numbers of those that count.
 Numbers numbers_of(const ScratchRecords& components, const ComponentsSetup& setup) {
-  SortedRecords<FirstOfComponent, ByFirst> sorted(setup.make_scratch, setup.memory_bytes / 2);
+  SortedRecords<FirstOfComponent, ByFirst> sorted(setup.make_scratch, setup.memory_bytes / 2, components.count());
   std::uint64_t component = components.count();
   components.for_each_backwards([&](const std::byte* record) {
     --component;
@@ -52,7 +52,7 @@ Numbers numbers_of(const ScratchRecords& components, const ComponentsSetup& setu
       sorted.add({component_in(record).first, component});
   });
   sorted.finish();
-  Numbers numbers(setup.make_scratch, setup.memory_bytes / 2);
+  Numbers numbers(setup.make_scratch, setup.memory_bytes / 2, sorted.count());
   std::uint64_t next = 0;
   while (const auto first = sorted.next()) numbers.add({first->component, next++});
   numbers.finish();

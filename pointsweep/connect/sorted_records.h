@@ -19,10 +19,13 @@ namespace pointsweep {
 template <class Record, class Less>
 class SortedRecords {
  public:
-  SortedRecords(const MakeScratch& make_scratch, std::uint64_t memory_bytes, Less less = {})
+  /// Of at most `count` records.
+  SortedRecords(const MakeScratch& make_scratch, std::uint64_t memory_bytes, std::uint64_t count, Less less = {})
       : make_scratch_(make_scratch),
         most_(std::max<std::uint64_t>(kLeastRun, memory_bytes / sizeof(Record))),
-        less_(less) {}
+        less_(less) {
+    records_.reserve(static_cast<std::size_t>(std::min(most_, count)));  // a vector that grows takes three times as much
+  }
 
   void add(const Record& record) {
     records_.push_back(record);

@@ -8,6 +8,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/slabs_on_demand.h"
+#include "pointsweep/search/cell_search.h"
 #include "pointsweep/sweep/window_cell.h"
 
 namespace pointsweep {
@@ -24,6 +25,8 @@ constexpr std::uint64_t kLeastSlabPoints = 4096;
 
 /// A point on its way from the stream into a cell: its CutPoint, and that of a sparse place (sweep/slab_loader.cpp).
 constexpr std::uint64_t kLoadedPointBytes = 32;
+/// A thread: its stack, and what the allocator keeps for it.
+constexpr std::uint64_t kThreadBytes = 256 << 10;
 /// A slab in every list that has one entry for each: Slab, PiecedSlab, StreamPiece and SlabList of the stream, its
 /// entries in Frontier, and heap overhead.
 constexpr std::uint64_t kSlabBytes = 640;
@@ -72,23 +75,32 @@ std::uint64_t most_listed(const SweepPlan& plan, const MemoryDemand& demand) {
 
 std::uint64_t neighbor_bytes(const MemoryDemand& demand) { return sizeof(NeighborRef) + demand.listed_edge_bytes; }
 
+/// Whether the search gathers points, and ends when it has as many lists as it may; else it finds those of a cell.
+bool gathers(const SweepPlan& plan) { return plan.neighborhood.k > kMostInLanes; }
+
+/// Points around a leaf that a thread has gathered.
+std::uint64_t gathered_bytes(const SweepPlan& plan, const MemoryDemand& demand) {
+  return gathers(plan) ? std::min<std::uint64_t>(demand.points, kMostGathered) * kGatheredPointBytes : 0;
+}
+
 /// Lists of a thread, with the edges that it makes of them.
 std::uint64_t lists_bytes(std::uint64_t budget, const MemoryDemand& demand) {
   return std::clamp(budget / 16 / std::max(1u, demand.threads), kLeastListBytes, kMostListBytes);
 }
 
-/// What one thread has in hand: a slab on its way into cells; a cell with its results, lists, and the point searched.
+/// What one thread takes, and has in hand: a slab on its way into cells; a cell with its results, lists, and the point searched.
 std::uint64_t thread_bytes(const SweepPlan& plan, std::uint64_t slab_points, std::uint64_t budget,
                            const MemoryDemand& demand) {
   const std::uint64_t cell = std::min<std::uint64_t>(demand.points, demand.cell_points);
   const std::uint64_t loading =
       std::min(demand.points, slab_points) * (demand.working_record_bytes + kLoadedPointBytes);
   const std::uint64_t listed = most_listed(plan, demand);
-  const std::uint64_t lists = std::min(lists_bytes(budget, demand),
-                                       is_unlimited(plan) ? kMostListBytes : cell * listed * neighbor_bytes(demand));
+  const std::uint64_t of_cell = is_unlimited(plan) ? kMostListBytes : cell * listed * neighbor_bytes(demand);
+  const std::uint64_t lists = gathers(plan) ? std::min(lists_bytes(budget, demand), of_cell) : of_cell;
   const std::uint64_t point =
       listed * ((is_unlimited(plan) ? kNeighborInHandBytes : kCandidateBytes) + demand.listed_edge_bytes);
-  return loading + cell * (2 * plan.result_bytes + plan.step_lifetime_bytes()) + lists + point;
+  return kThreadBytes + loading + cell * (2 * plan.result_bytes + plan.step_lifetime_bytes()) + lists + point +
+         gathered_bytes(plan, demand);
 }
 
 /// What grows with the number of slabs and cells.

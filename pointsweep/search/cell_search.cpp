@@ -433,8 +433,6 @@ HWY_EXPORT(search_chosen_lanes);
 
 namespace {
 
-constexpr std::size_t kMostInLanes = 64;
-
 void clear(CellNeighbors& lists) {
   lists.refs.clear();
   lists.reach2.clear();

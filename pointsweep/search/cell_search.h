@@ -41,11 +41,26 @@ struct GatheredPoints {
 
   void reserve(std::size_t size, std::size_t padding) {
     if (size <= ref.size()) return;
-    for (auto* c : {&x, &y, &z}) c->resize(size);
-    ref.resize(size), key.resize(size);
-    bin_key.resize(size + padding), spare_key.resize(2 * size + padding);
+    for (auto* c : {&x, &y, &z}) grow(*c, size);
+    grow(ref, size), grow(key, size);
+    grow(bin_key, size + padding), grow(spare_key, 2 * size + padding);
+  }
+
+ private:
+  /// A vector that is resized alone takes up to twice as much.
+  template <class T>
+  static void grow(std::vector<T>& values, std::size_t size) {
+    values.reserve(size);
+    values.resize(size);
   }
 };
+
+/// The search for at most so many neighbours goes in lanes over the points of a leaf. That for more, and for all within
+/// a radius, gathers the points around a leaf, at most kMostGathered of them.
+inline constexpr std::size_t kMostInLanes = 64;
+inline constexpr std::size_t kMostGathered = 1 << 15;
+/// Memory for each of them: GatheredPoints, with leaves that are not full.
+inline constexpr std::uint64_t kGatheredPointBytes = 64;
 
 /// Memory reused from cell to cell by one thread.
 struct SearchScratch {

@@ -87,8 +87,6 @@ class GatheredSearch {
     return i;
   }
 
-  /// More points than this around one leaf are not gathered.
-  static constexpr std::size_t kMostGathered = 1 << 15;
   static constexpr std::uint64_t kDistanceBits = ~std::uint64_t{0} << 32;
   static constexpr std::size_t kMostCopied = 4096;  ///< candidates copied out to be compared; more are looked up
   static constexpr NeighborRef kNoPoint = ~NeighborRef{0};  ///< refers to no point: slots hold fewer
@@ -222,9 +220,11 @@ class GatheredSearch {
     for (const std::uint64_t key : keys) out_.refs.push_back(static_cast<NeighborRef>(key));
   }
 
-  /// One long list takes what it needs, not the next power of two.
+  /// Lists take what they need, not the next power of two, where that is more than they may have.
   void make_room(std::size_t more) {
-    if (more > most_ / 2) out_.refs.reserve(out_.refs.size() + more);
+    const std::size_t needed = out_.refs.size() + more;
+    if (needed <= out_.refs.capacity()) return;
+    out_.refs.reserve(std::max<std::size_t>(needed, std::min<std::uint64_t>(2 * needed, most_)));
   }
 
   static double farther(double a, double b) { return std::max(std::abs(a), std::abs(b)); }
@@ -271,6 +271,7 @@ class GatheredSearch {
     sort_(keys, count, hwy::SortAscending());
     const std::size_t size = std::min(count, what_.k);
     settle_ties(p, count, size);
+    make_room(size);
     for (std::size_t j = 0; j < size; ++j) out_.refs.push_back(static_cast<NeighborRef>(keys[j]));
     return count;
   }
@@ -282,6 +283,7 @@ class GatheredSearch {
     const std::size_t sorted = bins.sorted(), before = out_.refs.size();
     by_bins_ = bins.sharing() <= 4 + sorted / 16;
     if (!by_bins_) return 0;
+    make_room(sorted);
     out_.refs.resize(before + sorted);
     bins.write(out_.refs.data() + before, [&](std::span<NeighborRef> refs) { order_refs(p, refs); });
     out_.refs.resize(before + std::min(sorted, what_.k));

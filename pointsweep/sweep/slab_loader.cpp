@@ -12,14 +12,36 @@
 
 namespace pointsweep {
 
-namespace {
-
-/// What a load needs in addition to its result; kept per thread, so that the steady state allocates nothing.
+/// What a load needs in addition to its result.
 struct LoadScratch {
   std::vector<std::byte> records, cell_records;
   std::vector<CutPoint> points, sparse;
   std::vector<std::uint32_t> begin, sparse_begin;
 };
+
+/// One that no other load uses; as many as there are loads at once, so that the steady state allocates nothing.
+class SlabLoader::OwnScratch {
+ public:
+  explicit OwnScratch(const SlabLoader& loader) : loader_(loader) {
+    const std::lock_guard lock(loader.mutex_);
+    if (loader.free_.empty()) loader.free_.push_back(std::make_unique<LoadScratch>());
+    own_ = std::move(loader.free_.back());
+    loader.free_.pop_back();
+  }
+  ~OwnScratch() {
+    const std::lock_guard lock(loader_.mutex_);
+    loader_.free_.push_back(std::move(own_));
+  }
+  OwnScratch(const OwnScratch&) = delete;
+  OwnScratch& operator=(const OwnScratch&) = delete;
+  LoadScratch& operator*() { return *own_; }
+
+ private:
+  const SlabLoader& loader_;
+  std::unique_ptr<LoadScratch> own_;
+};
+
+namespace {
 
 std::uint64_t row_at(const Field& field, const std::byte* record) {
   if (field.type == Type::u32) {
@@ -83,6 +105,8 @@ SlabLoader::SlabLoader(const Stream& stream, const SweepPlan& plan, std::uint32_
       position_(position_fields(stream.record_schema(), "the working record")),
       row_(stream.record_schema().fields.back()) {}
 
+SlabLoader::~SlabLoader() = default;
+
 LoadedSlab SlabLoader::load(std::uint32_t slab, bool keep_records) const {
   return load(slab, keep_records, [](std::uint32_t, std::span<const CutPoint>) { return true; });
 }
@@ -93,7 +117,8 @@ LoadedSlab SlabLoader::load_cells(std::uint32_t slab, const CellFilter& is_wante
 
 template <class Filter>
 LoadedSlab SlabLoader::load(std::uint32_t slab, bool keep_records, const Filter& is_wanted) const {
-  thread_local LoadScratch s;
+  OwnScratch own(*this);
+  LoadScratch& s = *own;
   const Slab& about = stream_.slabs()[slab];
   const std::size_t stride = stream_.record_schema().stride;
   s.records.resize(about.count * stride);

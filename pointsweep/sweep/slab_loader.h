@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -13,6 +14,8 @@
 #include "pointsweep/sweep/window_cell.h"
 
 namespace pointsweep {
+
+struct LoadScratch;
 
 struct LoadedSlab {
   std::vector<std::unique_ptr<WindowCell>> cells;  ///< ascending by number
@@ -26,6 +29,7 @@ using CellFilter = std::function<bool(std::uint32_t number, std::span<const CutP
 class SlabLoader {
  public:
   SlabLoader(const Stream& stream, const SweepPlan& plan, std::uint32_t cell_points);
+  ~SlabLoader();
   LoadedSlab load(std::uint32_t slab, bool keep_records) const;
   /// Only the cells that are wanted, at less than half of the cost of all of them where these are few.
   LoadedSlab load_cells(std::uint32_t slab, const CellFilter& is_wanted) const;
@@ -43,6 +47,9 @@ class SlabLoader {
   std::uint32_t cell_points_;
   PositionFields position_;
   Field row_;
+  class OwnScratch;
+  mutable std::mutex mutex_;
+  mutable std::vector<std::unique_ptr<LoadScratch>> free_;  ///< of loads that have ended
 };
 
 }  // namespace pointsweep

@@ -19,6 +19,8 @@ import sys
 import tempfile
 import time
 
+import resumed_operators
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 LARGE = 120000  # points: enough to have results spilled as well
 SPILLED = "--memory 30M --temp-dir temp"
@@ -383,8 +385,10 @@ def arguments():
     parser.add_argument("--long-points", type=int, default=1000000, help="in the run that is interrupted (default 1000000)")
     parser.add_argument("--seed", type=int, default=1, help="of the random times")
     parser.add_argument("--work", type=pathlib.Path, help="folder to work in (default: the system's temporary folder)")
-    parser.add_argument("--only", nargs="+", choices=[*RUNS, "resumed"], metavar="RUN",
-                        help="names of the runs to try; resumed: those that go on after a kill")
+    parser.add_argument("--resumed-points", type=int, default=2000000, help="of the cloud that every operator goes on with (default 2000000)")
+    parser.add_argument("--resumed-memory", default="256M", help="in which every operator goes on (default 256M)")
+    parser.add_argument("--only", nargs="+", choices=[*RUNS, "resumed", "operators"], metavar="RUN",
+                        help="names of the runs to try; resumed: those that go on after a kill; operators: every operator, killed in every phase")
     parser.add_argument("--output", type=pathlib.Path, help="JSON file for what was tried; what it has of other runs is kept")
     return parser.parse_args()
 
@@ -416,6 +420,9 @@ def main():
         result["runs"][f"{name}, resumed"] = {"random kill -9": tried}
         print(f"{name}, resumed: {json.dumps(tried)}", flush=True)
         shutil.rmtree(place.folder)
+    if not options.only or "operators" in options.only:
+        result["operators, resumed"] = resumed_operators.try_all(options)
+        print(f"every operator, killed in every phase: {json.dumps(result['operators, resumed'])}", flush=True)
     if not options.only:
         result["interrupts"] = interrupted(options, 20, options.seed)
         print(f"interrupts: {json.dumps(result['interrupts'])}", flush=True)
@@ -430,5 +437,5 @@ def main():
 if __name__ == "__main__":
     try:
         main()
-    except Broken as broken:
+    except (Broken, resumed_operators.Broken) as broken:
         sys.exit(f"script/faults: {broken}")

@@ -44,6 +44,10 @@ MUTANTS = [
     Mutant("a changed input counts as the same run", "resume", PIPELINE + "run_identity.cpp",
            "info.count, state.text());", "info.count, \"\");", ("pipeline:Resume.*:Refused.*",)),
 
+    # Memory
+    Mutant("records are sorted in a vector that grows", "memory", "pointsweep/connect/sorted_records.h",
+           "records_.reserve(static_cast<std::size_t>(std::min(most_, count)));", "(void)count;", ("cli:*MemoryLaw*",)),
+
     # Provenance
     Mutant("the provenance record does not say the type of moved positions", "provenance", PIPELINE + "provenance_record.cpp",
            "set(\"positions\", options.moved_positions == Type::f64 ? \"\" :",

@@ -9,6 +9,7 @@
 
 #include "pointsweep/connect/components.h"
 #include "pointsweep/connect/edge_buckets.h"
+#include "pointsweep/free_memory.h"
 #include "pointsweep/order/row_file.h"
 #include "pointsweep/pipeline/result_sinks.h"
 #include "pointsweep/pipeline/run/run_scratch.h"
@@ -131,7 +132,8 @@ SweepStatistics sweep_and_connect(RunState& run, std::size_t p, SweepOptions opt
   const ResultPart swept_part = take_swept_part(plan, stage), told_part = connected_part(pass.plan, stage);
   const SpillPlace spill = &scratch.folder();
   const MemoryPlan& memory = run.memory.passes[p];
-  const std::size_t buffer = std::max<std::size_t>(memory.result_buffer_bytes, 1 << 20);
+  // Both hold records at once, and while the second is made, the results do not.
+  const std::size_t buffer = std::max<std::size_t>(memory.result_buffer_bytes / 2, 1 << 20);
   std::optional<RowStore> swept;
   std::unique_ptr<Sink> sink = std::make_unique<NoSink>();
   if (swept_part.bytes > 0) {
@@ -140,6 +142,7 @@ SweepStatistics sweep_and_connect(RunState& run, std::size_t p, SweepOptions opt
   }
   options.edges = &edges;
   SweepStatistics done = sweep(*run.stream, plan, *sink, options);
+  return_free_memory();
   const auto start = std::chrono::steady_clock::now();
   const ComponentsSetup setup{.votes = op.votes(),
                               .make_scratch = scratch.make(),

@@ -7,6 +7,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/same_file.h"
+#include "pointsweep/free_memory.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/reference_run.h"
@@ -132,6 +133,7 @@ Statistics run_phases(RunState& run) {
     if (nothing_left || is_done(run, phase)) continue;
     with_progress_of_tiles(run, [&] { perform(run, phase); });
     checkpoint_after(run, phase);
+    return_free_memory();
   }
   with_progress_of_tiles(run, [&] { finish(run); });
   return std::move(run.statistics);

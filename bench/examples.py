@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: MIT
+"""The examples of all operators, taken from `pointsweep operators --json`, and clouds whose spacing suits their lengths."""
+import json
+import re
+import subprocess
+
+SPACING = 0.3  # the radii, cells and distances of the examples then hold some points each
+
+
+def examples(tool, other):
+    """The pipeline of each operator, by name. The file `other` takes the place of other clouds."""
+    told = subprocess.run([tool, "operators", "--json"], check=True, capture_output=True, text=True).stdout
+    return {operator["name"]: re.sub(r"\b\w+\.las\b", f'"{other}"', operator["example"]) for operator in json.loads(told)}
+
+
+def scaled(tool, files, output):
+    """One file of the points of all files, with that spacing, around the origin; made if it is not there."""
+    if not output.exists():
+        told = json.loads(subprocess.run([tool, "info", "--json", *files], check=True, capture_output=True, text=True).stdout)
+        factor = SPACING / max(file["spacing"] for file in told["files"])
+        moved = ", ".join(f"{axis} = {axis} * {factor!r}" for axis in "xyz")
+        subprocess.run([tool, "run", *files, output, "--quiet", "--force", "--pipeline", f"set({moved})", "--keep", "x,y,z"], check=True)
+    return output

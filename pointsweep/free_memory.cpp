@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/free_memory.h"
+
+#include <cstdlib>  // defines __GLIBC__
+
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
+namespace pointsweep {
+
+#if defined(__GLIBC__)
+
+void return_free_memory() noexcept { ::malloc_trim(0); }
+
+/// glibc makes up to eight arenas for each processor and never hands memory from one to another; and once a large block
+/// has been freed, blocks as large come from the arenas, too, where they leave holes.
+void keep_little_free_memory() noexcept {
+  ::mallopt(M_ARENA_MAX, 4);
+  ::mallopt(M_MMAP_THRESHOLD, 128 << 10);
+  ::mallopt(M_TRIM_THRESHOLD, 4 << 20);
+}
+
+#else
+
+void return_free_memory() noexcept {}
+void keep_little_free_memory() noexcept {}
+
+#endif
+
+}  // namespace pointsweep
