@@ -46,6 +46,7 @@ def try_operator(tool, folder, pipeline, memory):
         raise Broken(f"does not even run: {done.stderr.strip()}")
     while phase := killed_at(command(output), killed):
         killed.append(phase)
+        output.unlink(missing_ok=True)  # complete, and only the folder was left to be removed
     if output.read_bytes() != whole.read_bytes():
         raise Broken(f"killed while {', '.join(killed)}, it gives other bytes")
     left = {path.name for path in folder.iterdir()} - {"in.ply", "other.ply", "whole.ply", "killed.ply"}
