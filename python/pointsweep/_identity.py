@@ -37,7 +37,7 @@ class _Digests:
 
     def __init__(self) -> None:
         self.unknown: list[str] = []
-        self._known: dict[int, bytes] = {}  # by id
+        self._known: dict[Any, bytes] = {}  # by id; of modules, also by the attributes that are used
         self._kept: list[Any] = []  # so that no id is used again
         self._attributes: frozenset[str] = frozenset()  # that the function at hand uses
         self._in_foreign = False  # inside of an object of a library that is not Python's
@@ -46,16 +46,18 @@ class _Digests:
         """Of the value of a variable called `name`."""
         if type(value) in _PLAIN:
             return _joined(type(value).__name__, repr(value).encode("utf-8", "backslashreplace"))
-        if id(value) not in self._known:
+        key = (id(value), self._attributes) if isinstance(value, types.ModuleType) else id(value)
+        if key not in self._known:
             self._kept.append(value)
-            self._known[id(value)] = _joined("seen before", str(len(self._known)).encode())  # inside of itself
+            self._known[key] = _joined("seen before", str(len(self._known)).encode())  # inside of itself
             try:
-                self._known[id(value)] = _joined(type(value).__name__, *self._parts(name, value))
+                self._known[key] = _joined(type(value).__name__, *self._parts(name, value))
             except Exception:  # whatever the code of another library raises for what it cannot copy
                 if self._in_foreign:
+                    del self._known[key]
                     raise
                 self.unknown.append(f"'{name}' (a {type(value).__qualname__})")
-        return self._known[id(value)]
+        return self._known[key]
 
     def _all(self, name: str, values: Iterable[Any]) -> list[bytes]:
         return [self.of(name, value) for value in values]
@@ -216,4 +218,16 @@ def _globals_of(function: types.FunctionType, codes: list[types.CodeType]) -> It
         elif not hasattr(builtins, name):
             yield name, None  # not there yet
     for name in sorted({name for opcode, name in used if opcode == "IMPORT_NAME"}):
-        yield name, sys.modules.get(name, name)
+        yield name, _imported(name, function.__globals__.get("__package__"))
+
+
+def _imported(name: str, package: str | None) -> Any:
+    """The module that a function imports when it is called; its name where that will fail."""
+    import importlib
+
+    for whole in (name, f"{package}.{name}".rstrip(".")):  # of `import name` and of `from .name import ...`
+        try:
+            return importlib.import_module(whole)
+        except Exception:  # of the module's own code
+            continue
+    return name

@@ -103,6 +103,7 @@ def test_globals_that_it_uses_count(monkeypatch):
 def test_what_it_uses_of_modules_counts(tmp_path, monkeypatch):
     (tmp_path / "mine.py").write_text("import sub\nscale = 2.0\nunused = 1\ndef f(p):\n    return p * scale\n")
     (tmp_path / "sub.py").write_text("shift = 1\n")
+    (tmp_path / "late.py").write_text("import mine\nfactor = 1\ndef g(p):\n    return mine.scale\n")
     monkeypatch.syspath_prepend(tmp_path)
     import mine
 
@@ -114,13 +115,23 @@ def test_what_it_uses_of_modules_counts(tmp_path, monkeypatch):
 
         return again.f(p)
 
+    def imports_later(p):
+        from late import factor, g
+
+        return mine.unused * factor + g(p)
+
+    late = digest(imports_later)
     before = digest(uses), digest(imports)
     monkeypatch.setattr(mine, "unused", 2)
-    assert (digest(uses), digest(imports)) == before
+    assert (digest(uses), digest(imports)) == before and digest(imports_later) != late
+    late = digest(imports_later)
     monkeypatch.setattr(mine.sub, "shift", 2)
     assert digest(uses) != before[0] and digest(imports) == before[1]
     monkeypatch.setattr(mine, "scale", 3.0)
-    assert digest(imports) != before[1]
+    assert digest(imports) != before[1] and digest(imports_later) != late
+    late = digest(imports_later)
+    monkeypatch.setattr(sys.modules["late"], "factor", 2)
+    assert digest(imports_later) != late
 
 
 def test_functions_and_lists_that_hold_themselves_have_a_digest():
