@@ -46,15 +46,13 @@ bool is_path(nb::handle item) { return nb::isinstance<nb::str>(item); }
 }  // namespace
 
 Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options) {
-  if (is_path(source[0])) {
-    const CloudOptions how{.ignore_crs = option<bool>(options, "ignore_crs"),
-                           .format = option<std::string>(options, "format")};
-    return Cloud(nb::cast<std::vector<std::filesystem::path>>(source), how);
-  }
+  const CloudOptions how{.ignore_crs = option<bool>(options, "ignore_crs"),
+                         .format = option<std::string>(options, "format")};
+  if (is_path(source[0])) return Cloud(nb::cast<std::vector<std::filesystem::path>>(source), how);
   std::vector<ArrayColumn> columns;
   for (const nb::handle pair : source)
     columns.push_back(borrow_array(pair[1], nb::cast<std::vector<std::string>>(pair[0])));
-  return Cloud(std::make_unique<ColumnsOfArrays>(std::move(columns), with_rows, crs_from(options["crs"])));
+  return Cloud(std::make_unique<ColumnsOfArrays>(std::move(columns), with_rows, crs_from(options["crs"])), how);
 }
 
 Chain chain_of(const nb::list& pipeline, std::uint64_t points) {

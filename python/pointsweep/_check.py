@@ -96,9 +96,10 @@ def check(
 
 
 def _has_rows(points: Any) -> bool:
+    from ._options import run_options
     from ._sources import source_of
 
-    return not source_of(points).is_files
+    return not source_of(points, None, None, run_options()).is_files
 
 
 def _row_name(points: Any, operator: Operator, given: dict[str, Any]) -> list[str]:

@@ -102,7 +102,7 @@ def chunks(
     for option in ("prefix", "resume"):
         if checked[option]:
             raise UsageError(f"{option}: is for outputs in files; leave the option out.")
-    source = source_of(points, attributes, crs, checked["temp_folder"])
+    source = source_of(points, attributes, crs, checked)
     stages = [_row()] if pipeline is None else stages_of(pipeline)
     if pipeline is None and not kept:
         kept = _all_names(source.field_names(), source.groups)

@@ -23,8 +23,8 @@ class PointsweepWarning(UserWarning):
     """Something about the input, the request or the output that is worth knowing but does no harm."""
 
 
-_OTHER_NAMES = {"temp-dir": "temp_folder", "force": "overwrite=True", "recursive": "recursive=True"}
-_SAME_NAMES = ("axis", "format", "ignore_crs", "keep", "memory", "nonfinite", "order", "prefix", "replace", "resume", "threads")
+_OTHER_NAMES = {"temp-dir": "temp_folder", "force": "overwrite=True", "ignore-crs": "ignore_crs=True", "recursive": "recursive=True"}
+_SAME_NAMES = ("axis", "format", "keep", "memory", "nonfinite", "order", "prefix", "replace", "resume", "threads")
 
 
 def with_names_of_python(sentence: str) -> str:

@@ -202,6 +202,8 @@ class Operator(MadeOfFunction, Joinable):
 
 
 def _made_type(name: str, kind: Any) -> np.dtype[Any]:
+    if not name:
+        raise UsageError("makes: an attribute has no name; give each one.")
     try:
         made = np.dtype(kind)
     except TypeError as error:
@@ -299,3 +301,5 @@ def _require_lists(**options: Any) -> None:
     for option, given in options.items():
         if isinstance(given, str):
             raise UsageError(f"{option}: give a list of names, [{given!r}].")
+        if "" in given:
+            raise UsageError(f"{option}: a name is empty; leave it out.")

@@ -98,6 +98,7 @@ def run_options(
     overwrite: bool = False,
     replace: str | list[str] | None = None,
     prefix: str = "",
+    ignore_crs: bool = False,
 ) -> dict[str, Any]:
     """The options of `pointsweep.run` that have the same meaning for all kinds of input and output."""
     count = 0 if threads is None else whole("threads", threads)
@@ -114,4 +115,5 @@ def run_options(
         "overwrite": bool(overwrite),
         "replace": names("replace", replace),
         "prefix": str(prefix),
+        "ignore_crs": bool(ignore_crs),
     }

@@ -45,6 +45,6 @@ def plan(
     file = "" if to is None else path("to", to)
     if file.endswith(os.sep) or os.path.isdir(file or os.devnull):
         raise UsageError(f"to: {file} is a folder; a plan is that of a run to one file.")
-    source = source_of(points, attributes, crs, checked["temp_folder"])
+    source = source_of(points, attributes, crs, checked)
     text = _core.plan(source.inputs, stages, names("keep", keep), {**checked, **source.options}, source.groups, file)
     return Plan(text)

@@ -44,6 +44,7 @@ def run(
     overwrite: bool = False,
     replace: Sequence[str] | str | None = None,
     prefix: str = "",
+    ignore_crs: bool = False,
     progress: ProgressCallback | bool | None = None,
 ) -> Arrays: ...
 
@@ -67,6 +68,7 @@ def run(
     overwrite: bool = False,
     replace: Sequence[str] | str | None = None,
     prefix: str = "",
+    ignore_crs: bool = False,
     progress: ProgressCallback | bool | None = None,
 ) -> Report: ...
 
@@ -115,6 +117,7 @@ def run(
     overwrite : the output may replace an existing file.
     replace : attributes of the input that made ones of the same name may replace.
     prefix : before the names of made attributes in files.
+    ignore_crs : coordinates of different systems are merged and compared without a transformation.
     progress : called with (phase, points done, points in all), a few times a second. An exception in it ends the run.
         True shows it, by tqdm if that is installed.
 
@@ -127,7 +130,7 @@ def run(
     into = outputs_to(out)
     kept = names("keep", list(out) if keep is None and out else keep)
     checked = run_options(**options)
-    source = source_of(points, attributes, crs, checked["temp_folder"])
+    source = source_of(points, attributes, crs, checked)
     given = {**checked, **source.options}
     if to is None:
         for option in ("prefix", "resume"):
@@ -243,7 +246,7 @@ def neighbors(
     progress = options.pop("progress", None)
     attributes, crs = options.pop("attributes", None), options.pop("crs", None)
     checked = run_options(**options)
-    source: Source = source_of(points, attributes, crs, checked["temp_folder"])
+    source: Source = source_of(points, attributes, crs, checked)
     given = {**checked, **source.options}
     for option, plain in (("order", "input"), ("prefix", ""), ("resume", "")):
         if given[option] != plain:

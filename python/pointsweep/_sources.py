@@ -36,28 +36,29 @@ class Source(NamedTuple):
 
 
 def source_of(
-    points: Any, attributes: Mapping[str, Any] | None = None, crs: Any = None, temp_folder: str = ""
+    points: Any, attributes: Mapping[str, Any] | None, crs: Any, options: Mapping[str, Any]
 ) -> Source:
     """`points` as `pointsweep.run` takes it; `attributes`: more arrays, by name; `crs`: the system that these points are
-    in. An iterator is spilled."""
+    in; `options`: those of the run. An iterator is spilled."""
     from ._files import Cloud, open
 
     if isinstance(points, (str, os.PathLike)) or _is_list_of_paths(points):
-        points = open(points)
+        points = open(points, ignore_crs=options["ignore_crs"])
     if isinstance(points, Cloud):
         if attributes:
             raise UsageError("attributes: arrays cannot be added to the points of files; run on arrays instead.")
         if crs is not None:
             raise UsageError("crs: is for points in arrays; files state theirs.")
         groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]
-        return Source(list(points.files), groups, True, points._options, points.crs)
+        ignores = {"ignore_crs": options["ignore_crs"] or points._options["ignore_crs"]}
+        return Source(list(points.files), groups, True, {**points._options, **ignores}, points.crs)
     if hasattr(points, "chunk_iterator"):  # of laspy
         points = points.chunk_iterator(_LAS_BLOCK)
     stated = crs_stated_by(points)
     if isinstance(points, Iterator):
         from ._blocks import spilled
 
-        columns, of_blocks = spilled(points, _checked_arrays, crs_stated_by, temp_folder or None)
+        columns, of_blocks = spilled(points, _checked_arrays, crs_stated_by, options["temp_folder"] or None)
         stated = stated or of_blocks
     else:
         columns = arrays_by_name(points)
@@ -103,7 +104,7 @@ def _source_of_arrays(arrays: dict[str, Any], crs: Crs | None = None) -> Source:
             groups.append((name, fields))
     _require_equal_lengths(columns)
     _require_different_names([field for fields, _ in columns for field in fields])
-    options = {"ignore_crs": False, "format": "", "crs": None if crs is None else crs._known}
+    options = {"format": "", "crs": None if crs is None else crs._known}
     return Source(columns, list(dict(groups).items()), False, options, crs)
 
 
@@ -122,6 +123,8 @@ def _require_equal_lengths(columns: Iterable[tuple[list[str], np.ndarray]]) -> N
 
 
 def _require_different_names(fields: list[str]) -> None:
+    if "" in fields:
+        raise UsageError("an array has no name; give each attribute one.")
     if "row" in fields:
         raise UsageError("'row' is what results call the numbers of input rows; give this attribute another name.")
     for field in fields:

@@ -164,6 +164,21 @@ def test_whatever_takes_arrays_takes_a_system(pyproj, call):
         call(3.5)
 
 
+def test_points_are_compared_with_other_systems_only_if_asked(pyproj, tmp_path):
+    ps.run(XYZ, ALL, to=tmp_path / "other.las", crs=25833)
+    stage = ps.distance_to(tmp_path / "other.las")
+    assert ps.run(XYZ, stage)["cloud_distance"].max() < 0.01
+    with pytest.raises(ps.UsageError, match="25833.*25832.* ignore_crs=True"):
+        ps.run(XYZ, stage, crs=25832)
+    assert ps.run(XYZ, stage, crs=25832, ignore_crs=True)["cloud_distance"].max() < 0.01
+    ps.run(XYZ, ALL, to=tmp_path / "mine.las", crs=25832)
+    files = [tmp_path / "mine.las", tmp_path / "other.las"]
+    with pytest.raises(ps.UsageError, match="ignore_crs"):
+        ps.run(files, ALL)
+    with pytest.warns(ps.PointsweepWarning, match="without a transformation"):
+        assert len(ps.run(files, ALL, ignore_crs=True)["xyz"]) == 400
+
+
 def test_files_state_their_own(tmp_path):
     ps.run(XYZ, ALL, to=tmp_path / "in.las")
     with pytest.raises(ps.UsageError, match="files state theirs"):

@@ -33,6 +33,7 @@ XYZ = np.random.default_rng(3).random((1000, 3))
         ({"x": XYZ[:, 0], "y": XYZ[:, 1]}, "have no 'z'"),
         ({"xyz": XYZ, "row": np.ones(1000)}, "another name"),
         ({"xyz": XYZ, "nx": np.ones(1000), "normal": XYZ}, "components called 'nx'"),
+        ({"xyz": XYZ, "": np.ones(1000)}, "has no name"),
     ],
 )
 def test_wrong_arrays_are_refused_with_a_sentence(points, sentence):
@@ -75,6 +76,8 @@ def test_wrong_arrays_are_refused_with_a_sentence(points, sentence):
         (lambda: ps.run(XYZ, "normals", temp_folder=""), "temp_folder: the path is empty"),
         (lambda: ps.run(XYZ, "normals", keep=""), "'' is not the name of an attribute"),
         (lambda: ps.run(XYZ, ""), "is empty"),
+        (lambda: ps.operator(makes={"": "f4"})(len), "has no name"),
+        (lambda: ps.select(reads=[""]), "a name is empty"),
         (lambda: ps.plan(XYZ, "normals", to=""), "to: the path is empty"),
         (lambda: ps.generate("plane", 10, ""), "path: the path is empty"),
         (lambda: ps.distance_to(""), "distance_to: cloud: the path is empty"),
