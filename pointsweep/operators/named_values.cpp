@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/meant_value.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -19,7 +20,6 @@ std::optional<std::size_t> axis_of(std::string_view name) {
   return static_cast<std::size_t>(at - std::begin(kAxes));
 }
 
-bool is_position(const Attribute& a) { return a.name == position_attribute().name; }
 bool is_64_bits(Type type) { return type == Type::i64 || type == Type::u64; }
 
 /// The names that an expression may use, each once.
@@ -35,19 +35,6 @@ std::string names_of(const Schema& input, std::span<const Attribute> made) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-struct MadeComponent {
-  const Attribute* attribute = nullptr;
-  std::size_t component = 0;
-};
-
-MadeComponent made_component(const std::string& name, std::span<const Attribute> made) {
-  for (const Attribute& a : made) {
-    const auto field = std::ranges::find(a.fields, name);
-    if (!is_position(a) && field != a.fields.end()) return {&a, static_cast<std::size_t>(field - a.fields.begin())};
-  }
-  return {};
-}
-
 }  // namespace
 
 NamedValues::NamedValues(const Expression& expression, const std::string& place, const Schema& input,
@@ -56,17 +43,15 @@ NamedValues::NamedValues(const Expression& expression, const std::string& place,
     fail_usage("{}: '{}', column {}: {}.", place, expression.text(), name.column, what);
   };
   const auto source_of = [&](const Expression::Name& name) -> Source {
-    if (const MadeComponent own = made_component(name.text, made); own.attribute != nullptr)
-      return read(*own.attribute, own.component);
+    const MeantValue meant = meant_value(name.text, input, made);
+    if (meant.made != nullptr) return read(*meant.made, meant.component);
     if (const auto axis = axis_of(library_name_of(name.text))) return {-1, *axis};
     for (const Attribute& a : made)
       if (a.name == name.text)
         refuse(name, fmt::format("'{}' has the components {}; name one of these", a.name, fmt::join(a.fields, ", ")));
-    const auto at = input.find(name.text);
-    if (!at) refuse(name, fmt::format("there is no attribute '{}'; there are {}", name.text, names_of(input, made)));
-    const Field& field = input.fields[*at];
-    if (const MadeComponent again = made_component(field.name, made); again.attribute != nullptr)
-      return read(*again.attribute, again.component);
+    if (meant.field == nullptr)
+      refuse(name, fmt::format("there is no attribute '{}'; there are {}", name.text, names_of(input, made)));
+    const Field& field = *meant.field;
     if (field.count != 1)
       refuse(name,
              fmt::format("'{}' is an array of {}, and a condition compares single values", name.text, field.count));

@@ -14,7 +14,7 @@
 namespace pointsweep {
 
 /// A name is a component of an attribute made before ("nz", "outlier"), else x, y or z, the position of now, else a
-/// field of the input in any spelling that files use; of arrays none.
+/// field of the input, in any spelling that files use (meant_value.h); of arrays none.
 class NamedValues {
  public:
   NamedValues() = default;

@@ -8,6 +8,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/math/coordinate_hash.h"
 #include "pointsweep/operators/declaration.h"
+#include "pointsweep/operators/meant_value.h"
 #include "pointsweep/operators/undecided_points.h"
 
 namespace pointsweep {
@@ -110,20 +111,18 @@ std::unique_ptr<Thinning> Poisson::thinning(const ThinningSetup& setup) const {
 std::shared_ptr<const Operator> Poisson::bound(const Schema& input, std::span<const Attribute> made) const {
   if (options_.radius_from.empty()) return nullptr;
   auto bound = std::make_shared<Poisson>(*this);
-  for (const Attribute& a : made) {
-    const auto field = std::ranges::find(a.fields, options_.radius_from);
-    if (field == a.fields.end()) continue;
-    bound->reads_ = {a};
-    bound->component_ = static_cast<std::size_t>(field - a.fields.begin());
+  const MeantValue meant = meant_value(options_.radius_from, input, made);
+  if (meant.made != nullptr) {
+    bound->reads_ = {*meant.made};
+    bound->component_ = meant.component;
     return bound;
   }
-  const auto at = input.find(options_.radius_from);
-  if (!at || input.fields[*at].count != 1)
+  if (meant.field == nullptr || meant.field->count != 1)
     fail_usage(
         "poisson: radius_from={}: neither the input nor an earlier stage has a single value of this name for "
         "each point.",
         options_.radius_from);
-  bound->reads_ = {scalar(input.fields[*at].name, Type::f64, "length", "radius of the point")};
+  bound->reads_ = {scalar(meant.field->name, Type::f64, "length", "radius of the point")};
   return bound;
 }
 

@@ -10,6 +10,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/declaration.h"
+#include "pointsweep/operators/meant_value.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {
@@ -19,7 +20,8 @@ constexpr Type kAllTypes[] = {Type::i8,  Type::u8,  Type::i16, Type::u16, Type::
                               Type::u32, Type::i64, Type::u64, Type::f32, Type::f64};
 
 /// Types of attributes that LAS has, where a cloud without them gets them.
-constexpr std::pair<std::string_view, Type> kTypesOfLas[] = {
+using LasType = std::pair<std::string_view, Type>;
+constexpr LasType kTypesOfLas[] = {
     {"classification", Type::u8}, {"intensity", Type::u16},
     {"return_number", Type::u8},  {"number_of_returns", Type::u8},
     {"user_data", Type::u8},      {"point_source_id", Type::u16},
@@ -206,16 +208,12 @@ std::shared_ptr<const Operator> SetAttribute::bound(const Schema& input, std::sp
 /// An attribute made before, a coordinate, a field of the input, or a new one.
 void SetAttribute::find_target(const Schema& input, std::span<const Attribute> made) {
   const std::string& name = assignment_.name;
-  const auto at = input.find(name);
-  const std::string field_name = at ? input.fields[*at].name : name;
-  for (const Attribute& a : made) {
-    auto field = std::ranges::find(a.fields, name);
-    if (field == a.fields.end()) field = std::ranges::find(a.fields, field_name);
-    if (a.name == position_attribute().name || field == a.fields.end()) continue;
-    target_ = a;
-    component_ = static_cast<std::size_t>(field - a.fields.begin());
-    range_ = range_of(a.type);
-    old_ = a;
+  const MeantValue meant = meant_value(name, input, made);
+  if (meant.made != nullptr) {
+    target_ = *meant.made;
+    component_ = meant.component;
+    range_ = range_of(target_.type);
+    old_ = target_;
     return;
   }
   const std::string word = library_name_of(name);
@@ -227,13 +225,14 @@ void SetAttribute::find_target(const Schema& input, std::span<const Attribute> m
   }
   if (std::ranges::find(made, name, &Attribute::name) != made.end())
     fail_usage("{}: '{}' has several components; assign to one of them.", place_, name);
-  if (!at) {
-    const auto las = std::ranges::find(kTypesOfLas, name, [](const auto& known) { return known.first; });
+  if (meant.field == nullptr) {
+    // A new "b" is a number of the user's, not the blue of a colour that is not there.
+    const auto las = std::ranges::find(kTypesOfLas, name.size() == 1 ? name : word, &LasType::first);
     range_ = range_of(type_ ? *type_ : las != std::end(kTypesOfLas) ? las->second : Type::f64);
     target_ = scalar(name, range_.type, "1", "assigned");
     return;
   }
-  const Field& field = input.fields[*at];
+  const Field& field = *meant.field;
   if (field.count != 1)
     fail_usage("{}: '{}' is an array of {}, and set assigns single values.", place_, field.name, field.count);
   range_ = range_of(field);

@@ -11,17 +11,10 @@
 #include "pointsweep/pipeline/parse.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/points/lower_case.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {
-
-/// Whether the input's `spelling` is a name of the made attribute `name` and of no other. "curvature" is one of the
-/// surface variation (PCL), but other programs mean other curvatures by it.
-bool means_only(const std::string& spelling, const std::string& name) {
-  const std::string word = in_lower_case(spelling);
-  if (word == in_lower_case(name)) return true;
-  return library_name_of(word) == name && spellings_of(word).size() == 1;
-}
 
 bool moves(const Attribute& a) {
   return a.name == position_attribute().name || a.name == stream_position_attribute().name;
@@ -90,7 +83,7 @@ class Naming {
     bool asked = false;
     for (const std::string& name : names)
       for (const std::string& wanted : rules_.replace)
-        if (in_lower_case(wanted) == in_lower_case(name)) asked = true, unused_.erase(in_lower_case(wanted));
+        if (is_spelling_of(name, wanted)) asked = true, unused_.erase(in_lower_case(wanted));
     return asked;
   }
 

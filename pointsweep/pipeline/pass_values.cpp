@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "pointsweep/points/schema.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -35,7 +36,7 @@ PassValues::Component PassValues::component_of(const Attribute& attribute, std::
 
 PassValues::Component PassValues::of_input(const Attribute& attribute, std::size_t c, const Schema& input) {
   needs_input_ = true;
-  return {input.fields[input.find(attribute.fields[c]).value()], false};
+  return {input.fields[field_meant(input, attribute.fields[c]).value()], false};
 }
 
 void PassValues::add(const std::byte* carried, const std::byte* inputs, std::size_t n) {

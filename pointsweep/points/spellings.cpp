@@ -45,12 +45,36 @@ std::vector<std::string> spellings_of(std::string_view name) {
   return {std::string(name)};
 }
 
+std::vector<std::string> names_with_spellings() {
+  std::vector<std::string> names;
+  for (const Row& row : kRows) names.emplace_back(row.front());
+  return names;
+}
+
 std::string library_name_of(std::string_view spelling) {
   const std::string word = in_lower_case(spelling);
   for (const Row& row : kRows) {
     if (!word.empty() && std::find(row.begin(), row.end(), word) != row.end()) return std::string(row.front());
   }
   return word;
+}
+
+bool is_spelling_of(std::string_view field, std::string_view word) {
+  const std::vector<std::string> spellings = spellings_of(field);
+  return in_lower_case(field) == in_lower_case(word) || library_name_of(field) == library_name_of(word) ||
+         std::ranges::find(spellings, in_lower_case(word)) != spellings.end();
+}
+
+bool means_only(std::string_view word, std::string_view field) {
+  const std::string lower = in_lower_case(word);
+  return lower == in_lower_case(field) || (library_name_of(lower) == field && spellings_of(lower).size() == 1);
+}
+
+std::optional<std::size_t> field_meant(const Schema& schema, std::string_view word) {
+  const auto same = std::ranges::find(schema.fields, word, &Field::name);
+  if (same != schema.fields.end()) return static_cast<std::size_t>(same - schema.fields.begin());
+  const auto known = schema.find(word);
+  return known ? known : schema.find(library_name_of(word));
 }
 
 }  // namespace pointsweep

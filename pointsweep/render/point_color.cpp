@@ -10,6 +10,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/colors/class_colors.h"
 #include "pointsweep/colors/color_map.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {
@@ -62,7 +63,7 @@ bool PointColor::take(const Schema& schema, Kind kind, const std::array<const ch
 }
 
 bool PointColor::take_number(const Schema& schema, std::string_view name) {
-  const auto field = schema.find(name);
+  const auto field = field_meant(schema, name);
   if (!field) return false;
   kind_ = Kind::number;
   fields_[0] = schema.fields[*field];

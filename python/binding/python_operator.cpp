@@ -16,6 +16,7 @@
 #include <variant>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/points/schema.h"
 #include "python/binding/array_columns.h"
 #include "python/binding/point_batch.h"
 #include "python/binding/python_threads.h"
@@ -81,7 +82,7 @@ bool is_64_bits(Type type) { return type == Type::i64 || type == Type::u64; }
 Attribute resolved(const std::string& name, const Schema& input, std::span<const Attribute> made) {
   for (std::size_t m = made.size(); m-- > 0;)
     if (made[m].name == name && name != position_attribute().name) return made[m];
-  if (const auto at = input.find(name)) {
+  if (const auto at = field_meant(input, name)) {
     const Field& field = input.fields[*at];
     if (field.count != 1)
       fail_usage("'{}' is an array of {} values, which operators in Python cannot read.", name, field.count);

@@ -97,6 +97,11 @@ def test_an_operator_before_the_first_text(surface):
 def test_conditions_with_names_of_any_spelling(surface):
     t = ps.run({"xyz": surface, "intensity": np.arange(3000)}, ps.where("(intensity < 10 || intensity == 20) && z > 0"))
     assert list(t["row"]) == [*range(10), 20]
+    scan = {"xyz": surface, "return_number": (np.arange(3000) % 3).astype("u1")}
+    for stage in (ps.where("ReturnNumber == 1"), ps.where("scalar_returnnumber == 1")):
+        assert list(ps.run(scan, stage)["row"]) == list(range(1, 3000, 3))
+    t = ps.run(scan, ps.set("ReturnNumber = 5 where Return_Number == 1"))
+    assert list(t["return_number"][:4]) == [0, 5, 2, 0]
 
 
 @pytest.mark.parametrize(

@@ -77,6 +77,22 @@ TEST_F(SetStage, StandardNamesStayFieldsOfLas) {
   EXPECT_FALSE(exists("bad.las"));
 }
 
+/// The names that other programs have for what LAS files hold.
+TEST_F(SetStage, NamesMayBeThoseOfOtherPrograms) {
+  const std::string keep = " -f -q --no-provenance --pipeline ";
+  const std::string own =
+      made("run all.las own.txt" + keep + "'where(classification == 3 && return_number == 1)'", "own.txt");
+  EXPECT_EQ(made("run all.las pdal.txt" + keep + "'where(Classification == 3 && ReturnNumber == 1)'", "pdal.txt"), own);
+  EXPECT_EQ(made("run all.las e.txt" + keep + "'where(class == 3 && scalar_ReturnNumber == 1)'", "e.txt"), own);
+  made("run all.las set.las" + keep + "'set(ReturnNumber = 2 where i > 300, NumberOfReturns = 3)'");
+  const std::string info = tool("info set.las").out;
+  EXPECT_NE(info.find("number_of_returns"), std::string::npos) << info;
+  EXPECT_EQ(info.find("ReturnNumber"), std::string::npos) << "an attribute of the input is assigned, none is added";
+  const std::string verify = "verify all.las set.las --pipeline ";
+  EXPECT_EQ(tool(verify + "'set(ReturnNumber = 2 where i > 300, NumberOfReturns = 3)'").status, 0);
+  EXPECT_EQ(tool(verify + "'set(ReturnNumber = 1 where i > 300, NumberOfReturns = 3)'").status, 1);
+}
+
 TEST_F(SetStage, TilesAndTheMergedCloudGetTheSameValues) {
   std::filesystem::create_directory(folder_ / "tiles");
   const std::string text = contents(folder_ / "all.txt");

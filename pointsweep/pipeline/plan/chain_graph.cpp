@@ -63,6 +63,7 @@ class GraphBuilder {
   void operator()(const Resort&) { graph_.nodes.push_back({.kind = NodeKind::order, .position = position_}); }
   void operator()(const std::shared_ptr<const Operator>& op) {
     const auto parts = op->parts();
+    stage_ = op->name();
     if (parts.empty()) return add(op);
     for (const auto& part : parts) add(part);
   }
@@ -80,7 +81,8 @@ class GraphBuilder {
     const Contract contract = op->contract();
     if (!contract.drops.empty()) return drop(contract.drops);
     const bool selects = contract.selects != Selects::nothing;
-    GraphNode node{.kind = selects ? NodeKind::select : NodeKind::stage, .op = op, .position = position_};
+    GraphNode node{
+        .kind = selects ? NodeKind::select : NodeKind::stage, .op = op, .stage = stage_, .position = position_};
     for (const Attribute& a : contract.reads) node.reads.push_back(version_read(a, *op));
     for (const Attribute& a : contract.reads_neighbors) node.reads_neighbors.push_back(version_read(a, *op));
     for (const auto& reduction : contract.values) node.values.push_back(reduce_node(reduction, *op));
@@ -142,13 +144,13 @@ class GraphBuilder {
   bool is_visible(const AttributeVersion& version) const {
     if (version.producer) return std::ranges::find(made_, version.attribute.name, &Attribute::name) != made_.end();
     return std::ranges::all_of(version.attribute.fields,
-                               [&](const std::string& field) { return visible_.find(field).has_value(); });
+                               [&](const std::string& field) { return field_meant(visible_, field).has_value(); });
   }
 
   /// A rule reads a field that the cloud holds where the neighbourhoods begin.
   std::size_t version_ruled_by(const Attribute& wanted, const NeighborhoodRule& rule) {
     const Schema cloud = with_carried(visible_, made_);
-    if (!cloud.find(wanted.name))
+    if (!field_meant(cloud, wanted.name))
       fail_usage("The neighbours are to be {}, but the input has no attribute '{}'; it has {}.", rule.meaning(),
                  wanted.name, field_names(cloud));
     const std::string made = carried_with(wanted.name, input_, made_);
@@ -187,7 +189,7 @@ class GraphBuilder {
 
   void require_in_input(const Attribute& wanted, const Operator& op) const {
     for (const std::string& name : wanted.fields) {
-      if (visible_.find(name)) continue;
+      if (field_meant(visible_, name)) continue;
       if (dropped_.contains(name))
         fail_usage("{}: needs '{}', which was dropped before; put drop behind '{}'.", op.name(), wanted.name,
                    op.name());
@@ -236,6 +238,7 @@ class GraphBuilder {
   Schema visible_;                 ///< what of it is not dropped
   std::set<std::string> dropped_;  ///< names of fields
   ChainGraph graph_;
+  std::string stage_;  ///< name of the one that is being added
   Neighborhood neighborhood_;
   Attributes made_;                                               ///< so far, the last versions
   std::map<std::string, std::size_t> latest_;                     ///< version by name of the attribute
@@ -278,7 +281,7 @@ Schema with_carried(const Schema& input, const std::vector<Attribute>& carried) 
 
 std::string carried_with(std::string_view field, const Schema& input, const std::vector<Attribute>& carried) {
   const Schema cloud = with_carried(input, carried);
-  const auto at = cloud.find(field);
+  const auto at = field_meant(cloud, field);
   std::size_t end = input.stride;
   for (const Attribute& a : carried) {
     const std::size_t begin = end;

@@ -52,6 +52,7 @@ struct AttributeVersion {
 struct GraphNode {
   NodeKind kind;
   std::shared_ptr<const Operator> op = {};          ///< of a stage, of a select, and of the order that counts
+  std::string stage = {};                           ///< name of the chain's stage that `op` is, or a part of
   Neighborhood neighborhood = {};                   ///< of a neighborhood
   std::shared_ptr<const Reduction> reduction = {};  ///< of a reduce
   std::vector<std::size_t> reads = {};              ///< versions, in the order of the contract

@@ -20,13 +20,6 @@ std::string list_of(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Whether files may call `field` so; `word` is in lower case.
-bool is_spelled(const std::string& field, const std::string& word) {
-  const std::vector<std::string> spellings = spellings_of(field);
-  return in_lower_case(field) == word || library_name_of(field) == library_name_of(word) ||
-         std::ranges::find(spellings, word) != spellings.end();
-}
-
 /// Takes the names one by one.
 class Selection {
  public:
@@ -38,7 +31,7 @@ class Selection {
   void add(const std::string& name) {
     const std::string word = in_lower_case(name);
     const auto is_name = [&](const std::string& field) { return field == name; };
-    const auto is_spelling = [&](const std::string& field) { return is_spelled(field, word); };
+    const auto is_spelling = [&](const std::string& field) { return is_spelling_of(field, word); };
     const bool found =
         add_made(name, is_name) || add_input(is_name) || add_made(word, is_spelling) || add_input(is_spelling);
     const auto axis = std::ranges::find(kAxes, word);
@@ -138,7 +131,7 @@ std::vector<std::string> without_prefix(std::vector<std::string> names, const st
       if (a.name == position_attribute().name) continue;
       if (a.name == word) return word;
       for (const std::string& field : a.fields)
-        if (is_spelled(field, word)) return field;
+        if (is_spelling_of(field, word)) return field;
     }
     return std::nullopt;
   };

@@ -73,7 +73,7 @@ std::uint16_t PassPlanner::new_column(const Attribute& attribute, std::string ma
 std::uint16_t PassPlanner::file_column(const Attribute& attribute) {
   std::vector<std::string> fields;
   for (const std::string& name : attribute.fields)
-    fields.push_back(pass_.input.fields[pass_.input.find(name).value()].name);
+    fields.push_back(pass_.input.fields[field_meant(pass_.input, name).value()].name);
   const bool is_carried = std::ranges::find(carried_, attribute.name, &Attribute::name) != carried_.end();
   const std::uint16_t column = new_column(attribute, is_carried ? "a pass before" : "the file");
   plan_.file_columns.push_back({column, {}, attribute.type});

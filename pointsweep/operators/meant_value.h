@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+/// What a user means by the name of a single value: in conditions, assignments and options that name an attribute.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "pointsweep/attribute.h"
+
+namespace pointsweep {
+
+/// A component of an attribute made before, or a field of the input; neither: nothing has such a name.
+struct MeantValue {
+  const Attribute* made = nullptr;
+  std::size_t component = 0;     ///< of `made`
+  const Field* field = nullptr;  ///< of the input; null if `made` is not
+};
+
+/// `word` may be any spelling that files use. What is made comes before what the input has, unless `word` is also the
+/// name of another attribute ("curvature") and the very name of a field of the input. Positions are not looked at.
+MeantValue meant_value(const std::string& word, const Schema& input, std::span<const Attribute> made);
+
+}  // namespace pointsweep
