@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,6 +35,10 @@ struct Format {
   /// Names of its files end so, in lower case. An output whose name ends so is written in this format, if create is
   /// set.
   std::span<const std::string_view> extensions;
+  /// The ending, in lower case, of names by which programs expect another format, which is not written; "" if there is
+  /// none. An output whose name ends so is refused.
+  std::string_view refused_ending = "";
+  std::string_view refused_format = "";  ///< that other format
   /// The codec that its files need; "" if none. A build without it recognises them and refuses them in a sentence.
   std::string_view codec = "";
   bool (*has_codec)() = nullptr;  ///< whether this build has it; null without a codec
@@ -62,6 +67,9 @@ struct Format {
   std::size_t name_bytes = 0;  ///< longest name of an attribute; 0: any length
   /// The name under which its outputs hold an attribute; null: its own.
   std::string (*stored_name)(const std::string& name) = nullptr;
+  /// The value that its outputs hold in the field of this name where neither an input nor a stage gives one; none for
+  /// names that are not the format's own. Null: it has no such fields.
+  std::optional<double> (*own_field)(std::string_view name) = nullptr;
   /// Whether OutputPlan::bounds must be known before records of `schema` are written; null: never.
   bool (*needs_bounds)(const Schema& schema) = nullptr;
   /// What OutputPlan::values must say of a cloud, which may be read for it once; null: nothing. `progress` gets the

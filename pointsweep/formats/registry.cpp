@@ -20,6 +20,7 @@
 #include "pointsweep/formats/qsplat/qsplat_format.h"
 #include "pointsweep/formats/text/text_format.h"
 #include "pointsweep/formats/vtk/vtk_format.h"
+#include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
 namespace {
@@ -123,6 +124,16 @@ const Format* format_of_output(const std::filesystem::path& path) {
   return nullptr;
 }
 
+void require_output_name(const std::filesystem::path& output) {
+  const Format* const format = format_of_output(output);
+  const std::string name = output.string();
+  if (format == nullptr || format->refused_ending.empty() || !in_lower_case(name).ends_with(format->refused_ending))
+    return;
+  const std::string plain = name.substr(0, name.size() - format->refused_ending.size()) + output.extension().string();
+  fail_usage("{}: programs expect {} under such a name, which is not written yet; name the output {}, which gets {}.",
+             name, format->refused_format, plain, format->name);
+}
+
 const Format& array_format() { return kNpyFormat; }
 
 bool is_array_name(const std::filesystem::path& path) {
@@ -185,6 +196,7 @@ bool is_point_file(const std::filesystem::path& path, std::string_view format_na
 }
 
 std::unique_ptr<Writer> create_writer(const OutputPlan& plan) {
+  require_output_name(plan.path);
   const Format* const format = format_of_output(plan.path);
   if (format != nullptr && is_written_as_points(*format)) {
     std::unique_ptr<Writer> writer = format->create(plan);

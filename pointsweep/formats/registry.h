@@ -19,6 +19,10 @@ std::span<const Format* const> formats();
 /// is PLY.
 const Format* format_of_output(const std::filesystem::path& path);
 
+/// Throws UsageError for the name of an output by which programs expect a format that is not written
+/// (Format::refused_ending).
+void require_output_name(const std::filesystem::path& output);
+
 /// Whether a file among others in a folder is meant to be read: by its content, as far as the beginning tells, or since
 /// it has the extension of a format with a signature, or that of any format and no content. The latter are damaged, and
 /// a damaged tile must not be left out like a file of another kind. Throws Error if it cannot be read.

@@ -12,6 +12,7 @@
 namespace pointsweep {
 
 /// A point file of each format among Outputs::points and Outputs::tiles; names without a known format are left out.
+/// Throws UsageError for a name by which programs expect a format that is not written.
 struct OutputFormat {
   const Format* format;
   std::filesystem::path example;  ///< the first output of that format

@@ -55,6 +55,16 @@ def test_a_copc_file_is_written_as_a_laz_file():
     assert _files._tile_name("1.COPC.LAZ") == "1.LAZ" and _files._tile_name("1.copc.ply") == "1.copc.ply"
 
 
+def test_a_name_of_a_copc_file_is_refused_for_outputs(tiles, tmp_path):
+    cloud, name = ps.open(tiles), tmp_path / "a.copc.laz"
+    for to in (name, [tmp_path / "b.las", name]):
+        with pytest.raises(ps.UsageError, match="programs expect COPC under such a name"):
+            cloud.run("normals", to=to)
+    with pytest.raises(ps.UsageError, match="COPC"):
+        ps.generate("terrain", 100, name)
+    assert not name.exists()
+
+
 def test_a_folder_is_refused_for_arrays(tmp_path):
     with pytest.raises(ps.UsageError, match="is a folder"):
         ps.run(np.random.rand(9, 3), "normals", to=tmp_path)

@@ -3,6 +3,7 @@
 
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_layout.h"
+#include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las/las_reader.h"
 #include "pointsweep/formats/las/las_values.h"
 #include "pointsweep/formats/las/las_writer.h"
@@ -19,6 +20,15 @@ bool is_compressed(std::string_view head) {
   return head.starts_with("LASF") && head.size() > 104 && (static_cast<unsigned char>(head[104]) & 0x80) != 0;
 }
 bool is_uncompressed(std::string_view head) { return head.starts_with("LASF") && !is_compressed(head); }
+
+/// Point formats have fields for all attributes of LAS: 0 where nothing gives them a value, and returns are 1 of 1.
+std::optional<double> own_field(std::string_view name) {
+  if (name == "return_number" || name == "number_of_returns") return 1;
+  for (int format = 0; las_record_length(format); ++format)
+    for (const Field& field : las_point_schema(format, {1, 1, 1}, {}).fields)
+      if (field.name == name) return 0;
+  return std::nullopt;
+}
 
 bool needs_bounds(const Schema& schema) { return !las_keeps_scale(position_fields(schema, "the input")); }
 
@@ -39,6 +49,7 @@ const Format kLasFormat = {.name = "LAS",
                            .states_bounds = true,
                            .name_bytes = kLasNameBytes,
                            .stored_name = las_dimension_name,
+                           .own_field = own_field,
                            .needs_bounds = needs_bounds,
                            .values = las_values};
 
@@ -48,6 +59,8 @@ const Format kLazFormat = {.name = "LAZ",
                            .reads = "the same, compressed; COPC as LAZ",
                            .writes = "LAZ with 50,000 points a chunk",
                            .extensions = kLazExtensions,
+                           .refused_ending = ".copc.laz",
+                           .refused_format = "COPC",
                            .codec = "LASzip",
                            .has_codec = has_laz,
                            .is = is_compressed,
@@ -60,6 +73,7 @@ const Format kLazFormat = {.name = "LAZ",
                            .encoder_bytes = laz_encoder_bytes,
                            .name_bytes = kLasNameBytes,
                            .stored_name = las_dimension_name,
+                           .own_field = own_field,
                            .needs_bounds = needs_bounds,
                            .values = las_values};
 
