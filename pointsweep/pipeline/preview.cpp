@@ -8,6 +8,7 @@
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/decoded_input.h"
+#include "pointsweep/pipeline/kept_system.h"
 #include "pointsweep/pipeline/other_cloud.h"
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/output_layout.h"
@@ -145,6 +146,7 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   for (const std::optional<OtherCloud>& other : open_others(out.planned, cloud))
     out.others.push_back(other ? fmt::format("{}, {} points", other->name(), other->count()) : "");
   out.names = names_in_outputs(cloud, out.planned, outputs, options);
+  out.system_warning = kept_system_warning(out.planned, cloud.crs(), outputs);
   out.tiles = outputs.tiles.size();
   out.points = cloud.count();
   out.decoded_bytes = decoded_input_bytes(cloud);
@@ -173,6 +175,7 @@ std::string to_text(const Preview& p) {
   }
   if (!p.names.made.empty()) text += "results       " + attributes_text(p.names.made);
   if (!p.names.replaced.empty()) text += "note          " + p.names.warning() + "\n";
+  if (!p.system_warning.empty()) text += "note          " + p.system_warning + "\n";
   if (p.planned.reorders)
     text += fmt::format("order         of the {} positions: the output is put in order once more, {}\n",
                         p.planned.by_moved_positions ? "moved" : "input's",

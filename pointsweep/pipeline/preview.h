@@ -16,6 +16,7 @@ namespace pointsweep {
 struct Preview {
   ChainPlan planned;
   OutputNames names;
+  std::string system_warning;  ///< kept_system_warning()
   std::uint64_t points = 0;
   std::vector<std::string> others;  ///< for each pass, the other cloud that it reads, or nothing
   std::size_t tiles = 0;  ///< outputs, one for each input; 0: one output of all

@@ -9,6 +9,7 @@
 #include "pointsweep/formats/files/same_file.h"
 #include "pointsweep/free_memory.h"
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/kept_system.h"
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/run/made_rows.h"
@@ -57,6 +58,7 @@ void check_request(RunState& run) {
   require_tiles_possible(run.outputs, run.options);
   run.names = names_of_output(run);
   run.warn(run.names.warning());
+  run.warn(kept_system_warning(run.plan, run.cloud.crs(), run.outputs));
   if (run.by_reference() && !run.plan.passes.empty()) require_reference_can(run.options);
   for (const PlannedPass& pass : run.plan.passes)
     if (const Stage* stage = pass.connecting_stage(); stage != nullptr && run.by_reference())
