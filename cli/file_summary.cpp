@@ -99,6 +99,16 @@ void add_counts(std::array<std::uint64_t, N>& counts, const Field& field, const 
   }
 }
 
+/// Points whose value of `number` is above that of `most`.
+std::uint64_t points_above(const Field& number, const Field& most, const Schema& schema, const Piece& piece) {
+  std::uint64_t points = 0;
+  for (std::size_t i = 0; i < piece.count; ++i) {
+    const std::byte* const record = piece.records + i * schema.stride;
+    points += value_of(number, record) > value_of(most, record);
+  }
+  return points;
+}
+
 std::vector<double> nearest_distances(Reader& reader, std::vector<NearestDistances::Sampled> sample,
                                       const std::function<void(std::uint64_t)>& progress) {
   NearestDistances nearest(std::move(sample));
@@ -126,6 +136,7 @@ FileSummary summarize(Reader& reader, Spacing spacing,
                       const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   const FileInfo& info = reader.info();
   const auto classes = info.schema.find("classification"), returns = info.schema.find("return_number");
+  const auto of_returns = info.schema.find("number_of_returns");
   const std::uint64_t work = spacing == Spacing::measure ? 2 * info.count : info.count;
   FileSummary summary;
   summary.ranges.resize(info.schema.fields.size());
@@ -151,8 +162,12 @@ FileSummary summarize(Reader& reader, Spacing spacing,
     add_ranges(summary, info.schema, piece);
     if (classes) add_counts(summary.classes, info.schema.fields[*classes], info.schema, piece);
     if (returns) add_counts(summary.returns, info.schema.fields[*returns], info.schema, piece);
+    if (returns && of_returns)
+      summary.returns_beyond +=
+          points_above(info.schema.fields[*returns], info.schema.fields[*of_returns], info.schema, piece);
     progress(piece.first_row + piece.count, work);
   });
+  plan.settle();
   summary.area = plan.area();
   summary.cell_side = plan.cell_side();
   if (spacing == Spacing::measure) {

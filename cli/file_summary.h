@@ -30,6 +30,7 @@ struct FileSummary {
   std::vector<FieldRange> ranges;            ///< of the fields of the schema
   std::array<std::uint64_t, 256> classes{};  ///< points of each class, if there is a field `classification`
   std::array<std::uint64_t, 16> returns{};   ///< points of each return number, if there is such a field
+  std::uint64_t returns_beyond = 0;  ///< points whose return number is above their number of returns
   double area = 0, cell_side = 0;            ///< of the occupied cells in x and y (PlanArea)
   std::vector<double> nearest;               ///< distances to the nearest neighbours of a sample, ascending
   bool has_classes = false, has_returns = false;

@@ -12,7 +12,8 @@
 namespace pointsweep {
 namespace {
 
-/// "ascending along x", "descending along y and z", "none". An axis along which nothing changes is in no order.
+/// "ascending along x", "descending along y and z", "not ascending along x, y or z". An axis along which nothing changes
+/// is in no order.
 std::string order_text(const FileSummary& summary) {
   std::string text;
   const Vec3 extent = summary.bounds.extent();
@@ -26,7 +27,7 @@ std::string order_text(const FileSummary& summary) {
     if (!axes.empty())
       text += (text.empty() ? "" : ", ") + std::string(up ? "ascending along " : "descending along ") + axes;
   }
-  return text.empty() ? "none" : text;
+  return text.empty() ? "not ascending along x, y or z" : text;
 }
 
 std::string line(const char* name, const std::string& value) { return fmt::format("  {:<10}  {}\n", name, value); }

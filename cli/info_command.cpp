@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep info FILE...`: what is in a point file, found by reading all of it.
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -10,6 +11,7 @@
 #include "cli/console.h"
 #include "cli/file_summary.h"
 #include "cli/file_table.h"
+#include "cli/header_faults.h"
 #include "cli/inconsistencies.h"
 #include "cli/inputs_and_output.h"
 #include "cli/progress.h"
@@ -35,14 +37,16 @@ class InfoReport {
  public:
   explicit InfoReport(InfoStyle style) : style_(style) {}
 
-  void add(const FileInfo& info, const FileSummary& summary) {
+  /// `label`: what the table and sentences about several files call it.
+  void add(const FileInfo& info, const FileSummary& summary, const std::filesystem::path& label) {
     rows_.emplace_back(info, summary);
+    rows_.back().info.path = label;
     if (style_ == InfoStyle::json) files_.push_back(to_json(info, summary));
     if (style_ == InfoStyle::details) print(to_text(info, summary));
   }
-  void add_failure(const std::filesystem::path& file, const std::string& sentence) {
+  void add_failure(const std::filesystem::path& file, const std::string& sentence, const std::filesystem::path& label) {
     ++failures_;
-    rows_.emplace_back(file);
+    rows_.emplace_back(label);
     if (style_ == InfoStyle::json) files_.push_back({{"path", file.string()}, {"error", sentence}});
   }
   void finish() const {
@@ -78,32 +82,40 @@ class InfoReport {
   std::size_t failures_ = 0;
 };
 
-void look_at_file(const std::filesystem::path& file, const InfoOptions& options, Spacing spacing, InfoReport& report,
+/// A file to look at, and what a table calls it: the name below the folder that was named, if that was one alone.
+struct LabelledFile {
+  std::filesystem::path path, label;
+};
+
+void look_at_file(const LabelledFile& file, const InfoOptions& options, Spacing spacing, InfoReport& report,
                   ProgressDisplay& progress) {
-  const std::unique_ptr<Reader> reader = open_reader(file, options.common.format);
+  const std::unique_ptr<Reader> reader = open_reader(file.path, options.common.format);
   const FileSummary summary = summarize(*reader, spacing, [&](std::uint64_t done, std::uint64_t total) {
     stop_if_cancelled();
     progress.report("info", done, total);
   });
-  for (const std::string& warning : reader->info().warnings)
-    progress.say(Severity::warning,
-                 warning.starts_with(file.string()) ? warning : fmt::format("{}: {}", file.string(), warning));
-  report.add(reader->info(), summary);
+  FileInfo info = reader->info();
+  std::ranges::copy(header_faults(info, summary), std::back_inserter(info.warnings));
+  const std::string path = file.path.string();
+  for (const std::string& warning : info.warnings)
+    progress.say(Severity::warning, warning.starts_with(path) ? warning : fmt::format("{}: {}", path, warning));
+  report.add(info, summary, file.label);
 }
 
 /// The files that an argument stands for; nothing, after a complaint, where it stands for none.
-std::vector<std::filesystem::path> files_of(const std::filesystem::path& named, const InfoOptions& options,
-                                            InfoReport& report, ProgressDisplay& progress) {
-  std::vector<std::filesystem::path> files;
+std::vector<LabelledFile> files_of(const std::filesystem::path& named, const InfoOptions& options, InfoReport& report,
+                                   ProgressDisplay& progress) {
+  const bool is_folder = options.files.size() == 1 && stands_for_files(named);
+  std::vector<LabelledFile> files;
   try {
     const InputList list = list_inputs({named}, options.recursive, options.common.format);
-    for (const ListedFile& file : list.files) files.push_back(file.path);
+    for (const ListedFile& file : list.files) files.push_back({file.path, is_folder ? file.relative : file.path});
     for (const std::string& notice : list.notices) progress.say(Severity::note, notice);
   } catch (const Cancelled&) {
     throw;
   } catch (const Error& error) {
     progress.say(Severity::error, error.what());
-    report.add_failure(named, error.what());
+    report.add_failure(named, error.what(), named);
   }
   return files;
 }
@@ -120,19 +132,19 @@ void info(const InfoOptions& options) {
   InfoReport report(style);
   ProgressDisplay progress(options.common);
   take_standard_input(options.files, options.common);
-  std::vector<std::filesystem::path> files;
+  std::vector<LabelledFile> files;
   for (const auto& named : options.files) {
     const auto some = files_of(named, options, report, progress);
     files.insert(files.end(), some.begin(), some.end());
   }
-  for (const auto& file : files) {
+  for (const LabelledFile& file : files) {
     try {
       look_at_file(file, options, spacing, report, progress);
     } catch (const Cancelled&) {
       throw;
     } catch (const Error& error) {
       progress.say(Severity::error, error.what());
-      report.add_failure(file, error.what());
+      report.add_failure(file.path, error.what(), file.label);
     }
   }
   report.finish();
@@ -142,7 +154,7 @@ void info(const InfoOptions& options) {
 }  // namespace
 
 void add_info_command(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("info", "Say what is in point files: format, bounds, density, attributes, ...");
+  CLI::App& verb = *app.add_subcommand("info", "Show format, coordinate system, bounds and attributes of point files");
   auto options = std::make_shared<InfoOptions>();
   verb.add_option("FILE", options->files, "Point files, folders of them or quoted patterns")->required()->type_name("");
   add_recursive_option(verb, options->recursive);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace pointsweep {
@@ -25,6 +26,10 @@ std::int64_t halved(std::int64_t index) { return index >> 1; }
 
 PlanArea::PlanArea(std::uint64_t points)
     : limit_(std::clamp<std::uint64_t>(points / 16, 16, 65536)),
+      lo_x_(std::numeric_limits<double>::infinity()),
+      hi_x_(-lo_x_),
+      lo_y_(lo_x_),
+      hi_y_(-lo_x_),
       side_(kSmallestSide),
       table_(std::bit_ceil(2 * limit_)) {}
 
@@ -33,15 +38,26 @@ PlanArea::Cell PlanArea::cell_of(double x, double y) const {
 }
 
 void PlanArea::add(double x, double y) {
+  lo_x_ = std::min(lo_x_, x), hi_x_ = std::max(hi_x_, x);
+  lo_y_ = std::min(lo_y_, y), hi_y_ = std::max(hi_y_, y);
   while (std::max(std::abs(x), std::abs(y)) / side_ >= kMostCells) coarsen();
   const Cell cell = cell_of(x, y);
   if (last_.taken && cell.x == last_.x && cell.y == last_.y) return;
   last_ = cell;
   if (insert(cell)) ++count_;
-  while (count_ > limit_) coarsen();
+  while (count_ > limit_) has_area_ = true, coarsen();
 }
 
-double PlanArea::area() const { return side_ == kSmallestSide ? 0 : static_cast<double>(count_) * side_ * side_; }
+double PlanArea::cells_of_bounds() const {
+  const auto cells = [&](double lo, double hi) { return std::floor(hi / side_) - std::floor(lo / side_) + 1; };
+  return cells(lo_x_, hi_x_) * cells(lo_y_, hi_y_);
+}
+
+void PlanArea::settle() {
+  while (has_area_ && cells_of_bounds() > static_cast<double>(limit_)) coarsen();
+}
+
+double PlanArea::area() const { return has_area_ ? static_cast<double>(count_) * side_ * side_ : 0; }
 
 bool PlanArea::insert(Cell cell) {
   std::size_t i = place_of(cell.x, cell.y, table_.size());

@@ -7,16 +7,20 @@
 
 namespace pointsweep {
 
-/// Counts the occupied cells of a square grid in x and y. The side of a cell is the smallest power of two for which at
-/// most `limit` cells are occupied, so the result does not depend on the order of the points. Memory: 32 bytes × limit.
+/// Counts the occupied cells of a square grid in x and y. The side of a cell is the smallest power of two for which the
+/// bounds of the points cover at most `limit` cells, occupied or not. So it depends neither on the order of the points
+/// nor on where they lie within their bounds, and fewer points within the same bounds get the same cells or larger
+/// ones. Memory: 32 bytes × limit.
 class PlanArea {
  public:
-  /// For a cloud of `points` points: a limit of a sixteenth of them, but at least 16 and at most 65,536. So a cell
-  /// holds 16 to 64 points on average, or more.
+  /// For a cloud of `points` points: a limit of a sixteenth of them, but at least 16 and at most 65,536. So a cell of a
+  /// cloud that fills its bounds holds 16 to 64 points on average, or more.
   explicit PlanArea(std::uint64_t points);
 
   /// Finite coordinates.
   void add(double x, double y);
+  /// Chooses the side of the cells, when all points have been added.
+  void settle();
 
   double cell_side() const { return side_; }
   /// Square of the coordinates' unit; 0 where points lie at fewer than 16 places, which cover no area.
@@ -30,9 +34,12 @@ class PlanArea {
   Cell cell_of(double x, double y) const;
   bool insert(Cell cell);
   void coarsen();
+  double cells_of_bounds() const;
 
   std::uint64_t limit_, count_ = 0;
+  double lo_x_, hi_x_, lo_y_, hi_y_;
   double side_;
+  bool has_area_ = false;  ///< the points lie at more places than the limit
   std::vector<Cell> table_;
   Cell last_;
 };

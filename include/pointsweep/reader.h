@@ -31,6 +31,12 @@ struct POINTSWEEP_EXPORT FormatExtras {
   virtual ~FormatExtras() = default;
 };
 
+/// What a header says of the points, as it stands there and right or wrong: to be compared with them.
+struct HeaderClaims {
+  Box bounds;                              ///< the ends may be in any order, or NaN
+  std::vector<std::uint64_t> returns = {};  ///< points of return number 1, 2, ...; empty: it does not count them
+};
+
 /// What is known of an input when it is open.
 struct FileInfo {
   std::filesystem::path path;  ///< for messages; of what is no file, any name
@@ -42,6 +48,7 @@ struct FileInfo {
   bool decode_once = false;           ///< decoding costs much more than writing and reading its records
   std::uint64_t decoder_bytes = 0;    ///< what each thread takes that decodes it, in addition to the records
   std::optional<Box> bounds;          ///< as a header states them: a hint, not to be trusted
+  std::optional<HeaderClaims> claims;  ///< of a header that says more of the points than their number
   bool z_is_up = false;               ///< the format says that z is the height
   std::vector<std::string> warnings;  ///< what was wrong but harmless, one sentence each
   std::shared_ptr<const FormatExtras> extras;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -50,7 +52,7 @@ TEST_F(Info, StatesFormatCountBoundsAndAttributes) {
 TEST_F(Info, FindsTheOrderAlongEachAxis) {
   says(info_of("1 9 5 0\n1 8 7 0\n2 7 6 0\n", 3), "order       ascending along x, descending along y");
   says(info_of("1 1 5 0\n2 2 4 0\n3 3 5 0\n", 3), "order       ascending along x and y");
-  says(info_of("1 2 1 0\n2 1 2 0\n1 2 1 0\n", 3), "order       none");
+  says(info_of("1 2 1 0\n2 1 2 0\n1 2 1 0\n", 3), "order       not ascending along x, y or z");
   says(info_of("5 5 1 0\n5 5 2 0\n", 2), "order       ascending along z");
 }
 
@@ -74,7 +76,7 @@ TEST_F(Info, AddsUpSeveralFiles) {
 
 TEST_F(Info, KnowsASortedFileFromAGeneratedOne) {
   ASSERT_EQ(tool("generate statue a.ply -n 5000").status, 0);
-  says(tool("info a.ply").out, "order       none");
+  says(tool("info a.ply").out, "order       not ascending along x, y or z");
   ASSERT_EQ(tool("sort a.ply b.ply --axis y").status, 0);
   says(tool("info b.ply").out, "order       ascending along y");
 }
@@ -267,14 +269,16 @@ class InfoTable : public Info {
 TEST_F(InfoTable, HasALineForEachFileOfAFolderAndSaysThatTheyAgree) {
   const Result run = tool("info tiles");
   ASSERT_EQ(run.status, 0) << run.err;
-  EXPECT_TRUE(run.out.starts_with("file         points  x")) << run.out;
-  EXPECT_NE(run.out.find("\ntiles/a.las      50  "), std::string::npos) << run.out;
-  EXPECT_NE(run.out.find("  EPSG:2056  (1)\ntiles/b.las      50  "), std::string::npos) << run.out;
+  EXPECT_TRUE(run.out.starts_with("file   points  x")) << run.out;
+  EXPECT_NE(run.out.find("\na.las      50  "), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("  EPSG:2056  (1)\nb.las      50  "), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("\nattributes (1)  x y z int32, intensity uint16"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("\nall 2 files\n  points      100\n"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("\n  The files are consistent.\n"), std::string::npos) << run.out;
   EXPECT_EQ(tool("info 'tiles/*.las'").out, run.out);
-  EXPECT_EQ(tool("info --table tiles/a.las tiles/b.las").out, run.out);
+  const std::string named = tool("info --table tiles/a.las tiles/b.las").out;
+  EXPECT_NE(named.find("\ntiles/a.las      50  "), std::string::npos) << named;
+  EXPECT_EQ(json_of("tiles").at("files").at(0).at("path"), "tiles/a.las");
   EXPECT_NE(tool("info tiles/a.las tiles/b.las").out.find("\n  format "), std::string::npos) << "in full";
 }
 
@@ -294,25 +298,25 @@ TEST_F(InfoTable, SaysInWhatTheFilesDiffer) {
         "property float z\nend_header\n");
   const Result run = tool("info tiles");
   ASSERT_EQ(run.status, 0) << run.err;
-  says_line(run.out, "Formats differ: LAS 1.4 point format 6 in tiles/a.las and 4 more; text, ");
+  says_line(run.out, "Formats differ: LAS 1.4 point format 6 in a.las and 4 more; text, ");
   says_line(run.out,
-            "Coordinate reference systems differ: EPSG:2056 (grid 2056) in tiles/a.las and 2 more; EPSG:32632 (grid "
-            "32632) in tiles/c.las.");
-  says_line(run.out, "No coordinate reference system is stated in tiles/d.las and 2 more.");
+            "Coordinate reference systems differ: EPSG:2056 (grid 2056) in a.las and 2 more; EPSG:32632 (grid "
+            "32632) in c.las.");
+  says_line(run.out, "No coordinate reference system is stated in d.las and 2 more.");
   says_line(run.out,
-            "Clocks of GPS times differ: seconds of the GPS week in tiles/a.las and 3 more; adjusted standard GPS time "
-            "in tiles/c.las.");
-  says_line(run.out, "Attribute intensity is missing in tiles/g.ply.");
-  says_line(run.out, "Attribute weight is missing in tiles/a.las and 5 more.");
+            "Clocks of GPS times differ: seconds of the GPS week in a.las and 3 more; adjusted standard GPS time "
+            "in c.las.");
+  says_line(run.out, "Attribute intensity is missing in g.ply.");
+  says_line(run.out, "Attribute weight is missing in a.las and 5 more.");
   says_line(run.out, "Attributes return_number, number_of_returns, ");
   says_line(
       run.out,
-      "Types of x, y and z differ: int32 (scale 0.001) in tiles/a.las and 4 more; float64 in tiles/f.xyz; float32 "
-      "in tiles/g.ply.");
-  says_line(run.out, "Types of intensity differ: uint16 in tiles/a.las and 4 more; float64 in tiles/f.xyz.");
-  says_line(run.out, "No points are in tiles/g.ply.");
-  says_line(run.out, "1 point has coordinates that are not finite, in tiles/f.xyz.");
-  says_line(run.out, "tiles/a.las and 1 more have the same bounds and number of points: copies of one file?");
+      "Types of x, y and z differ: int32 (scale 0.001) in a.las and 4 more; float64 in f.xyz; float32 "
+      "in g.ply.");
+  says_line(run.out, "Types of intensity differ: uint16 in a.las and 4 more; float64 in f.xyz.");
+  says_line(run.out, "No points are in g.ply.");
+  says_line(run.out, "1 point has coordinates that are not finite, in f.xyz.");
+  says_line(run.out, "a.las and 1 more have the same bounds and number of points: copies of one file?");
   const auto json = json_of("tiles").at("all");
   EXPECT_EQ(json.at("inconsistent").size(), 12u) << json.dump(1);
   EXPECT_GT(json.at("density").get<double>(), 0);
@@ -332,10 +336,35 @@ TEST_F(InfoTable, HasALineForFilesThatCannotBeReadAndEndsWithStatus1) {
   write("tiles/broken.las", "no LAS at all");
   const Result run = tool("info tiles");
   EXPECT_EQ(run.status, 1);
-  EXPECT_NE(run.out.find("\ntiles/broken.las  cannot be read\n"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("\nbroken.las  cannot be read\n"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("\n2 of 3 files\n"), std::string::npos) << run.out;
   EXPECT_NE(run.err.find("1 of 3 files could not be read."), std::string::npos) << run.err;
   refused(2, "info --json --table tiles", "--table");
+}
+
+/// Files of the library's own writers, which state what is true, and the same with a changed header.
+TEST_F(Info, ComparesTheHeaderOfLasWithThePoints) {
+  for (const char* name : {"a.las", "a.laz"}) {
+    std::string bytes = made(fmt::format("generate terrain {} -n 2000", name), name);
+    EXPECT_EQ(json_of(name).at("files").at(0).at("warnings").size(), 0u) << name;
+    las_test::put(bytes, 179, 999999.0);  // greatest x
+    const bool is_new = bytes[25] == 4;
+    is_new ? las_test::put(bytes, 255, std::uint64_t{5}) : las_test::put(bytes, 111, std::uint32_t{5});
+    write(name, bytes);
+    const Result result = tool(fmt::format("info {}", name));
+    EXPECT_EQ(result.status, 0);
+    EXPECT_NE(result.err.find(": the header states x from "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(" to 999999; the points have "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(": the header counts points by return as 1: 5; there are 1: 2000."), std::string::npos)
+        << result.err;
+    EXPECT_EQ(result.err.find("states y"), std::string::npos) << result.err;
+    EXPECT_EQ(json_of(name).at("files").at(0).at("warnings").size(), 2u);
+  }
+}
+
+TEST_F(Info, CountsReturnNumbersAboveTheNumberOfReturns) {
+  write("a.txt", "x y z ReturnNumber NumberOfReturns\n1 2 3 1 1\n2 3 4 2 1\n3 4 5 2 2\n");
+  EXPECT_NE(tool("info a.txt").err.find("1 point has a return number above the number of returns."), std::string::npos);
 }
 
 TEST(PlanArea, TheResultDoesNotDependOnTheOrderOfPoints) {
@@ -346,6 +375,7 @@ TEST(PlanArea, TheResultDoesNotDependOnTheOrderOfPoints) {
   PlanArea there(points.size()), back(points.size());
   for (const auto& [x, y] : points) there.add(x, y);
   for (auto p = points.rbegin(); p != points.rend(); ++p) back.add(p->first, p->second);
+  there.settle(), back.settle();
   EXPECT_EQ(there.area(), back.area());
   EXPECT_EQ(there.cell_side(), back.cell_side());
   EXPECT_GT(there.area(), 0.8 * 5.3e6 * 5.3e3);
@@ -355,6 +385,7 @@ TEST(PlanArea, AnyCoordinatesHaveAnArea) {
   for (const double far : {1e-3, 1.0, 1e18, 1e150}) {
     PlanArea plan(1000);
     for (int i = 0; i < 1000; ++i) plan.add(far * (i % 32) / 32, -far * (i / 32) / 32);
+    plan.settle();
     EXPECT_GT(plan.area(), 0.5 * far * far) << far;
     EXPECT_LT(plan.area(), 5 * far * far) << far;
   }
@@ -364,7 +395,73 @@ TEST(PlanArea, AFewPlacesCoverNoArea) {
   EXPECT_EQ(PlanArea(100).area(), 0);
   PlanArea plan(6);
   for (const double x : {0.0, 1.0, 0.0}) plan.add(x, 1 - x), plan.add(x, 1 - x);
+  plan.settle();
   EXPECT_EQ(plan.area(), 0) << "a density of their cells would be that of the smallest cell there is";
+  PlanArea far(1);
+  far.add(5e6, -4e7);
+  far.settle();
+  EXPECT_EQ(far.area(), 0);
+}
+
+using Places = std::vector<std::pair<double, double>>;
+
+/// Evenly spread, in clusters, in clusters with a few points far from them, and along a line.
+std::vector<Places> some_clouds() {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> even(0, 100);
+  std::normal_distribution<double> near(0, 0.5);
+  std::vector<Places> clouds(4);
+  for (int i = 0; i < 20000; ++i) {
+    const double center = 10 * (i % 7) + 20;
+    clouds[0].emplace_back(even(random), even(random));
+    clouds[1].emplace_back(center + near(random), 1.2 * center + near(random));
+    clouds[2].push_back(i % 50 == 0 ? std::pair(even(random), even(random)) : clouds[1].back());
+    clouds[3].emplace_back(0.005 * i, 0.005 * i + near(random));
+  }
+  return clouds;
+}
+
+PlanArea area_of(const Places& places) {
+  PlanArea plan(places.size());
+  for (const auto& [x, y] : places) plan.add(x, y);
+  plan.settle();
+  return plan;
+}
+
+double density_of(const Places& places) { return static_cast<double>(places.size()) / area_of(places).area(); }
+
+/// The places of a cloud without most of those that `goes` chooses; those at its bounds stay.
+Places without(const Places& all, const std::function<bool(const std::pair<double, double>&)>& goes) {
+  const auto by_y = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const auto [least, most] = std::minmax_element(all.begin(), all.end());
+  const auto [low, high] = std::minmax_element(all.begin(), all.end(), by_y);
+  Places left = {*least, *most, *low, *high};
+  for (const auto& p : all)
+    if (!goes(p)) left.push_back(p);
+  return left;
+}
+
+TEST(PlanArea, FewerPointsWithinTheSameBoundsNeverGetSmallerCells) {
+  for (const Places& all : some_clouds())
+    for (double share = 0.99; share > 0.01; share *= 0.7) {
+      std::mt19937 random(9);
+      std::uniform_real_distribution<double> uniform(0, 1);
+      const Places left = without(all, [&](const auto&) { return uniform(random) > share; });
+      EXPECT_GE(area_of(left).cell_side(), area_of(all).cell_side()) << share;
+      EXPECT_LE(density_of(left), density_of(all)) << "points chosen at random, a share of " << share;
+    }
+}
+
+TEST(PlanArea, DensityNeverRisesWhereEveryOccupiedCellKeepsAPoint) {
+  for (const Places& all : some_clouds()) {
+    const double side = area_of(all).cell_side();
+    for (const std::size_t each : {1, 2, 5, 20}) {
+      std::map<std::pair<double, double>, std::size_t> kept;
+      const auto cell_of = [&](const auto& p) { return std::pair(std::floor(p.first / side), std::floor(p.second / side)); };
+      const Places left = without(all, [&](const auto& p) { return kept[cell_of(p)]++ >= each; });
+      EXPECT_LE(density_of(left), density_of(all)) << each;
+    }
+  }
 }
 
 TEST(NearestDistances, AreThoseOfBruteForce) {

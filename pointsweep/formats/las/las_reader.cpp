@@ -111,6 +111,15 @@ LasOrigin origin_of(const LasHeader& header) {
           .overlap_is_class_12 = header.point_format < kFirstModernLasFormat};
 }
 
+HeaderClaims claims_of(const LasHeader& header) {
+  HeaderClaims claims{.bounds = header.bounds};
+  if (header.minor >= 4)
+    claims.returns.assign(header.by_return.begin(), header.by_return.end());
+  else
+    claims.returns.assign(header.legacy_by_return.begin(), header.legacy_by_return.end());
+  return claims;
+}
+
 FileInfo info_of(const std::shared_ptr<const LasExtras>& extras, std::vector<std::string> warnings) {
   const LasHeader& header = extras->header;
   FileInfo info;
@@ -125,6 +134,7 @@ FileInfo info_of(const std::shared_ptr<const LasExtras>& extras, std::vector<std
       box.lo.z <= box.hi.z) {
     info.bounds = box;
   }
+  info.claims = claims_of(header);
   info.z_is_up = true;
   info.warnings = std::move(warnings);
   info.extras = extras;

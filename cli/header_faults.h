@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+/// Whether what a header and the attributes of points say agrees with the points.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/file_summary.h"
+#include "pointsweep/reader.h"
+
+namespace pointsweep {
+
+/// A sentence for each axis whose bounds the header states wrongly, by more than half a step of stored coordinates; for
+/// counts of points by return; and for points whose return number is above their number of returns.
+std::vector<std::string> header_faults(const FileInfo& info, const FileSummary& summary);
+
+}  // namespace pointsweep
