@@ -54,7 +54,7 @@ void add_late_select(const GraphNode& node, bool is_told, MadeBy& made) {
   made.leaves_out = true;
   if (is_told) return made.operators.push_back(node.op);
   made.leaves_out_more = true;
-  made.untold.push_back("which rows '" + node.op->name() + "' leaves out by attributes that are not checked");
+  made.untold.push_back("which rows '" + node.stage + "' leaves out by attributes that are not checked");
 }
 
 }  // namespace
@@ -123,7 +123,7 @@ std::shared_ptr<InputCloud> select_rows(const VerifyOptions& options, InputCloud
       fail_usage(
           "verify: the stage '{}' leaves out rows after other stages, and a sample of the input does not tell which; "
           "verify the output of the stages before it.",
-          node.op->name());
+          node.stage);
     if (leaves_means(node)) {
       before_means = open_again();
       select_kept_rows(*before_means, first, options.memory_bytes, options.progress);

@@ -82,8 +82,8 @@ std::string without_empty_paragraphs(std::string text) {
 }
 
 constexpr const char* kExitStatus =
-    ".SH EXIT STATUS\n0: success; 1: an error of a file or of the machine; 2: an error of the command line; 128 + N: "
-    "stopped by signal N.\n";
+    ".SH EXIT STATUS\n0: success; 1: an error of a file or of the machine; 2: an error of the command line; 3: "
+    "verify could not check everything; 128 + N: stopped by signal N.\n";
 
 }  // namespace
 

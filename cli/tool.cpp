@@ -13,6 +13,7 @@
 #include "cli/console.h"
 #include "cli/help.h"
 #include "cli/interrupt.h"
+#include "cli/not_checked.h"
 #include "cli/usage_errors.h"
 #include "cli/version.h"
 #include "pointsweep/cancellation.h"
@@ -42,6 +43,9 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
     return fail_with(2, usage_sentence(app, error));
   } catch (const UsageError& error) {
     return fail_with(2, error.what());
+  } catch (const NotChecked& remainder) {
+    report(Severity::warning, remainder.what());
+    return 3;
   } catch (const Cancelled&) {
     const char* const outputs = OutputFile::any_is_complete()   ? "outputs that were complete by then stay"
                                 : OutputFile::any_is_streamed() ? "what standard output has got is incomplete"
@@ -70,7 +74,7 @@ int run_tool(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "'pointsweep help VERB' explains a verb. Exit status: 0 success; 1 an error of a file or of the machine; 2 an "
-      "error of the command line; 128 + N stopped by signal N.\n"
+      "error of the command line; 3 'verify' could not check everything; 128 + N stopped by signal N.\n"
       "\nExample:\n"
       "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G");
   add_commands(app);

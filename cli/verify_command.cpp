@@ -9,6 +9,7 @@
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/not_checked.h"
 #include "cli/pipeline_run.h"
 #include "cli/progress.h"
 #include "cli/quantities.h"
@@ -36,6 +37,7 @@ struct VerifyCommand {
   std::vector<OptionText> neighborhood;
   std::vector<std::string> keep;
   VerifyOptions check;
+  Checksums checksums = Checksums::leave_out;
   std::vector<std::filesystem::path> tiles;  ///< an output for each input, if the output is a folder
 
   bool says_how() const { return !pipeline.empty() || !neighborhood.empty() || !keep.empty(); }
@@ -98,7 +100,7 @@ void list_files(VerifyCommand& command) {
   const std::filesystem::path output = command.paths.output();
   const bool is_folder = std::filesystem::is_directory(output);
   if (command.paths.inputs_named() == 0 && is_folder)
-    fail_usage("{}: is a folder of outputs; name what was read before it: IN... OUT.", output.string());
+    fail_usage("{}: is a folder; name the inputs too: pointsweep verify tiles/ {}.", output.string(), output.string());
   if (command.paths.inputs_named() == 0) return;
   const InputList inputs = list_inputs(command.paths.inputs(), command.paths.recursive, command.common.format);
   command.paths.files.clear();
@@ -254,6 +256,8 @@ VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& displ
   options.axis = command.common.axis;
   options.prefix = command.common.prefix;
   if (command.common.memory != 0) options.memory_bytes = command.common.memory;
+  const std::filesystem::path& file = command.tiles.empty() ? command.paths.output() : command.tiles.front();
+  if (const Format* const format = format_of_output(file)) options.own_field = format->own_field;
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
     stop_if_cancelled();
     display.report(phase, done, total);
@@ -294,12 +298,9 @@ void run_check(const VerifyCommand& given) {
   drop_nonfinite(command, cloud);
   ProgressDisplay display(command.common);
   const Verdict verdict = checked(command, cloud, display);
-  if (!command.common.quiet) print(to_text(verdict));
-  if (verdict.same()) return;
-  fail("{}: is not what the input gives; {}: {}.", verdict.output,
-       verdict.difference_count == 1 ? "one difference"
-                                     : fmt::format("{} differences, the first", verdict.difference_count),
-       verdict.differences.front());
+  if (!command.common.quiet) print(to_text(verdict, command.checksums));
+  if (!verdict.same()) fail("{}: {}.", conclusion(verdict), verdict.differences.front());
+  if (!verdict.is_complete()) throw NotChecked(fmt::format("{}: {}.", verdict.output, conclusion(verdict)));
 }
 
 void add_check_options(CLI::App& verb, VerifyCommand& command) {
@@ -320,6 +321,9 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
           },
           "Order of the rows of the output (default: detected)")
       ->type_name("input|sweep");
+  verb.add_flag_callback(
+      "--checksums", [&command] { command.checksums = Checksums::show; },
+      "Also show a checksum of the values of each attribute, which does not depend on the order of rows");
   add_axis_option(verb, command.common);
   add_nonfinite_option(verb, command.common);
   verb.add_option("--prefix", command.common.prefix, "The --prefix of the run")->type_name("NAME");
@@ -328,7 +332,7 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
 }  // namespace
 
 void add_verify_command(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("verify", "Check that an output is complete and right, by brute force");
+  CLI::App& verb = *app.add_subcommand("verify", "Check a result by brute force, or compare two files");
   auto command = std::make_shared<VerifyCommand>();
   add_inputs_and_output(verb, command->paths, "file or folder that a run has written from them");
   add_neighborhood_options(verb, "8", command->neighborhood);
@@ -350,7 +354,9 @@ void add_verify_command(CLI::App& app) {
       "record of its run (see info) needs no options, and no inputs if these are in its folder or in the current one.\n"
       "Otherwise give the options of the run; --pipeline if normals were oriented, points moved or attributes "
       "replaced.\n"
-      "Exit status: 0 if the output is right, 1 if it differs.\n"
+      "Without computed attributes, two files are compared, whatever their formats and orders.\n"
+      "Exit status: 0 if all was checked and is right, 1 if the output differs, 3 if not all could be checked and the\n"
+      "rest is right.\n"
       "\nExample:\n"
       "  pointsweep verify normals.ply\n"
       "  pointsweep verify scan.ply normals.ply -k 12\n"

@@ -97,6 +97,7 @@ class Comparison {
 
   void note_different(std::uint64_t row, const std::byte* in, const std::byte* out) {
     result_.first_different = std::min(row, result_.first_different.value_or(row));
+    ++result_.rows_different;
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
       AttributeArrival& attribute = result_.attributes[p];
       if (words_in_[p] == words_out_[p] || ++attribute.rows_different > 1) continue;

@@ -28,6 +28,7 @@ struct Arrivals {
   std::vector<std::string> missing;  ///< attributes of the input that the output has not
   std::uint64_t points_in = 0, points_out = 0;
   std::uint64_t sum_in = 0, sum_out = 0;            ///< checksums of whole points, all attributes together
+  std::uint64_t rows_different = 0;                 ///< rows of both whose points differ
   std::optional<std::uint64_t> first_different;     ///< row whose points differ; a row that only one file has counts
   std::array<bool, 3> ascending{true, true, true};  ///< the output, along x, y, z, with not finite points at its end
   Box bounds;                                       ///< of the finite points of the input

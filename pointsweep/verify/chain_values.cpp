@@ -8,6 +8,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/points/degenerate_points.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {
@@ -132,7 +133,7 @@ void ChainValues::add_file_column(std::uint16_t column, const Attribute& wanted,
                                   const Schema& input) {
   std::vector<Field> fields;
   for (const std::string& name : wanted.fields) {
-    const auto at = input.find(name);
+    const auto at = field_meant(input, name);
     if (!at) fail_usage("{}: needs '{}', which neither the input nor an earlier stage has.", who, wanted.name);
     fields.push_back(input.fields[*at]);
   }
@@ -347,12 +348,14 @@ void ChainValues::estimate(const Stage& stage, const Surroundings& around, const
   for (std::size_t i = 0; i < around.ring_end[static_cast<std::size_t>(stage.ring)]; ++i) {
     stop_if_cancelled();
     places.clear(), rows.clear();
-    for (std::size_t n = around.list_begin[i]; n < around.list_begin[i + 1]; ++n)
+    // What a stage that is alone reads is known of the points that it is evaluated for, and not of their neighbours.
+    for (std::size_t n = around.list_begin[i]; !stage.alone && n < around.list_begin[i + 1]; ++n)
       places.push_back(place(around.neighbors[n])), rows.push_back(around.row[around.neighbors[n]]);
     FormulaInput in = input_of(stage, around, i, columns);
     in.place = place(i), in.neighbors = places, in.rows = rows;
     const auto is_open = [](const formulas::Place& p) { return !(p.error < formulas::kInfinity); };
-    const bool unsure = in_doubt[i] || is_open(in.place) || std::any_of(places.begin(), places.end(), is_open);
+    const bool unsure =
+        (in_doubt[i] && !stage.alone) || is_open(in.place) || std::any_of(places.begin(), places.end(), is_open);
     std::vector<Estimate> made = stage.formula->evaluate(in);
     if (unsure) std::fill(made.begin(), made.end(), formulas::open());
     std::size_t next = 0;
@@ -404,7 +407,8 @@ ChainResults ChainValues::evaluate(Surroundings around, RowSource& in, CloudRows
     } else if (stage.formula)
       estimate(stage, around, in_doubt, estimates);
     else
-      for (const std::uint16_t column : stage.makes) take_bits(column, bits, in_doubt, estimates);
+      for (const std::uint16_t column : stage.makes)
+        take_bits(column, bits, stage.alone ? std::vector<bool>{} : in_doubt, estimates);
   }
   return results_of(around.ring_end[0], bits, estimates);
 }

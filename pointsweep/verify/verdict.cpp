@@ -15,36 +15,93 @@ std::string names_text(const std::vector<std::string>& names) {
   return text;
 }
 
-std::string attribute_text(const AttributeArrival& a) {
+/// "10,000".
+std::string grouped(std::uint64_t number) {
+  std::string digits = std::to_string(number);
+  for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, ",");
+  return digits;
+}
+
+/// "1 value", "10,000 values".
+std::string counted(std::uint64_t number, const char* what) {
+  return fmt::format("{} {}{}", grouped(number), what, number == 1 ? "" : "s");
+}
+
+std::string checksum_text(const AttributeArrival& a) {
   if (a.sum_in == a.sum_out) return fmt::format("  {:<18} {:016x}\n", a.name, a.sum_in);
   return fmt::format("  {:<18} {:016x} in the input, {:016x} in the output\n", a.name, a.sum_in, a.sum_out);
 }
 
+std::string differences_text(const Verdict& v) {
+  std::string text;
+  for (const std::string& difference : v.differences) text += fmt::format("  DIFFERENT          {}\n", difference);
+  if (v.difference_count > v.differences.size())
+    text += fmt::format("  DIFFERENT          {} more\n", grouped(v.difference_count - v.differences.size()));
+  return text;
+}
+
+std::string unchecked_text(const Verdict& v) {
+  std::string text;
+  if (v.open_values > 0)
+    text += fmt::format("  not checked        {} of {}, which rounding decides\n", grouped(v.open_values),
+                        counted(v.values, "value"));
+  if (v.open_rows > 0)
+    text += fmt::format("  not checked        whether {} of {} stay, which the data do not tell\n",
+                        grouped(v.open_rows), counted(v.sampled, "row"));
+  if (!v.unknown.empty())
+    text += fmt::format("  not checked        {}: not of the input, and not made by stages that can be checked\n",
+                        names_text(v.unknown));
+  for (const std::string& why : v.untold) text += fmt::format("  not checked        {}\n", why);
+  return text;
+}
+
+std::string conclusion_of_what_differs(const Verdict& v) {
+  if (v.different_rows > 0 && v.wrong_points == 0)
+    return fmt::format("{} differs from its input in {}", v.output, counted(v.different_rows, "row"));
+  if (v.different_rows == 0 && v.wrong_points > 0)
+    return fmt::format("{}: {} of {} {} wrong", v.output, grouped(v.wrong_points), counted(v.sampled, "sample"),
+                       v.wrong_points == 1 ? "is" : "are");
+  return fmt::format("{} differs from its input", v.output);
+}
+
+std::string conclusion_of_what_is_open(const Verdict& v) {
+  std::string text;
+  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  if (v.open_values > 0) add(fmt::format("{} of {}", grouped(v.open_values), counted(v.values, "value")));
+  if (v.open_rows > 0) add(fmt::format("{} of {}", grouped(v.open_rows), counted(v.sampled, "row")));
+  if (!v.unknown.empty()) add(counted(v.unknown.size(), "attribute"));
+  if (!v.untold.empty()) add(counted(v.untold.size(), "stage"));
+  return "not checked: " + text + "; all else is correct";
+}
+
 }  // namespace
 
-std::string to_text(const Verdict& v) {
-  std::string text = fmt::format("{} against {}\n  points             {}\n", v.output, v.input, v.arrivals.points_out);
+std::string conclusion(const Verdict& v) {
+  if (!v.same()) return conclusion_of_what_differs(v);
+  if (!v.is_complete()) return conclusion_of_what_is_open(v);
+  std::string text = v.attributes_compared ? "inputs unchanged" : "";
+  if (v.sampled > 0) text += (text.empty() ? "" : ", ") + counted(v.sampled, "sample") + " correct";
+  return "OK: " + (text.empty() ? "nothing was to be checked" : text);
+}
+
+std::string to_text(const Verdict& v, Checksums checksums) {
+  std::string text = fmt::format("{} against {}\n", v.output, v.input) + differences_text(v);
+  text += fmt::format("  points             {}\n", grouped(v.arrivals.points_out));
   if (v.attributes_compared)
     text += fmt::format("  rows               {}\n", v.order.empty() ? "?" : "in the order of the " + v.order);
-  for (const AttributeArrival& a : v.arrivals.attributes) text += attribute_text(a);
+  if (checksums == Checksums::show)
+    for (const AttributeArrival& a : v.arrivals.attributes) text += checksum_text(a);
   if (v.made.empty())
     text += "  operators          none, so no neighbourhoods were looked at\n";
   else
-    text += fmt::format("  by brute force     {} of {} points, {} wrong: {}\n", v.sampled,
-                        v.arrivals.points_in + v.left_out.value_or(0), v.wrong_points, names_text(v.made));
+    text += fmt::format("  by brute force     {} of {}, {} wrong: {}\n", grouped(v.sampled),
+                        counted(v.arrivals.points_in + v.left_out.value_or(0), "point"), grouped(v.wrong_points),
+                        names_text(v.made));
   if (v.left_out)
-    text += fmt::format("  rows left out      {}; whether a row stays is told for {} of {} rows\n", *v.left_out,
-                        v.sampled - v.open_rows, v.sampled);
+    text += fmt::format("  rows left out      {}; whether a row stays is told for {} of {}\n", grouped(*v.left_out),
+                        grouped(v.sampled - v.open_rows), counted(v.sampled, "row"));
   if (!v.by_own_operator.empty()) text += fmt::format("  not independent    {}\n", names_text(v.by_own_operator));
-  if (v.open_values > 0)
-    text += fmt::format("  undetermined       {} of {} values: the data do not tell which is right\n", v.open_values,
-                        v.values);
-  if (!v.unknown.empty()) text += fmt::format("  not checked        {}\n", names_text(v.unknown));
-  for (const std::string& why : v.untold) text += fmt::format("  not checked        {}\n", why);
-  for (const std::string& difference : v.differences) text += fmt::format("  DIFFERENT          {}\n", difference);
-  if (v.difference_count > v.differences.size())
-    text += fmt::format("  DIFFERENT          {} more\n", v.difference_count - v.differences.size());
-  return text + (v.same() ? "same\n" : "different\n");
+  return text + unchecked_text(v) + conclusion(v) + "\n";
 }
 
 }  // namespace pointsweep

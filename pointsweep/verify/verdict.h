@@ -28,13 +28,22 @@ struct Verdict {
   std::vector<std::string> unknown;  ///< attributes of the output that are neither the input's nor made: not checked
   std::vector<std::string> untold;   ///< what is not checked, and why
 
+  std::uint64_t different_rows = 0;  ///< rows that differ from the input's; 0 if rows are not compared one by one
   std::uint64_t difference_count = 0;
   std::vector<std::string> differences;  ///< the first few, a sentence each
 
   bool same() const { return difference_count == 0; }
+  /// Nothing that was to be checked stayed undecided.
+  bool is_complete() const { return open_values == 0 && open_rows == 0 && unknown.empty() && untold.empty(); }
 };
 
-/// Several lines for people, the last one saying "same" or "different".
-std::string to_text(const Verdict& verdict);
+enum class Checksums : bool { leave_out, show };
+
+/// Several lines for people: what differs, what was compared, what was not checked, and conclusion().
+std::string to_text(const Verdict& verdict, Checksums checksums = Checksums::leave_out);
+
+/// The last line: "OK: inputs unchanged, 10,000 samples correct"; how many values, rows, attributes and stages are not
+/// checked; or in how many rows the output differs. Without a full stop.
+std::string conclusion(const Verdict& verdict);
 
 }  // namespace pointsweep

@@ -88,10 +88,14 @@ class Verification {
       for (const std::string& name : a.fields)
         if (const auto old = in_.schema().find(name)) replaced_[*old] = true;
     }
+    std::vector<std::string> others;
     for (const Field& field : out_.schema().fields)
       if (!is_field_of(in_.schema(), field.name) && !is_field_of(results, field.name) &&
           std::find(verdict_.unknown.begin(), verdict_.unknown.end(), field.name) == verdict_.unknown.end())
-        verdict_.unknown.push_back(field.name);
+        others.push_back(field.name);
+    const std::vector<std::string> unfilled = unfilled_fields(out_, others, options_.own_field);
+    for (const std::string& name : others)
+      if (std::ranges::find(unfilled, name) == unfilled.end()) verdict_.unknown.push_back(name);
   }
 
   void pair_made_value(const Schema& results, std::size_t first, std::size_t width, std::size_t estimate) {
@@ -183,6 +187,7 @@ class Verification {
     const Arrivals& a = verdict_.arrivals;
     if (a.points_in != a.points_out && !a.attributes.empty())
       differ("row {} is the first that is not the same in both", *a.first_different);
+    if (a.points_in == a.points_out) verdict_.different_rows = a.rows_different;
     for (const AttributeArrival& one : a.attributes) {
       if (one.rows_different == 0 || a.points_in != a.points_out) continue;
       differ("row {}: {} is {}, but {} in the input ({} such {})", one.first_different, one.name, one.found,

@@ -12,6 +12,7 @@
 
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operator.h"
+#include "pointsweep/verify/own_fields.h"
 #include "pointsweep/verify/row_source.h"
 #include "pointsweep/verify/stage_formula.h"
 #include "pointsweep/verify/surroundings.h"
@@ -30,6 +31,7 @@ struct VerifyOptions {
   std::string prefix = {};                              ///< of the names of made attributes in the output
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< for neighbourhoods; what does not fit is done in turns
   PhaseProgress progress = {};
+  OwnField own_field = nullptr;  ///< of the output's format
 };
 
 /// What the run was asked to make.

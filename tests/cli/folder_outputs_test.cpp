@@ -128,7 +128,7 @@ TEST_F(FolderOutputs, SayThatTheyAreTilesAndKeepNoNoticeOfAttributesThatOthersHa
   EXPECT_NE(run.err.find("wrote out/: 4 files, 6700 points"), std::string::npos) << run.err;
   EXPECT_NE(tool("info out/b.ply").out.find("tile 2 of 4; from b.ply and 3 more"), std::string::npos);
   refused(2, "verify out/b.ply", "name");
-  refused(2, "verify out", "is a folder of outputs; name what was read before it");
+  refused(2, "verify out", "is a folder; name the inputs too: pointsweep verify tiles/ out");
   refused(2, "verify tiles out/b.ply", "is tile 2 of 4 of a run over several inputs");
 }
 

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+/// Fields that an output has because of its format, and to which neither an input nor a stage gives a value.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/verify/row_source.h"
+
+namespace pointsweep {
+
+/// Format::own_field of a format; null where it has no such fields.
+using OwnField = std::optional<double> (*)(std::string_view name);
+
+/// Of `names`, fields of `out`, those that are the format's own and hold its value for them in all rows.
+std::vector<std::string> unfilled_fields(RowSource& out, const std::vector<std::string>& names, OwnField own_field);
+
+}  // namespace pointsweep
