@@ -16,7 +16,8 @@
 namespace pointsweep {
 namespace {
 
-constexpr const char* kDefaultK = "8";
+/// Where none is given.
+std::string default_k() { return text_of_value(neighbor_rows_declaration().options.front().preset); }
 
 struct NeighborsCommand {
   CommonOptions common;
@@ -56,7 +57,7 @@ Arrays arrays_of(const NeighborsCommand& command) {
 Neighborhood neighborhood_of(const NeighborsCommand& command) {
   StageText knn{neighborhood_declaration().name, command.neighborhood, "neighbors"};
   if (std::ranges::find(knn.options, "k", &OptionText::name) == knn.options.end())
-    knn.options.push_back({"k", kDefaultK, "neighbors"});
+    knn.options.push_back({"k", default_k(), "neighbors"});
   return make_neighborhood(read_options(neighborhood_declaration().options, knn));
 }
 
@@ -94,9 +95,9 @@ void add_neighbors_command(CLI::App& app) {
   auto command = std::make_shared<NeighborsCommand>();
   add_inputs_and_output(verb, command->paths, ".npy array: n rows of k input rows, nearest first");
   add_output_option(verb, command->paths.named_output);
-  add_neighborhood_options(verb, kDefaultK, command->neighborhood);
+  add_neighborhood_options(verb, default_k(), command->neighborhood);
   verb.get_option("-k")->description(
-      fmt::format("Number of neighbours, excluding the point, and of columns (default: {})", kDefaultK));
+      fmt::format("Number of neighbours, excluding the point, and of columns (default: {})", default_k()));
   verb.add_option("--distances", command->distances, "Write the distances, float64, to this .npy file")
       ->type_name("FILE");
   add_keep_option(verb, command->common.keep,

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "cli/help.h"
+#include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/pipeline/registry.h"
 
 namespace pointsweep {
@@ -57,6 +58,7 @@ std::string operator_text(const ListedOperator& listed) {
   text += row_unless_empty("needs", attribute_text(listed.contract.reads));
   text += row_unless_empty("of neighbours", attribute_text(listed.contract.reads_neighbors));
   text += row_unless_empty("makes", attribute_text(listed.contract.makes));
+  text += row_unless_empty("neighbours", default_k_text(listed.contract));
   text += formula_text(d.formula);
   text += row_unless_empty("source", d.source) + row_unless_empty("undefined", d.undefined);
   return text + row_unless_empty("cost", d.cost) + row_unless_empty("example", d.example);
@@ -71,7 +73,8 @@ ListedOperator listed_neighborhood() {
                           .formula = knn.formula,
                           .source = knn.source,
                           .cost = knn.cost,
-                          .example = knn.example}};
+                          .example = knn.example},
+          .contract = {.alone = true}};
 }
 
 ListedOperator listed(const OperatorDeclaration& declaration) {
@@ -81,9 +84,16 @@ ListedOperator listed(const OperatorDeclaration& declaration) {
 }  // namespace
 
 Contract contract_of(const OperatorDeclaration& declaration) {
-  Contract contract = contract_of(make_stage(declaration, sample_values(declaration), {}));
+  const ChainStage stage = make_stage(declaration, sample_values(declaration), {});
+  Contract contract = contract_of(stage);
+  contract.alone |= operator_of(stage) == nullptr;
   if (contract.selects != Selects::nothing || declaration.makes_named) contract.makes.clear();
   return contract;
+}
+
+std::string default_k_text(const Contract& contract) {
+  const std::size_t k = default_k(contract);
+  return k == 0 ? "" : fmt::format("{} where neither k nor a radius is given", k);
 }
 
 std::vector<ListedOperator> listed_operators(const std::vector<std::string>& names) {

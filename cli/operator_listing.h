@@ -20,6 +20,9 @@ struct ListedOperator {
 /// Of an operator whose options have their presets, without what is never written.
 Contract contract_of(const OperatorDeclaration& declaration);
 
+/// How many neighbours an operator with this contract wants, for people; empty if it looks at none.
+std::string default_k_text(const Contract& contract);
+
 /// knn and all operators of pipelines; of these the ones named, in the order named, if any are. Throws UsageError for
 /// an unknown one.
 std::vector<ListedOperator> listed_operators(const std::vector<std::string>& names);

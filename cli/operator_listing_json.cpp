@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/operator_listing.h"
+#include "pointsweep/pipeline/plan/default_neighborhood.h"
 
 namespace pointsweep {
 namespace {
@@ -59,6 +60,7 @@ OrderedJson json_of(const ListedOperator& listed) {
           {"reads", json_of(listed.contract.reads)},
           {"reads_neighbors", json_of(listed.contract.reads_neighbors)},
           {"makes", json_of(listed.contract.makes)},
+          {"default_k", default_k(listed.contract)},
           {"formula", d.formula},
           {"source", d.source},
           {"undefined", d.undefined},

@@ -102,6 +102,7 @@ std::string section(const ListedOperator& listed) {
   std::string text = fmt::format("## {}\n{}\n\n", d.name, sentence(d.meaning)) + options_table(d.options);
   text += needs_text(listed.contract) + made_table(listed);
   if (!d.formula.empty()) text += fmt::format("```text\n{}\n```\n", d.formula);
+  text += line_unless_empty("Neighbours", default_k_text(listed.contract));
   text += line_unless_empty("Source", d.source) + line_unless_empty("Undefined", d.undefined);
   text += line_unless_empty("Cost", d.cost);
   return text + (d.example.empty() ? "" : fmt::format("- Example: `{}`\n", d.example)) + "\n";

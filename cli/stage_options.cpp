@@ -85,10 +85,4 @@ void add_neighborhood_options(CLI::App& verb, const std::string& k, std::vector<
   }
 }
 
-StageText neighborhood_stage(const std::vector<OptionText>& given, const std::string& k, const std::string& verb) {
-  StageText knn{neighborhood_declaration().name, given, verb};
-  if (given.empty()) knn.options.push_back({"k", k, verb});
-  return knn;
-}
-
 }  // namespace pointsweep

@@ -18,10 +18,7 @@ void add_stage_options(CLI::App& verb, const std::vector<OptionDeclaration>& opt
 void add_stage_option(CLI::App& verb, const std::string& flag, const OptionDeclaration& option,
                       std::vector<OptionText>& into);
 
-/// -k, --radius and what else says which points are neighbours; `k` is the verb's default.
+/// -k, --radius and what else says which points are neighbours; `k` is the verb's default; empty: the pipeline's.
 void add_neighborhood_options(CLI::App& verb, const std::string& k, std::vector<OptionText>& into);
-
-/// The stage that these options make; where none was given, the `k` nearest.
-StageText neighborhood_stage(const std::vector<OptionText>& given, const std::string& k, const std::string& verb);
 
 }  // namespace pointsweep

@@ -335,7 +335,7 @@ void add_verify_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("verify", "Check a result by brute force, or compare two files");
   auto command = std::make_shared<VerifyCommand>();
   add_inputs_and_output(verb, command->paths, "file or folder that a run has written from them");
-  add_neighborhood_options(verb, "8", command->neighborhood);
+  add_neighborhood_options(verb, "", command->neighborhood);
   verb.add_option("--pipeline", command->pipeline,
                   "The pipeline of the run (default: the record in the output, or guessed from its attributes)")
       ->type_name("TEXT|FILE");

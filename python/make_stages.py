@@ -130,6 +130,7 @@ def docstring(operator):
     reads = [read["name"] for read in operator["reads"]]
     reads += [f"{read['name']} of neighbours" for read in operator["reads_neighbors"]]
     lines += section("Reads", wrap(", ".join(reads)))
+    lines += section("Neighbours", [f"{operator['default_k']} where neither k nor a radius is given."] if operator["default_k"] else [])
     for title in ("formula", "undefined", "source", "cost"):
         text = operator[title]
         is_text = title != "formula"

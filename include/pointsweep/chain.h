@@ -47,7 +47,7 @@ using ChainStage = std::variant<std::shared_ptr<const Operator>, Reneighbor, Res
 ///
 ///   Chain chain{.neighborhood = {.k = 16}, .stages = {operators::normals(), std::make_shared<Roughness>()}};
 struct Chain {
-  Neighborhood neighborhood = {};
+  Neighborhood neighborhood = {.k = Neighborhood::kOfOperators};
   std::vector<ChainStage> stages = {};
   /// Attributes to write, by the name of the attribute ("normal") or of its column ("nx"). Of the made attributes those
   /// named are written, or all if none is named; of those of the input likewise; positions always are. Empty: all.
@@ -56,8 +56,9 @@ struct Chain {
 
 /// The chain that a pipeline describes, as text, `knn(k=16) | normals(orient=up) | where(nz > 0.5)`, or as JSON,
 /// `[{"type": "knn", "k": 16}, {"type": "normals", "orient": "up"}]`. docs/pipelines.md has the language and
-/// docs/operators.md the operators with their options. Without `knn`, the 8 nearest points are the neighbours. Throws
-/// UsageError, naming the place in the text, for an unknown name and a value out of range.
+/// docs/operators.md the operators with their options. Where it names neither k nor a radius, each point has as many
+/// neighbours as that operator of the chain wants that wants most (Contract::default_k). Throws UsageError, naming the
+/// place in the text, for an unknown name and a value out of range.
 POINTSWEEP_EXPORT Chain parse_chain(std::string_view pipeline, const Cloud& cloud);
 
 /// Appends the stages of a pipeline, which has no `knn`, to a chain for the same cloud.

@@ -110,6 +110,9 @@ struct Contract {
   double reach = 0;  ///< of a select in order: it may hold points so far behind the newest, and as far again
   std::uint64_t held_bytes = 0;         ///< of memory for each point it holds
   std::vector<std::string> drops = {};  ///< attributes that later stages do not see and that are not written
+  /// Number of neighbours that the operator wants where the chain names none (Neighborhood::kOfOperators), unless it is
+  /// alone.
+  std::size_t default_k = 8;
 };
 
 /// What a selecting operator makes. Never written.

@@ -71,10 +71,9 @@ Density::Density(std::optional<double> radius) : radius_(radius) {
 Options Density::own_options() const { return radius_ ? Options{{"radius", *radius_}} : Options(); }
 
 Contract Density::contract() const {
-  return {{},
-          {},
-          {scalar("surface_density", Type::f32, "1/length^2", "points for each unit of area"),
-           scalar("volume_density", Type::f32, "1/length^3", "points for each unit of volume")}};
+  return {.makes = {scalar("surface_density", Type::f32, "1/length^2", "points for each unit of area"),
+                    scalar("volume_density", Type::f32, "1/length^3", "points for each unit of volume")},
+          .default_k = 32};
 }
 
 void Density::apply(const Neighborhoods& in, Columns& out) const {

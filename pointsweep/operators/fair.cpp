@@ -91,9 +91,10 @@ Fair::Fair(const FairOptions& options)
     : options_(options), inverse_f_(inverse_width("f", options.f)), inverse_g_(inverse_width("g", options.g)) {}
 
 Contract Fair::contract() const {
-  return {{splat_length_attribute(), splat_ratio_attribute()},
-          {normal_attribute(), splat_length_attribute(), splat_ratio_attribute()},
-          {position_attribute()}};
+  return {.reads = {splat_length_attribute(), splat_ratio_attribute()},
+          .reads_neighbors = {normal_attribute(), splat_length_attribute(), splat_ratio_attribute()},
+          .makes = {position_attribute()},
+          .default_k = 64};
 }
 
 Contract FairInPercent::contract() const {

@@ -162,6 +162,7 @@ Options Features::own_options() const {
 Contract Features::contract() const {
   Contract contract;
   for (const Feature f : made_) contract.makes.push_back(attribute_of(f, options_.eigenvalues));
+  contract.default_k = 32;
   return contract;
 }
 

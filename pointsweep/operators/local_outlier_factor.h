@@ -53,7 +53,7 @@ class LocalOutlierFactor final : public Operator {
  public:
   std::string name() const override { return "lof"; }
   Contract contract() const override {
-    return {{}, {}, {k_distance_attribute(), reachability_density_attribute(), lof_attribute()}};
+    return {.makes = {k_distance_attribute(), reachability_density_attribute(), lof_attribute()}, .default_k = 32};
   }
   void apply(const Neighborhoods&, Columns&) const override {}
   std::vector<std::shared_ptr<const Operator>> parts() const override;

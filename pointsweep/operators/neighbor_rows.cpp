@@ -64,7 +64,7 @@ OperatorDeclaration neighbor_rows_declaration() {
       .meaning = "rows of the neighbours, nearest first, and their distances",
       .options = {{.name = "k",
                    .kind = OptionKind::whole,
-                   .preset = std::uint64_t{8},
+                   .preset = std::uint64_t{16},
                    .meaning = "number of columns, at least the number of neighbours",
                    .least = 1}},
       .make = [](const OptionValues& options,

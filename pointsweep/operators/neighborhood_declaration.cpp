@@ -16,8 +16,8 @@ NeighborhoodDeclaration declare_neighborhood() {
       .options =
           {{.name = "k",
             .kind = OptionKind::whole,
-            .preset = std::uint64_t{8},
-            .meaning = "number of neighbours, excluding the point; a radius without k means all points within it",
+            .meaning = "number of neighbours, excluding the point; a radius without k means all points within it; "
+                       "without both, as many as the operator wants that wants most",
             .least = 1},
            {.name = "radius",
             .kind = OptionKind::number,
@@ -56,8 +56,7 @@ NeighborhoodDeclaration declare_neighborhood() {
       .example = "knn(k=100, adaptive=eigenentropy, k_min=10) | normals"};
 }
 
-/// The most that a rule may choose from must be said: the k that is taken where none is given is for points that are
-/// all alike.
+/// The most that a rule may choose from must be said: the k that operators want is for points that are all alike.
 void require_most(const OptionValues& options, const char* option, bool radius_does) {
   if (options.given("k") || (radius_does && options.given("radius"))) return;
   fail_usage("{}: {} needs {}, the most that any point may have, as in knn(k=64, {}={}).", options.where(), option,
@@ -106,8 +105,10 @@ const NeighborhoodDeclaration& neighborhood_declaration() {
 
 Neighborhood make_neighborhood(const OptionValues& options) {
   Neighborhood neighborhood;
-  const bool all = options.given("radius") && !options.given("k");
-  neighborhood.k = all ? Neighborhood::kUnlimited : options.whole("k");
+  if (options.given("k"))
+    neighborhood.k = options.whole("k");
+  else
+    neighborhood.k = options.given("radius") ? Neighborhood::kUnlimited : Neighborhood::kOfOperators;
   if (options.given("radius")) neighborhood.radius = options.number("radius");
   neighborhood.rule = rule_of(options);
   return neighborhood;

@@ -107,6 +107,7 @@ Contract Normals::contract() const {
   Contract c;
   if (options_.orient == Orient::input) c.reads = {normal_attribute()};
   c.makes = {normal_attribute()};
+  c.default_k = 16;
   return c;
 }
 

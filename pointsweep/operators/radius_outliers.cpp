@@ -61,7 +61,7 @@ RadiusOutliers::RadiusOutliers(double radius, std::uint64_t min_neighbors)
 Contract RadiusOutliers::contract() const {
   Attribute outlier = outlier_attribute();
   outlier.meaning = "1: too few neighbours within the radius";
-  return {{}, {}, {outlier}};
+  return {.makes = {outlier}, .default_k = min_neighbors_};
 }
 
 void RadiusOutliers::apply(const Neighborhoods& in, Columns& out) const {

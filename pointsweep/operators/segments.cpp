@@ -90,10 +90,11 @@ Options Segments::own_options() const {
 }
 
 Contract Segments::contract() const {
-  return {{normal_attribute()},
-          {normal_attribute()},
-          {component_number("segment", "number of the smooth segment; -1 without a place", points_),
-           component_size("segment_size", "points of the segment", points_), residual_attribute()}};
+  return {.reads = {normal_attribute()},
+          .reads_neighbors = {normal_attribute()},
+          .makes = {component_number("segment", "number of the smooth segment; -1 without a place", points_),
+                    component_size("segment_size", "points of the segment", points_), residual_attribute()},
+          .default_k = 16};
 }
 
 std::shared_ptr<const Operator> Segments::bound(const Schema&, std::span<const Attribute> made) const {

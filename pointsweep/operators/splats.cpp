@@ -70,6 +70,7 @@ Contract Splats::contract() const {
   if (options_.axes == SplatAxes::curvature)
     c.reads.insert(c.reads.end(), {k1_direction_attribute(), k1_attribute(), k2_attribute()});
   c.makes = {splat_axis_attribute(), splat_length_attribute(), splat_ratio_attribute()};
+  c.default_k = 16;
   return c;
 }
 

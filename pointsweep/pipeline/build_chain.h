@@ -12,7 +12,7 @@
 namespace pointsweep {
 
 /// Throws UsageError, naming the place, for an unknown name, a value out of range, and a knn that is not the first
-/// stage. Without knn, the 8 nearest are the neighbours.
+/// stage. Where knn says neither k nor a radius, the neighbourhood is that of Neighborhood::kOfOperators.
 Chain build_chain(const std::vector<StageText>& stages, Facts facts);
 
 /// Appends stages without knn to a chain; `facts` is about its cloud.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/pipeline/registry.h"
 #include "pointsweep/points/neighborhood_options.h"
 
@@ -27,14 +28,6 @@ std::string stage_text(const std::string& name, const Options& options, const st
   return to_text(std::vector<StageText>{stage});
 }
 
-/// Those of knn. k has no preset here: where it is not said, it does not limit anything.
-std::vector<OptionDeclaration> neighborhood_options() {
-  std::vector<OptionDeclaration> options = neighborhood_declaration().options;
-  for (OptionDeclaration& option : options)
-    if (option.name == "k") option.preset = {};
-  return options;
-}
-
 }  // namespace
 
 std::string canonical_text(const ChainStage& stage, Presets presets) {
@@ -44,13 +37,15 @@ std::string canonical_text(const ChainStage& stage, Presets presets) {
 }
 
 std::string canonical_text(const Neighborhood& neighborhood, Presets presets) {
-  std::string text =
-      stage_text(neighborhood_declaration().name, options_of(neighborhood), neighborhood_options(), presets);
+  const NeighborhoodDeclaration& knn = neighborhood_declaration();
+  std::string text = stage_text(knn.name, options_of(neighborhood), knn.options, presets);
   if (neighborhood.rule && neighborhood.rule->options().empty()) text += " " + neighborhood.rule->meaning();
   return text;
 }
 
-std::vector<std::string> canonical_stages(const Chain& chain, Presets presets) {
+std::vector<std::string> canonical_stages(const Chain& open, Presets presets) {
+  const bool is_knn_alone = open.stages.empty();
+  const Chain chain = is_knn_alone ? open : with_named_neighborhoods(open);
   std::vector<std::string> stages = {canonical_text(chain.neighborhood, presets)};
   for (const ChainStage& stage : chain.stages) stages.push_back(canonical_text(stage, presets));
   return stages;

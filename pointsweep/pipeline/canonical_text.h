@@ -23,7 +23,7 @@ std::string canonical_text(const ChainStage& stage, Presets presets);
 /// "knn(k=12)"; k is always there if it limits anything. A rule that names no options is told by its meaning, which is
 /// no text for parse_pipeline().
 std::string canonical_text(const Neighborhood& neighborhood, Presets presets);
-/// The neighbourhood, then the stages.
+/// The neighbourhood, then the stages. A number of neighbours that is left to the operators is the one that they get.
 std::vector<std::string> canonical_stages(const Chain& chain, Presets presets);
 /// The same of a plan; "sort" for one that has no passes.
 std::vector<std::string> canonical_stages(const ChainPlan& plan, Presets presets);

@@ -7,7 +7,8 @@ namespace pointsweep {
 
 Options options_of(const Neighborhood& neighborhood) {
   Options options;
-  if (neighborhood.k != Neighborhood::kUnlimited) options.push_back({"k", std::uint64_t{neighborhood.k}});
+  const bool named = neighborhood.k != Neighborhood::kUnlimited && neighborhood.k != Neighborhood::kOfOperators;
+  if (named) options.push_back({"k", std::uint64_t{neighborhood.k}});
   if (std::isfinite(neighborhood.radius)) options.push_back({"radius", neighborhood.radius});
   if (!neighborhood.rule) return options;
   const Options of_rule = neighborhood.rule->options();

@@ -13,8 +13,11 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "pointsweep/operators/declaration.h"
+#include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/canonical_text.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/neighbor_arrays.h"
@@ -163,6 +166,7 @@ nb::tuple radius_neighbors(const nb::list& source, double radius, const nb::dict
 }  // namespace
 
 void bind_runs(nb::module_& module) {
+  module.attr("default_neighbors") = std::get<std::uint64_t>(neighbor_rows_declaration().options.front().preset);
   module.def("run", &run_pipeline, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a.none(), "into"_a,
              "progress"_a.none(), "warn"_a.none());
   module.def("plan", &plan, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a);

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 version: str
+default_neighbors: int  # number of neighbours that `neighbors` finds where none is given
 
 Known = dict[str, tuple[np.ndarray, list[str]]]  # arrays, with the names of their components; None: one that was given
 Progress = Callable[[str, int, int], Any] | None

@@ -184,7 +184,7 @@ def normals(
     Parameters
     ----------
     points : as for `run`.
-    k : number of neighbours; 8 where no radius is given.
+    k : number of neighbours; where no radius is given either, the 16 of docs/operators.md.
     radius : neighbours lie within it, in the unit of the coordinates; with `k`, at most k of them.
     orient : 'none' (the component of largest magnitude is positive), 'up' (nz >= 0), 'viewpoint', or 'input' (as the
         attribute 'normal' that the points have).
@@ -203,10 +203,10 @@ def normals(
         if k is not None or radius is not None or options:
             raise UsageError("normals: without points it is a stage; give k and radius to knn(), and options to run().")
         return stage
-    k = 8 if k is None and radius is None else k
+    knn = [] if k is None and radius is None else [_stages.knn(k, radius=radius)]
     if isinstance(options.get("out"), np.ndarray):
         options["out"] = {"normal": options["out"]}
-    result: np.ndarray = run(points, _stages.knn(k, radius=radius) | stage, keep=["normal"], **options)["normal"]
+    result: np.ndarray = run(points, [*knn, stage], keep=["normal"], **options)["normal"]
     return result
 
 
@@ -255,7 +255,7 @@ def neighbors(
         with called(progress) as shown:
             lists = _core.radius_neighbors(source.inputs, number("radius", radius), given, shown, warn)
         return RadiusNeighbors(*lists)
-    count = 16 if k is None else whole("k", k)
+    count = _core.default_neighbors if k is None else whole("k", k)
     if not 1 <= count < 2**32:
         raise UsageError(f"k: {count} is not a number of neighbours; choose 1 or more, below 2**32.")
     limit = math.inf if radius is None else number("radius", radius)

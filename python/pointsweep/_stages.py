@@ -34,8 +34,8 @@ def knn(
 
     Parameters
     ----------
-    k : number of neighbours, excluding the point; a radius without k means all points within it; 1 or more;
-        default: 8.
+    k : number of neighbours, excluding the point; a radius without k means all points within it; without both, as
+        many as the operator wants that wants most; 1 or more.
     radius : maximum distance of a neighbour, in the unit of the coordinates; 0 or more; unit: length.
     k_from : attribute of the input that holds the number of neighbours of each point, at most k; requires k.
     radius_from : attribute of the input that holds the maximum distance for each point; requires k or radius as a
@@ -93,6 +93,10 @@ def normals(
     -----
     normal : (n, 3) float32; unit surface normal; 0 where undefined.
 
+    Neighbours
+    ----------
+    16 where neither k nor a radius is given.
+
     Formula
     -------
     n_i: eigenvector of the smallest eigenvalue of
@@ -143,6 +147,10 @@ def curvature() -> Stage:
     -----
     normal, normal of neighbours
 
+    Neighbours
+    ----------
+    32 where neither k nor a radius is given.
+
     Formula
     -------
     Over the m neighbours that have a normal, u_j = n_j / |n_j|:
@@ -190,6 +198,10 @@ def splats(axes: Literal["auto", "positions", "curvature"] = "auto") -> Stage:
     -----
     normal
 
+    Neighbours
+    ----------
+    16 where neither k nor a radius is given.
+
     Formula
     -------
     An ellipse around p_i in the tangent plane of n_i, grown until it holds eight neighbours; with m < 8
@@ -236,6 +248,10 @@ def fair(f: float = 0.5, *, g: float = 0.5) -> Stage:
     Reads
     -----
     splat_length, splat_ratio, normal of neighbours, splat_length of neighbours, splat_ratio of neighbours
+
+    Neighbours
+    ----------
+    64 where neither k nor a radius is given.
 
     Formula
     -------
@@ -299,6 +315,10 @@ def features(
     height_range : (n,) float32, length; max z - min z.
     number_of_neighbors : (n,) uint32; n, the number of points.
 
+    Neighbours
+    ----------
+    32 where neither k nor a radius is given.
+
     Formula
     -------
     P: the neighbours, and p_i with with_point=yes; n = |P|, p̄ their mean
@@ -348,6 +368,10 @@ def neighborhood_size() -> Stage:
     -----
     neighbor_count : (n,) uint32; number of neighbours.
     neighbor_radius : (n,) float64, length; distance to the farthest neighbour; 0 without any.
+
+    Neighbours
+    ----------
+    8 where neither k nor a radius is given.
 
     Formula
     -------
@@ -518,6 +542,10 @@ def sor(
     mean_distance : (n,) float64, length; mean distance to the neighbours; NaN without any.
     outlier : (n,) uint8; 1: farther from its neighbours than mean + multiplier * deviation.
 
+    Neighbours
+    ----------
+    8 where neither k nor a radius is given.
+
     Formula
     -------
     d_i = 1/|N_i| Σ_j |p_j - p_i| (mean_distance); m and s: mean and standard deviation of
@@ -566,6 +594,10 @@ def ror(radius: float, *, min_neighbors: int = 2) -> Stage:
     -----
     outlier : (n,) uint8; 1: too few neighbours within the radius.
 
+    Neighbours
+    ----------
+    2 where neither k nor a radius is given.
+
     Formula
     -------
     outlier = 1 where |{j in N_i : |p_j - p_i| <= radius}| < min_neighbors, N_i without p_i.
@@ -600,6 +632,10 @@ def lof() -> Stage:
     k_distance : (n,) float64, length; distance to the farthest neighbour.
     reachability_density : (n,) float64, 1/length; inverse of the mean reachability distance.
     lof : (n,) float64; local outlier factor.
+
+    Neighbours
+    ----------
+    32 where neither k nor a radius is given.
 
     Formula
     -------
@@ -640,6 +676,10 @@ def density(radius: float | None = None) -> Stage:
     -----
     surface_density : (n,) float32, 1/length^2; points for each unit of area.
     volume_density : (n,) float32, 1/length^3; points for each unit of volume.
+
+    Neighbours
+    ----------
+    32 where neither k nor a radius is given.
 
     Formula
     -------
@@ -1131,6 +1171,10 @@ def components(distance: float | None = None) -> Stage:
     component : (n,) int64; number of the connected component; -1 without a place.
     component_size : (n,) uint64; points of the connected component.
 
+    Neighbours
+    ----------
+    8 where neither k nor a radius is given.
+
     Formula
     -------
     Points i and j are joined if j is in N_i or i is in N_j; with distance D: if |p_j - p_i| <= D.
@@ -1171,6 +1215,10 @@ def dbscan(eps: float, *, min_points: int = 5) -> Stage:
     core : (n,) uint8; 1: at least min_points points within eps.
     cluster : (n,) int64; number of the cluster; -1: noise.
     cluster_size : (n,) uint64; points of the cluster; 0: noise.
+
+    Neighbours
+    ----------
+    8 where neither k nor a radius is given.
 
     Formula
     -------
@@ -1222,6 +1270,10 @@ def segments(angle: float = 5, *, distance: float | None = None) -> Stage:
     Reads
     -----
     normal, normal of neighbours
+
+    Neighbours
+    ----------
+    16 where neither k nor a radius is given.
 
     Formula
     -------
@@ -1285,6 +1337,10 @@ def orient(
     -----
     normal
 
+    Neighbours
+    ----------
+    16 where neither k nor a radius is given.
+
     Formula
     -------
     Edges join i and j if j is in N_i or i is in N_j, weight 1 - |n_i . n_j|; equal ones by the two
@@ -1336,7 +1392,8 @@ def reneighbor(
 
     Parameters
     ----------
-    k : number of neighbours, excluding the point; a radius without k means all points within it; 1 or more.
+    k : number of neighbours, excluding the point; a radius without k means all points within it; without both, as
+        many as the operator wants that wants most; 1 or more.
     radius : maximum distance of a neighbour, in the unit of the coordinates; 0 or more; unit: length.
     k_from : attribute of the input that holds the number of neighbours of each point, at most k; requires k.
     radius_from : attribute of the input that holds the maximum distance for each point; requires k or radius as a

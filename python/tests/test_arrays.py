@@ -133,7 +133,7 @@ def test_attributes_pass_through_and_lists_stay_together(surface):
     assert np.array_equal(arrays["t"], records["t"][:1010]) and arrays["c"].shape == (1010, 2)
 
 
-@pytest.mark.filterwarnings("ignore:k = 8 is more")
+@pytest.mark.filterwarnings("ignore:k = 16 is more")
 def test_one_point_has_no_normal_and_no_points_are_an_error():
     assert ps.normals(np.zeros((1, 3))).tolist() == [[0, 0, 0]]
     arrays = ps.run(np.zeros((1, 3), np.float32), "voxel(1)")
@@ -217,3 +217,12 @@ def test_out_is_for_arrays_of_the_result(surface, tmp_path):
         ps.run(surface, "knn(k=8) | normals", keep="xyz", out={"normal": normal})
     with pytest.raises(ps.UsageError, match="is no dict"):
         ps.run(surface, "knn(k=8) | normals", out=normal)
+
+
+def test_neighbours_that_nobody_names_are_as_many_as_the_operators_want(surface):
+    assert ps.normals(surface).tobytes() == ps.normals(surface, 16).tobytes()
+    text = "normals | curvature"
+    for pipeline in (text, ["normals", "curvature"], ps.normals() | ps.curvature(), f"knn | {text}"):
+        made = ps.run(surface, pipeline, keep=["k1"])["k1"]
+        assert made.tobytes() == ps.run(surface, f"knn(k=32) | {text}", keep=["k1"])["k1"].tobytes()
+    assert ps.neighbors(surface).indices.shape == (len(surface), 16)

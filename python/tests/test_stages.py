@@ -71,7 +71,7 @@ def test_pipelines_of_objects_are_those_of_texts(surface):
     assert ps.run(surface, mixed)["row"].tobytes() == a["row"].tobytes()
     assert ps.run(surface, ps.knn(8) | ps.normals())["normal"].tobytes() == ps.normals(surface, 8).tobytes()
     alone = ps.run(surface, ps.normals())
-    assert alone["normal"].tobytes() == ps.normals(surface, 8).tobytes()
+    assert alone["normal"].tobytes() == ps.normals(surface, 16).tobytes()
 
 
 def test_another_cloud_is_a_path_or_a_cloud(surface, tmp_path):

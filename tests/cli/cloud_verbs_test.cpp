@@ -32,7 +32,7 @@ TEST_F(CloudVerbs, EveryOptionOfNormalsThatSpeaksOfValuesChangesThem) {
 TEST_F(CloudVerbs, OptionsThatSpeakOfTheMachineDoNotChangeNormals) {
   const std::string plain = made("normals in.ply out.ply", "out.ply");
   for (const char* option : {"--memory 200M", "--threads 1", "--threads 3", "--temp-dir .", "--axis y", "--quiet",
-                             "-k 8", "--orient none", "--order input"})
+                             "-k 16", "--orient none", "--order input"})
     EXPECT_EQ(made(std::string("normals in.ply out.ply --force ") + option, "out.ply"), plain) << option;
 }
 
@@ -44,7 +44,7 @@ TEST_F(CloudVerbs, SeveralInputsAreOneCloud) {
 TEST_F(CloudVerbs, NeighborsAreANumpyArrayAndEveryOptionChangesIt) {
   const std::string plain = made("neighbors in.ply out.npy", "out.npy");
   EXPECT_TRUE(plain.starts_with("\x93NUMPY"));
-  EXPECT_NE(plain.find("'shape': (4000, 8)"), std::string::npos);
+  EXPECT_NE(plain.find("'shape': (4000, 16)"), std::string::npos);
   EXPECT_NE(made("neighbors in.ply out.npy --force -k 3", "out.npy").find("(4000, 3)"), std::string::npos);
   EXPECT_NE(made("neighbors in.ply out.npy --force -k 1 --distances d.npy", "out.npy").find("(4000, 1)"),
             std::string::npos);

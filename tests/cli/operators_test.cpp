@@ -36,13 +36,15 @@ TEST_F(OperatorListing, JsonHoldsEveryOptionWithTypeDefaultAndRange) {
   const auto listed = nlohmann::json::parse(tool("operators --json").out);
   ASSERT_EQ(listed.size(), 1 + all_operators().size());
   EXPECT_EQ(listed[0]["name"], "knn");
-  EXPECT_EQ(listed[0]["options"][0]["default"], 8);
+  EXPECT_EQ(listed[0]["options"][0]["default"], nullptr) << "it is that of the operators";
   EXPECT_EQ(listed[0]["options"][0]["range"], nlohmann::json({1, nullptr}));
   for (std::size_t i = 0; i < all_operators().size(); ++i) {
     const OperatorDeclaration& declaration = all_operators()[i];
     const auto& json = listed[i + 1];
     EXPECT_EQ(json["name"], declaration.name);
     EXPECT_EQ(json["options"].size(), declaration.options.size());
+    const Contract contract = contract_of(declaration);
+    EXPECT_EQ(json["default_k"], contract.alone ? 0 : contract.default_k) << declaration.name;
   }
   const auto fair = nlohmann::json::parse(tool("operators fair --json").out).at(0);
   EXPECT_EQ(fair["options"][0]["default"], 0.5);

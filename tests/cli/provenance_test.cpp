@@ -45,7 +45,7 @@ TEST_F(Provenance, OfPlyAndTextIsInCommentsWithPipelineOptionsAndInputs) {
   for (const char* name : {"out.xyz", "out.pts", "out.asc", "out.txt"}) {
     ASSERT_EQ(
         tool(std::string("run in.ply ") + name + " --pipeline 'normals|splats' --keep normal --order sweep").status, 0);
-    EXPECT_THAT(said(name), ElementsAre("0.1.0", "stage knn(k=8)", "stage normals", "stage splats", "keep normal",
+    EXPECT_THAT(said(name), ElementsAre("0.1.0", "stage knn(k=16)", "stage normals", "stage splats", "keep normal",
                                         "order sweep", "axis z", input_line("in.ply", 3000)));
     EXPECT_NE(tool(std::string("info ") + name).out.find("points      3000"), std::string::npos);
   }
@@ -90,11 +90,11 @@ TEST_F(Provenance, DoesNotTellThreadsMemoryFoldersOrTheWayTheOptionsWereGiven) {
   std::filesystem::create_directory(folder_ / "sub");
   std::filesystem::copy_file(folder_ / "in.ply", folder_ / "sub/in.ply");
   write("chain.json",
-        "[{\"type\": \"knn\", \"k\": 8}, {\"type\": \"normals\", \"orient\": \"none\"}, {\"type\": \"splats\"},"
+        "[{\"type\": \"knn\", \"k\": 64}, {\"type\": \"normals\", \"orient\": \"none\"}, {\"type\": \"splats\"},"
         " {\"type\": \"fair\", \"g\": 0.50, \"f\": 5e-1}]");
   const std::string twice = "--order sweep -f --pipeline ";
   for (const std::string& other :
-       {"sub/in.ply out.ply " + twice + "'knn(k=08) | normals(orient=none) | splats(axes=auto) | fair(g=0.500)'",
+       {"sub/in.ply out.ply " + twice + "'knn(k=064) | normals(orient=none) | splats(axes=auto) | fair(g=0.500)'",
         "in.ply out.ply " + twice + "chain.json",
         "in.ply -o out.ply --threads 1 --memory 200M --axis z " + twice + "'normals|splats|fair'",
         "in.ply sub/out.ply --quiet --stats s.json --resume there " + twice + "'normals|splats|fair'"}) {
@@ -112,8 +112,8 @@ TEST_F(Provenance, OfASecondPassIsAddedBehindTheFirst) {
       ASSERT_EQ(tool("normals in.ply " + a + " -f").status, 0);
       ASSERT_EQ(tool("curvature " + a + " " + b + " -f --keep k1").status, 0);
       ASSERT_EQ(tool("sort " + b + " " + c + " -f").status, 0);
-      EXPECT_THAT(said(c), ElementsAre("0.1.0", "stage knn(k=8)", "stage normals", input_line("in.ply", 3000),  //
-                                       "0.1.0", "stage knn(k=8)", "stage normals", "stage curvature", "keep k1",
+      EXPECT_THAT(said(c), ElementsAre("0.1.0", "stage knn(k=16)", "stage normals", input_line("in.ply", 3000),  //
+                                       "0.1.0", "stage knn(k=32)", "stage normals", "stage curvature", "keep k1",
                                        input_line(a, 3000), "0.1.0", "stage sort", "axis z", input_line(b, 3000)))
           << first << " " << second;
     }

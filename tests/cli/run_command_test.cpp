@@ -56,7 +56,7 @@ TEST_F(RunVerb, WhatMakesNoSenseIsStatus2AndNamesThePlace) {
 
 TEST_F(RunVerb, ShortFormsAreTheirPipelines) {
   EXPECT_EQ(made("curvature in.ply a.ply --keep k1,k2", "a.ply"),
-            made("run in.ply b.ply --keep k1,k2 --pipeline 'knn(k=8) | normals | curvature'", "b.ply"));
+            made("run in.ply b.ply --keep k1,k2 --pipeline 'knn(k=32) | normals | curvature'", "b.ply"));
   EXPECT_EQ(made("splats in.ply c.ply --radius 0.1 -k 12", "c.ply"),
             made("run in.ply d.ply --pipeline 'knn(k=12, radius=0.1) | normals | splats'", "d.ply"));
   const std::string fair = " | normals | splats | fair(f=0.3, g=0.7) | normals | splats'";
@@ -75,7 +75,7 @@ TEST_F(RunVerb, UpdateOperatorsWorkInTextAndJson) {
       updated,
       made("run in.ply c.ply --no-provenance --pipeline '[{\"type\": \"normals\"}, {\"type\": \"splats\"}, {\"type\": "
            "\"fair\", \"f\": 2, "
-           "\"g\": 2}, {\"type\": \"reneighbor\", \"k\": 8}, {\"type\": \"normals\"}]'",
+           "\"g\": 2}, {\"type\": \"reneighbor\", \"k\": 64}, {\"type\": \"normals\"}]'",
            "c.ply"));
   const std::string stats = made("run in.ply d.ply --no-provenance --order sweep --stats d.json --pipeline '" + before +
                                      "resort | reneighbor | normals'",

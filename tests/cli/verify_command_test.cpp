@@ -168,7 +168,7 @@ TEST_F(VerifyVerb, WhatMakesNoSenseIsStatus2) {
   refused(2, "verify in.ply out.ply -k 8 --pipeline 'knn(k=8) | normals'", "leave the option out");
   refused(2, "verify in.ply out.ply --pipeline fair", "needs 'splat_length'");
   refused(2, "verify in.ply out.ply --order none", "--order");
-  refused(2, "verify in.ply n.npy -k 9", "8 columns");
+  refused(2, "verify in.ply n.npy -k 9", "16 columns");
   refused(1, "verify in.ply none.ply", "none.ply");
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/verify/chain_values.h"
 #include "pointsweep/verify/cloud_rows.h"
 #include "pointsweep/verify/input_values.h"
@@ -70,7 +71,8 @@ class Oracle {
       : source_(cloud),
         values_(with_input_values(operators_of(chain.stages), cloud), chain.keep, cloud.schema(),
                 chain.neighborhood.rule) {
-    const Surroundings all = surroundings_of_all(positions_of(source_), chain.neighborhood, values_.rings());
+    const Surroundings all = surroundings_of_all(
+        positions_of(source_), with_named_neighborhoods(chain).neighborhood, values_.rings());
     rows_ = all.row;
     const PhaseProgress silent;
     CloudRows rows(source_, source_, -1, std::uint64_t{1} << 30, silent);

@@ -117,14 +117,14 @@ TEST(OutputRules, EqualPipelinesHaveEqualStages) {
   const auto stages = [](const std::string& text) {
     return canonical_stages(build_chain(parse_pipeline(text), Facts{}), Presets::left_out);
   };
-  const std::vector<std::string> plain = {"knn(k=8)", "normals"};
+  const std::vector<std::string> plain = {"knn(k=16)", "normals"};
   EXPECT_EQ(stages("normals"), plain);
-  EXPECT_EQ(stages("knn(k=08) | normals(orient=none)"), plain);
+  EXPECT_EQ(stages("knn(k=016) | normals(orient=none)"), plain);
   EXPECT_EQ(stages("knn(adaptive=none) | normals"), plain);
   EXPECT_EQ(stages("knn(radius=0.50) | normals"), (std::vector<std::string>{"knn(radius=0.5)", "normals"}));
   EXPECT_NE(stages("knn(k=8, radius=0.5) | normals"), stages("knn(radius=0.5) | normals"));
   EXPECT_EQ(stages("normals(viewpoint=[1.0,2e0,-0], orient=viewpoint)"),
-            (std::vector<std::string>{"knn(k=8)", "normals(orient=viewpoint, viewpoint=[1,2,0])"}));
+            (std::vector<std::string>{"knn(k=16)", "normals(orient=viewpoint, viewpoint=[1,2,0])"}));
   for (const char* text :
        {"normals | splats | fair(f=0.3) | reneighbor(k=9) | normals | resort", "knn(k=9, k_from='a b') | normals"})
     for (const std::string& stage : stages(text))

@@ -161,14 +161,14 @@ TEST(Registry, CanonicalTextsAreEqualWhereverStagesAreEqual) {
   const auto texts = [](const std::string& text, Presets presets = Presets::left_out) {
     return fmt::format("{}", fmt::join(canonical_stages(chain_of_any_cloud(text), presets), " | "));
   };
-  EXPECT_EQ(texts("normals"), "knn(k=8) | normals");
+  EXPECT_EQ(texts("normals"), "knn(k=16) | normals");
   EXPECT_EQ(texts("knn(k=08) | normals(orient=none)"), "knn(k=8) | normals");
-  EXPECT_EQ(texts("normals", Presets::spelled_out), "knn(k=8) | normals(orient=none)");
+  EXPECT_EQ(texts("normals", Presets::spelled_out), "knn(k=16) | normals(orient=none)");
   EXPECT_EQ(texts("knn(radius=5e-1) | normals(viewpoint=[0.0,-0,1.70], orient=viewpoint)"),
             "knn(radius=0.5) | normals(orient=viewpoint, viewpoint=[0,0,1.7])");
   EXPECT_EQ(texts("knn(k=40, k_min=10, adaptive=eigenentropy) | fair(g=0.50, f=3)"),
             "knn(k=40, adaptive=eigenentropy) | fair(f=3)");
-  EXPECT_EQ(texts("normals | reneighbor(adaptive=none) | normals"), "knn(k=8) | normals | reneighbor(k=8) | normals");
+  EXPECT_EQ(texts("normals | reneighbor(adaptive=none) | normals"), "knn(k=16) | normals | reneighbor(k=16) | normals");
   EXPECT_EQ(texts("normals | reneighbor(k=30, k_min=10, adaptive=eigenentropy)"),
             texts("normals | reneighbor(adaptive=eigenentropy, k=30)"));
   EXPECT_EQ(texts(R"([{"type": "knn", "k": 12, "k_from": "a b"}, {"type": "fair", "f": 0.25}])"),
@@ -181,7 +181,7 @@ TEST(Registry, CanonicalTextsAreEqualWhereverStagesAreEqual) {
 
 TEST(Registry, APresetSpelledOutChangesNothing) {
   EXPECT_EQ(records_of("normals"), records_of("knn | normals"));
-  EXPECT_EQ(records_of("normals"), records_of("knn(k=8) | normals(orient=none)"));
+  EXPECT_EQ(records_of("normals"), records_of("knn(k=16) | normals(orient=none)"));
 }
 
 TEST(Registry, EveryOptionOfKnnChangesTheOutput) {

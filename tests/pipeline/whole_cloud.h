@@ -10,6 +10,7 @@
 
 #include "pointsweep/chain.h"
 #include "pointsweep/operators/update_operators.h"
+#include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/in_core.h"
 
@@ -20,7 +21,7 @@ class WholeCloud {
   using Column = std::vector<std::byte>;
 
   WholeCloud(std::vector<Vec3> points, const Chain& chain) : input_(points), points_(std::move(points)) {
-    neighborhood_ = chain.neighborhood;
+    neighborhood_ = with_named_neighborhoods(chain).neighborhood;
     begin_sweep();
     for (const ChainStage& stage : chain.stages) {
       if (const auto* update = std::get_if<Reneighbor>(&stage)) {

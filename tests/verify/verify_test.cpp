@@ -13,6 +13,7 @@
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/writer.h"
 #include "tests/formats/point_files.h"
@@ -23,7 +24,8 @@
 namespace pointsweep {
 namespace {
 
-MadeBy made_by(const Chain& chain) {
+MadeBy made_by(const Chain& open) {
+  const Chain chain = with_named_neighborhoods(open);
   return {.neighborhood = {chain.neighborhood.k, chain.neighborhood.radius},
           .rule = chain.neighborhood.rule,
           .operators = operators_of(chain.stages),

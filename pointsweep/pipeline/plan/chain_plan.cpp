@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/pipeline/plan/pass_planner.h"
 
 namespace pointsweep {
@@ -199,8 +200,8 @@ void find_order(ChainPlan& plan, const Schema& input, bool ordered) {
 
 ChainPlan plan_chain(const Chain& chain, const Schema& input, bool ordered) {
   ChainPlan plan;
-  plan.chain = chain;
-  plan.graph = resolve(chain, input, ordered);
+  plan.chain = with_named_neighborhoods(chain);
+  plan.graph = resolve(plan.chain, input, ordered);
   find_written(plan, input);
   plan.by_moved_positions = orders_by_moved_positions(plan.graph);
   Names needed;
