@@ -89,7 +89,8 @@ void add_force_option(CLI::App& verb, CommonOptions& options) {
 
 void add_crs_option(CLI::App& verb, CommonOptions& options) {
   verb.add_flag("--ignore-crs", options.ignore_crs,
-                "Merge inputs of different coordinate systems without a transformation");
+                "Take coordinates as they are: merge inputs of different systems without a transformation, take "
+                "degrees for lengths, do not convert defaults to feet");
 }
 
 void add_format_option(CLI::App& verb, std::string& format) {

@@ -31,7 +31,7 @@ struct CommonOptions {
   bool dry_run = false;                 ///< print the plan and write nothing
   bool quiet = false;
   std::string format;            ///< of inputs without a signature; empty: there are none
-  bool ignore_crs = false;       ///< inputs may have different coordinate reference systems
+  bool ignore_crs = false;       ///< coordinate reference systems neither forbid nor convert anything
   bool force = false;            ///< an existing output may be replaced
   int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
   Nonfinite nonfinite = Nonfinite::by_format;

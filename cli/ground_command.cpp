@@ -34,7 +34,7 @@ void add_ground_command(CLI::App& app) {
   add_output_options(verb, command->run);
   verb.footer(
       "Same as 'pointsweep run' with the pipeline 'ground' or 'ground | height'. Lengths are in the unit of the cloud; "
-      "the defaults are for metres.\n"
+      "the defaults are in metres, and converted where the coordinate system says that the unit is feet.\n"
       "\nExample: ground of a folder of tiles, without seams, and heights above it:\n"
       "  pointsweep ground tiles/ out/ --cell 0.5 --window 15 --height");
   verb.callback([command] { run_stages(ground_stages(*command), command->run); });

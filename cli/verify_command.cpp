@@ -23,6 +23,7 @@
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/finite_input.h"
+#include "pointsweep/pipeline/length_units.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/verify/outlier_threshold.h"
 #include "pointsweep/verify/verify.h"
@@ -34,6 +35,7 @@ struct VerifyCommand {
   CommonOptions common;
   InputsAndOutput paths;
   std::string pipeline;
+  bool recorded = false;  ///< the pipeline is that of the record, which names what is not a default in metres
   std::vector<OptionText> neighborhood;
   std::vector<std::string> keep;
   VerifyOptions check;
@@ -58,7 +60,7 @@ bool is_known(const std::string& pipeline) {
 void take_recorded_pipeline(VerifyCommand& command, const ProvenanceRecord& record) {
   const std::string pipeline = fmt::format("{}", fmt::join(record.stages, " | "));
   if (is_known(pipeline)) {
-    command.pipeline = pipeline;
+    command.pipeline = pipeline, command.recorded = true;
     if (record.setting("keep")) command.keep = parse_names(*record.setting("keep"));
   } else if (command.paths.files.size() == 1) {
     fail_usage(
@@ -220,7 +222,9 @@ MadeBy made_by_pipeline(const VerifyCommand& command, const VerifyOptions& optio
     fail_usage("{}: the pipeline says in knn which neighbours it takes; leave the option out.",
                command.neighborhood.front().place);
   if (!knn) stages.insert(stages.begin(), knn_of(command));
-  ChainPlan plan = plan_chain(build_chain(stages, cloud, command.keep, command.common.prefix), cloud.schema());
+  Facts facts = facts_of(cloud);
+  if (command.recorded) facts.metres_per_unit = 1;
+  ChainPlan plan = plan_chain(build_chain(stages, facts, command.keep, command.common.prefix), cloud.schema());
   refuse_resorted(command, plan.graph);
   const bool all_are_dropped = plan.graph.drops && plan.made.empty();
   if (!command.keep.empty() || plan.graph.drops) plan.chain.keep = plan.kept.attributes;

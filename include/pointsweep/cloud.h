@@ -22,8 +22,9 @@ namespace pointsweep {
 class InputCloud;
 
 struct CloudOptions {
-  /// Merge inputs of different coordinate reference systems without a transformation, with a warning. Otherwise they
-  /// are a UsageError.
+  /// Take coordinates as they are, whatever the coordinate reference systems say: inputs of different systems are
+  /// merged without a transformation, with a warning, degrees are taken for lengths, and defaults that are lengths are
+  /// not converted. Otherwise the first two are a UsageError.
   bool ignore_crs = false;
   /// Format of the files that have no signature: "kitti" or "float32-xyz" (open_reader).
   std::string format = "";

@@ -47,7 +47,9 @@ struct OptionDeclaration {
   std::string meaning;      ///< one line that begins in lower case
   double least = 0;
   double most = std::numeric_limits<double>::infinity();
-  std::string unit = {};  ///< of a number, e.g. "length"; empty: it has none
+  /// Of a number, e.g. "length"; empty: it has none. The preset of a length is in metres and converted for clouds whose
+  /// unit is known to be another one.
+  std::string unit = {};
   std::vector<std::string> choices = {};
   bool required = false;    ///< it has to be given
   bool positional = false;  ///< its name may be left out, as in where("z < 2"); only the first option of an operator
@@ -96,6 +98,7 @@ struct Facts {
   std::uint64_t points = 0;
   std::set<std::string> made = {};                ///< names of the attributes that earlier stages make
   std::optional<Neighborhood> neighborhood = {};  ///< in effect where the operator stands; absent: not known
+  double metres_per_unit = 1;                     ///< of the coordinates
 };
 
 /// An attribute as docs/attributes.md describes it, where its own words (Attribute::meaning) are too short.

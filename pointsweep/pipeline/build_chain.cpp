@@ -4,6 +4,7 @@
 #include "pointsweep/chain.h"
 #include "pointsweep/cloud.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/pipeline/length_units.h"
 #include "pointsweep/pipeline/option_text.h"
 #include "pointsweep/pipeline/parse.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
@@ -52,7 +53,8 @@ void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts) 
       fail_usage("{}: knn comes once and first; for other neighbourhoods from here on write {}.", stage.place,
                  to_text(std::vector<StageText>{{"reneighbor", stage.options, ""}}));
     const OperatorDeclaration& declaration = find_operator(stage);
-    chain.stages.push_back(make_stage(declaration, read_options(declaration.options, stage), facts));
+    const std::vector<OptionDeclaration> options = in_unit(declaration.options, facts.metres_per_unit);
+    chain.stages.push_back(make_stage(declaration, read_options(options, stage), facts));
     for (const Attribute& a : contract_of(chain.stages.back()).makes) facts.made.insert(a.name);
     note_neighborhood(chain.stages.back(), facts);
   }
@@ -60,21 +62,26 @@ void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts) 
 
 Chain build_chain(const std::vector<StageText>& stages, const InputCloud& cloud, const std::vector<std::string>& keep,
                   const std::string& prefix) {
-  Chain chain = build_chain(stages, Facts{.points = cloud.count()});
+  return build_chain(stages, facts_of(cloud), keep, prefix);
+}
+
+Chain build_chain(const std::vector<StageText>& stages, Facts facts, const std::vector<std::string>& keep,
+                  const std::string& prefix) {
+  Chain chain = build_chain(stages, std::move(facts));
   chain.keep = without_prefix(keep, prefix, made_by(chain));
   return chain;
 }
 
 Chain parse_chain(std::string_view pipeline, const Cloud& cloud) {
-  return build_chain(parse_pipeline(pipeline), Facts{.points = cloud.count()});
+  return build_chain(parse_pipeline(pipeline), facts_of(cloud.inputs()));
 }
 
 void append_stages(Chain& chain, std::string_view pipeline, const Cloud& cloud) {
-  append_to(chain, parse_pipeline(pipeline), Facts{.points = cloud.count()});
+  append_to(chain, parse_pipeline(pipeline), facts_of(cloud.inputs()));
 }
 
 void append_stage(Chain& chain, const std::string& name, const Options& options, const Cloud& cloud) {
-  append_to(chain, {stage_text(name, options)}, Facts{.points = cloud.count()});
+  append_to(chain, {stage_text(name, options)}, facts_of(cloud.inputs()));
 }
 
 }  // namespace pointsweep

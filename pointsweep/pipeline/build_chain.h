@@ -18,6 +18,10 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts);
 /// Appends stages without knn to a chain; `facts` is about its cloud.
 void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts);
 
+/// The first, with the attributes to keep, which may be named as below.
+Chain build_chain(const std::vector<StageText>& stages, Facts facts, const std::vector<std::string>& keep,
+                  const std::string& prefix);
+
 /// The same as the first for a cloud, against whose attributes plan_chain() then checks it. `keep` may name what is
 /// made with the `prefix` that it has in the output, or without.
 Chain build_chain(const std::vector<StageText>& stages, const InputCloud& cloud,

@@ -9,6 +9,7 @@
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/decoded_input.h"
 #include "pointsweep/pipeline/kept_system.h"
+#include "pointsweep/pipeline/length_units.h"
 #include "pointsweep/pipeline/other_cloud.h"
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/output_layout.h"
@@ -142,6 +143,8 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
   Preview out;
   out.planned = plan_chain(chain, cloud.schema(), options.order == Order::sweep);
+  require_lengths(cloud, out.planned.chain);
+  out.notes = converted_defaults(cloud, out.planned.chain);
   require_tiles_possible(outputs, options);
   for (const std::optional<OtherCloud>& other : open_others(out.planned, cloud))
     out.others.push_back(other ? fmt::format("{}, {} points", other->name(), other->count()) : "");
@@ -176,6 +179,7 @@ std::string to_text(const Preview& p) {
   if (!p.names.made.empty()) text += "results       " + attributes_text(p.names.made);
   if (!p.names.replaced.empty()) text += "note          " + p.names.warning() + "\n";
   if (!p.system_warning.empty()) text += "note          " + p.system_warning + "\n";
+  for (const std::string& note : p.notes) text += "note          " + note + "\n";
   if (p.planned.reorders)
     text += fmt::format("order         of the {} positions: the output is put in order once more, {}\n",
                         p.planned.by_moved_positions ? "moved" : "input's",

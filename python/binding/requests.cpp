@@ -55,7 +55,7 @@ Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options
   return Cloud(std::make_unique<ColumnsOfArrays>(std::move(columns), with_rows, crs_from(options["crs"])), how);
 }
 
-Chain chain_of(const nb::list& pipeline, std::uint64_t points) {
+Chain chain_of(const nb::list& pipeline, const Facts& facts) {
   Chain chain;
   bool first = true;
   for (const nb::handle item : pipeline) {
@@ -63,7 +63,7 @@ Chain chain_of(const nb::list& pipeline, std::uint64_t points) {
       chain.stages.emplace_back(python_operator(item));
     } else {
       const std::vector<StageText> stages = parse_pipeline(nb::cast<std::string>(item));
-      first ? void(chain = build_chain(stages, Facts{.points = points})) : append_to(chain, stages, {.points = points});
+      first ? void(chain = build_chain(stages, facts)) : append_to(chain, stages, facts);
     }
     first = false;
   }

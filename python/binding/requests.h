@@ -4,10 +4,9 @@
 
 #include <nanobind/nanobind.h>
 
-#include <cstdint>
-
 #include "pointsweep/chain.h"
 #include "pointsweep/cloud.h"
+#include "pointsweep/operators/declaration.h"
 #include "pointsweep/run.h"
 
 namespace pointsweep {
@@ -15,8 +14,8 @@ namespace pointsweep {
 /// `source`: a list of paths, or of pairs (names, N×m array). `with_rows`: arrays get kRowField. Throws as Cloud.
 Cloud open_cloud(const nanobind::list& source, bool with_rows, const nanobind::dict& options);
 
-/// `pipeline`: a list of texts and of operators of Python, for a cloud of so many points. Throws as parse_chain().
-Chain chain_of(const nanobind::list& pipeline, std::uint64_t points);
+/// `pipeline`: a list of texts and of operators of Python, for the cloud of `facts`. Throws as parse_chain().
+Chain chain_of(const nanobind::list& pipeline, const Facts& facts);
 
 /// Whether the rows of the output are not those of the input: some are left out, or their order is another.
 bool changes_rows(const Chain& chain, const RunOptions& options);

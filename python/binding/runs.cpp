@@ -19,6 +19,7 @@
 #include "pointsweep/operators/declaration.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/canonical_text.h"
+#include "pointsweep/pipeline/length_units.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/neighbor_arrays.h"
 #include "python/binding/python_operator.h"
@@ -90,7 +91,7 @@ nb::tuple run_pipeline(const nb::list& source, const nb::list& pipeline, const s
   const Callbacks callbacks{progress, warn};
   const RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, to.is_none(), given);
-  Chain chain = chain_of(pipeline, cloud.count());
+  Chain chain = chain_of(pipeline, facts_of(cloud.inputs()));
   chain.keep = keep;
   if (to.is_none()) {
     WantedArrays wanted = wanted_arrays(chain, options, groups);
@@ -113,7 +114,7 @@ std::string plan(const nb::list& source, const nb::list& pipeline, const std::ve
                  const nb::dict& given, const std::vector<FieldGroup>& groups, const std::filesystem::path& to) {
   const RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, to.empty(), given);
-  Chain chain = chain_of(pipeline, cloud.count());
+  Chain chain = chain_of(pipeline, facts_of(cloud.inputs()));
   chain.keep = keep;
   if (to.empty()) wanted_arrays(chain, options, groups);
   return plan_text(cloud, chain, to, options);
@@ -121,7 +122,7 @@ std::string plan(const nb::list& source, const nb::list& pipeline, const std::ve
 
 /// Texts that are equal if the pipelines are.
 std::vector<std::string> canonical(const nb::list& pipeline) {
-  return canonical_stages(chain_of(pipeline, 0), Presets::left_out);
+  return canonical_stages(chain_of(pipeline, Facts{}), Presets::left_out);
 }
 
 /// The same as run_pipeline() with results in a temporary file: (SpilledArrays, whether it has kRowField since its rows
@@ -131,7 +132,7 @@ nb::tuple run_to_blocks(const nb::list& source, const nb::list& pipeline, const 
                         const nb::object& progress, const nb::object& warn) {
   const RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, true, given);
-  Chain chain = chain_of(pipeline, cloud.count());
+  Chain chain = chain_of(pipeline, facts_of(cloud.inputs()));
   const bool changed = changes_rows(chain, options);
   chain.keep = keep;
   if (changed && !keep.empty()) chain.keep.emplace_back(kRowField);

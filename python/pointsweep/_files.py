@@ -112,7 +112,8 @@ def open(
         for its point files, a .vpc file for those that it names.
     recursive : folders stand for the point files in their folders, too.
     format : of files without a signature: 'kitti' or 'float32-xyz'.
-    ignore_crs : merge files of different coordinate reference systems without a transformation.
+    ignore_crs : take coordinates as they are: merge files of different coordinate reference systems without a
+        transformation, take degrees for lengths, do not convert defaults to feet.
     """
     named = [files] if isinstance(files, (str, os.PathLike)) else list(files)
     if not named:

@@ -226,3 +226,14 @@ def test_neighbours_that_nobody_names_are_as_many_as_the_operators_want(surface)
         made = ps.run(surface, pipeline, keep=["k1"])["k1"]
         assert made.tobytes() == ps.run(surface, f"knn(k=32) | {text}", keep=["k1"])["k1"].tobytes()
     assert ps.neighbors(surface).indices.shape == (len(surface), 16)
+
+
+def test_degrees_have_no_distances_and_feet_convert_what_is_in_metres(surface):
+    degrees = 'GEOGCS["WGS 84",DATUM["d",SPHEROID["s",6378137,298.25]],UNIT["degree",0.0174532925199433]]'
+    with pytest.raises(ps.UsageError, match="degrees of 'WGS 84', between which 'normals'"):
+        ps.run(surface, "normals", crs=degrees)
+    assert len(ps.run(surface, "where(z > -9)", crs=degrees)["row"]) > 0
+    feet = f'PROJCS["ft",{degrees},UNIT["foot",0.3048]]'
+    with pytest.warns(ps.PointsweepWarning, match=r"ground: the unit of the cloud is ft.*cell=3.281 \(1 m\)"):
+        made = ps.run(surface / 0.3048, "ground", crs=feet)["classification"]
+    assert made.tobytes() == ps.run(surface, "ground")["classification"].tobytes()

@@ -10,6 +10,7 @@
 #include "pointsweep/free_memory.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/kept_system.h"
+#include "pointsweep/pipeline/length_units.h"
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/run/made_rows.h"
@@ -55,6 +56,8 @@ void open_other_clouds(RunState& run) {
 void check_request(RunState& run) {
   if (run.options.order == Order::sweep && !run.outputs.arrays.empty())
     fail_usage("Arrays have their rows in input order: leave out --order sweep.");
+  require_lengths(run.cloud, run.plan.chain);
+  for (const std::string& sentence : converted_defaults(run.cloud, run.plan.chain)) run.warn(sentence);
   require_tiles_possible(run.outputs, run.options);
   run.names = names_of_output(run);
   run.warn(run.names.warning());

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+/// Lengths that operators take and make, in clouds whose coordinate system says what its numbers are.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pointsweep/chain.h"
+#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/operators/declaration.h"
+
+namespace pointsweep {
+
+/// What stages may have to know of the cloud when they are made.
+Facts facts_of(const InputCloud& cloud);
+
+/// The declarations of options for a cloud whose unit is so many metres long: defaults that are lengths, which are
+/// declared in metres, in that unit.
+std::vector<OptionDeclaration> in_unit(std::vector<OptionDeclaration> options, double metres_per_unit);
+
+/// Throws UsageError if the coordinates are degrees, of which no distance can be made, and a stage looks at distances.
+/// CloudOptions::ignore_crs allows it.
+void require_lengths(const InputCloud& cloud, const Chain& chain);
+
+/// One sentence about each stage with defaults that are not in metres in this cloud.
+std::vector<std::string> converted_defaults(const InputCloud& cloud, const Chain& chain);
+
+}  // namespace pointsweep
