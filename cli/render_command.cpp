@@ -84,6 +84,11 @@ void render_picture(RenderCommand& command) {
   file.append(to_png(rendering.picture));
   file.commit();
   if (!rendering.remark.empty()) display.say(Severity::note, rendering.remark);
+  if (rendering.outside > 0)
+    display.say(Severity::warning,
+                fmt::format("{} far from all others {} outside of the picture.",
+                            rendering.outside == 1 ? "one point" : fmt::format("{} points", rendering.outside),
+                            rendering.outside == 1 ? "is" : "are"));
   display.say(Severity::note, conclusion(output, cloud.count(), rendering));
 }
 
@@ -109,6 +114,11 @@ void add_render_command(CLI::App& app) {
           "--size", [command](const std::string& text) { parse_picture_size(text, command->options); },
           "Pixels (default: 1200x900)")
       ->type_name("WxH");
+  verb.add_option("--point-size", command->options.point_size,
+                  "Diameter of every point in pixels (default: splats or radii of the file, else as the points around "
+                  "lie apart)")
+      ->type_name("PIXELS")
+      ->check(CLI::Range(0.1, 1000.0).description(""));
   verb.add_option_function<std::string>(
           "--background", [command](const std::string& text) { command->options.background = parse_color(text); },
           "white (default), black or RRGGBB")
@@ -122,8 +132,8 @@ void add_render_command(CLI::App& app) {
   verb.footer(
       "Points are drawn as their splats where the file has them (nx.., splat_x.., splat_length, splat_ratio), else as "
       "discs\n"
-      "with the file's radius or of about the spacing of points. Numbers are coloured from their 5 % to their 95 % "
-      "quantile.\n"
+      "with the file's radius or one as large as points lie apart (1.5 times as large with normals).\n"
+      "Numbers are coloured from their 5 % to their 95 % quantile.\n"
       "The cloud is read twice and never held in memory.\n"
       "\nExample:\n"
       "  pointsweep render splats.ply picture.png --color curvature --view 30,20");

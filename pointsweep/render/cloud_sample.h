@@ -8,13 +8,15 @@
 #include <vector>
 
 #include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/render/extents.h"
 #include "pointsweep/render/point_color.h"
+#include "pointsweep/render/row_stretches.h"
 
 namespace pointsweep {
 
 /// A block of the cloud's points: records and positions.
 struct PointBlock {
-  std::uint64_t first_row;
+  std::uint64_t first;  ///< number of its first point among those that are looked at
   std::size_t size;
   const std::byte* records;
   std::size_t stride;
@@ -24,8 +26,8 @@ struct PointBlock {
   const std::byte* record(std::size_t i) const { return records + i * stride; }
 };
 
-/// Reads the cloud once from its first to its last row.
-void for_each_block(InputCloud& cloud, const std::function<void(const PointBlock&)>& visit);
+/// Reads these rows of the cloud once, in their order.
+void for_each_block(InputCloud& cloud, const RowStretches& rows, const std::function<void(const PointBlock&)>& visit);
 
 struct CloudSample {
   Box bounds;                   ///< of the finite points
@@ -34,7 +36,8 @@ struct CloudSample {
   std::vector<std::byte> records;  ///< of these, one behind the other
 };
 
-/// Also shows every record to `color`.
-CloudSample sample_cloud(InputCloud& cloud, PointColor& color, const std::function<void(std::uint64_t rows)>& progress);
+/// Also shows every record to `color` and every finite point to `views`.
+CloudSample sample_cloud(InputCloud& cloud, const RowStretches& rows, PointColor& color, PossibleViews& views,
+                         const std::function<void(std::uint64_t done)>& progress);
 
 }  // namespace pointsweep

@@ -7,8 +7,9 @@
 namespace pointsweep {
 namespace {
 
-/// Discs of this many spacings leave about 0.1 % of a surface bare where points lie at random (exp(-π r²)).
-constexpr double kRadiusInSpacings = 1.5;
+/// Discs along a surface, of this many spacings, leave about 0.1 % of it bare where points lie at random (exp(-π r²)).
+/// Of points without a normal, which may be leaves as well as walls, wider ones than of one spacing look like bubbles.
+constexpr double kSurfaceRadius = 1.5, kPointRadius = 1;
 
 Vec3 unit_or_zero(Vec3 v) {
   const double l = length(v);
@@ -34,11 +35,11 @@ PointShape::Fields::Fields(const Schema& schema, std::initializer_list<const cha
   }
 }
 
-PointShape::PointShape(const Schema& schema, const SpacingTree& spacing, Vec3 right, Vec3 up, double largest_guess)
+PointShape::PointShape(const Schema& schema, const SpacingTree& spacing, Vec3 right, Vec3 up, DiscRadii radii)
     : spacing_(spacing),
       right_(right),
       up_(up),
-      largest_guess_(largest_guess),
+      radii_(radii),
       normal_(schema, {"nx", "ny", "nz"}),
       axis_(schema, {"splat_x", "splat_y", "splat_z"}),
       size_(schema, {"splat_length", "splat_ratio"}),
@@ -51,6 +52,7 @@ Vec3 PointShape::vector_of(const Fields& fields, const std::byte* record) {
 SurfaceElement PointShape::operator()(const std::byte* record, Vec3 position) const {
   const Vec3 n = normal_.empty() ? Vec3{} : unit_or_zero(vector_of(normal_, record));
   const bool has_normal = n != Vec3{};
+  if (radii_.fixed > 0) return {radii_.fixed * right_, radii_.fixed * up_, n};
   if (has_normal && !axis_.empty() && !size_.empty()) {
     const Vec3 axis = unit_or_zero(vector_of(axis_, record));
     const double major = value_of(size_[0], record), minor = major * value_of(size_[1], record);
@@ -61,7 +63,8 @@ SurfaceElement PointShape::operator()(const std::byte* record, Vec3 position) co
   const double stated = radius_.empty() ? 0 : value_of(radius_[0], record);
   const double radius = stated > 0 && std::isfinite(stated)
                             ? stated
-                            : std::min(kRadiusInSpacings * spacing_.spacing(position), largest_guess_);
+                            : std::min((has_normal ? kSurfaceRadius : kPointRadius) * spacing_.spacing(position),
+                                       radii_.largest_guess);
   if (!has_normal) return {radius * right_, radius * up_, {}};
   const Vec3 u = across(n);
   return {radius * u, radius * cross(n, u), n};

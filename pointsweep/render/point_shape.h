@@ -18,17 +18,22 @@ struct SurfaceElement {
   Vec3 normal;  ///< unit, or 0 where it is not known
 };
 
+/// Lengths.
+struct DiscRadii {
+  double largest_guess;  ///< of an estimated radius, so that the few points of a sparse place do not look like surface
+  double fixed = 0;      ///< of every point, which then faces the viewer; 0: none
+};
+
 class PointShape {
  public:
-  /// `right` and `up` span the plane of discs without a normal; discs whose radius is estimated are at most
-  /// `largest_guess` (length), so that the few points of a sparse place do not look like surface.
-  PointShape(const Schema& schema, const SpacingTree& spacing, Vec3 right, Vec3 up, double largest_guess);
+  /// `right` and `up` span the plane of discs that face the viewer.
+  PointShape(const Schema& schema, const SpacingTree& spacing, Vec3 right, Vec3 up, DiscRadii radii);
 
   bool has_normals() const { return !normal_.empty(); }
 
   /// The splat (normal, splat_x splat_y splat_z, splat_length, splat_ratio) where the file has one; else a disc across
-  /// the normal, else one that faces the viewer, with the file's `radius` or a little more than the spacing of points
-  /// around, so that a surface is closed.
+  /// the normal, else one that faces the viewer, with the file's `radius`, or one that follows the spacing of the
+  /// points around: 1.5 times as large on surfaces, which closes them, else as large.
   SurfaceElement operator()(const std::byte* record, Vec3 position) const;
 
  private:
@@ -41,7 +46,7 @@ class PointShape {
 
   const SpacingTree& spacing_;
   Vec3 right_, up_;
-  double largest_guess_;
+  DiscRadii radii_;
   Fields normal_, axis_, size_, radius_;
 };
 

@@ -24,7 +24,9 @@ namespace {
 
 constexpr double kAmbient = 0.25;
 constexpr double kBulge = 0.3;           // of the radius, of discs without a normal
-constexpr double kLargestGuess = 0.015;  // of the larger side
+constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;  // guessed radii, of the larger side
+constexpr double kSmallestLimit = 3;                                  // of these, pixels
+constexpr double kFarOutliers = 4;       // spans of all points, in spans of nearly all
 constexpr std::uint64_t kMostPixels = 1u << 26;
 
 void check(const RenderOptions& options) {
@@ -35,24 +37,29 @@ void check(const RenderOptions& options) {
              options.width, options.height, kMostPixels);
 }
 
-/// What the middle 99.8 % of `values` span, widened by 5 % of that on either side but not beyond their ends: a few
-/// points far out stay outside of the picture.
-std::pair<double, double> span_without_outliers(std::vector<double>& values) {
+/// From lo to hi, where all points lie. If that is more than kFarOutliers times what the middle 99.8 % of the sampled
+/// `values` span, it is these with 5 % of their span on either side: a few points far out stay outside of the picture.
+std::pair<double, double> span_without_outliers(std::vector<double>& values, double lo, double hi) {
   std::sort(values.begin(), values.end());
   const auto cut = static_cast<std::size_t>(0.001 * static_cast<double>(values.size()));
-  const double lo = values[cut], hi = values[values.size() - 1 - cut], more = 0.05 * (hi - lo);
-  return {std::max(values.front(), lo - more), std::min(values.back(), hi + more)};
+  const double middle_lo = values[cut], middle_hi = values[values.size() - 1 - cut], middle = middle_hi - middle_lo;
+  if (hi - lo <= kFarOutliers * middle || middle == 0) return {lo, hi};
+  return {std::max(lo, middle_lo - 0.05 * middle), std::min(hi, middle_hi + 0.05 * middle)};
 }
 
-void frame_sample(Camera& camera, const std::vector<Vec3>& positions) {
+void frame_cloud(Camera& camera, const std::vector<Vec3>& sample, const Extents& all, double margin) {
   std::vector<double> x, y;
-  for (const Vec3 p : positions) {
+  for (const Vec3 p : sample) {
     x.push_back(dot(p - camera.origin, camera.right));
     y.push_back(dot(p - camera.origin, camera.up));
   }
-  const auto [lo_x, hi_x] = span_without_outliers(x);
-  const auto [lo_y, hi_y] = span_without_outliers(y);
-  frame(camera, lo_x, hi_x, lo_y, hi_y);
+  const auto [lo_x, hi_x] = span_without_outliers(x, all.lo_x, all.hi_x);
+  const auto [lo_y, hi_y] = span_without_outliers(y, all.lo_y, all.hi_y);
+  frame(camera, lo_x, hi_x, lo_y, hi_y, margin);
+}
+
+bool is_inside(Vec3 pixel, const Camera& camera) {
+  return pixel.x >= 0 && pixel.x <= camera.width && pixel.y >= 0 && pixel.y <= camera.height;
 }
 
 /// Samples along each side of a pixel: fewer for large pictures, whose edges need them less.
@@ -61,12 +68,15 @@ unsigned fineness_of(const RenderOptions& options) {
   return pixels <= (1u << 22) ? 3 : pixels <= (1u << 24) ? 2 : 1;
 }
 
-bool have_z_up(const InputCloud& cloud) {
-  return std::ranges::all_of(cloud.readers(), [](const auto& reader) { return reader->info().z_is_up; });
+/// The direction up where it is known before the points are.
+std::optional<Up> stated_up(const RenderOptions& options, const InputCloud& cloud) {
+  const auto z_is_up = [](const auto& reader) { return reader->info().z_is_up; };
+  return options.up ? options.up : std::ranges::all_of(cloud.readers(), z_is_up) ? std::optional(Up{}) : std::nullopt;
 }
 
 View view_of(const RenderOptions& options, const InputCloud& cloud, const std::vector<Vec3>& sample) {
-  const Up up = options.up ? *options.up : have_z_up(cloud) ? Up{} : find_up(sample);
+  const std::optional<Up> stated = stated_up(options, cloud);
+  const Up up = stated ? *stated : find_up(sample);
   return {options.angles ? *options.angles : is_flat(sample, up) ? kTop : kThreeQuarter, up};
 }
 
@@ -108,11 +118,13 @@ class Light {
 
 Rendering render(InputCloud& cloud, const RenderOptions& options) {
   check(options);
-  const auto report = [&](const char* phase, std::uint64_t rows) {
-    if (options.progress) options.progress(phase, rows, cloud.count());
+  const RowStretches rows = options.seconds > 0 ? rows_within(cloud, options.seconds) : all_rows(cloud);
+  const auto report = [&](const char* phase, std::uint64_t done) {
+    if (options.progress) options.progress(phase, done, rows.count);
   };
   PointColor color(cloud.schema(), options.color);
-  CloudSample sample = sample_cloud(cloud, color, [&](std::uint64_t rows) { report("looking", rows); });
+  PossibleViews views(options.angles, stated_up(options, cloud));
+  CloudSample sample = sample_cloud(cloud, rows, color, views, [&](std::uint64_t done) { report("looking", done); });
   if (sample.positions.empty())
     fail("{}: has no point with finite coordinates, so there is nothing to see.",
          cloud.readers().front()->info().path.string());
@@ -121,29 +133,46 @@ Rendering render(InputCloud& cloud, const RenderOptions& options) {
   const LegendColumn legend(legend_of(color, options), options.width, options.height, options.background);
   const unsigned room = options.width - legend.width();
   Camera camera = camera_of(view, sample.bounds.center(), room, options.height);
-  frame_sample(camera, sample.positions);
+  frame_cloud(camera, sample.positions, views.extents(view, camera), 0.5 * options.point_size + 1);
   if (view.angles.elevation == 90) flatten(sample.positions, view.up);
   const SpacingTree spacing(std::move(sample.positions), sample.finite);
-  const double largest_guess = kLargestGuess * std::max(room, options.height) / camera.scale;
-  const PointShape shape(cloud.schema(), spacing, camera.right, camera.up, largest_guess);
+  const double largest = cloud.schema().find("nx") ? kLargestOnSurface : kLargestOfPoints;
+  const double largest_guess = std::max(largest * std::max(room, options.height), kSmallestLimit) / camera.scale;
+  const PointShape shape(cloud.schema(), spacing, camera.right, camera.up,
+                         {.largest_guess = largest_guess, .fixed = 0.5 * options.point_size / camera.scale});
   const Light light(camera);
+  std::uint64_t outside = 0;
   Canvas canvas(options.width, options.height, fineness_of(options), options.background);
-  for_each_block(cloud, [&](const PointBlock& block) {
+  for_each_block(cloud, rows, [&](const PointBlock& block) {
     for (std::size_t i = 0; i < block.size; ++i) {
       stop_if_cancelled();
       const Vec3 p = block.position(i);
       if (!is_finite(p)) continue;
+      const Vec3 pixel = camera.project(p);
+      if (!is_inside(pixel, camera)) {
+        ++outside;
+        continue;
+      }
       const SurfaceElement element = shape(block.record(i), p);
       const bool lit = color.is_shaded() && element.normal != Vec3{};
       const Rgb own = color(block.record(i), p);
-      ProjectedEllipse ellipse{camera.project(p), camera.project_offset(element.u), camera.project_offset(element.v)};
+      ProjectedEllipse ellipse{pixel, camera.project_offset(element.u), camera.project_offset(element.v)};
       if (element.normal == Vec3{}) ellipse.bulge = kBulge * camera.scale * length(element.u);
       canvas.draw(ellipse, lit ? shaded(own, light.on(element.normal)) : own);
     }
-    report("drawing", block.first_row + block.size);
+    report("drawing", block.first + block.size);
   });
   if (!shape.has_normals()) canvas.shade_by_depth();
-  Rendering result{canvas.picture(), color.name(), color.is_number(), color.lo(), color.hi(), view, color.remark()};
+  Rendering result{.picture = canvas.picture(),
+                   .color = color.name(),
+                   .is_number = color.is_number(),
+                   .lo = color.lo(),
+                   .hi = color.hi(),
+                   .view = view,
+                   .drawn = rows.count,
+                   .outside = outside,
+                   .remark = color.remark(),
+                   .sample = std::move(sample.records)};
   legend.draw(result.picture);
   return result;
 }

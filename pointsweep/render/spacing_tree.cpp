@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "pointsweep/math/box.h"
 
@@ -17,6 +18,19 @@ double area_of(const Box& box, std::size_t points) {
   const double longest = std::max({e.x, e.y, e.z}), shortest = std::min({e.x, e.y, e.z});
   const double middle = e.x + e.y + e.z - longest - shortest;
   return longest * std::max(middle, longest / static_cast<double>(points));
+}
+
+/// Twice the distance to the nearest one elsewhere that three quarters of the points do not exceed: of points at random
+/// on a surface 1.3 times the side of the square that each has to itself, of the rows of a scanner, which lie far
+/// apart, twice the step along a row.
+double twice_nearest(std::span<const Vec3> points) {
+  std::vector<double> nearest2(points.size(), Box::kInf);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t j = 0; j < points.size(); ++j)
+      if (points[i] != points[j]) nearest2[i] = std::min(nearest2[i], distance2(points[i], points[j]));
+  const auto usual = nearest2.begin() + static_cast<std::ptrdiff_t>(nearest2.size() * 3 / 4);
+  std::nth_element(nearest2.begin(), usual, nearest2.end());
+  return 2 * std::sqrt(*usual);
 }
 
 }  // namespace
@@ -36,7 +50,10 @@ void SpacingTree::build(std::size_t begin, std::size_t end, double share) {
   if (count <= kLeaf || box.extent()[axis] <= 0) {
     // n points in rows have n - 1 gaps; for few points that matters.
     const double gaps = std::sqrt(static_cast<double>(std::max<std::size_t>(count, 1))) - 0.5;
-    if (count > 1) nodes_[node].spacing = std::sqrt(area_of(box, count) * share) / gaps;
+    if (count > 1 && count <= kLeaf) {
+      const double side = std::sqrt(area_of(box, count)) / gaps;
+      nodes_[node].spacing = std::sqrt(share) * std::min(side, twice_nearest({sample_.data() + begin, count}));
+    }
     return;
   }
   const std::size_t middle = begin + count / 2;

@@ -10,14 +10,16 @@
 namespace pointsweep {
 
 /// Halves the sample along its longest side until 16 points are left; of these the two longer sides of their box say
-/// how much surface belongs to each. So dense and sparse parts of a scan get their own spacing. Memory and time to
+/// how much surface belongs to each, and their distances to each other whether they lie in rows or clumps with nothing
+/// between. So dense and sparse parts of a scan get their own spacing. Memory and time to
 /// build follow the sample, a look-up is one comparison for each halving.
 class SpacingTree {
  public:
   /// `sample` stands for `points` points of a surface. No finite point: every spacing is 0.
   SpacingTree(std::vector<Vec3> sample, std::uint64_t points);
 
-  /// Side of the square that one point of the cloud has to itself around `p`.
+  /// Side of the square that one point of the cloud has to itself around `p`, at most twice the distance to the nearest
+  /// other point that is usual there.
   double spacing(Vec3 p) const;
 
  private:

@@ -81,12 +81,12 @@ Camera camera_of(const View& view, Vec3 origin, unsigned width, unsigned height)
   return camera;
 }
 
-void frame(Camera& camera, double lo_x, double hi_x, double lo_y, double hi_y) {
+void frame(Camera& camera, double lo_x, double hi_x, double lo_y, double hi_y, double margin) {
   camera.center_x = 0.5 * (lo_x + hi_x);
   camera.center_y = 0.5 * (lo_y + hi_y);
-  const double room = 1 - 2 * kMargin;
-  const double across = hi_x > lo_x ? room * camera.width / (hi_x - lo_x) : Box::kInf;
-  const double along = hi_y > lo_y ? room * camera.height / (hi_y - lo_y) : Box::kInf;
+  const auto room = [&](double side) { return side - 2 * std::clamp(margin, kMargin * side, 0.4 * side); };
+  const double across = hi_x > lo_x ? room(camera.width) / (hi_x - lo_x) : Box::kInf;
+  const double along = hi_y > lo_y ? room(camera.height) / (hi_y - lo_y) : Box::kInf;
   const double scale = std::min(across, along);
   camera.scale = std::isfinite(scale) ? scale : 1;
 }

@@ -30,6 +30,7 @@ struct Angles {
 struct View {
   Angles angles;
   Up up;
+  friend bool operator==(const View&, const View&) = default;
 };
 
 /// The view from above, and the one that shows front, side and top of an object.
@@ -62,7 +63,8 @@ struct Camera {
 /// bytes on every machine.
 Camera camera_of(const View& view, Vec3 origin, unsigned width, unsigned height);
 
-/// Chooses center and scale so that the box [lo, hi] along right and up fills the picture up to a margin of 3 %.
-void frame(Camera& camera, double lo_x, double hi_x, double lo_y, double hi_y);
+/// Chooses center and scale so that the box [lo, hi] along right and up fills the picture up to a margin of 3 %, at
+/// least `margin` pixels.
+void frame(Camera& camera, double lo_x, double hi_x, double lo_y, double hi_y, double margin = 0);
 
 }  // namespace pointsweep

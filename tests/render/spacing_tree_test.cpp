@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace pointsweep {
@@ -38,6 +39,22 @@ TEST(SpacingTree, DenseAndSparsePartsDiffer) {
   points.insert(points.end(), sparse.begin(), sparse.end());
   const SpacingTree tree(points, points.size());
   EXPECT_GT(tree.spacing({5.5, 0.5, 2.75}), 5 * tree.spacing({0.5, 0.5, 0.25}));
+}
+
+/// Rings of a scanner on level ground: points 0.02 apart, rings 1.
+TEST(SpacingTree, IsAtMostTwiceTheDistanceToTheNextPoint) {
+  std::vector<Vec3> rings;
+  for (int ring = 1; ring <= 20; ++ring)
+    for (double angle = 0; angle < 6.283; angle += 0.02 / ring)
+      rings.push_back({ring * std::cos(angle), ring * std::sin(angle), 0});
+  const SpacingTree tree(rings, rings.size());
+  for (const Vec3 p : rings) ASSERT_LE(tree.spacing(p), 2 * 0.0201);
+}
+
+TEST(SpacingTree, PointsThatAreThereTwiceCountOnce) {
+  std::vector<Vec3> once = slope(10000, 0), twice = once;
+  twice.insert(twice.end(), once.begin(), once.end());
+  EXPECT_GT(SpacingTree(twice, twice.size()).spacing({0.5, 0.5, 0.25}), 0.004);
 }
 
 TEST(SpacingTree, FewOrEqualOrNoPointsHaveNone) {
