@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,10 +15,12 @@
 #include "cli/quantities.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/crs_unit.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/files/standard_streams.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/render/attribute_unit.h"
 #include "pointsweep/report/pictured_attribute.h"
 #include "pointsweep/report/run_report.h"
 
@@ -67,28 +70,37 @@ void complete(OutputFile& file, const std::string& text) {
   file.commit();
 }
 
-/// The result, read again; none where the output is no point file or has no
-/// point to show.
-std::optional<Rendering> picture_of(const ResolvedFiles& files, const Schema& input, const Statistics& statistics,
-                                    ProgressDisplay& display) {
+/// The share of a run that the page about it may take in addition, and what it may take of a short run, in seconds.
+constexpr double kPageShare = 0.1, kPageSeconds = 0.5;
+
+/// Adds the result, read again, to the summary; nothing where the output is no point file or has no point to show.
+void add_result(const ResolvedFiles& files, const InputCloud& input, ProgressDisplay& display, RunSummary& summary) {
+  const Statistics& statistics = summary.statistics;
   if (is_array_name(files.output) || is_standard_stream(files.output) || statistics.points_written == 0 ||
       statistics.nonfinite - statistics.dropped == statistics.points)
-    return std::nullopt;
+    return;
+  const auto start = std::chrono::steady_clock::now();
   InputCloud cloud(files.tiles.empty() ? std::vector{files.output} : files.tiles, {.ignore_crs = true});
   RenderOptions options;
   options.width = 900;
   options.height = 640;
+  options.length_unit = summary.unit;
+  options.seconds = std::max(kPageSeconds, kPageShare * statistics.total_seconds);
   std::vector<std::string> operators;
   for (const auto& [name, seconds] : statistics.operator_seconds) operators.push_back(name);
-  options.color = pictured_attribute(operators, input, cloud.schema());
+  options.color = pictured_attribute(operators, input.schema(), cloud.schema());
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
     stop_if_cancelled();
     display.report(phase, done, total);
   };
-  return render(cloud, options);
+  summary.picture = render(cloud, options);
+  summary.made = value_summaries(cloud.schema(), summary.picture->sample,
+                                 made_numbers(operators, input.schema(), cloud.schema()));
+  for (ValueSummary& made : summary.made) made.unit = unit_of_attribute(made.name, summary.unit);
+  summary.drawing_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-RunSummary summary_of(const ResolvedFiles& files, const Schema& input, const Statistics& statistics,
+RunSummary summary_of(const ResolvedFiles& files, const InputCloud& input, const Statistics& statistics,
                       ProgressDisplay& display) {
   RunSummary summary;
   summary.title = (files.tiles.empty() ? files.output : (files.output / "").parent_path()).filename().string();
@@ -96,7 +108,11 @@ RunSummary summary_of(const ResolvedFiles& files, const Schema& input, const Sta
   summary.command = command_line();
   summary.version = kept_version();
   summary.statistics = statistics;
-  summary.picture = picture_of(files, input, statistics, display);
+  if (input.crs()) {
+    summary.crs = short_text(*input.crs());
+    summary.unit = input.crs()->kind == CrsKind::geographic ? "degrees" : length_unit_of(*input.crs());
+  }
+  add_result(files, input, display, summary);
   for (const auto& path : files.inputs) summary.inputs += (summary.inputs.empty() ? "" : ", ") + path.string();
   return summary;
 }
@@ -177,7 +193,7 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
   for (const std::string& notice : files.notices) display.say(Severity::note, notice);
   const Statistics statistics = work(cloud, files, run);
   if (stats) complete(*stats, to_json(statistics) + "\n");
-  if (report) complete(*report, report_of(summary_of(files, cloud.schema(), statistics, display)));
+  if (report) complete(*report, report_of(summary_of(files, cloud, statistics, display)));
   display.say(Severity::note, conclusion(files, statistics, options.stats));
 }
 

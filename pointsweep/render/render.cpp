@@ -26,6 +26,7 @@ constexpr double kAmbient = 0.25;
 constexpr double kBulge = 0.3;           // of the radius, of discs without a normal
 constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;  // guessed radii, of the larger side
 constexpr double kSmallestLimit = 3;                                  // of these, pixels
+constexpr double kSampleSeconds = 100e-9;  // of the canvas: what discs on top of each other take there
 constexpr double kFarOutliers = 4;       // spans of all points, in spans of nearly all
 constexpr std::uint64_t kMostPixels = 1u << 26;
 
@@ -62,10 +63,24 @@ bool is_inside(Vec3 pixel, const Camera& camera) {
   return pixel.x >= 0 && pixel.x <= camera.width && pixel.y >= 0 && pixel.y <= camera.height;
 }
 
-/// Samples along each side of a pixel: fewer for large pictures, whose edges need them less.
+/// What discs that cover the picture take to draw, about.
+double fill_seconds(const RenderOptions& options, unsigned fineness) {
+  return kSampleSeconds * options.width * options.height * fineness * fineness;
+}
+
+/// Samples along each side of a pixel: fewer for large pictures, whose edges need them less, and where there is not
+/// much time.
 unsigned fineness_of(const RenderOptions& options) {
   const std::uint64_t pixels = std::uint64_t{options.width} * options.height;
-  return pixels <= (1u << 22) ? 3 : pixels <= (1u << 24) ? 2 : 1;
+  unsigned fineness = pixels <= (1u << 22) ? 3 : pixels <= (1u << 24) ? 2 : 1;
+  while (options.seconds > 0 && fineness > 1 && fill_seconds(options, fineness) > 0.5 * options.seconds) --fineness;
+  return fineness;
+}
+
+/// The rows to draw: all if there is time for them.
+RowStretches rows_of(InputCloud& cloud, const RenderOptions& options) {
+  if (options.seconds <= 0) return all_rows(cloud);
+  return rows_within(cloud, options.seconds - fill_seconds(options, fineness_of(options)));
 }
 
 /// The direction up where it is known before the points are.
@@ -118,7 +133,7 @@ class Light {
 
 Rendering render(InputCloud& cloud, const RenderOptions& options) {
   check(options);
-  const RowStretches rows = options.seconds > 0 ? rows_within(cloud, options.seconds) : all_rows(cloud);
+  const RowStretches rows = rows_of(cloud, options);
   const auto report = [&](const char* phase, std::uint64_t done) {
     if (options.progress) options.progress(phase, done, rows.count);
   };

@@ -13,12 +13,15 @@ constexpr const char* kStyle =
     "1em;color:#1b1e23;background:#fff}"
     "h1{font-size:1.5em}h2{font-size:1.15em;margin-top:1.8em}table{border-collapse:collapse}"
     "td{padding:.15em 1.2em .15em 0;border-bottom:1px solid "
-    "#e4e6ea;vertical-align:top}td+td{font-variant-numeric:tabular-nums}"
+    "#e4e6ea;vertical-align:top}td+td{font-variant-numeric:tabular-nums;overflow-wrap:anywhere}"
     "svg{width:100%;height:auto;font:12px system-ui,sans-serif;fill:#454b54;margin:.6em 0}svg "
     ".title{font-weight:600;fill:#1b1e23}"
     "svg .grid{stroke:#e4e6ea}svg .line{fill:none;stroke-width:1.6;stroke-linejoin:round}svg "
     ".area{fill-opacity:.25;stroke-width:1.4}"
-    "img{max-width:100%;height:auto}figure{margin:1em 0}figcaption{color:#5b626c;font-size:.9em}";
+    "img{max-width:100%;height:auto}figure{margin:1em 0}figcaption{color:#5b626c;font-size:.9em}"
+    "td:first-child{min-width:9em}.plot{overflow-x:auto}.plot svg{min-width:560px}"
+    "figure.small{display:inline-block;vertical-align:top;width:48%;min-width:300px;margin:.4em .8% .4em 0}"
+    "@media(max-width:660px){figure.small{width:100%;min-width:0}body{margin:1em auto}td{padding-right:.6em}}";
 
 }  // namespace
 
@@ -51,7 +54,13 @@ void Page::table(const std::vector<std::pair<std::string, std::string>>& rows) {
   body_ += "</table>\n";
 }
 
-void Page::plot(const std::string& svg) { body_ += svg; }
+void Page::plot(const std::string& svg) {
+  if (!svg.empty()) body_ += fmt::format("<div class=\"plot\">{}</div>\n", svg);
+}
+
+void Page::figure(const std::string& svg, const std::string& caption) {
+  body_ += fmt::format("<figure class=\"small\">{}<figcaption>{}</figcaption></figure>\n", svg, escaped(caption));
+}
 
 void Page::picture(std::span<const std::byte> png, const std::string& caption) {
   body_ +=
@@ -61,7 +70,8 @@ void Page::picture(std::span<const std::byte> png, const std::string& caption) {
 
 std::string Page::html() const {
   return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{0}</title>\n<style>{1}</style>\n"
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width\">\n<title>{0}</title>\n<style>{1}</style>\n"
       "</head>\n<body>\n<h1>{0}</h1>\n{2}</body>\n</html>\n",
       escaped(title_), kStyle, body_);
 }

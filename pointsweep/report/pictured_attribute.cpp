@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <ranges>
+#include <set>
 #include <string_view>
+
+#include "pointsweep/pipeline/registry.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {
@@ -22,7 +26,8 @@ bool is_part(std::string_view name) {
          std::any_of(kParts.begin(), kParts.end(), [&](std::string_view part) { return name.starts_with(part); });
 }
 
-std::string shown_by(std::string_view op, const Schema& input, const Schema& output) {
+/// `made`: fields of the output.
+std::string shown_by(std::string_view op, const std::vector<std::string>& made, const Schema& output) {
   if (op == "normals" || op == "splats") return output.find("nx") ? "plain" : "";
   if (op == "curvature") {
     for (const char* name : kCurvatures)
@@ -30,16 +35,30 @@ std::string shown_by(std::string_view op, const Schema& input, const Schema& out
     return {};
   }
   if (std::find(kNotPictured.begin(), kNotPictured.end(), op) != kNotPictured.end()) return {};
-  for (const Field& field : output.fields)
-    if (field.count == 1 && !is_part(field.name) && !input.find(field.name)) return field.name;
+  for (const std::string& name : made)
+    if (output.fields[*output.find(name)].count == 1 && !is_part(name)) return name;
   return {};
 }
 
 }  // namespace
 
+std::vector<std::string> made_numbers(std::span<const std::string> operators, const Schema& input,
+                                      const Schema& output) {
+  std::set<std::string> again;
+  for (const std::string& op : operators)
+    if (const OperatorDeclaration* declaration = declaration_of(op))
+      for (const Attribute& a : contract_of(make_stage(*declaration, sample_values(*declaration), {})).makes)
+        again.insert(a.fields.begin(), a.fields.end());
+  std::vector<std::string> made;
+  for (const Field& field : output.fields)
+    if (!input.find(field.name) || again.contains(library_name_of(field.name))) made.push_back(field.name);
+  return made;
+}
+
 std::string pictured_attribute(std::span<const std::string> operators, const Schema& input, const Schema& output) {
+  const std::vector<std::string> made = made_numbers(operators, input, output);
   for (const std::string& op : operators | std::views::reverse) {
-    const std::string shown = shown_by(op, input, output);
+    const std::string shown = shown_by(op, made, output);
     if (!shown.empty()) return shown;
   }
   return {};

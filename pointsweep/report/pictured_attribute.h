@@ -4,15 +4,20 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 
 /// The colouring, as PointColor takes it, that shows what the last operator of a chain computed: curvature, plain
-/// (light and shade by the normals) after normals and splats, for other operators the first attribute that the output
-/// has and the input has not and that is a number. Operators without a visible result are passed over. Empty: no
-/// operator has one in the output.
+/// (light and shade by the normals) after normals and splats, for other operators the first number that was made
+/// (made_numbers). Operators without a visible result are passed over. Empty: no operator has one in the output.
 std::string pictured_attribute(std::span<const std::string> operators, const Schema& input, const Schema& output);
+
+/// The fields of the output that the operators have made: those that the input has not, and those of its names that an
+/// operator makes again.
+std::vector<std::string> made_numbers(std::span<const std::string> operators, const Schema& input,
+                                      const Schema& output);
 
 }  // namespace pointsweep

@@ -118,6 +118,25 @@ std::string bar_plot(const std::string& title, const std::vector<Bar>& bars) {
   return svg + "</svg>\n";
 }
 
+std::string value_plot(const std::string& title, const std::vector<double>& edges, const std::vector<double>& counts) {
+  if (counts.empty()) return "";
+  constexpr double kSmallWidth = 360, kSmallHeight = 150, kSide = 14, kFoot = 24;
+  const Scale x(edges.front(), edges.back(), kSide, kSmallWidth - kSide);
+  const Scale y(0, *std::ranges::max_element(counts), kSmallHeight - kFoot, kTop);
+  std::string svg = fmt::format(
+      "<svg viewBox=\"0 0 {0:g} {1:g}\" role=\"img\" aria-label=\"{2}\">\n<text x=\"{3:g}\" y=\"18\" "
+      "class=\"title\">{2}</text>\n",
+      kSmallWidth, kSmallHeight, escaped(title), kSide);
+  std::string path = fmt::format("M{:.1f} {:.1f}", x.place(edges.front()), y.place(0));
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    path += fmt::format("V{:.1f}H{:.1f}", y.place(counts[i]), x.place(edges[i + 1]));
+  svg += fmt::format("<path class=\"area\" stroke=\"{0}\" fill=\"{0}\" d=\"{1}V{2:.1f}Z\"/>\n", color_of(0), path,
+                     y.place(0));
+  for (const Tick& tick : x.ticks(5))
+    svg += text_at(x.place(tick.value), kSmallHeight - 6, "middle", tick.text);
+  return svg + "</svg>\n";
+}
+
 std::string histogram_plot(const PlotText& text, const std::vector<double>& edges,
                            const std::vector<Histogram>& histograms) {
   if (edges.size() < 2) return {};

@@ -38,6 +38,9 @@ struct Histogram {
 std::string histogram_plot(const PlotText& text, const std::vector<double>& edges,
                            const std::vector<Histogram>& histograms);
 
+/// Small bars that touch each other over a linear x axis: bin i is edges[i] .. edges[i+1].
+std::string value_plot(const std::string& title, const std::vector<double>& edges, const std::vector<double>& counts);
+
 /// & < > " as entities.
 std::string escaped(std::string_view text);
 

@@ -32,6 +32,7 @@ std::vector<std::pair<double, double>> thinned(const std::vector<std::pair<std::
 }
 
 std::string working_set(const Statistics& s) {
+  if (s.series.empty()) return {};
   const double share = 100 / static_cast<double>(std::max<std::uint64_t>(s.points, 1));
   const auto in_percent = [share](const std::string& name, const auto& counts) {
     Series series{name, {}};
@@ -43,14 +44,16 @@ std::string working_set(const Statistics& s) {
   return line_plot({"Working set over the stream", "points read", "% of the cloud"}, all);
 }
 
-std::string times(const Statistics& s) {
+std::string times(const RunSummary& summary) {
+  const Statistics& s = summary.statistics;
   std::vector<Bar> bars = {{"ordering (wall)", s.order_seconds, {}},
                            {"reading and cutting", s.read_seconds, {}},
                            {"neighbours", s.search_seconds, {}}};
   for (const auto& [name, seconds] : s.operator_seconds) bars.push_back({name, seconds, {}});
   bars.push_back({"writing (wall)", s.write_seconds, {}});
+  if (summary.picture) bars.push_back({"drawing this page (wall)", summary.drawing_seconds, {}});
   for (Bar& bar : bars) bar.label = seconds_text(bar.value);
-  return bar_plot(fmt::format("Time, summed over {} threads", s.threads), bars);
+  return bar_plot(fmt::format("Seconds, summed over {} threads where not wall", s.threads), bars);
 }
 
 std::string distances(const Statistics& s) {
@@ -74,54 +77,115 @@ std::uint64_t equal_points(const Statistics& s) {
   return any ? s.neighbor_distances.front().nearest : 0;
 }
 
-std::vector<std::pair<std::string, std::string>> rows_of(const RunSummary& summary) {
+using Rows = std::vector<std::pair<std::string, std::string>>;
+
+std::string number(std::uint64_t value) { return fmt::format("{}", value); }
+
+std::string joined(const std::vector<ValueSummary>& made) {
+  std::string names;
+  for (const ValueSummary& m : made) names += (names.empty() ? "" : ", ") + m.name;
+  return names;
+}
+
+/// What went in and came out.
+Rows rows_of_files(const RunSummary& summary) {
   const Statistics& s = summary.statistics;
-  const auto number = [](std::uint64_t value) { return fmt::format("{}", value); };
-  std::vector<std::pair<std::string, std::string>> rows = {
-      {"command", summary.command},
-      {"version", summary.version},
-      {"input", summary.inputs},
-      {"output", summary.output},
-      {"points", number(s.points)},
-      {"k", s.k == 0 ? "no limit" : number(s.k)},
-      {"certified neighbourhoods", number(s.certified)},
-      {"of these recalled", number(s.recalled)},
-      {"degenerate results", number(s.degenerate)},
-      {"points that are not finite", number(s.nonfinite)},
-      {"time", seconds_text(s.total_seconds)},
-      {"points per second", short_number(static_cast<double>(s.points) / std::max(s.total_seconds, 1e-9))},
-      {"window, peak", fmt::format("{} points", s.peak_points)},
-      {"window, mean", fmt::format("{:.0f} points", s.mean_points)},
-      {"lifespan of a point, mean and longest",
-       seconds_text(s.lifespan_mean_seconds) + ", " + seconds_text(s.lifespan_max_seconds)},
-      {"memory, peak", bytes_text(s.peak_rss_bytes)},
-      {"memory, budget", bytes_text(s.memory_budget_bytes)},
-      {"read, spilled, written",
-       bytes_text(s.bytes_read) + ", " + bytes_text(s.bytes_spilled) + ", " + bytes_text(s.bytes_written)},
-      {"threads", number(s.threads)},
-      {"machine", s.machine},
-  };
-  if (!s.neighbor_distances.empty()) rows.insert(rows.begin() + 10, {"duplicate points", number(equal_points(s))});
+  Rows rows = {{"input", summary.inputs},
+               {"output", summary.output},
+               {"points read", number(s.points + s.dropped)},
+               {"points written", number(s.points_written)},
+               {"coordinate system", summary.crs.empty() ? "not stated" : summary.crs},
+               {"unit of lengths", summary.unit.empty() ? "not stated" : summary.unit}};
+  if (!summary.made.empty()) rows.emplace_back("made", joined(summary.made));
+  rows.emplace_back("neighbours", s.sweeps == 0 ? "none" : s.k == 0 ? "all within the radius" : "k = " + number(s.k));
+  rows.emplace_back("command", summary.command);
+  rows.emplace_back("time", fmt::format("{}, {} points a second", seconds_text(s.total_seconds),
+                                        short_number(static_cast<double>(s.points) / std::max(s.total_seconds, 1e-9))));
   return rows;
+}
+
+/// Which points have a result.
+Rows rows_of_counts(const RunSummary& summary) {
+  const Statistics& s = summary.statistics;
+  Rows rows = {{"kept", number(s.points_written)},
+               {"left out by the pipeline", number(s.points - std::min(s.points, s.points_written))},
+               {"not finite, dropped", number(s.dropped)},
+               {"not finite, kept without results", number(s.nonfinite - std::min(s.nonfinite, s.dropped))},
+               {"degenerate results", number(s.degenerate)}};
+  for (const DegenerateResults& results : s.degenerate_results)
+    if (results.count > 0) rows.emplace_back("degenerate in " + results.stage, number(results.count));
+  if (!s.neighbor_distances.empty()) rows.emplace_back("duplicate points", number(equal_points(s)));
+  if (summary.picture) rows.emplace_back("outside of the picture", number(summary.picture->outside));
+  return rows;
+}
+
+Rows rows_of_engine(const RunSummary& summary) {
+  const Statistics& s = summary.statistics;
+  return {{"version", summary.version},
+          {"certified neighbourhoods", number(s.certified)},
+          {"of these recalled", number(s.recalled)},
+          {"window, peak", fmt::format("{} points", s.peak_points)},
+          {"window, mean", fmt::format("{:.0f} points", s.mean_points)},
+          {"lifespan of a point, mean and longest",
+           seconds_text(s.lifespan_mean_seconds) + ", " + seconds_text(s.lifespan_max_seconds)},
+          {"memory, peak", bytes_text(s.peak_rss_bytes)},
+          {"memory, budget", bytes_text(s.memory_budget_bytes)},
+          {"read, spilled, written",
+           bytes_text(s.bytes_read) + ", " + bytes_text(s.bytes_spilled) + ", " + bytes_text(s.bytes_written)},
+          {"threads", number(s.threads)},
+          {"machine", s.machine}};
+}
+
+void add_picture(const RunSummary& summary, Page& page) {
+  if (!summary.picture) return page.paragraph("There is no picture, because the output is no file of points.");
+  const Rendering& r = *summary.picture;
+  std::string caption = "The result, coloured by " + r.color;
+  if (r.is_number) caption += fmt::format(": violet {:.4g} to yellow {:.4g}", r.lo, r.hi);
+  if (r.drawn < summary.statistics.points_written)
+    caption += fmt::format(". Drawn are {} of {} points, so that the page takes at most a tenth of the time of the run",
+                           r.drawn, summary.statistics.points_written);
+  page.picture(to_png(r.picture), caption);
+}
+
+/// "least 0, 5 % 0.1, 25 % 0.2, median 0.3, 75 % 0.4, 95 % 0.5, greatest 1; 3 undefined"
+std::string percentiles_text(const ValueSummary& m) {
+  const auto& p = m.percentiles;
+  std::string text = m.edges.empty()
+                         ? "no value is defined"
+                         : fmt::format("least {:.4g}, 5 % {:.4g}, 25 % {:.4g}, median {:.4g}, 75 % {:.4g}, "
+                                       "95 % {:.4g}, greatest {:.4g}",
+                                       p[0], p[1], p[2], p[3], p[4], p[5], p[6]);
+  if (m.undefined > 0) text += fmt::format("; {} undefined", m.undefined);
+  return text;
+}
+
+void add_values(const RunSummary& summary, Page& page) {
+  if (summary.made.empty()) return;
+  page.heading("What was made");
+  if (summary.made.front().values < summary.statistics.points_written)
+    page.paragraph(fmt::format("Of {} points, evenly chosen.", summary.made.front().values));
+  for (const ValueSummary& m : summary.made)
+    page.figure(value_plot(m.unit.empty() ? m.name : fmt::format("{} ({})", m.name, m.unit), m.edges, m.counts),
+                percentiles_text(m));
 }
 
 }  // namespace
 
 std::string report_of(const RunSummary& summary) {
   Page page(summary.title);
-  if (summary.picture) {
-    const Rendering& r = *summary.picture;
-    std::string caption = "The result, coloured by " + r.color;
-    if (r.is_number) caption += fmt::format(": violet {:.4g} to yellow {:.4g}", r.lo, r.hi);
-    page.picture(to_png(r.picture), caption);
-  }
   const Statistics& s = summary.statistics;
+  page.table(rows_of_files(summary));
   for (const std::string& warning : s.warnings) page.paragraph("Warning: " + warning);
+  add_picture(summary, page);
+  add_values(summary, page);
+  page.heading("Counts");
+  page.table(rows_of_counts(summary));
+  page.heading("Time");
+  page.plot(times(summary));
+  page.heading("Engine");
   page.plot(working_set(s));
-  page.plot(times(s));
   page.plot(distances(s));
-  page.heading("Statistics");
-  page.table(rows_of(summary));
+  page.table(rows_of_engine(summary));
   return page.html();
 }
 

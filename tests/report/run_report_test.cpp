@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numeric>
+
 #include "pointsweep/report/pictured_attribute.h"
 
 namespace pointsweep {
@@ -41,13 +44,89 @@ TEST(RunReport, SaysWhatTheStatisticsSay) {
 
 TEST(RunReport, ShowsThePictureAndTheDistancesWhereThereAreSome) {
   RunSummary with = summary();
-  with.picture = Rendering{{20, 16, std::vector<Rgb>(320)}, "k1", true, 0.5, 2, {}, {}};
+  with.picture = Rendering{
+      .picture = {20, 16, std::vector<Rgb>(320)}, .color = "k1", .is_number = true, .lo = 0.5, .hi = 2, .drawn = 12345};
   with.statistics.neighbor_distances = {{0, 1e-200, 7, 0}, {0.5, 0.6, 100, 0}, {0.6, 0.7, 5, 90}};
   const std::string page = report_of(with);
   says(page, "data:image/png;base64,iVBOR");
   says(page, "coloured by k1: violet 0.5 to yellow 2");
+  EXPECT_EQ(page.find("Drawn are"), page.npos);
   says(page, "Distances of neighbours");
   says(page, "<td>duplicate points</td><td>7</td>");
+}
+
+RunSummary complete() {
+  RunSummary s = summary();
+  s.crs = "EPSG:26910 (NAD83 / UTM zone 10N)", s.unit = "m";
+  s.statistics.points_written = 12000, s.statistics.degenerate = 7, s.statistics.order_seconds = 1;
+  s.statistics.degenerate_results = {{"normals", 7, {}}};
+  s.picture = Rendering{
+      .picture = {20, 16, std::vector<Rgb>(320)}, .color = "k1", .is_number = true, .lo = 0.5, .hi = 2, .drawn = 3000};
+  s.drawing_seconds = 0.25;
+  s.made = {{.name = "k1",
+             .unit = "1/m",
+             .values = 3000,
+             .undefined = 2,
+             .percentiles = {0, 1, 2, 3, 4, 5, 6},
+             .edges = {0, 3, 6},
+             .counts = {1000, 1998}}};
+  return s;
+}
+
+TEST(RunReport, TellsTheResultBeforeTheTimeAndTheTimeBeforeTheEngine) {
+  const std::string page = report_of(complete());
+  std::size_t at = 0;
+  for (const char* words :
+       {"<td>input</td><td>in.ply</td>", "<td>output</td><td>out.ply</td>", "<td>points read</td><td>12345</td>",
+        "<td>points written</td><td>12000</td>", "EPSG:26910", "<td>unit of lengths</td><td>m</td>",
+        "<td>made</td><td>k1</td>", "something is odd", "data:image/png", "What was made", "k1 (1/m)",
+        "5 % 1, 25 % 2, median 3, 75 % 4, 95 % 5, greatest 6; 2 undefined", "Counts",
+        "<td>left out by the pipeline</td><td>345</td>", "<td>degenerate in normals</td><td>7</td>", "<h2>Time</h2>",
+        "ordering (wall)", "drawing this page", "<h2>Engine</h2>", "Working set", "certified"}) {
+    const std::size_t found = page.find(words, at);
+    ASSERT_NE(found, page.npos) << words;
+    at = found;
+  }
+  says(page, "Drawn are 3000 of 12000 points");
+  says(page, "Of 3000 points, evenly chosen.");
+}
+
+TEST(ValueSummaries, CountWhatIsThere) {
+  Schema schema;
+  for (const char* name : {"x", "curve", "label"}) schema.append(name, Type::f32);
+  std::vector<float> values;
+  for (int i = 0; i <= 1000; ++i) {
+    const float curve = i == 500 ? NAN : static_cast<float>(i) / 1000;
+    values.insert(values.end(), {0, curve, static_cast<float>(i % 3)});
+  }
+  const std::vector<std::string> fields = {"label", "curve"};
+  const auto made = value_summaries(schema, std::as_bytes(std::span(values)), fields);
+  ASSERT_EQ(made.size(), 2u);
+  EXPECT_EQ(made[0].name, "curve");
+  EXPECT_EQ(made[0].values, 1001u);
+  EXPECT_EQ(made[0].undefined, 1u);
+  const double expected[] = {0, 0.05, 0.25, 0.5, 0.75, 0.95, 1};
+  for (std::size_t p = 0; p < 7; ++p) EXPECT_NEAR(made[0].percentiles[p], expected[p], 0.002) << p;
+  EXPECT_EQ(std::accumulate(made[0].counts.begin(), made[0].counts.end(), 0.0), 1000);
+  EXPECT_EQ(made[1].counts, (std::vector<double>{334, 334, 333})) << "a bin for each whole number";
+  EXPECT_EQ(made[1].edges, (std::vector<double>{-0.5, 0.5, 1.5, 2.5}));
+}
+
+TEST(ValueSummaries, OfEqualOrNoValuesHaveNoFold) {
+  Schema schema;
+  schema.append("a", Type::f64);
+  const std::vector<std::string> fields = {"a"};
+  const auto of = [&](std::vector<double> values) {
+    return value_summaries(schema, std::as_bytes(std::span(values)), fields).front();
+  };
+  EXPECT_TRUE(of({}).counts.empty());
+  EXPECT_TRUE(of({NAN, INFINITY}).counts.empty());
+  EXPECT_EQ(of({NAN, INFINITY}).undefined, 2u);
+  for (const double same : {0.0, 0.25, 1e300, -7.0}) {
+    const ValueSummary summary = of({same, same});
+    EXPECT_EQ(std::accumulate(summary.counts.begin(), summary.counts.end(), 0.0), 2) << same;
+    EXPECT_LT(summary.edges.front(), summary.edges.back()) << same;
+  }
 }
 
 Schema with_fields(std::vector<std::string> names) {
@@ -71,9 +150,19 @@ TEST(PicturedAttribute, IsWhatTheLastOperatorComputed) {
   EXPECT_EQ(of({"normals", "fair", "reneighbor", "normals"}, {"nx", "ny", "nz"}), "plain");
   EXPECT_EQ(of({"neighborhood_size"}, {"neighbor_count", "neighbor_radius"}), "neighbor_count");
   EXPECT_EQ(of({"normals", "roughness"}, {"nx", "ny", "nz", "roughness"}), "roughness");
+  EXPECT_EQ(of({"ground"}, {}), "") << "of an input without classes, whose output has none";
   EXPECT_EQ(of({"fair"}, {}), "");
   EXPECT_EQ(of({"neighbors"}, {"neighbor_0", "distance_0"}), "");
   EXPECT_EQ(of({}, {}), "");
+}
+
+TEST(MadeNumbers, AreThoseThatTheInputHasNotOrThatAreMadeAgain) {
+  const Schema input = with_fields({"x", "y", "z", "age", "classification"});
+  const Schema output = with_fields({"x", "y", "z", "age", "classification", "height"});
+  const std::vector<std::string> ground = {"ground", "height"}, own = {"own"};
+  EXPECT_EQ(made_numbers(ground, input, output), (std::vector<std::string>{"classification", "height"}));
+  EXPECT_EQ(pictured_attribute(std::span(ground).first(1), input, output), "classification");
+  EXPECT_EQ(made_numbers(own, input, output), (std::vector<std::string>{"height"}));
 }
 
 TEST(RunReport, ARunThatDidNothingStillHasAPage) {
