@@ -164,4 +164,21 @@ MUTANTS = [
     Mutant("points without a place keep what a pass over rows made of them", "selects", PIPELINE + "row_pass.cpp",
            "if (!is_finite(Vec3{x[i], y[i], z[i]}))", "if (is_finite(Vec3{x[i], y[i], z[i]}) && size == 0)",
            ("pipeline:Where.*:Unique.*:Select.*",)),
+
+    # What nobody names
+    Mutant("a chain has the neighbours that its first operator wants", "defaults", PIPELINE + "plan/default_neighborhood.cpp",
+           "k = std::max(k, default_k(op->contract()));", "k = k != 0 ? k : default_k(op->contract());",
+           ("pipeline:DefaultNeighborhood.*",)),
+    Mutant("degrees are taken for lengths", "defaults", PIPELINE + "length_units.cpp",
+           "cloud.crs()->kind != CrsKind::geographic", "cloud.crs()->kind != CrsKind::geocentric", ("cli:Units.*",)),
+    Mutant("defaults in metres are multiplied by the unit", "defaults", PIPELINE + "length_units.cpp",
+           "option.preset = *metres / metres_per_unit;", "option.preset = *metres * metres_per_unit;", ("cli:Units.*",)),
+
+    # Pictures and reports
+    Mutant("points that stand out are outside of the picture", "pictures", "pointsweep/render/render.cpp",
+           "if (hi - lo <= kFarOutliers * middle", "if (hi - lo <= middle", ("render:Render.*",)),
+    Mutant("the discs of rows of points fill the gaps between the rows", "pictures", "pointsweep/render/spacing_tree.cpp",
+           "std::min(side, twice_nearest({sample_.data() + begin, count}))", "side", ("render:SpacingTree.*",)),
+    Mutant("undefined values are in no count of the report", "pictures", "pointsweep/report/value_summary.cpp",
+           "void(++summary.undefined)", "void()", ("report:ValueSummaries.*",)),
 ]
