@@ -83,6 +83,21 @@ struct SlabStore::State {
     pool.give_back(out.buffer);
   }
 
+  /// Calls use(block, skipped bytes of it, bytes) for the blocks that hold `bytes` from record `first` on.
+  template <class Use>
+  void for_each_part(std::size_t slab, std::uint64_t first, std::size_t bytes, Use use) const {
+    const SlabList& list = lists[slab];
+    auto after = std::ranges::upper_bound(list.blocks, first, {}, &Block::first);
+    for (std::size_t left = bytes; left > 0; ++after) {
+      const Block& block = after[-1];
+      const std::uint64_t end = after == list.blocks.end() ? list.count : after->first;
+      const std::size_t part = std::min<std::uint64_t>(left, (end - first) * record_bytes);
+      use(block, (first - block.first) * record_bytes, part);
+      left -= part;
+      first = end;
+    }
+  }
+
   std::size_t record_bytes, block_bytes;
   std::deque<SlabList> lists;
   BlockPool pool;
@@ -93,13 +108,13 @@ struct SlabStore::State {
 
 SlabStore::SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& spill)
     : state_(std::make_unique<State>(record_bytes, block_bytes)) {
-  if (spill) state_->file.emplace(spill);
+  if (spill) state_->file.emplace(spill).expect_scattered_reads();
   add_slabs(slabs);
 }
 
 SlabStore::SlabStore(Unpacker& packed, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& kept)
     : state_(std::make_unique<State>(record_bytes, block_bytes)) {
-  state_->file.emplace(kept, packed.get<std::uint64_t>());
+  state_->file.emplace(kept, packed.get<std::uint64_t>()).expect_scattered_reads();
   add_slabs(packed.get<std::uint64_t>());
   for (SlabList& list : state_->lists) {
     list.count = packed.get<std::uint64_t>();
@@ -185,25 +200,23 @@ void SlabStore::release(std::size_t slab) {
 
 std::uint64_t SlabStore::count(std::size_t slab) const { return state_->lists[slab].count; }
 
+/// A slab lies in hundreds of blocks far apart: the disk gets them all to do at once.
 void SlabStore::read(std::size_t slab, std::uint64_t first, std::span<std::byte> out) const {
   const State& s = *state_;
-  const SlabList& list = s.lists[slab];
-  assert(first + out.size() / s.record_bytes <= list.count);
-  auto block = std::upper_bound(list.blocks.begin(), list.blocks.end(), first,
-                                [](std::uint64_t index, const Block& b) { return index < b.first; });
-  for (; !out.empty(); ++block) {
-    stop_if_cancelled();
-    const Block& b = block[-1];
-    const std::uint64_t end = block == list.blocks.end() ? list.count : block->first;
-    const std::uint64_t skip = (first - b.first) * s.record_bytes;
-    const std::size_t bytes = std::min<std::uint64_t>(out.size(), (end - first) * s.record_bytes);
-    if (s.file)
-      s.file->read(b.offset + skip, out.first(bytes));
-    else
-      std::memcpy(out.data(), b.memory + skip, bytes);
-    out = out.subspan(bytes);
-    first = end;
+  assert(first + out.size() / s.record_bytes <= s.lists[slab].count);
+  if (s.file) {
+    s.for_each_part(slab, first, out.size(), [&](const Block& block, std::uint64_t skip, std::size_t bytes) {
+      s.file->will_read(block.offset + skip, bytes);
+    });
   }
+  s.for_each_part(slab, first, out.size(), [&](const Block& block, std::uint64_t skip, std::size_t bytes) {
+    stop_if_cancelled();
+    if (s.file)
+      s.file->read(block.offset + skip, out.first(bytes));
+    else
+      std::memcpy(out.data(), block.memory + skip, bytes);
+    out = out.subspan(bytes);
+  });
 }
 
 std::uint64_t SlabStore::spilled_bytes() const { return state_->file ? state_->file->written_bytes() : 0; }

@@ -97,4 +97,10 @@ void SpillFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
   }
 }
 
+void SpillFile::expect_scattered_reads() const { ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_RANDOM); }
+
+void SpillFile::will_read(std::uint64_t offset, std::uint64_t bytes) const {
+  ::posix_fadvise(descriptor_, static_cast<off_t>(offset), static_cast<off_t>(bytes), POSIX_FADV_WILLNEED);
+}
+
 }  // namespace pointsweep

@@ -46,6 +46,10 @@ class SpillFile {
   /// Throws Error that says what to do when no space is left.
   void write(std::uint64_t offset, std::span<const std::byte> bytes);
   void read(std::uint64_t offset, std::span<std::byte> bytes) const;
+  /// Reads will be of scattered pieces: the system need not read on behind each of them, which nothing asks for.
+  void expect_scattered_reads() const;
+  /// A piece will be read soon: the disk may begin with it while others are read.
+  void will_read(std::uint64_t offset, std::uint64_t bytes) const;
 
   /// The bytes reserved so far: as much of the file as is in use.
   std::uint64_t end() const { return reserved_.load(std::memory_order_relaxed); }

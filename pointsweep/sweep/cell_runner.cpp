@@ -61,7 +61,7 @@ void CellRunner::run_later_step(std::uint32_t slot, std::uint32_t step, Worker& 
   WindowCell& cell = window_.at(slot);
   std::uint32_t first = 0;
   const auto use = [&](const CellNeighbors& lists) {
-    defer_dependents(cell, first, lists, window_);
+    defer_dependents(plan_.neighborhood, cell, first, lists, window_);
     apply_step(plan_, step, cell, first, lists, window_.slots(), worker);
     first += lists.size();
   };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace pointsweep {
 namespace {
@@ -40,6 +41,15 @@ void defer(WindowCell& cell, std::uint32_t i, double reach2) {
       {cell.cell.position(i), cell.cell.row[i], cell.slab, cell.index_in_slab[i], reach2, cell.steps_done});
 }
 
+/// The squared distance at which the neighbourhood of list `i`, of a point at `p`, ends; infinite where the list does not
+/// tell.
+double end_of_list(const Neighborhood& what, Vec3 p, const CellNeighbors& lists, std::uint32_t i,
+                   const Window& window) {
+  if (what.rule || lists.begin[i + 1] - lists.begin[i] < what.k) return Box::kInf;
+  const NeighborRef last = lists.refs[lists.begin[i + 1] - 1];
+  return distance2(p, window.at(slot_of(last)).cell.position(index_of(last)));
+}
+
 }  // namespace
 
 bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
@@ -70,23 +80,24 @@ bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
   return true;
 }
 
-void defer_dependents(WindowCell& cell, std::uint32_t first, const CellNeighbors& lists, const Window& window) {
+void defer_dependents(const Neighborhood& what, WindowCell& cell, std::uint32_t first, const CellNeighbors& lists,
+                      const Window& window) {
   const auto any = std::any_of(cell.refers_to.begin(), cell.refers_to.end(),
                                [&](std::uint32_t slot) { return !window.at(slot).deferred_before.empty(); });
   if (!any) return;
-  std::vector<std::uint32_t> follow;
+  std::vector<std::pair<std::uint32_t, double>> follow;  // the point, and where its neighbourhood ends
   for (std::uint32_t i = 0; i < lists.size(); ++i) {
     if (cell.is_deferred(first + i)) continue;
     for (std::uint32_t j = lists.begin[i]; j < lists.begin[i + 1]; ++j) {
       const NeighborRef ref = lists.refs[j];
       if (window.at(slot_of(ref)).was_deferred(index_of(ref))) {
-        follow.push_back(first + i);
+        follow.emplace_back(first + i, end_of_list(what, cell.cell.position(first + i), lists, i, window));
         break;
       }
     }
   }
   cell.certified -= follow.size();
-  for (const std::uint32_t i : follow) defer(cell, i, Box::kInf);
+  for (const auto& [i, reach2] : follow) defer(cell, i, reach2);
 }
 
 }  // namespace pointsweep

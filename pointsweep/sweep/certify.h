@@ -17,6 +17,7 @@ bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker);
 
 /// Defers the points of the cell, from `first` on, whose lists name a point that was deferred before this step: what it
 /// could not give in time they cannot use.
-void defer_dependents(WindowCell& cell, std::uint32_t first, const CellNeighbors& lists, const Window& window);
+void defer_dependents(const Neighborhood& what, WindowCell& cell, std::uint32_t first, const CellNeighbors& lists,
+                      const Window& window);
 
 }  // namespace pointsweep

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// Finishes the points that the sweep deferred: what they need has left the window and is read again.
 ///
-/// The paper has no such thing: its neighbourhoods are approximate there (Section 8). A recall loads the cells around
-/// some deferred points into a region, finds the neighbourhoods of these points, of their neighbours, and so on for
-/// each step of the chain, and takes them all through the steps: by the same search, certificate and stages as the
-/// sweep, cell by cell, on all threads, each point at most once in each step.
+/// The paper has no such thing: its neighbourhoods are approximate there (Section 8). A recall collects the points
+/// around some deferred points in a region, finds the neighbourhoods of these points, of their neighbours, and so on for
+/// each step of the chain, and takes them all through the steps: by the same search and stages as the sweep, cell by
+/// cell, on all threads, each point at most once in each step. It reads the stream at most once for each step.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +17,9 @@
 namespace pointsweep {
 
 struct RecallMemory {
-  std::uint64_t bytes;            ///< for cells, columns and lists. The surroundings of one point may take more.
+  std::uint64_t bytes;            ///< for points, columns and lists. The surroundings of one point may take more.
   std::uint64_t lists_bytes;      ///< for the lists that each thread has in hand
-  std::size_t slabs_at_once = 1;  ///< that may be read and cut at the same time, in addition
+  std::size_t slabs_at_once = 1;  ///< that may be read ahead, in addition
 };
 
 class Recall {
@@ -29,7 +29,8 @@ class Recall {
       : stream_(stream), plan_(plan), loader_(loader), frontier_(frontier), memory_(memory), workers_(workers) {}
 
   /// Finishes as many points from the end of `points` as there is memory for, at least one, hands them to `sink` and
-  /// returns how many. Fastest where successive points are near to each other.
+  /// returns how many. Fastest where successive points follow one another
+  /// along the stream.
   std::size_t run(const std::vector<DeferredPoint>& points, Sink& sink);
   std::uint64_t slabs_read() const { return slabs_read_; }
 

@@ -2,12 +2,12 @@
 #include "pointsweep/sweep/recalled_points.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <stdexcept>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/sweep/apply_step.h"
-#include "pointsweep/sweep/expected_reach.h"
 #include "pointsweep/sweep/stopwatch.h"
 #include "pointsweep/sweep/truncate_lists.h"
 #include "pointsweep/threads.h"
@@ -15,21 +15,29 @@
 namespace pointsweep {
 namespace {
 
-/// The cells that a point still lacks are loaded so many points at a time, and so many times more each time: the reach
-/// found among a part of the cells may be that of a ball which touches a large part of the cloud.
-constexpr std::uint64_t kFirstPoints = 4096, kMorePoints = 4;
-
-/// Points of the cells that are loaded around a point because it is expected to need them. Outliers would expect all of
-/// a dense surface that they are near to.
-constexpr std::uint64_t kMostExpected = 8192;
-
 /// Values of CellState::reached.
 constexpr std::uint8_t kReachedNow = 1, kInLevel = 2;
 
-double to_nearest(const std::vector<Box>& boxes, Vec3 p) {
-  double nearest = Box::kInf;
-  for (const Box& box : boxes) nearest = std::min(nearest, distance2(box, p));
-  return nearest;
+/// A ball is large if it may hold more points, and for each of its neighbours so many more.
+constexpr std::uint64_t kFewPoints = 8192, kFewForNeighbor = 128;
+/// Times the radius of a ball, as far as a cover of it may reach.
+constexpr double kCoverReach = 5.2;
+
+/// What a ball takes while points are collected, its distances apart; and one of which all points are wanted, with the
+/// cells that it marks: most overlap.
+constexpr std::uint64_t kBallBytes = 2 * sizeof(Ball) + sizeof(std::vector<double>) + 8 * 24;
+constexpr std::uint64_t kWholeBallBytes = 2 * sizeof(Ball) + 64;
+
+double sum_of_roots_squared(double a2, double b2) {
+  const double sum = (std::sqrt(a2) + std::sqrt(b2)) * (1 + 1e-12);  // an upper bound, rounded as it may be
+  return sum * sum;
+}
+
+void lower_to(double& bound, double value) {
+  const std::atomic_ref<double> at(bound);
+  double now = at.load(std::memory_order_relaxed);
+  while (value < now && !at.compare_exchange_weak(now, value, std::memory_order_relaxed)) {
+  }
 }
 
 /// Leaves those of the lists whose numbers `kept` names, which ascend.
@@ -50,12 +58,12 @@ void keep_lists_of(const std::vector<std::uint32_t>& kept, CellNeighbors& lists)
 
 bool RecalledPoints::gather(std::span<const DeferredPoint> points) {
   alone_ = points.size() == 1;
-  if (!load_own_balls(points)) return false;
-  place(points);
+  if (!collect_deferred(points)) return false;
   for (std::uint32_t level = last_level();; --level) {
-    if (!find_level(level)) return false;
+    find_level(level);
+    if (!fits()) return false;
     if (level == 0) return true;
-    begin_level(level - 1);
+    if (!begin_next_level()) return false;
   }
 }
 
@@ -84,119 +92,133 @@ void RecalledPoints::for_cells(const std::vector<std::uint32_t>& slots, Work wor
   });
 }
 
-/// The balls of the deferred points themselves, and the cells these are in.
-bool RecalledPoints::load_own_balls(std::span<const DeferredPoint> points) {
-  std::vector<NeededPlace> places;
-  for (const DeferredPoint& p : points) places.push_back({p.slab, p.index_in_slab});
-  std::ranges::sort(places);
-  std::vector<double> reach2(points.size());
+/// Whether a ball that holds a neighbourhood may hold much else, or the surroundings of `widths` times its radius.
+/// Without a limit k all of it is wanted.
+bool RecalledPoints::may_hold_many(const Ball& ball, double widths) const {
+  const std::uint64_t few = kFewPoints + kFewForNeighbor * plan_.neighborhood.k;
+  return plan_.neighborhood.k != Neighborhood::kUnlimited &&
+         region_.touches_more_than(few, ball.center, widths * widths * ball.reach2);
+}
+
+/// The ball, or a smaller one that whole cells fill with as many points as are needed: the point itself is one of them.
+Ball RecalledPoints::smaller(const Ball& ball) const {
+  const double reach2 = region_.reach2_that_holds(ball.center, std::uint64_t{plan_.neighborhood.k} + 1);
+  return {ball.center, std::min(ball.reach2, reach2)};
+}
+
+/// The deferred points and their neighbourhoods.
+bool RecalledPoints::collect_deferred(std::span<const DeferredPoint> points) {
+  WantedPoints wanted;
+  for (const DeferredPoint& p : points) wanted.places.push_back({p.slab, p.index_in_slab});
+  std::ranges::sort(wanted.places);
+  std::vector<Ball> balls(points.size());
   parallel_for(points.size(), [&](std::size_t i, unsigned) {
     stop_if_cancelled();
-    reach2[i] = std::min(points[i].reach2, region_.reach2_of_cells(points[i].position, first_points()));
+    balls[i] = {points[i].position, std::min(points[i].reach2, plan_.neighborhood.radius2())};
+    if (may_hold_many(balls[i], 1)) balls[i] = smaller(balls[i]);
   });
-  constexpr std::size_t kTogether = 16;
-  std::vector<NeededBalls> balls;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (i % kTogether == 0) balls.emplace_back();
-    balls.back().add(points[i].position, reach2[i]);
-  }
-  return load(balls, places);
+  (plan_.neighborhood.k == Neighborhood::kUnlimited ? wanted.whole_balls : wanted.balls) = balls;
+  if (!collect(std::move(wanted))) return false;
+  place(points, balls);
+  return true;
 }
 
-/// Loads what the cells need, but for what they have.
-bool RecalledPoints::load_needed() {
-  std::vector<NeededBalls> needed;
-  for (CellState& cell : cells_) {
-    if (!cell.needed.balls.empty()) needed.push_back(std::move(cell.needed));
-    cell.needed = {};
-  }
-  return needed.empty() || load(needed, {});
-}
-
-bool RecalledPoints::load(std::span<const NeededBalls> balls, std::span<const NeededPlace> places) {
-  const bool fitted = region_.load(balls, places, alone_ ? ~std::uint64_t{0} : memory_.bytes / point_bytes_);
+bool RecalledPoints::collect(WantedPoints wanted) {
+  wanted.nearest = std::uint64_t{plan_.neighborhood.k} + 1;
+  pending_bytes_ = wanted.balls.size() * (kBallBytes + wanted.nearest * sizeof(double)) +
+                   wanted.whole_balls.size() * kWholeBallBytes;
+  if (!fits()) return false;
+  wanted.most_points = alone_ ? ~std::uint64_t{0} : (memory_.bytes - bytes()) / (point_bytes_ + record_bytes_);
+  const bool fitted = region_.collect(std::move(wanted));
   for (std::size_t slot = cells_.size(); slot < region_.size(); ++slot) {
-    const Cell& cell = region_.at(static_cast<std::uint32_t>(slot)).cell;
+    const std::size_t points = region_.at(static_cast<std::uint32_t>(slot)).cell.size();
     cells_.emplace_back();
-    cells_.back().reached.resize(cell.size(), 0);
-    cells_.back().leaf_reach = expected_reaches(cell, plan_.neighborhood);
+    cells_.back().reached.resize(points, 0);
+    cells_.back().bound2.resize(points, Box::kInf);
   }
+  pending_bytes_ = 0;
   return fitted;
 }
 
 /// Finds the deferred points in their cells.
-void RecalledPoints::place(std::span<const DeferredPoint> points) {
-  std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> step_of;  // by slab and place in it
-  for (const DeferredPoint& p : points) step_of[p.slab][p.index_in_slab] = p.step;
+void RecalledPoints::place(std::span<const DeferredPoint> points, std::span<const Ball> balls) {
+  std::map<std::uint32_t, std::map<std::uint32_t, std::size_t>> by_place;  // by slab and place in it
+  for (std::size_t n = 0; n < points.size(); ++n) by_place[points[n].slab][points[n].index_in_slab] = n;
   std::size_t placed = 0;
   for (std::uint32_t slot = 0; slot < region_.size(); ++slot) {
     const WindowCell& cell = region_.at(slot);
-    const auto of_slab = step_of.find(cell.slab);
-    if (of_slab == step_of.end()) continue;
+    const auto of_slab = by_place.find(cell.slab);
+    if (of_slab == by_place.end()) continue;
     for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
       const auto found = of_slab->second.find(cell.index_in_slab[i]);
       if (found == of_slab->second.end()) continue;
       CellState& state = cells_[slot];
       state.reached[i] = kInLevel;
-      state.pending.push_back({i, kFirstPoints});
-      state.counted_from.emplace_back(i, found->second);
+      state.bound2[i] = balls[found->second].reach2;
+      state.pending.push_back(i);
+      state.counted_from.emplace_back(i, points[found->second].step);
       ++placed;
     }
   }
-  if (placed != points.size()) throw std::logic_error("a deferred point is in no cell of its slab");
+  if (placed != points.size()) throw std::logic_error("a deferred point is not where the sweep has found it");
 }
 
-/// The points that the lists of the level behind it name come into the level.
-void RecalledPoints::begin_level(std::uint32_t level) {
-  pending_bytes_ = 0;
-  parallel_for(cells_.size(), [&](std::size_t slot, unsigned worker) {
-    stop_if_cancelled();
+/// Points that the lists of a level name and that are in no level yet come into the one before it, and what their
+/// searches need comes into the region.
+bool RecalledPoints::begin_next_level() {
+  for (std::uint32_t slot = 0; slot < cells_.size(); ++slot) {
     CellState& cell = cells_[slot];
     for (std::uint32_t i = 0; i < cell.reached.size(); ++i) {
       if (cell.reached[i] != kReachedNow) continue;
       cell.reached[i] = kInLevel;
-      cell.pending.push_back({i, kFirstPoints});
+      cell.bound2[i] = std::min(cell.bound2[i], plan_.neighborhood.radius2());
+      cell.pending.push_back(i);
     }
-    pending_bytes_ += cell.pending.size() * (sizeof(Pending) + sizeof(NeededBalls::Ball));
-    if (!cell.pending.empty()) need_expected(static_cast<std::uint32_t>(slot), level, workers_[worker]);
+  }
+  bound_by_what_is_here();
+  WantedPoints wanted;
+  for (std::uint32_t slot = 0; slot < cells_.size(); ++slot)
+    for (const std::uint32_t i : cells_[slot].pending)
+      wanted.whole_balls.push_back({region_.at(slot).cell.position(i), cells_[slot].bound2[i]});
+  separate_large(wanted);
+  return (wanted.whole_balls.empty() && wanted.balls.empty()) || collect(std::move(wanted));
+}
+
+/// Of balls that may hold many points only the nearest points are wanted.
+void RecalledPoints::separate_large(WantedPoints& wanted) const {
+  std::vector<std::uint8_t> is_large(wanted.whole_balls.size());
+  parallel_for(is_large.size(), [&](std::size_t i, unsigned) {
+    Ball& ball = wanted.whole_balls[i];
+    is_large[i] = may_hold_many(ball, kCoverReach);
+    if (is_large[i]) ball = smaller(ball);
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < is_large.size(); ++i) {
+    if (is_large[i])
+      wanted.balls.push_back(wanted.whole_balls[i]);
+    else
+      wanted.whole_balls[kept++] = wanted.whole_balls[i];
+  }
+  wanted.whole_balls.resize(kept);
+}
+
+/// No neighbourhood reaches farther than that of the point among a part of the cloud.
+void RecalledPoints::bound_by_what_is_here() {
+  const std::vector<std::uint32_t> slots = cells_with([](const CellState& cell) { return !cell.pending.empty(); });
+  for_cells(slots, [&](std::uint32_t slot, Worker& worker) {
+    CellState& cell = cells_[slot];
+    const std::span<const std::uint32_t> points(cell.pending);
+    for (std::size_t first = 0, end = 0; first < points.size(); first = end) {
+      end = first + search(slot, points.subspan(first), worker);
+      for (std::size_t n = first; n < end; ++n)
+        cell.bound2[points[n]] = std::min(cell.bound2[points[n]], worker.neighbors.reach2[n - first]);
+    }
   });
 }
 
-bool RecalledPoints::find_level(std::uint32_t level) {
-  for (;;) {
-    if (!load_needed() || !fits()) return false;
-    const std::vector<std::uint32_t> slots = cells_with([](const CellState& cell) { return !cell.pending.empty(); });
-    if (slots.empty()) return true;
-    for_cells(slots, [&](std::uint32_t slot, Worker& worker) { find_lists(slot, level, worker); });
-  }
-}
-
-/// What the points of a cell are expected to need for themselves, and the levels that follow around them: otherwise the
-/// same slabs would be read again for each level. Not more than a cell's width of it.
-void RecalledPoints::need_expected(std::uint32_t slot, std::uint32_t level, Worker& worker) {
-  CellState& state = cells_[slot];
-  const Cell& cell = region_.at(slot).cell;
-  const double wide = cell.box.diagonal();
-  // 0 where the density says nothing: the search will tell.
-  const auto expected2 = [&](const Pending& p) {
-    const double reach = state.leaf_reach[p.point / kLeafCapacity];
-    const double expected = reach < wide / 4 ? std::min((level + 1) * reach, wide) : 0;
-    return expected * expected;
-  };
-  Box around;
-  double farthest2 = 0;
-  for (const Pending& p : state.pending) {
-    around.include(cell.position(p.point));
-    farthest2 = std::max(farthest2, expected2(p));
-  }
-  region_.missing_near(around, farthest2, worker.dropped);
-  if (worker.dropped.empty()) return;
-  for (const Pending& p : state.pending) {
-    const Vec3 position = cell.position(p.point);
-    const double reach2 = expected2(p);
-    if (reach2 > 0 && to_nearest(worker.dropped, position) <= reach2)
-      state.needed.add(position, std::min(reach2, region_.reach2_of_cells(position, kMostExpected)));
-  }
+void RecalledPoints::find_level(std::uint32_t level) {
+  const std::vector<std::uint32_t> slots = cells_with([](const CellState& cell) { return !cell.pending.empty(); });
+  for_cells(slots, [&](std::uint32_t slot, Worker& worker) { find_lists(slot, level, worker); });
 }
 
 /// Lists of the first of `points`, in worker.neighbors. Returns how many.
@@ -206,47 +228,33 @@ std::size_t RecalledPoints::search(std::uint32_t slot, std::span<const std::uint
                        worker.neighbors);
 }
 
-/// Of the pending points. Those that need more than there is in memory stay pending.
+/// Of the pending points.
 void RecalledPoints::find_lists(std::uint32_t slot, std::uint32_t level, Worker& worker) {
-  CellState& state = cells_[slot];
-  const std::vector<Pending> pending = std::move(state.pending);
-  state.pending.clear();
-  std::vector<std::uint32_t> points;
-  for (const Pending& p : pending) points.push_back(p.point);
+  const std::vector<std::uint32_t> points = std::move(cells_[slot].pending);
+  cells_[slot].pending.clear();
   for (std::size_t first = 0, end = 0; first < points.size(); first = end) {
     end = first + search(slot, std::span(points).subspan(first), worker);
-    const std::vector<std::uint32_t> certain = certify(slot, std::span(pending).subspan(first, end - first), worker);
-    if (certain.size() < end - first) keep_lists_of(certain, worker.neighbors);
-    std::vector<std::uint32_t> listed;
-    for (const std::uint32_t n : certain) listed.push_back(points[first + n]);
-    if (!listed.empty()) keep(slot, level, std::move(listed), worker);
+    std::vector<std::uint32_t> listed(points.begin() + static_cast<std::ptrdiff_t>(first),
+                                      points.begin() + static_cast<std::ptrdiff_t>(end));
+    expect_complete(slot, listed, worker.neighbors);
+    keep(slot, level, std::move(listed), worker);
   }
 }
 
-/// The numbers of those of the points just searched whose balls hold nothing that is not in memory.
-std::vector<std::uint32_t> RecalledPoints::certify(std::uint32_t slot, std::span<const Pending> searched,
-                                                   Worker& worker) {
-  CellState& state = cells_[slot];
+/// A neighbourhood that ends within its bound is complete, because the region holds everything within it.
+void RecalledPoints::expect_complete(std::uint32_t slot, std::span<const std::uint32_t> points,
+                                     const CellNeighbors& lists) const {
   const Cell& cell = region_.at(slot).cell;
-  const std::vector<double>& reach2 = worker.neighbors.reach2;
-  Box around;
-  for (const Pending& p : searched) around.include(cell.position(p.point));
-  region_.missing_near(around, *std::max_element(reach2.begin(), reach2.end()), worker.dropped);
-  std::vector<std::uint32_t> certain;
-  for (std::uint32_t n = 0; n < searched.size(); ++n) {
-    const Vec3 position = cell.position(searched[n].point);
-    const double missing2 = to_nearest(worker.dropped, position);
-    if (worker.dropped.empty() || missing2 > reach2[n]) {
-      certain.push_back(n);
-      continue;
+  for (std::uint32_t n = 0; n < points.size(); ++n) {
+    const double bound2 = cells_[slot].bound2[points[n]];
+    const std::uint32_t count = lists.begin[n + 1] - lists.begin[n];
+    bool complete = bound2 == plan_.neighborhood.radius2();
+    if (!complete && count == plan_.neighborhood.k) {
+      const NeighborRef last = lists.refs[lists.begin[n + 1] - 1];
+      complete = distance2(cell.position(points[n]), region_.at(slot_of(last)).cell.position(index_of(last))) <= bound2;
     }
-    // What was found among a part of the cells may be far too long: the nearest cells come first, more each time.
-    const double nearest2 = region_.reach2_of_cells(position, searched[n].points);
-    const double needed2 = std::min(reach2[n], std::max(nearest2, missing2));
-    state.needed.add(position, needed2);
-    state.pending.push_back({searched[n].point, kMorePoints * searched[n].points});
+    if (!complete) throw std::logic_error("the neighbourhood of a recalled point reaches beyond its bound");
   }
-  return certain;
 }
 
 /// Applies the rule of the plan to worker.neighbors.
@@ -261,7 +269,7 @@ void RecalledPoints::truncate_found_lists(std::uint32_t slot, std::span<const st
 
 void RecalledPoints::keep(std::uint32_t slot, std::uint32_t level, std::vector<std::uint32_t> points, Worker& worker) {
   truncate_found_lists(slot, points, worker);
-  if (level > 0) reach_neighbors(worker.neighbors);
+  if (level > 0) bound_neighbors(slot, points, worker.neighbors);
   Listed listed{.level = level, .points = std::move(points), .lists = {}, .has_lists = true};
   const std::uint64_t bytes = worker.neighbors.list_bytes() + listed.points.size() * sizeof(std::uint32_t);
   if (alone_ && list_bytes_ + bytes + region_.points() * point_bytes_ > memory_.bytes) {
@@ -274,11 +282,18 @@ void RecalledPoints::keep(std::uint32_t slot, std::uint32_t level, std::vector<s
   cells_[slot].listed.push_back(std::move(listed));
 }
 
-/// The points that lists name are to come into the next level.
-void RecalledPoints::reach_neighbors(const CellNeighbors& lists) {
-  for (const NeighborRef ref : lists.refs) {
-    const std::atomic_ref<std::uint8_t> reached(cells_[slot_of(ref)].reached[index_of(ref)]);
-    if (reached.load(std::memory_order_relaxed) == 0) reached.store(kReachedNow, std::memory_order_relaxed);
+/// The points that the lists name are to come into the level before, and so they get a bound.
+void RecalledPoints::bound_neighbors(std::uint32_t slot, std::span<const std::uint32_t> points,
+                                     const CellNeighbors& lists) {
+  for (std::uint32_t n = 0; n < points.size(); ++n) {
+    const Vec3 p = region_.at(slot).cell.position(points[n]);
+    for (std::uint32_t j = lists.begin[n]; j < lists.begin[n + 1]; ++j) {
+      const std::uint32_t other = slot_of(lists.refs[j]), i = index_of(lists.refs[j]);
+      const double distance = distance2(p, region_.at(other).cell.position(i));
+      lower_to(cells_[other].bound2[i], sum_of_roots_squared(distance, lists.reach2[n]));
+      const std::atomic_ref<std::uint8_t> reached(cells_[other].reached[i]);
+      if (reached.load(std::memory_order_relaxed) == 0) reached.store(kReachedNow, std::memory_order_relaxed);
+    }
   }
 }
 
@@ -304,8 +319,7 @@ void RecalledPoints::take_step(std::uint32_t slot, std::uint32_t step, Worker& w
   }
 }
 
-/// Of a deferred point the sweep has counted what steps it had taken before. What the step has made of the others,
-/// which take it for the second time, is not counted again.
+/// The sweep has counted what the steps before made of a deferred point; these are not counted again.
 void RecalledPoints::apply_deferred(std::uint32_t slot, std::uint32_t step, std::span<const std::uint32_t> points,
                                     const CellNeighbors& lists, Worker& worker, Sink& sink) const {
   const auto& counted_from = cells_[slot].counted_from;

@@ -54,20 +54,20 @@ std::uint64_t row_at(const Field& field, const std::byte* record) {
   return row;
 }
 
-/// Coordinates relative to the middle of the slab, a chunk at a time through double; points in sparse places last.
-/// Returns how many are not.
-std::size_t make_cut_points(const PositionFields& position, std::size_t stride, const Slab& slab,
-                            const LocalSpacing& spacing, LoadScratch& s) {
+/// Coordinates of the records relative to the middle of the slab, a chunk at a time through double; points in sparse
+/// places last. Returns how many are not.
+std::size_t make_cut_points(const PositionFields& position, std::size_t stride, const std::vector<std::byte>& records,
+                            Vec3 middle, const LocalSpacing& spacing, LoadScratch& s) {
   constexpr std::size_t kChunk = 1024;
   std::array<double, kChunk> x, y, z;
-  const Vec3 middle = slab.box.center();
+  const std::size_t count = records.size() / stride;
   const bool may_be_sparse = spacing.has_sparse_places();
-  s.points.resize(slab.count);
+  s.points.resize(count);
   s.sparse.clear();
   std::size_t dense = 0;
-  for (std::size_t first = 0; first < slab.count; first += kChunk) {
-    const std::size_t n = std::min<std::size_t>(kChunk, slab.count - first);
-    decode_positions(position, s.records.data() + first * stride, stride, n, x.data(), y.data(), z.data());
+  for (std::size_t first = 0; first < count; first += kChunk) {
+    const std::size_t n = std::min<std::size_t>(kChunk, count - first);
+    decode_positions(position, records.data() + first * stride, stride, n, x.data(), y.data(), z.data());
     for (std::size_t i = 0; i < n; ++i) {
       const CutPoint point{{static_cast<float>(x[i] - middle.x), static_cast<float>(y[i] - middle.y),
                             static_cast<float>(z[i] - middle.z)},
@@ -108,36 +108,44 @@ SlabLoader::SlabLoader(const Stream& stream, const SweepPlan& plan, std::uint32_
 SlabLoader::~SlabLoader() = default;
 
 LoadedSlab SlabLoader::load(std::uint32_t slab, bool keep_records) const {
-  return load(slab, keep_records, [](std::uint32_t, std::span<const CutPoint>) { return true; });
-}
-
-LoadedSlab SlabLoader::load_cells(std::uint32_t slab, const CellFilter& is_wanted) const {
-  return load(slab, false, is_wanted);
-}
-
-template <class Filter>
-LoadedSlab SlabLoader::load(std::uint32_t slab, bool keep_records, const Filter& is_wanted) const {
   OwnScratch own(*this);
   LoadScratch& s = *own;
-  const Slab& about = stream_.slabs()[slab];
-  const std::size_t stride = stream_.record_schema().stride;
-  s.records.resize(about.count * stride);
+  s.records.resize(stream_.slabs()[slab].count * stream_.record_schema().stride);
   stream_.read(slab, s.records);
-  const std::size_t dense = make_cut_points(position_, stride, about, stream_.spacing_in_slabs(), s);
-  const RowOf row_of = [&](std::uint32_t i) { return row_at(row_, s.records.data() + i * stride); };
-  cut_apart(dense, cell_points_, row_of, s);
-
-  LoadedSlab loaded;
-  loaded.cells.reserve(s.begin.size() - 1);
-  for (std::uint32_t c = 0; c + 1 < s.begin.size(); ++c) {
-    const std::span<CutPoint> points(s.points.data() + s.begin[c], s.begin[c + 1] - s.begin[c]);
-    if (!is_wanted(c, points)) continue;
-    cut_into_leaves(points, row_of);
-    loaded.cells.push_back(make_cell(slab, points, s.records, s.cell_records));
-    loaded.cells.back()->number = c;
-  }
+  LoadedSlab loaded{cut_into_window_cells(slab, s.records, s), {}};
+  for (std::uint32_t c = 0; c < loaded.cells.size(); ++c) loaded.cells[c]->number = c;
   if (keep_records) loaded.records.assign(s.records.begin(), s.records.end());
   return loaded;
+}
+
+std::vector<std::unique_ptr<WindowCell>> SlabLoader::cells_of(std::uint32_t slab,
+                                                              std::span<const std::uint32_t> index_in_slab,
+                                                              const std::vector<std::byte>& records) const {
+  OwnScratch own(*this);
+  LoadScratch& s = *own;
+  auto cells = cut_into_window_cells(slab, records, s);
+  for (const auto& cell : cells)
+    for (std::uint32_t& index : cell->index_in_slab) index = index_in_slab[index];
+  return cells;
+}
+
+/// Their index_in_slab counts the records.
+std::vector<std::unique_ptr<WindowCell>> SlabLoader::cut_into_window_cells(std::uint32_t slab,
+                                                                           const std::vector<std::byte>& records,
+                                                                           LoadScratch& s) const {
+  const std::size_t stride = stream_.record_schema().stride;
+  const Vec3 middle = stream_.slabs()[slab].box.center();
+  const std::size_t dense = make_cut_points(position_, stride, records, middle, stream_.spacing_in_slabs(), s);
+  const RowOf row_of = [&](std::uint32_t i) { return row_at(row_, records.data() + i * stride); };
+  cut_apart(dense, cell_points_, row_of, s);
+  std::vector<std::unique_ptr<WindowCell>> cells;
+  cells.reserve(s.begin.size() - 1);
+  for (std::uint32_t c = 0; c + 1 < s.begin.size(); ++c) {
+    const std::span<CutPoint> points(s.points.data() + s.begin[c], s.begin[c + 1] - s.begin[c]);
+    cut_into_leaves(points, row_of);
+    cells.push_back(make_cell(slab, points, records, s.cell_records));
+  }
+  return cells;
 }
 
 /// Brings a cell's records together first: one cache miss for each point, all else runs through the first-level cache.

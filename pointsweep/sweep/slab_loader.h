@@ -2,7 +2,6 @@
 /// Reads a slab of the ordered stream and cuts it into cells (the read operator Φ_R, paper Section 4.2.1).
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -22,21 +21,21 @@ struct LoadedSlab {
   std::vector<std::byte> records;                  ///< kept only if asked for
 };
 
-/// Whether a cell is wanted, by its number in the slab and the points in it, whose indices are those in the slab.
-using CellFilter = std::function<bool(std::uint32_t number, std::span<const CutPoint> points)>;
-
-/// The same slab gives the same cells every time, so that a recall finds what the sweep had. Thread-safe.
+/// The same slab gives the same cells every time, so that a resumed run finds what the sweep had. Thread-safe.
 class SlabLoader {
  public:
   SlabLoader(const Stream& stream, const SweepPlan& plan, std::uint32_t cell_points);
   ~SlabLoader();
   LoadedSlab load(std::uint32_t slab, bool keep_records) const;
-  /// Only the cells that are wanted, at less than half of the cost of all of them where these are few.
-  LoadedSlab load_cells(std::uint32_t slab, const CellFilter& is_wanted) const;
+  /// Cells of some points of a slab: `records` holds their working records, `index_in_slab` their places. A cell of
+  /// these points has no number.
+  std::vector<std::unique_ptr<WindowCell>> cells_of(std::uint32_t slab, std::span<const std::uint32_t> index_in_slab,
+                                                    const std::vector<std::byte>& records) const;
 
  private:
-  template <class Filter>
-  LoadedSlab load(std::uint32_t slab, bool keep_records, const Filter& is_wanted) const;
+  std::vector<std::unique_ptr<WindowCell>> cut_into_window_cells(std::uint32_t slab,
+                                                                 const std::vector<std::byte>& records,
+                                                                 LoadScratch& scratch) const;
   std::unique_ptr<WindowCell> make_cell(std::uint32_t slab, std::span<const CutPoint> points,
                                         const std::vector<std::byte>& records,
                                         std::vector<std::byte>& cell_records) const;

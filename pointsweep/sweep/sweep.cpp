@@ -30,20 +30,6 @@ decltype(SweepStatistics::buffers) named_buffers(const SweepPlan& plan) {
   return buffers;
 }
 
-/// So that points near to each other follow one another: halved across the widest extent again and again.
-void put_near_together(std::span<DeferredPoint> points) {
-  if (points.size() <= 2) return;
-  Box box;
-  for (const DeferredPoint& p : points) box.include(p.position);
-  const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
-  std::nth_element(points.begin(), middle, points.end(),
-                   [axis = box.longest_axis()](const DeferredPoint& a, const DeferredPoint& b) {
-                     return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.row < b.row;
-                   });
-  put_near_together({points.begin(), middle});
-  put_near_together({middle, points.end()});
-}
-
 class Sweep {
  public:
   Sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options)
@@ -200,14 +186,16 @@ class Sweep {
     return p;
   }
 
-  /// The deferred points of all threads; successive ones are near to each other.
+  /// The deferred points of all threads, against the order of the stream: the recall begins at the end.
   std::vector<DeferredPoint> take_deferred() {
     std::vector<DeferredPoint> deferred;
     for (Worker& worker : workers_) {
       deferred.insert(deferred.end(), worker.deferred.begin(), worker.deferred.end());
       worker.deferred = {};
     }
-    put_near_together(deferred);
+    std::ranges::sort(deferred, [](const DeferredPoint& a, const DeferredPoint& b) {
+      return a.slab != b.slab ? a.slab > b.slab : a.row > b.row;
+    });
     return deferred;
   }
 

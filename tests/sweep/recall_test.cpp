@@ -87,7 +87,7 @@ std::vector<Vec3> surface(std::size_t points, Odd odd) {
 }
 
 std::vector<std::pair<std::string, std::vector<Vec3>>> clouds() {
-  const std::size_t n = 1200;
+  const std::size_t n = 700;
   return {
       {"outliers", surface(n,
                            [](auto& rng, Vec3 p, std::size_t i) {

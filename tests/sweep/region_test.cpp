@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <set>
 
@@ -62,95 +63,105 @@ std::multiset<std::uint64_t> rows_of(const Region& region) {
 
 constexpr std::uint64_t kAnyNumber = ~std::uint64_t{0};
 
-TEST(Region, HoldsEveryPointOfTheBallsOnceAndKnowsWhatItLacks) {
+std::vector<Ball> random_balls(const SweptCloud& cloud, std::mt19937_64& rng, std::size_t count) {
+  std::vector<Ball> balls;
+  while (balls.size() < count) {
+    const double reach = 0.3 * uniform_number(rng);
+    balls.push_back({cloud.points[rng() % cloud.points.size()], reach * reach});
+  }
+  return balls;
+}
+
+/// Points farther from all balls than these are wide do not come in.
+TEST(Region, HoldsThePointsOfTheBallsOnceAndFewOthers) {
   const SweptCloud cloud;
   Region region(cloud.stream, cloud.loader, cloud.frontier, 2);
   std::mt19937_64 rng(6);
-  std::vector<NeededBalls> all;
-  for (int round = 0; round < 12; ++round) {
-    std::vector<NeededBalls> needed(1 + round % 3);
-    for (NeededBalls& balls : needed) {
-      for (int i = 0; i < 4; ++i) {
-        const Vec3 center = cloud.points[rng() % cloud.points.size()];
-        const double reach = 0.2 * uniform_number(rng);
-        balls.add(center, reach * reach);
-      }
-      all.push_back(balls);
-    }
+  std::vector<Ball> all;
+  for (int round = 0; round < 8; ++round) {
+    const std::vector<Ball> balls = random_balls(cloud, rng, 5);
+    all.insert(all.end(), balls.begin(), balls.end());
     const std::uint64_t read = region.slabs_read();
-    ASSERT_TRUE(region.load(needed, {}, kAnyNumber));
+    ASSERT_TRUE(region.collect({.whole_balls = balls, .most_points = kAnyNumber}));
     ASSERT_LE(region.slabs_read() - read, cloud.stream.slabs().size()) << "a slab is read once";
     const std::multiset<std::uint64_t> rows = rows_of(region);
-    ASSERT_EQ(rows.size(), region.points());
-    ASSERT_EQ(std::set(rows.begin(), rows.end()).size(), rows.size()) << "no point twice";
-    std::vector<Box> missing;
-    for (const NeededBalls& balls : all) {
-      for (const auto& [center, reach2] : balls.balls) {
-        region.missing_near({center, center}, reach2, missing);
-        ASSERT_TRUE(missing.empty());
-        for (std::uint64_t row = 0; row < cloud.points.size(); ++row)
-          ASSERT_TRUE(distance2(cloud.points[row], center) > reach2 || rows.contains(row)) << row;
-      }
-    }
-    for (int i = 0; i < 50; ++i) {
-      const Vec3 center = cloud.points[rng() % cloud.points.size()];
-      const double reach2 = uniform_number(rng);
-      region.missing_near({center, center}, reach2, missing);
-      for (std::uint64_t row = 0; row < cloud.points.size(); ++row) {
-        if (distance2(cloud.points[row], center) > reach2 || rows.contains(row)) continue;
-        ASSERT_TRUE(std::ranges::any_of(missing, [&](const Box& box) {
-          return distance2(box, cloud.points[row]) == 0;
-        })) << "a point that is not in memory must lie in a box that is said to be missing";
-      }
+    ASSERT_EQ(region.points(), rows.size());
+    for (std::uint64_t row = 0; row < cloud.points.size(); ++row) {
+      ASSERT_LE(rows.count(row), 1u);
+      const auto within = [&](double widths) {
+        return std::ranges::any_of(all, [&](const Ball& ball) {
+          return std::sqrt(distance2(ball.center, cloud.points[row])) <= widths * std::sqrt(ball.reach2);
+        });
+      };
+      ASSERT_TRUE(rows.contains(row) || !within(1));
+      ASSERT_TRUE(!rows.contains(row) || within(1 + 2 * std::sqrt(3)));
     }
   }
   EXPECT_LT(region.points(), cloud.points.size()) << "the test would not see a region that loads everything";
 }
 
-TEST(Region, LoadsTheCellOfAPlace) {
+/// Balls shrink while they are filled, in any order of threads: what is left is each ball's nearest points, with ties.
+TEST(Region, HoldsAsManyNearestPointsOfEachBallAsAreWanted) {
+  const SweptCloud cloud;
+  std::mt19937_64 rng(7);
+  for (const std::uint64_t nearest : {std::uint64_t{1}, std::uint64_t{9}, std::uint64_t{100}}) {
+    std::vector<Ball> balls = random_balls(cloud, rng, 30);
+    balls.push_back({{-3, 2, 8}, Box::kInf});
+    std::multiset<std::uint64_t> expected;
+    for (const Ball& ball : balls) {
+      std::vector<double> inside;
+      for (const Vec3& p : cloud.points)
+        if (const double d2 = distance2(ball.center, p); d2 <= ball.reach2) inside.push_back(d2);
+      std::ranges::sort(inside);
+      if (inside.empty()) continue;
+      const double last = inside[std::min<std::size_t>(nearest, inside.size()) - 1];
+      for (std::uint64_t row = 0; row < cloud.points.size(); ++row)
+        if (distance2(ball.center, cloud.points[row]) <= last && !expected.contains(row)) expected.insert(row);
+    }
+    Region region(cloud.stream, cloud.loader, cloud.frontier, 2);
+    ASSERT_TRUE(region.collect({.balls = balls, .nearest = nearest, .most_points = kAnyNumber}));
+    ASSERT_EQ(rows_of(region), expected) << nearest;
+  }
+}
+
+TEST(Region, HoldsThePlacesThatAreNeeded) {
   const SweptCloud cloud;
   for (const std::uint32_t slab : {0u, 3u}) {
     Region region(cloud.stream, cloud.loader, cloud.frontier, 1);
-    const std::vector<NeededPlace> places = {{slab, 0}, {slab, 7}};
-    ASSERT_TRUE(region.load({}, places, kAnyNumber));
+    ASSERT_TRUE(region.collect({.places = {{slab, 0}, {slab, 7}}, .most_points = kAnyNumber}));
     EXPECT_EQ(region.slabs_read(), 1u);
     std::set<std::uint32_t> found;
     for (std::uint32_t slot = 0; slot < region.size(); ++slot) {
       EXPECT_EQ(region.at(slot).slab, slab);
       found.insert(region.at(slot).index_in_slab.begin(), region.at(slot).index_in_slab.end());
     }
-    EXPECT_TRUE(found.contains(0) && found.contains(7));
-    EXPECT_LE(region.size(), 2u);
+    EXPECT_EQ(found, (std::set<std::uint32_t>{0, 7}));
   }
 }
 
-TEST(Region, StopsLoadingWhenItHoldsTooManyPoints) {
+TEST(Region, StopsWhenItWouldHoldTooManyPoints) {
   const SweptCloud cloud;
   Region region(cloud.stream, cloud.loader, cloud.frontier, 1);
-  NeededBalls everything;
-  everything.add(cloud.points[0], 1e6);
-  EXPECT_FALSE(region.load({&everything, 1}, {}, 500));
-  EXPECT_GT(region.points(), 500u);
-  EXPECT_LT(region.points(), cloud.points.size());
+  EXPECT_FALSE(region.collect({.whole_balls = {{cloud.points[0], 1e12}}, .most_points = 500}));
+  EXPECT_LT(region.slabs_read(), cloud.stream.slabs().size());
+  Region of_the_nearest(cloud.stream, cloud.loader, cloud.frontier, 1);
+  EXPECT_TRUE(of_the_nearest.collect({.balls = {{cloud.points[0], 1e12}}, .nearest = 400, .most_points = 500})) << "more come in before the ball shrinks";
 }
 
-TEST(Region, TheNearestCellsHoldAsManyPointsAsAskedAndNoMoreThanOneCellTooMany) {
+TEST(Region, AsManyPointsAsAskedLieWithinTheDistanceThatHoldsThem) {
   const SweptCloud cloud;
   const Region region(cloud.stream, cloud.loader, cloud.frontier, 1);
   for (std::size_t i = 0; i < cloud.points.size(); i += 97) {
-    for (const std::uint64_t count : {std::uint64_t{1}, std::uint64_t{9}, std::uint64_t{300}, cloud.points.size()}) {
-      const double reach2 = region.reach2_of_cells(cloud.points[i], count);
-      std::uint64_t within = 0, nearer = 0;
-      for (std::uint32_t slab = 0; slab < cloud.stream.slabs().size(); ++slab) {
-        for (const DroppedCell& cell : cloud.frontier.dropped_of(slab)) {
-          if (distance2(cell.box, cloud.points[i]) <= reach2) within += cell.points;
-          if (distance2(cell.box, cloud.points[i]) < reach2) nearer += cell.points;
-        }
-      }
-      ASSERT_GE(within, count);
-      ASSERT_LT(nearer, count);
+    const Vec3 p = cloud.points[i];
+    for (const std::uint64_t count : {std::uint64_t{1}, std::uint64_t{9}, std::uint64_t{300}, std::uint64_t{4000}}) {
+      const double reach2 = region.reach2_that_holds(p, count);
+      const auto within =
+          std::ranges::count_if(cloud.points, [&](const Vec3& q) { return distance2(p, q) <= reach2; });
+      ASSERT_GE(static_cast<std::uint64_t>(within), count);
+      ASSERT_EQ(region.touches_more_than(count - 1, p, reach2), true);
     }
-    ASSERT_EQ(region.reach2_of_cells(cloud.points[i], cloud.points.size() + 1), Box::kInf);
+    ASSERT_EQ(region.reach2_that_holds(p, cloud.points.size() + 1), Box::kInf);
+    ASSERT_FALSE(region.touches_more_than(cloud.points.size(), p, Box::kInf));
   }
 }
 

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+/// Finds the points of the stream that lie inside balls, by reading each slab that a ball touches once.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "pointsweep/search/ball_cover.h"
+#include "pointsweep/search/ball_index.h"
+#include "pointsweep/sweep/frontier.h"
+
+namespace pointsweep {
+
+/// A place in the stream that must be in memory, even if it holds a superfluous copy of a point.
+struct NeededPlace {
+  std::uint32_t slab, index_in_slab;
+  auto operator<=>(const NeededPlace&) const = default;
+};
+
+/// The points to be collected, and how many at most.
+struct WantedPoints {
+  /// Of each ball the `nearest` nearest points, with all points as far as the last of them.
+  std::vector<Ball> balls = {};
+  std::uint64_t nearest = 1;
+  /// All points of these balls, and perhaps some more near them: much cheaper where many balls overlap.
+  std::vector<Ball> whole_balls = {};
+  std::vector<NeededPlace> places = {};  ///< ascending
+  std::uint64_t most_points = 0;    ///< where more are found, the search ends
+};
+
+/// Points of one slab and their working records.
+struct CollectedPoints {
+  std::uint32_t slab;
+  std::vector<std::uint32_t> index_in_slab;  ///< ascending
+  std::vector<std::byte> records;
+};
+
+/// One reading of the stream. Superfluous points (see Frontier) are found by their places only.
+class PointCollector {
+ public:
+  /// `frontier`: of a sweep that has come to its end, so that it holds every cell of the cloud but superfluous ones.
+  PointCollector(const Stream& stream, const Frontier& frontier, WantedPoints wanted);
+
+  /// Reads slabs in the order of the stream, `slabs_at_once` of them ahead. Returns false if too many points are found.
+  bool run(std::size_t slabs_at_once);
+  /// By slab, ascending.
+  std::vector<CollectedPoints> take() { return std::move(found_); }
+  std::uint64_t slabs_read() const { return slabs_read_; }
+
+ private:
+  std::vector<std::uint32_t> touched_slabs() const;
+  bool touches(const Ball& ball, std::uint32_t slab) const;
+  bool is_needed(std::uint32_t slab) const;
+  Ball ball_now(std::uint32_t number) const { return {wanted_.balls[number].center, reach2_of(number)}; }
+  double reach2_of(std::uint32_t ball) const { return reach2_[ball].load(std::memory_order_relaxed); }
+  void shrink(std::uint32_t ball, double d2);
+  bool is_superfluous(Vec3 p, const std::byte* record) const;
+  template <class IsInside>
+  std::vector<std::uint32_t> numbers_of(std::span<const std::byte> records, const IsInside& is_inside) const;
+  std::vector<std::uint32_t> numbers_inside(std::uint32_t slab, std::span<const std::byte> records, bool shrinks);
+  CollectedPoints search(std::uint32_t slab, std::span<const std::byte> records);
+  void drop_points_outside();
+
+  const Stream& stream_;
+  const Frontier& frontier_;
+  WantedPoints wanted_;
+  PositionFields position_;
+  std::unique_ptr<std::atomic<double>[]> reach2_;  ///< by ball: as it is now
+  std::vector<std::vector<double>> distances2_;   ///< by ball: a heap of the nearest ones seen
+  BallCover cover_;
+  std::array<std::mutex, 64> mutexes_;           ///< of the heaps of every 64th ball
+  std::vector<CollectedPoints> found_;
+  std::uint64_t points_ = 0, slabs_read_ = 0;
+};
+
+}  // namespace pointsweep
