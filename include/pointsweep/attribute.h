@@ -34,7 +34,8 @@ struct Attribute {
   std::vector<std::string> fields;  ///< the library's name of each component in files
   std::string unit;                 ///< "1", "length", "1/length", ...
   std::string meaning;              ///< one phrase for people
-  std::byte fill{0};  ///< every byte of the value of a point that has none (its coordinates are not finite)
+  /// Every byte of the value of a point without a finite place, if the stage that makes it is not Contract::alone.
+  std::byte fill{0};
 
   std::size_t bytes() const { return size_of(type) * fields.size(); }
   /// A list of m values, stored as N×m even where m is 1; otherwise a scalar.

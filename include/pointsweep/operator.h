@@ -103,11 +103,15 @@ struct Contract {
   std::vector<Attribute> reads = {};            ///< of the point itself, in addition to its position
   std::vector<Attribute> reads_neighbors = {};  ///< of the points in N_i, in addition to their positions
   std::vector<Attribute> makes = {};
-  bool alone = false;  ///< never looks at a neighbour, not even at its position: need not wait for those that moved
+  /// Never looks at a neighbour, not even at its position: need not wait for those that moved, and gets the points
+  /// without a finite place, too. Other operators do not get these: such a point keeps its position and what the
+  /// operator reads of it and makes again, and has Attribute::fill of all else.
+  bool alone = false;
   Selects selects = Selects::nothing;  ///< if not nothing, it is alone and makes selection_attribute() and nothing else
   std::vector<std::shared_ptr<const Reduction>> values = {};  ///< of the whole cloud, given by with_values()
-  bool has_places = false;                                    ///< of a select in order: place_of() is not the position
-  double reach = 0;  ///< of a select in order: it may hold points so far behind the newest, and as far again
+  bool has_places = false;  ///< of an operator that takes points in order: by place_of() their positions
+  std::string arrival = {};  ///< of an operator that takes points in order: how they come, "equal ones together"
+  double reach = 0;          ///< of a select in order: it may hold points so far behind the newest, and as far again
   std::uint64_t held_bytes = 0;         ///< of memory for each point it holds
   std::vector<std::string> drops = {};  ///< attributes that later stages do not see and that are not written
   /// Number of neighbours that the operator wants where the chain names none (Neighborhood::kOfOperators), unless it is

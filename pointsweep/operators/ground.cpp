@@ -111,11 +111,11 @@ OperatorDeclaration ground_declaration() {
               "   values in its row and column, at most 3R + 3 cells away; w, e, s, n: their distances;\n"
               "   missing sides count 0. Without any it is absent.\n"
               "2. open(A, r): the greatest, over a disk dx² + dy² <= r², of the least of A over a disk;\n"
-              "   absent cells count for nothing. Pits: -F(Z) - open(-F(Z), 1) > 5 cell.\n"
+              "   absent cells count for nothing and stay absent. Pits: -F(Z) - open(-F(Z), 1) > 5 cell.\n"
               "3. S_0 = F(Z); S_r = open(S_(r-1), r), r = 1 ... R. Objects: for some r\n"
               "   S_(r-1) - S_r > slope (cell r).\n"
               "4. G = F(Z without the cells of pits and objects); g = sqrt(gx² + gy²) in each cell, by\n"
-              "   central differences of G, one-sided next to absent cells.\n"
+              "   central differences of G, one-sided next to an absent cell, 0 between two of them.\n"
               "5. G(p), g(p): bilinear between the centres of the four cells around p; where one of these\n"
               "   is absent, those of the cell of p.\n"
               "   Ground: points that take part with |z - G(p)| <= threshold + scalar g(p).",
@@ -127,7 +127,7 @@ OperatorDeclaration ground_declaration() {
           .undefined =
               "Points that do not take part, and those where G is absent, are not ground. What is not ground keeps its "
               "class, but 1 in the place of 2, and 1 where the cloud has no classes. Points without a finite place "
-              "get 1.",
+              "keep their class.",
           .cost =
               "a pass that puts the points in order by rows of cells and reads them twice, without a search; memory "
               "holds about 6R rows of cells for each disk, or for one disk at a time",
@@ -163,7 +163,11 @@ GroundRule Ground::rule() const {
 }
 
 Contract Ground::contract() const {
-  return {.reads = reads_, .makes = {classification_attribute()}, .alone = true, .has_places = true};
+  return {.reads = reads_,
+          .makes = {classification_attribute()},
+          .alone = true,
+          .has_places = true,
+          .arrival = "those of a row of cells together"};
 }
 
 Options Ground::own_options() const {

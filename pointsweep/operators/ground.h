@@ -34,6 +34,7 @@ class Ground final : public OrderedOperator {
   Contract contract() const override;
   std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
   Vec3 place_of(Vec3 position) const override;
+  bool in_plane() const override { return true; }
   std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
   std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;
   const GroundOptions& options() const { return options_; }

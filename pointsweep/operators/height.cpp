@@ -108,7 +108,11 @@ Height::Height(std::uint64_t k) : k_(k), class_(classification_attribute()) {
 }
 
 Contract Height::contract() const {
-  return {.reads = {class_}, .makes = {height_attribute()}, .alone = true, .has_places = true};
+  return {.reads = {class_},
+          .makes = {height_attribute()},
+          .alone = true,
+          .has_places = true,
+          .arrival = "beside those of the ground"};
 }
 
 Options Height::own_options() const { return {{"from", std::string("ground")}, {"k", k_}}; }

@@ -32,6 +32,7 @@ class Height final : public OrderedOperator {
   Contract contract() const override;
   std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
   Vec3 place_of(Vec3 position) const override { return {position.x, position.y, 0}; }
+  bool in_plane() const override { return true; }
   std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
   std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;
   std::uint64_t k() const { return k_; }

@@ -40,17 +40,19 @@ using OtherPoints = std::function<void(
     const std::function<void(std::span<const Vec3> positions, std::span<const std::uint64_t> rows)>& take)>;
 
 struct OrderedSetup {
-  int axis = 0;                    ///< along which places ascend: 0 or 1
+  int axis = 0;                    ///< along which places ascend: 0 or 1 if in_plane(), else any
   std::uint64_t memory_bytes = 0;  ///< that it may hold
   MakeScratch make_scratch;
   OtherPoints other_points = {};  ///< of OrderedOperator::other_cloud()
 };
 
-/// An operator that is alone, has places whose z is 0, and makes attributes of one byte or of bytes that are equal in
-/// their fill, the same for all of them. It does not select.
+/// An operator that takes all points in order and makes attributes. It is alone, has places and does not select. All
+/// its attributes share one fill byte.
 class OrderedOperator : public Operator {
  public:
   virtual std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const = 0;
+  /// Whether places have z = 0, so that the points cannot come in order along z.
+  virtual bool in_plane() const { return false; }
   /// The name of the files of another cloud that it reads, as an input of a command names them; empty: it reads none.
   virtual std::string other_cloud() const { return {}; }
   /// The least memory of a work on a cloud with this sample of positions, along this axis.

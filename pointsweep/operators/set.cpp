@@ -135,9 +135,9 @@ OperatorDeclaration set_declaration() {
           "An attribute that is there keeps its type, and its value where the condition does not hold; a new one is 0\n"
           "there. x, y and z move the points.",
       .undefined =
-          "A value that the type cannot hold ends the run, naming the row. Points without a finite place get 0, and "
-          "keep "
-          "their place.",
+          "A value that the type cannot hold ends the run, naming the row, and so does a coordinate that is not finite "
+          "of a point that has a finite place. Points without one are assigned to like all others: their coordinates "
+          "are NaN or infinite.",
       .cost = "a pass over the rows, without a search; none where other stages search anyway",
       .makes_named = true,
       .example = "knn(k=12) | sor | set(classification = 7 where outlier == 1)"};
@@ -250,11 +250,12 @@ void SetAttribute::refuse(std::uint64_t row, const std::string& value) const {
        place_, row, assignment_.name, value, range);
 }
 
+/// `is_placed`: the point has a finite place, which it must not lose.
 template <class T>
-T SetAttribute::stored(double value, std::uint64_t row) const {
+T SetAttribute::stored(double value, std::uint64_t row, bool is_placed) const {
   if constexpr (std::is_floating_point_v<T>) {
     const auto as_stored = static_cast<T>(value);
-    const bool moves = target_.name == position_attribute().name;
+    const bool moves = is_placed && target_.name == position_attribute().name;
     if ((std::isfinite(value) || moves) && !std::isfinite(as_stored)) refuse(row, fmt::format("{}", value));
     return as_stored;
   } else {
@@ -300,7 +301,7 @@ void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
     }
     if (!holds[i]) continue;
     if (!is_exact) {
-      value[component_] = stored<T>(reals[i], in.row(i));
+      value[component_] = stored<T>(reals[i], in.row(i), is_finite(in.position(i)));
       continue;
     }
     if constexpr (std::is_integral_v<T>) {

@@ -72,7 +72,7 @@ class SetAttribute final : public Operator {
   template <class T>
   void assign(const Neighborhoods& in, Columns& out) const;
   template <class T>
-  T stored(double value, std::uint64_t row) const;
+  T stored(double value, std::uint64_t row, bool is_placed) const;
 
   Assignment assignment_;
   std::optional<Type> type_;

@@ -87,8 +87,8 @@ OperatorDeclaration voxel_declaration() {
           "Normals: the mean, divided by its length; 0 where that is 0. All else is that of the row: whole\n"
           "numbers (classification, return number, ids), directions without a sign, arrays, scaled fields.",
       .undefined =
-          "Points without a finite place all stay; with keep=centroid the averaged attributes are 0 there. The mean "
-          "of values none of which is finite is NaN.",
+          "Points without a finite place all stay, with the values they have. The mean of values none of which is "
+          "finite is NaN.",
       .cost =
           "a pass that puts the points in order by voxel, without a search; memory does not depend on the size. "
           "keep=centroid: the averaged attributes travel with the points, and one more reading of the rows",
@@ -102,7 +102,11 @@ Voxel::Voxel(double size, VoxelKeep keep) : size_(size), keep_(keep) {
 
 Contract Voxel::contract() const {
   if (keep_ == VoxelKeep::centroid) return {.makes = {position_attribute()}, .alone = true};
-  return {.makes = {selection_attribute()}, .alone = true, .selects = Selects::in_order, .has_places = true};
+  return {.makes = {selection_attribute()},
+          .alone = true,
+          .selects = Selects::in_order,
+          .has_places = true,
+          .arrival = "those of a voxel together"};
 }
 
 Options Voxel::own_options() const {

@@ -111,6 +111,17 @@ void make_directions(double* v) {
   for (int a = 0; a < 3; ++a) v[a] = scaled[a] / size;
 }
 
+/// The components of the attributes `reads` of point i, the first of which is read `first` of the stage.
+void copy_own(const Neighborhoods& in, std::size_t i, std::size_t first, const std::vector<Attribute>& reads,
+              std::vector<double>& values) {
+  std::size_t next = 0;
+  for (std::size_t r = 0; r < reads.size(); ++r) {
+    const Field field{.name = "", .type = reads[r].type};
+    const std::byte* value = in.values<std::byte>(first + r) + i * reads[r].bytes();
+    for (std::uint32_t c = 0; c < reads[r].fields.size(); ++c) values[next++] = value_of(field, value, c);
+  }
+}
+
 }  // namespace
 
 std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::span<const Attribute> made) {
@@ -146,7 +157,10 @@ std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::spa
 }
 
 Contract VoxelMeans::contract() const {
-  Contract contract{.makes = {voxel_means(means_of(averaged_))}, .alone = true, .has_places = true};
+  Contract contract{.makes = {voxel_means(means_of(averaged_))},
+                    .alone = true,
+                    .has_places = true,
+                    .arrival = "those of a voxel together"};
   for (const AveragedAttribute& a : averaged_)
     contract.reads.insert(contract.reads.end(), a.reads.begin(), a.reads.end());
   return contract;
@@ -166,7 +180,10 @@ std::unique_ptr<OrderedWork> VoxelMeans::work(const OrderedSetup&) const {
 
 Contract TakeVoxelMeans::contract() const {
   Contract contract{.reads = {voxel_means(means_of(averaged_))}, .makes = {position_attribute()}, .alone = true};
-  for (const AveragedAttribute& a : averaged_) contract.makes.push_back(a.made);
+  for (const AveragedAttribute& a : averaged_) {
+    contract.reads.insert(contract.reads.end(), a.reads.begin(), a.reads.end());
+    contract.makes.push_back(a.made);
+  }
   return contract;
 }
 
@@ -176,6 +193,7 @@ std::shared_ptr<const Operator> TakeVoxelMeans::bound(const Schema& input, std::
   return bound;
 }
 
+/// A row without means keeps its values: it is left out, or its point has no finite place.
 void TakeVoxelMeans::apply(const Neighborhoods& in, Columns& out) const {
   const std::size_t stride = kBesidesMeans + means_of(averaged_);
   const double* const all = in.values<double>(0);
@@ -185,20 +203,26 @@ void TakeVoxelMeans::apply(const Neighborhoods& in, Columns& out) const {
     const Vec3 p = in.position(i);
     position[i] = mean[0] != 0 ? std::array{mean[1], mean[2], mean[3]} : std::array{p.x, p.y, p.z};
   }
-  std::size_t first = kBesidesMeans;
+  std::size_t first = kBesidesMeans, read = 1;
   for (std::size_t m = 0; m < averaged_.size(); ++m) {
     const AveragedAttribute& attribute = averaged_[m];
     const std::size_t width = attribute.made.fields.size();
     with_type(attribute.made.type, [&]<class T>() {
       T* to = out.column<T>(1 + m).data();
-      std::vector<double> mean(width);
+      std::vector<double> values(width);
       for (std::size_t i = 0; i < in.size(); ++i) {
-        std::copy_n(all + i * stride + first, width, mean.begin());
-        if (attribute.is_direction) make_directions(mean.data());
-        for (const double v : mean) *to++ = static_cast<T>(std::is_floating_point_v<T> ? v : std::nearbyint(v));
+        const double* mean = all + i * stride;
+        if (mean[0] == 0) {
+          copy_own(in, i, read, attribute.reads, values);
+        } else {
+          std::copy_n(mean + first, width, values.begin());
+          if (attribute.is_direction) make_directions(values.data());
+        }
+        for (const double v : values) *to++ = static_cast<T>(std::is_floating_point_v<T> ? v : std::nearbyint(v));
       }
     });
     first += width;
+    read += attribute.reads.size();
   }
 }
 

@@ -41,7 +41,7 @@ class VoxelMeans final : public OrderedOperator {
   std::vector<AveragedAttribute> averaged_;
 };
 
-/// Makes the position and the attributes out of "voxel_means".
+/// Makes the position and the attributes out of "voxel_means". A point without a finite place keeps its own.
 class TakeVoxelMeans final : public Operator {
  public:
   std::string name() const override { return "voxel"; }

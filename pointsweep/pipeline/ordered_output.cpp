@@ -47,7 +47,10 @@ void write_in_order(const Stream& stream, std::size_t bytes,
     write(sorted.next());
     report(done += stream.slabs()[s].count);
   }
-  for_each_nonfinite(stream, [&](std::uint64_t, const std::byte* record, std::uint64_t) { write({record, bytes}); });
+  const std::size_t stride = stream.record_schema().stride;
+  for_each_nonfinite(stream, [&](std::uint64_t, std::span<const std::byte> records) {
+    for (std::size_t at = 0; at < records.size(); at += stride) write(records.subspan(at, bytes));
+  });
 }
 
 Reordering::Reordering(InputCloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions)

@@ -5,12 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <span>
-#include <vector>
 
 #include "pointsweep/order/source.h"
-#include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/sweep/stage_runner.h"
+#include "pointsweep/pipeline/pointwise_stages.h"
 
 namespace pointsweep {
 
@@ -23,16 +20,11 @@ class RowPass {
   /// megabyte of input at once. On all threads.
   void run(const PointSource& source,
            const std::function<void(std::uint64_t first_row, std::size_t count, const std::byte* results)>& use);
-  const StageTally& tally() const { return tally_; }
+  StageTally tally() const { return stages_.tally(); }
 
  private:
-  void run_batch(const std::byte* records, std::uint64_t first_row, std::size_t size, StageTally& tally,
-                 std::byte* results) const;
-  void give_none(const PositionFields& position, const std::byte* record, std::byte* result) const;
-
   const PlannedPass& pass_;
-  PositionFields position_;
-  StageTally tally_;
+  PointwiseStages stages_;
 };
 
 }  // namespace pointsweep

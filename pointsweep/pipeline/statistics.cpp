@@ -68,8 +68,8 @@ nlohmann::ordered_json counts(const ReferenceCounts& r) {
 
 }  // namespace
 
-// A point without a finite position keeps it, since no stage moves it: the points of a sweep are among those of the one
-// before, and the fewest certified are those certified in every one.
+// The fewest certified are those certified in every sweep, since the points of a sweep are among those of the one
+// before, unless `set` gives a point without a finite position one.
 void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep) {
   to.certified = to.sweeps == 0 ? sweep.certified : std::min(to.certified, sweep.certified);
   to.recalled += sweep.recalled;

@@ -22,31 +22,33 @@ void count_distances(const Batch& batch, NeighborDistances& distances) {
 
 }  // namespace
 
-void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, StageTally& tally) {
+void run_stage(const SweepPlan& plan, std::size_t s, const Batch& batch, StageTally& tally) {
+  stop_if_cancelled();
   tally.seconds.resize(plan.stages.size());
   tally.marked.resize(plan.stages.size());
   tally.degenerate.resize(plan.stages.size());
-  if (step == 0 && tally.distances) count_distances(batch, *tally.distances);
-  for (std::size_t s = plan.steps[step]; s < plan.steps[step + 1]; ++s) {
-    stop_if_cancelled();
-    const auto start = std::chrono::steady_clock::now();
-    const Stage& stage = plan.stages[s];
-    std::vector<std::byte*> made;
-    std::vector<bool> unwanted;
-    for (const std::uint16_t column : stage.makes) {
-      made.push_back(batch.made[column]);
-      unwanted.push_back(plan.lifetimes[column] == Lifetime::none);
-    }
-    const Neighborhoods in(batch.own, batch.size, batch.slots, batch.begin, batch.refs, stage.reads,
-                           stage.reads_neighbors, stage.position);
-    tally.marked[s] = {};
-    Columns out(made, batch.size, tally.marked[s], std::move(unwanted));
-    if (stage.connects == nullptr)
-      stage.op->apply(in, out);
-    else if (tally.edges)
-      tally.edges->take(*stage.connects, in, batch);
-    tally.seconds[s] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const auto start = std::chrono::steady_clock::now();
+  const Stage& stage = plan.stages[s];
+  std::vector<std::byte*> made;
+  std::vector<bool> unwanted;
+  for (const std::uint16_t column : stage.makes) {
+    made.push_back(batch.made[column]);
+    unwanted.push_back(plan.lifetimes[column] == Lifetime::none);
   }
+  const Neighborhoods in(batch.own, batch.size, batch.slots, batch.begin, batch.refs, stage.reads,
+                         stage.reads_neighbors, stage.position);
+  tally.marked[s] = {};
+  Columns out(made, batch.size, tally.marked[s], std::move(unwanted));
+  if (stage.connects == nullptr)
+    stage.op->apply(in, out);
+  else if (tally.edges)
+    tally.edges->take(*stage.connects, in, batch);
+  tally.seconds[s] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, StageTally& tally) {
+  if (step == 0 && tally.distances) count_distances(batch, *tally.distances);
+  for (std::size_t s = plan.steps[step]; s < plan.steps[step + 1]; ++s) run_stage(plan, s, batch, tally);
 }
 
 void collect_results(const SweepPlan& plan, const std::byte* const* columns, std::size_t size,

@@ -43,6 +43,9 @@ void for_each_marked(const SweepPlan& plan, std::size_t step, const StageTally& 
     tally.marked[s].for_each([&](std::size_t i) { use(s, i); });
 }
 
+/// Applies stage `s` of the plan to the batch.
+void run_stage(const SweepPlan& plan, std::size_t s, const Batch& batch, StageTally& tally);
+
 void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, StageTally& tally);
 
 /// Copies the result columns of the batch into result records.

@@ -57,6 +57,9 @@ class ChainValues {
   /// Results of the chosen points of `around`, which has rings() rings. Reads the input once more if an operator reads
   /// attributes of the file. `rows`: as for look_at_cloud().
   ChainResults evaluate(Surroundings around, RowSource& in, CloudRows& rows) const;
+  /// The same of points without a finite place, which have no neighbours: a stage that looks at its own point alone
+  /// makes of them what it makes of any other, and every other stage leaves them unchanged.
+  ChainResults evaluate_unplaced(std::span<const KnownPoint> points, RowSource& in) const;
   /// Bytes of memory for each point of the surroundings, in addition to its list.
   std::size_t bytes_per_point() const;
   /// The attribute of all rows by the operators themselves, bit for bit what a run makes; of local stages and those
@@ -95,6 +98,8 @@ class ChainValues {
   std::optional<ColumnSource> source_of(std::uint16_t column, const OutputColumns& in_output) const;
   CloudInput cloud_input(const Stage& stage, CloudRows& rows) const;
   void evaluate_cloud(const Stage& stage, const Surroundings& around, CloudRows& rows, ColumnEstimates& columns) const;
+  void leave_unchanged(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
+                       ColumnEstimates& estimates) const;
   void take_estimates(std::uint16_t column, const ColumnEstimates& estimates, ColumnBytes& bits) const;
   std::vector<bool> truncate_lists(Surroundings& around, const ColumnBytes& columns) const;
   formulas::Kept kept_of(const Surroundings& around, std::size_t i, const ColumnBytes& columns,

@@ -2,7 +2,6 @@
 #include "pointsweep/verify/verify.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/verify/chain_values.h"
@@ -233,7 +232,7 @@ class Verification {
       hold_against_output(chosen, chain_.evaluate(std::move(around), in_, rows), places);
     }
     verdict_.passes += rows.passes();
-    hold_against_output(nonfinite_, results_of_none(), places);
+    hold_against_output(nonfinite_, chain_.evaluate_unplaced(nonfinite_, in_), places);
     judge_suspects();
   }
 
@@ -276,24 +275,6 @@ class Verification {
     }
     const double bytes = lists * ((k + 1) * 64 + static_cast<double>(chain_.bytes_per_point())) + 200;
     return std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(options_.memory_bytes) / bytes));
-  }
-
-  /// What points without finite coordinates get; they are never moved.
-  ChainResults results_of_none() const {
-    ChainResults results;
-    results.estimates.resize(nonfinite_.size() * chain_.estimates_per_point());
-    for (std::size_t i = 0; i < nonfinite_.size(); ++i)
-      for (const std::size_t s : selections_)
-        results.estimates[i * chain_.estimates_per_point() + s] = formulas::open();
-    for (const KnownPoint& p : nonfinite_) {
-      for (const Attribute& a : chain_.made()) {
-        const std::size_t at = results.values.size();
-        results.values.resize(at + a.bytes(), a.fill);
-        if (a.name == position_attribute().name)
-          std::memcpy(results.values.data() + at, &p.position, sizeof p.position);
-      }
-    }
-    return results;
   }
 
   /// `points` are some of the sample in ascending rows, `results` one record each.

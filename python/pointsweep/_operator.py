@@ -259,8 +259,9 @@ def operator(
 
     The function gets a `Points` and returns an array for what it makes, or a dict of arrays. It is called from several
     threads, on batches of any size, and may be called twice for a point: its result for a point may depend on nothing but
-    that point and its neighbours. Points with NaN or infinite coordinates are not passed to it: they get NaN, or 0 in
-    integers. An exception ends the run, which leaves nothing behind.
+    that point and its neighbours. With ``neighbors=False`` points with NaN or infinite coordinates are passed to it like
+    all others. Else they are not: an attribute that it reads and makes again keeps its value, and what else it makes is
+    NaN there, or 0 in integers. An exception ends the run, which leaves nothing behind.
 
     >>> @operator(reads=["normal"], makes={"roughness": "f4"})
     ... def roughness(p):

@@ -98,6 +98,22 @@ def test_points_that_are_not_finite_have_no_neighbors_and_are_none(surface):
     assert all(offsets[b] == offsets[b + 1] for b in bad) and not np.isin(rows, bad).any()
 
 
+def test_a_radius_holds_the_squared_distances_that_are_at_most_its_rounded_square():
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        xyz = rng.random((2, 3)) * 100
+        dx, dy, dz = xyz[0] - xyz[1]
+        squared = (dx * dx + dy * dy) + dz * dz
+        radius = np.sqrt(squared)
+        while radius * radius < squared:
+            radius = np.nextafter(radius, np.inf)
+        while np.nextafter(radius, 0) ** 2 >= squared:
+            radius = np.nextafter(radius, 0)
+        for r, count in ((np.nextafter(radius, 0), 0), (radius, 1), (np.nextafter(radius, np.inf), 1)):
+            assert len(ps.neighbors(xyz, radius=r)[1]) == 2 * count
+            assert (ps.neighbors(xyz, k=1, radius=r).indices[0, 0] == 1) == bool(count)
+
+
 def test_threads_and_memory_change_no_byte(surface):
     many = np.concatenate([surface + [20.0 * i, 0, 0] for i in range(100)])
     expected = ps.neighbors(many, radius=0.2, threads=1)

@@ -142,6 +142,26 @@ def test_points_that_are_not_finite_are_not_passed(surface):
     assert np.flatnonzero(arrays["seen"] == 0).tolist() == np.flatnonzero(np.isnan(arrays["real"])).tolist() == [4]
 
 
+def test_points_that_are_not_finite_are_passed_to_operators_of_the_points_alone_and_keep_what_others_remake(surface):
+    xyz = surface.copy()
+    xyz[4] = np.nan
+    gain = np.arange(float(len(xyz)))
+
+    @ps.operator(reads=["gain"], makes={"gain": "f8"})
+    def smooth(p):
+        return p["gain"] + p.neighbors.counts
+
+    @ps.operator(reads=["gain"], makes={"twice": "f8"}, neighbors=False)
+    def twice(p):
+        return 2 * p["gain"]
+
+    for before in ("knn(k=8)", "knn(k=8) | normals"):
+        arrays = ps.run({"xyz": xyz, "gain": gain}, before | smooth | twice)
+        expected = gain + 8
+        expected[4] = gain[4]
+        assert np.array_equal(arrays["gain"], expected) and np.array_equal(arrays["twice"], 2 * expected)
+
+
 def test_an_exception_ends_the_run_with_its_traceback(surface, tmp_path):
     @ps.operator(makes={"broken": "f4"})
     def broken(p):

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/cli/tool.h"
+#include "tests/support/every_operator.h"
 
 namespace pointsweep {
 namespace {
@@ -149,6 +150,27 @@ TEST_F(NonfinitePoints, ThatWereDroppedAreNoDifferenceToVerify) {
   EXPECT_EQ(tool("verify dirty.xyz out.npy --nonfinite drop").status, 0);
   refused(1, "verify dirty.xyz out.las -k 12 --nonfinite keep", "out of 9000");
   refused(1, "verify dirty.xyz out.ply -k 12", "out of 9000");
+}
+
+TEST_F(NonfinitePoints, OfEveryOperatorAreAsVerifyDerivesThem) {
+  std::string text = "x,y,z,nx,ny,nz,classification,intensity\n", other = "0 0 0\n1 1 0\n";
+  for (int i = 0; i < 40; ++i)
+    text += fmt::format("{},{},{},0.6,0,0.8,{},{}\n", i % 9 == 4 ? "nan" : fmt::format("{}", 0.3 * (i % 7)),
+                        i % 11 == 5 ? "inf" : fmt::format("{}", 0.4 * (i % 6)), 0.1 * (i % 5), i % 4, 10 * i);
+  write("dirty.csv", text);
+  write("other.xyz", other);
+  const EveryOperator every({"normal", "classification", "intensity"}, "knn(radius=2)",
+                            (folder_ / "other.xyz").string());
+  for (const OperatorDeclaration& declaration : all_operators()) {
+    const std::string pipeline = every.case_of(declaration, every.values_of(declaration)).pipeline;
+    SCOPED_TRACE(pipeline);
+    for (const std::string order : {"input", "sweep"}) {
+      made("run dirty.csv out.ply -f -q --order " + order + " --pipeline '" + pipeline + "'", "out.ply");
+      const Result result = tool("verify out.ply");
+      EXPECT_NE(result.status, 1) << result.out << result.err;
+      EXPECT_NE(result.status, 2) << result.out << result.err;
+    }
+  }
 }
 
 }  // namespace

@@ -181,4 +181,12 @@ MUTANTS = [
            "std::min(side, twice_nearest({sample_.data() + begin, count}))", "side", ("render:SpacingTree.*",)),
     Mutant("undefined values are in no count of the report", "pictures", "pointsweep/report/value_summary.cpp",
            "void(++summary.undefined)", "void()", ("report:ValueSummaries.*",)),
+    Mutant("points without a place lose an attribute that is made again", "nonfinite", PIPELINE + "pointwise_stages.cpp",
+           "else if (read != contract.reads.end() &&", "else if (false && read != contract.reads.end() &&", ("laws:NonfiniteLaw*",)),
+    Mutant("points without a place get no value of a stage that looks at its own point", "nonfinite", PIPELINE + "pointwise_stages.cpp",
+           "if (!is_pointwise(*plan.stages[s].op)) {", "if (!is_pointwise(*plan.stages[s].op) || pass_.kind == PassKind::sweep) {",
+           ("laws:NonfiniteLaw*",)),
+    Mutant("operators that take points in order along x or y for z", "order", PIPELINE + "run/order_phase.cpp",
+           "pass.ordered_operator() != nullptr && pass.ordered_operator()->in_plane();", "pass.ordered_operator() != nullptr;",
+           ("laws:Axis*",)),
 ]

@@ -31,8 +31,7 @@ std::vector<Channels> gray_of(const Records& input, const std::string& field, do
   for (std::size_t i = 0; i < input.size(); ++i) {
     const double v = input.value(i, field);
     const double t = hi > lo ? std::min(1.0, std::max(0.0, (v - lo) / (hi - lo))) : 0;
-    double level = std::isnan(v) ? 128 : std::floor(255 * t + 0.5);
-    if (!is_finite(input.position(i))) level = 0;
+    const double level = std::isnan(v) ? 128 : std::floor(255 * t + 0.5);
     colors.push_back({level * brightest, level * brightest, level * brightest});
   }
   return colors;

@@ -64,13 +64,13 @@ class Stamp final : public Operator {
   }
 };
 
-TEST(Rows, OfPointsWithoutAPlaceGetNoValueInAPassThatSearchesNothing) {
+TEST(Rows, OfPointsWithoutAPlaceAreTreatedAsAllOthersInAPassThatSearchesNothing) {
   std::vector<Vec3> points = make_cloud(hostile_shapes()[0].second, 5000, 9);
   points[17].x = points[4321].z = std::numeric_limits<double>::quiet_NaN();
   const RunResult result = run_in_memory(points, {{}, {std::make_shared<Stamp>()}}, tiny(1000));
   EXPECT_EQ(result.statistics.sweeps, 0u);
   const std::vector<double> stamp = result.field("stamp");
-  for (std::size_t i = 0; i < points.size(); ++i) ASSERT_EQ(stamp[i], is_finite(points[i]) ? 7.0 : 0.0) << i;
+  for (std::size_t i = 0; i < points.size(); ++i) ASSERT_EQ(stamp[i], 7.0) << i;
 }
 
 TEST(Where, LeavesTheCloudOfTheKeptRowsForAllLaterStages) {

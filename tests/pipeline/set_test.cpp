@@ -30,16 +30,13 @@ std::size_t index_of(const Schema& schema, const std::string& name) {
   return 0;
 }
 
-/// `input` after `edit(record, row)` of every row with a finite place; the edited field of others is 0.
+/// `input` after `edit(record, row)` of every row, also of those without a finite place.
 template <class Edit>
 Records edited(Records input, const std::string& field, Edit edit) {
   const Field& f = input.schema.fields[index_of(input.schema, field)];
   for (std::size_t i = 0; i < input.size(); ++i) {
     std::byte* record = input.bytes.data() + i * input.schema.stride;
-    if (is_finite(input.position(i)))
-      edit(record + f.offset, i);
-    else
-      std::memset(record + f.offset, 0, size_of(f.type));
+    edit(record + f.offset, i);
   }
   return input;
 }

@@ -19,6 +19,7 @@ std::vector<std::string> read_by(const Contract& contract) {
 }
 
 bool connects(const Operator& op) { return dynamic_cast<const ConnectingOperator*>(&op) != nullptr; }
+bool takes_in_order(const Operator& op) { return dynamic_cast<const OrderedOperator*>(&op) != nullptr; }
 
 /// Whether a stage of the first segment needs a value of the input, for which the rows are read first.
 bool begins_with_input_values(const ChainGraph& graph) {
@@ -33,15 +34,22 @@ bool begins_with_input_values(const ChainGraph& graph) {
 
 }  // namespace
 
+bool is_pointwise(const Operator& op) {
+  const Contract contract = op.contract();
+  const bool is_in_order = contract.selects == Selects::in_order || takes_in_order(op);
+  return contract.alone && contract.reads_neighbors.empty() && !is_in_order;
+}
+
 PassSchedule::PassSchedule(const ChainGraph& graph) : graph_(graph) {
   if (begins_with_input_values(graph)) new_pass(PassKind::rows);
 }
 
+/// A pass of pointwise stages alone needs no search and only reads the rows.
 std::vector<ScheduledPass> PassSchedule::passes() {
   for (std::size_t n = 1; n < graph_.nodes.size(); ++n) add(n);
+  const auto needs_no_search = [&](std::size_t n) { return is_pointwise(*graph_.nodes[n].op); };
   for (ScheduledPass& pass : passes_)
-    if (pass.kind == PassKind::sweep && std::ranges::all_of(pass.stages, [&](std::size_t n) { return is_alone(n); }))
-      pass.kind = PassKind::rows;
+    if (pass.kind == PassKind::sweep && std::ranges::all_of(pass.stages, needs_no_search)) pass.kind = PassKind::rows;
   return std::move(passes_);
 }
 
@@ -66,7 +74,7 @@ void PassSchedule::add_stage(std::size_t node) {
   const Operator& op = *graph_.nodes[node].op;
   const Contract contract = op.contract();
   const std::size_t readable = earliest(contract), known = known_after_values(graph_.nodes[node].values);
-  const std::size_t pass = dynamic_cast<const OrderedOperator*>(&op) != nullptr
+  const std::size_t pass = takes_in_order(op)
                                ? (new_pass(PassKind::order), passes_.size() - 1)
                                : pass_for(op, contract, std::max(readable, known));
   passes_[pass].stages.push_back(node);
@@ -83,12 +91,6 @@ void PassSchedule::add_select(std::size_t node) {
   pass.selects = true;
   pass.stages.push_back(node);
   begin_segment();
-}
-
-/// Such stages need no search: a pass of them alone only reads the rows.
-bool PassSchedule::is_alone(std::size_t node) const {
-  const Contract contract = graph_.nodes[node].op->contract();
-  return contract.alone && contract.reads_neighbors.empty();
 }
 
 void PassSchedule::begin_segment() {
@@ -145,7 +147,7 @@ std::size_t PassSchedule::known_after_values(const std::vector<std::size_t>& red
 }
 
 std::size_t PassSchedule::pass_for(const Operator& op, const Contract& contract, std::size_t earliest) {
-  const bool alone = contract.alone && contract.reads_neighbors.empty();
+  const bool alone = is_pointwise(op);
   for (std::size_t p = earliest; p < passes_.size(); ++p)
     if (takes(passes_[p], op, alone)) {
       if (!alone) require_search_positions(op, p);

@@ -18,6 +18,9 @@ enum class PassKind : std::uint8_t {
   order,  ///< puts the points in order, by position or by place, for a Thinning or an OrderedWork
 };
 
+/// Whether the operator looks at its own point alone: at no neighbour, and at no other point that comes in order.
+bool is_pointwise(const Operator& op);
+
 /// A pass of which only the nodes are known.
 struct ScheduledPass {
   PassKind kind = PassKind::sweep;
@@ -56,7 +59,6 @@ class PassSchedule {
   std::size_t known_after(const Reduction& reduction) const;
   void note_use(const Contract& contract, std::size_t pass, std::size_t made);
   ScheduledPass& new_pass(PassKind kind);
-  bool is_alone(std::size_t node) const;
   void begin_segment();
 
   const ChainGraph& graph_;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 /// Takes the points in their order through the stages of a pass.
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <vector>
 
 #include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/observation.h"
+#include "pointsweep/pipeline/pointwise_stages.h"
 #include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/result_sinks.h"
 #include "pointsweep/pipeline/run/connect_points.h"
@@ -73,16 +75,22 @@ SweepStatistics sweep_by_reference(RunState& run, std::size_t p) {
                        *run.statistics.reference);
 }
 
-/// What is made of points that are in no slab.
+/// What is made of points that are in no slab. They come last in the order of the stream.
 void put_nonfinite(RunState& run, std::size_t p) {
-  NonfiniteResult none(run.plan.passes[p].made, run.stream->record_schema());
+  const PlannedPass& pass = run.plan.passes[p];
   const OutputLayout* layout = layout_of_results(run, p);
-  for_each_nonfinite(*run.stream, [&](std::uint64_t i, const std::byte* record, std::uint64_t row) {
-    if (layout == nullptr) return run.results->put({&row, 1}, none.of(record));
-    std::vector<std::byte> output(layout->schema().stride);
-    layout->assemble(record, none.of(record).data(), 1, output.data());
-    const std::uint64_t place = run.cloud.count() - run.stream->nonfinite_count() + i;
-    run.results->put({&place, 1}, output);
+  PointwiseStages stages(pass, run.stream->record_schema());
+  for_each_nonfinite(*run.stream, [&](std::uint64_t first, std::span<const std::byte> records) {
+    std::vector<std::uint64_t> rows = rows_of_records(*run.stream, records);
+    std::vector<std::byte> made(rows.size() * pass.plan.result_bytes);
+    stages.run(records.data(), rows, made.data());
+    if (layout == nullptr) return run.results->put(rows, made);
+    const std::size_t from = run.stream->record_schema().stride, to = layout->schema().stride;
+    std::vector<std::byte> output(rows.size() * to);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      layout->assemble(records.data() + i * from, made.data() + i * pass.plan.result_bytes, 1, output.data() + i * to);
+    std::iota(rows.begin(), rows.end(), run.cloud.count() - run.stream->nonfinite_count() + first);
+    run.results->put(rows, output);
   });
 }
 
@@ -109,6 +117,7 @@ void take_in_order(RunState& run, std::size_t p) {
     const auto report = [&](std::uint64_t rows) { run.report("ordering", rows, 0); };
     run.others[p]->give_in_order(run.stream->axis(), &scratch.folder(), report, take);
   });
+  put_nonfinite(run, p);
   run.statistics.operator_seconds.emplace_back(op->name(), seconds_since(start));
 }
 

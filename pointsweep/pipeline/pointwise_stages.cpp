@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/pointwise_stages.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "pointsweep/sweep/file_column.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kBatch = 1024;
+
+void copy_values(const Attribute& from, const std::byte* values, const Attribute& to, std::size_t size,
+                 std::byte* out) {
+  if (from.type == to.type) return void(std::memcpy(out, values, size * to.bytes()));
+  const Field read{.name = "", .type = from.type}, made{.name = "", .type = to.type};
+  for (std::size_t i = 0; i < size * to.fields.size(); ++i)
+    set_value(made, out + i * size_of(to.type), value_of(read, values + i * size_of(from.type)));
+}
+
+void copy_positions(const Neighborhoods& in, std::byte* out) {
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    const Vec3 p = in.position(i);
+    std::memcpy(out + i * sizeof p, &p, sizeof p);
+  }
+}
+
+/// What a stage that needs neighbours, or the order of all points, makes of points that have no place among these.
+void leave_unchanged(const Stage& stage, const Batch& batch) {
+  const Contract contract = stage.op->contract();
+  for (std::size_t m = 0; m < stage.makes.size(); ++m) {
+    const Attribute& made = contract.makes[m];
+    std::byte* const to = batch.made[stage.makes[m]];
+    const auto read = std::ranges::find(contract.reads, made.name, &Attribute::name);
+    if (made.name == position_attribute().name)
+      copy_positions({batch.own, batch.size, batch.slots, batch.begin, batch.refs, {}, {}, stage.position}, to);
+    else if (read != contract.reads.end() && read->fields.size() == made.fields.size())
+      copy_values(*read, batch.made[stage.reads[static_cast<std::size_t>(read - contract.reads.begin())]], made,
+                  batch.size, to);
+    else
+      std::fill_n(to, batch.size * made.bytes(), made.fill);
+  }
+}
+
+}  // namespace
+
+PointwiseStages::PointwiseStages(const PlannedPass& pass, const Schema& records)
+    : pass_(pass), records_(records), position_(position_fields(records, "the input")), tallies_(thread_count()) {}
+
+void PointwiseStages::run(const std::byte* records, std::span<const std::uint64_t> rows, std::byte* results) {
+  parallel_for((rows.size() + kBatch - 1) / kBatch, [&](std::size_t batch, unsigned worker) {
+    const std::size_t first = batch * kBatch;
+    run_batch(records + first * records_.stride, rows.subspan(first, std::min(kBatch, rows.size() - first)),
+              tallies_[worker], results + first * pass_.plan.result_bytes);
+  });
+}
+
+void PointwiseStages::run_batch(const std::byte* records, std::span<const std::uint64_t> rows, StageTally& tally,
+                                std::byte* results) const {
+  const SweepPlan& plan = pass_.plan;
+  const std::size_t size = rows.size();
+  std::vector<double> xyz(3 * size);
+  double *x = xyz.data(), *y = x + size, *z = y + size;
+  decode_positions(position_, records, records_.stride, size, x, y, z);
+  std::vector<std::vector<std::byte>> columns;
+  std::vector<std::byte*> made;
+  for (const std::uint32_t bytes : plan.column_bytes) columns.emplace_back(size * bytes);
+  for (auto& column : columns) made.push_back(column.data());
+  for (const FileColumn& file : plan.file_columns) fill_file_column(file, records_, records, size, made[file.column]);
+  const std::vector<const std::byte*> own(made.begin(), made.end());
+  const std::vector<std::uint32_t> no_lists(size + 1, 0);
+  const Batch batch{{x, y, z, rows.data(), own.data()}, size, nullptr, no_lists.data(), nullptr, made.data()};
+  for (std::size_t s = 0; s < plan.stages.size(); ++s) {
+    if (!is_pointwise(*plan.stages[s].op)) {
+      leave_unchanged(plan.stages[s], batch);
+      continue;
+    }
+    run_stage(plan, s, batch, tally);
+    tally.marked[s].for_each([&](std::size_t i) { tally.degenerate[s].add(rows[i]); });
+  }
+  std::vector<std::byte> collected;
+  collect_results(plan, own.data(), size, collected);
+  std::ranges::copy(collected, results);
+}
+
+StageTally PointwiseStages::tally() const {
+  StageTally all;
+  all.seconds.assign(pass_.plan.stages.size(), 0);
+  all.degenerate.resize(pass_.plan.stages.size());
+  for (const StageTally& t : tallies_) {
+    for (std::size_t s = 0; s < t.seconds.size(); ++s) all.seconds[s] += t.seconds[s];
+    add_rows(all.degenerate, t.degenerate);
+  }
+  return all;
+}
+
+}  // namespace pointsweep

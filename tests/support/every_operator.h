@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+/// Pipelines for laws that hold for every operator of the registry.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "pointsweep/error.h"
+#include "pointsweep/pipeline/canonical_text.h"
+#include "pointsweep/pipeline/registry.h"
+
+namespace pointsweep {
+
+/// A stage of the registry and a pipeline that runs it.
+struct OperatorCase {
+  const OperatorDeclaration* declaration;
+  std::string stage;     ///< canonical text
+  std::string pipeline;  ///< the neighbourhood, stages that make what it needs, the stage
+};
+
+/// Makes cases for clouds with the attributes `of_input`. `neighborhood`: the first stage, "knn(radius=4)".
+/// `other_cloud`: the file that operators read beside the cloud.
+class EveryOperator {
+ public:
+  EveryOperator(std::set<std::string> of_input, std::string neighborhood, std::string other_cloud)
+      : of_input_(std::move(of_input)), neighborhood_(std::move(neighborhood)), other_cloud_(std::move(other_cloud)) {}
+
+  /// One case for each operator, and one for every further choice and every further option that can stand alone.
+  std::vector<OperatorCase> cases() const {
+    std::vector<OperatorCase> all;
+    for (const OperatorDeclaration& declaration : all_operators()) {
+      add_case(declaration, values_of(declaration), all);
+      for (const OptionDeclaration& option : declaration.options)
+        for (const OptionValue& other : others_than_preset(option)) {
+          OptionValues values = values_of(declaration);
+          if (values.give(option.name, other)) add_case(declaration, values, all);
+        }
+    }
+    return all;
+  }
+
+  /// The pipeline of a stage with these values.
+  OperatorCase case_of(const OperatorDeclaration& declaration, const OptionValues& values) const {
+    const auto stage = make_stage(declaration, values, {});
+    const std::string text = canonical_text(stage, Presets::left_out);
+    if (!std::holds_alternative<std::shared_ptr<const Operator>>(stage))
+      return {&declaration, text, neighborhood_ + " | set(z = z + 1) | " + text + " | neighborhood_size"};
+    std::set<std::string> known = of_input_;
+    return {&declaration, text, neighborhood_ + makers_of(operator_in(stage), known) + " | " + text};
+  }
+
+  /// Samples of the options that have to be given, or whose names may be left out.
+  OptionValues values_of(const OperatorDeclaration& declaration) const {
+    OptionValues values(declaration.options, declaration.name);
+    for (const OptionDeclaration& option : declaration.options)
+      if ((option.required || option.positional) && has_value(option.sample))
+        values.give(option.name, option.kind == OptionKind::file ? OptionValue(other_cloud_) : option.sample);
+    return values;
+  }
+
+ private:
+  static const Operator& operator_in(const ChainStage& stage) {
+    return *std::get<std::shared_ptr<const Operator>>(stage);
+  }
+
+  static std::vector<OptionValue> others_than_preset(const OptionDeclaration& option) {
+    std::vector<OptionValue> others;
+    if (option.kind == OptionKind::choice)
+      for (const std::string& choice : option.choices)
+        if (OptionValue(choice) != option.preset) others.emplace_back(choice);
+    if (option.kind == OptionKind::number && has_value(option.sample)) others.push_back(option.sample);
+    return others;
+  }
+
+  /// Choices that need other options are left out.
+  void add_case(const OperatorDeclaration& declaration, const OptionValues& values,
+                std::vector<OperatorCase>& all) const {
+    try {
+      all.push_back(case_of(declaration, values));
+    } catch (const UsageError&) {
+    }
+  }
+
+  /// " | normals | splats": stages of the registry that make what `op` needs.
+  std::string makers_of(const Operator& op, std::set<std::string>& known) const {
+    std::string text;
+    const Contract contract = op.contract();
+    for (const auto* needs : {&contract.reads, &contract.reads_neighbors})
+      for (const Attribute& need : *needs) {
+        if (known.contains(need.name)) continue;
+        for (const OperatorDeclaration& maker : all_operators()) {
+          const auto stage = make_stage(maker, values_of(maker), {});
+          if (!std::holds_alternative<std::shared_ptr<const Operator>>(stage)) continue;
+          const std::vector<Attribute> made = operator_in(stage).contract().makes;
+          if (std::ranges::find(made, need.name, &Attribute::name) == made.end()) continue;
+          text += makers_of(operator_in(stage), known) + " | " + canonical_text(stage, Presets::left_out);
+          for (const Attribute& a : made) known.insert(a.name);
+          break;
+        }
+      }
+    return text;
+  }
+
+  std::set<std::string> of_input_;
+  std::string neighborhood_, other_cloud_;
+};
+
+}  // namespace pointsweep
