@@ -93,6 +93,18 @@ std::string needs_text(const Contract& contract) {
   return text.empty() ? "" : text + "\n\n";
 }
 
+/// "`knn` `radius`, `radius_from`; `ror` `radius`": all options that mean a radius.
+std::string radii_text(const std::vector<ListedOperator>& operators) {
+  std::string text;
+  for (const ListedOperator& listed : operators) {
+    std::string names;
+    for (const OptionDeclaration& option : listed.declaration.options)
+      if (option.is_radius) names += fmt::format("{}`{}`", names.empty() ? "" : ", ", option.name);
+    if (!names.empty()) text += fmt::format("{}`{}` {}", text.empty() ? "" : "; ", listed.declaration.name, names);
+  }
+  return text;
+}
+
 std::string line_unless_empty(const char* title, const std::string& text) {
   return text.empty() ? "" : fmt::format("- {}: {}\n", title, sentence(text));
 }
@@ -147,6 +159,16 @@ std::string to_markdown(const std::vector<ListedOperator>& operators) {
       "flags: `-k 12 --orient up`.\n"
       "Needs and attributes are those of an operator without options. `docs/attributes.md` describes the "
       "attributes.\n\n";
+  text += "A point counts within a radius R if `d² <= R·R`, d² = ((dx² + dy²) + dz²), all in float64: at exactly R it "
+          "does. That holds for\n" + radii_text(operators) + ".\n"
+          "A root that was rounded down, such as `neighbor_radius`, can therefore be too small for the neighbour that "
+          "it was taken from.\n\n"
+          "Points with NaN or infinite coordinates are neighbours of no point. A stage that looks at its own point "
+          "alone (`where`, `crop`, `set`, `color`,\n"
+          "`orient` by a trajectory) treats them as any other. Every other stage leaves them unchanged: they stay "
+          "where they are, an attribute that the\n"
+          "stage reads of them and makes again keeps its value, and what else it makes has the value that stands "
+          "there as undefined.\n\n";
   for (const ListedOperator& listed : operators) text += section(listed);
   text.pop_back();
   return text;

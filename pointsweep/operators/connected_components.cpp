@@ -30,7 +30,8 @@ OperatorDeclaration components_declaration() {
                    .meaning = "points farther from each other are not joined; needs knn(radius=...) of at least it",
                    .least = 0,
                    .unit = "length",
-                   .sample = 0.5}},
+                   .sample = 0.5,
+                   .is_radius = true}},
       .make = make_components,
       .formula =
           "Points i and j are joined if j is in N_i or i is in N_j; with distance D: if |p_j - p_i| <= D.\n"

@@ -33,7 +33,7 @@ OperatorDeclaration decimate_declaration() {
           "h = m(m(m(seed ^ x) ^ y) ^ z) of the 64 bits of each coordinate as float64, 0 for -0;\n"
           "m(i): j = i + 0x9e3779b97f4a7c15; j = (j ^ j >> 30) * 0xbf58476d1ce4e5b9;\n"
           "j = (j ^ j >> 27) * 0x94d049bb133111eb; j ^ j >> 31, all modulo 2^64.",
-      .source = "m: Steele, Lea and Flood, Fast splittable pseudorandom number generators (OOPSLA 2014).",
+      .source = "The function m: Steele, Lea and Flood, Fast splittable pseudorandom number generators (OOPSLA 2014).",
       .undefined = "Points of equal coordinates stay together or go together. Points without a finite place stay.",
       .cost = "a pass over the rows, without a search",
       .example = "decimate(0.1)"};

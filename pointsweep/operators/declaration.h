@@ -54,6 +54,8 @@ struct OptionDeclaration {
   bool required = false;    ///< it has to be given
   bool positional = false;  ///< its name may be left out, as in where("z < 2"); only the first option of an operator
   OptionValue sample = {};  ///< a value for examples, where there is no preset
+  /// A distance R within which points count, or an attribute that holds it: d² <= R·R in double, the same for all.
+  bool is_radius = false;
 
   /// "1 or more", "0 to 90", "none, up or input", "[X,Y,Z]": what may be given.
   std::string allowed() const;

@@ -44,7 +44,8 @@ OperatorDeclaration density_declaration() {
                        .kind = OptionKind::number,
                        .meaning = "R, above 0; without it, the distance to the farthest neighbour",
                        .unit = "length",
-                       .sample = 0.5}},
+                       .sample = 0.5,
+                       .is_radius = true}},
           .make = make_density,
           .formula =
               "surface_density = m / (π R²), volume_density = m / (4/3 π R³)\n"
@@ -55,8 +56,8 @@ OperatorDeclaration density_declaration() {
               "CloudCompare, Compute geometric features: surface and volume density; PDAL filters.radialdensity "
               "makes the volume density with radius",
           .undefined =
-              "0 without neighbours, where all lie on the point, and where one has no finite place; with radius, "
-              "never.",
+              "0 without neighbours, where all lie on the point, and where one has no finite place; with radius only "
+              "for a point that has no finite place itself.",
           .neighbor_ns = 2,
           .attributes = {{.name = "surface_density", .meaning = "points for each unit of area; undefined: 0"},
                          {.name = "volume_density", .meaning = "points for each unit of volume; undefined: 0"}},

@@ -59,7 +59,8 @@ OperatorDeclaration distance_to_declaration() {
                    .meaning = "farthest that the nearest point is looked for; by default as far as it is",
                    .least = kAboveZero,
                    .unit = "length",
-                   .sample = 5.0}},
+                   .sample = 5.0,
+                   .is_radius = true}},
       .make =
           [](const OptionValues& options, const Facts&) {
             const double any = std::numeric_limits<double>::infinity();
@@ -72,7 +73,7 @@ OperatorDeclaration distance_to_declaration() {
           "acquired with a ground laser scanner (ISPRS 2005)",
       .undefined = "NaN where no point of the other cloud is within `most`, and for points without a finite place.",
       .cost =
-          "a pass that puts the points in order along x or y; the other cloud is put in the same order in the "
+          "a pass that puts the points in order along an axis; the other cloud is put in the same order in the "
           "temporary "
           "folder (32 bytes a point, and as much while it is ordered), and memory holds what is near the front",
       .attributes = {{.name = "cloud_distance",
@@ -88,7 +89,7 @@ DistanceTo::DistanceTo(std::string cloud, double most) : cloud_(std::move(cloud)
 Contract DistanceTo::contract() const {
   Attribute distance = scalar("cloud_distance", Type::f64, "length", "distance to the nearest point of another cloud");
   distance.fill = std::byte{0xff};  // NaN
-  return {.makes = {distance}, .alone = true, .has_places = true};
+  return {.makes = {distance}, .alone = true, .has_places = true, .arrival = "beside those of the other cloud"};
 }
 
 Options DistanceTo::own_options() const {

@@ -23,7 +23,6 @@ class DistanceTo final : public OrderedOperator {
 
   std::string name() const override { return "distance_to"; }
   Contract contract() const override;
-  Vec3 place_of(Vec3 position) const override { return {position.x, position.y, 0}; }
   std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
   std::string other_cloud() const override { return cloud_; }
   std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;

@@ -22,7 +22,7 @@ OperatorDeclaration drop_declaration() {
                        .sample = std::string("intensity")}},
           .make = [](const OptionValues& options,
                      const Facts&) { return std::make_shared<Drop>(words_of(options.word("attributes"))); },
-          .undefined = "x, y and z are never dropped.",
+          .undefined = "The coordinates x, y and z are never dropped.",
           .cost = "none: what is dropped is not computed either, unless a stage before reads it",
           .example = "knn(k=12) | normals | set(facing = nz * nz) | drop(normal)"};
 }

@@ -136,8 +136,9 @@ OperatorDeclaration features_declaration() {
           "of 3D point clouds with strongly varying density (2016), whose first moments have an arbitrary sign that is "
           "left out here",
       .undefined =
-          "Points all in one place: all but number_of_neighbors is 0. Points on a line: verticality is 0. If a "
-          "neighbour has no finite place: all but number_of_neighbors is 0.",
+          "Points all in one place, or a neighbour without a finite place: all but number_of_neighbors is 0. Points on "
+          "a line, vertical ones too: verticality is 0, since e3 is any direction across it. Points without a finite "
+          "place: all is 0.",
       .cost = "at k = 10 as much as normals, after the search; logarithms and axes only where an attribute needs them",
       .neighbor_ns = 3,
       .attributes = notes(),

@@ -2,7 +2,6 @@
 #include "pointsweep/operators/limits_from_attributes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -23,11 +22,10 @@ std::size_t at_most(double value, std::size_t count) {
 std::size_t within(double radius, const Neighborhoods& in, std::size_t i, std::size_t count) {
   if (!(radius >= 0)) return 0;
   const double radius2 = radius * radius;
-  const auto is_within = [&](double distance2) { return distance2 <= radius2 || std::sqrt(distance2) <= radius; };
   std::size_t low = 0, high = count;  // those before `low` are within, those from `high` on are not
   while (low < high) {
     const std::size_t middle = low + (high - low) / 2;
-    is_within(in.distance2(i, middle)) ? low = middle + 1 : high = middle;
+    in.distance2(i, middle) <= radius2 ? low = middle + 1 : high = middle;
   }
   return low;
 }

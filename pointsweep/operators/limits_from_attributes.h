@@ -12,10 +12,9 @@ namespace pointsweep {
 
 /// Keeps the neighbours that both limits allow. A value that is NaN or negative, and a k below 1, allow none: the point
 /// has no neighbours, which operators count as degenerate. A value above what the search was asked for allows all that
-/// it found. A radius of 0 keeps the points in the same place. Within means, in double, d² = ((dx² + dy²) + dz²)
-/// <= radius², as for a radius for all points, or √d² <= radius: the attribute `neighbor_radius` holds the rounded
-/// root, whose square can be less than d². An attribute of float32 is not adjusted: a distance that was rounded down
-/// to float32 excludes the farthest neighbour.
+/// it found. A radius of 0 keeps the points in the same place. Within means the same as for a radius of all points:
+/// ((dx² + dy²) + dz²) <= radius · radius in double. So the rounded root of a squared distance, as `neighbor_radius`
+/// holds it, can be too small by one unit in the last place to hold the neighbour that it was taken from.
 class LimitsFromAttributes final : public NeighborhoodRule {
  public:
   /// Throws UsageError where neither attribute is named.

@@ -149,6 +149,9 @@ OperatorDeclaration m3c2_declaration() {
                              .required = true,
                              .sample = sample};
   };
+  OptionDeclaration cylinder =
+      length_option("cylinder", "diameter of the cylinder along the normal (projection scale)", 0.5);
+  cylinder.is_radius = true;  // its half is
   return {
       .name = "m3c2",
       .meaning = "measures the change to another cloud along the normals, with its level of detection (M3C2)",
@@ -158,7 +161,7 @@ OperatorDeclaration m3c2_declaration() {
                    .required = true,
                    .positional = true,
                    .sample = std::string("after.las")},
-                  length_option("cylinder", "diameter of the cylinder along the normal (projection scale)", 0.5),
+                  cylinder,
                   length_option("depth", "how far the cylinder reaches to each side of the point", 2.0),
                   {.name = "registration",
                    .kind = OptionKind::number,
@@ -173,10 +176,10 @@ OperatorDeclaration m3c2_declaration() {
                                                       .registration = options.number("registration")});
           },
       .formula =
-          "Points of each cloud within cylinder / 2 of the line through p_i along n_i, and within depth of p_i along\n"
-          "it, have places a_j = (p_j - p_i) . n_i. With their mean m, their standard deviation s (of n - 1) and "
-          "their\n"
-          "number n: distance m_2 - m_1; level of detection 1.96 (sqrt(s_1² / n_1 + s_2² / n_2) + registration).",
+          "u_i = n_i / |n_i| in float64. Points of each cloud within R = cylinder / 2 of the line through p_i along\n"
+          "u_i, |(p_j - p_i) × u_i|² <= R·R, and within depth of p_i along it have places a_j = (p_j - p_i) . u_i.\n"
+          "With their mean m, their standard deviation s (of n - 1) and their number n: distance m_2 - m_1; level\n"
+          "of detection 1.96 (sqrt(s_1² / n_1 + s_2² / n_2) + registration).",
       .source =
           "Lague, Brodu and Leroux, Accurate 3D comparison of complex topography with terrestrial laser scanner (ISPRS "
           "Journal of Photogrammetry and Remote Sensing 82, 2013), Section 3. Normals are those of the stages before, "
@@ -186,7 +189,7 @@ OperatorDeclaration m3c2_declaration() {
           "where a cylinder has no point of the other "
           "cloud, spread and level of detection where it has fewer than two of a cloud.",
       .cost =
-          "a pass that puts the points in order along x or y and reads them twice; both clouds are kept in the "
+          "a pass that puts the points in order along an axis and reads them twice; both clouds are kept in the "
           "temporary folder (32 bytes a point), and memory holds what is near the front; time grows with the points in "
           "a cylinder, and each thread needs 8 bytes for each of them, which --memory does not count",
       .attributes = {{.name = "m3c2_distance",
@@ -218,7 +221,8 @@ Contract M3c2::contract() const {
                               scalar("m3c2_samples1", Type::f64, "1", "points in the cylinder, this cloud"),
                               scalar("m3c2_samples2", Type::f64, "1", "points in the cylinder, other cloud")},
                     .alone = true,
-                    .has_places = true};
+                    .has_places = true,
+                    .arrival = "beside those of the other cloud"};
   for (Attribute& a : contract.makes) a.fill = std::byte{0xff};  // NaN
   return contract;
 }

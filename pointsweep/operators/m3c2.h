@@ -26,7 +26,6 @@ class M3c2 final : public OrderedOperator {
 
   std::string name() const override { return "m3c2"; }
   Contract contract() const override;
-  Vec3 place_of(Vec3 position) const override { return {position.x, position.y, 0}; }
   std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
   std::string other_cloud() const override { return options_.cloud; }
   std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;

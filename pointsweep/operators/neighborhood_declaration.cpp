@@ -22,7 +22,8 @@ NeighborhoodDeclaration declare_neighborhood() {
            {.name = "radius",
             .kind = OptionKind::number,
             .meaning = "maximum distance of a neighbour, in the unit of the coordinates",
-            .unit = "length"},
+            .unit = "length",
+            .is_radius = true},
            {.name = "k_from",
             .kind = OptionKind::attribute,
             .meaning =
@@ -30,7 +31,8 @@ NeighborhoodDeclaration declare_neighborhood() {
            {.name = "radius_from",
             .kind = OptionKind::attribute,
             .meaning = "attribute of the input that holds the maximum distance for each point; requires k or radius as "
-                       "a limit"},
+                       "a limit",
+            .is_radius = true},
            {.name = "adaptive",
             .kind = OptionKind::choice,
             .preset = "none",
@@ -44,8 +46,8 @@ NeighborhoodDeclaration declare_neighborhood() {
             .least = 3}},
       .formula =
           "N_i: the k points of the cloud nearest to p_i without p_i itself, or all within the radius, or the k\n"
-          "nearest of these. Distances are ((dx² + dy²) + dz²) in double of the coordinates of the input; equal\n"
-          "ones are ordered by x, y, z, then by input row.\n"
+          "nearest of these. Distances are d² = ((dx² + dy²) + dz²) in double of the coordinates of the input;\n"
+          "equal ones are ordered by x, y, z, then by input row. Within a radius R: d² <= R·R in double.\n"
           "k_from, radius_from: point i keeps the first neighbours that its own k or radius allows.\n"
           "adaptive=eigenentropy: the k from k_min on for which E = -Σ e_j ln e_j is least; e_1, e_2, e_3 are\n"
           "the eigenvalues of the covariance of p_i and its k nearest neighbours, divided by their sum.",

@@ -62,16 +62,18 @@ OperatorDeclaration orient_declaration() {
           "points, each by x, y, z, row. Along an edge of the minimum spanning forest signs s agree with the\n"
           "sign of n_i . n_j, where 0 counts as +.\n"
           "The signs of a component are turned together so that the larger in absolute value of\n"
-          "Σ s n_z and Σ s n . (p - c) / e is positive, c its centroid, e its mean extent: up for open\n"
-          "surfaces, outwards for closed ones. With viewpoint v: Σ sign(s n . (v - p)). If that is 0, the\n"
-          "normal of the highest point points up.\n"
+          "Σ s n_z and Σ s n . (p - c) / e is positive, of equal ones the first; c is its centroid and e the mean\n"
+          "of the three edges of its bounding box: up for open surfaces, outwards for closed ones. n counts in\n"
+          "steps of 2^-20, p in steps of 2^-32, summed exactly. With viewpoint v: Σ sign(s n . (v - p)). If that\n"
+          "is 0, the normal of the highest point points up; if that is level, the one of the first point by x,\n"
+          "y, z, row stays.\n"
           "trajectory: n . (s(t) - p) >= 0, s(t) on the straight line between the places before and after t.",
       .source =
           "Hoppe, DeRose, Duchamp, McDonald, Stuetzle, Surface reconstruction from unorganized points (SIGGRAPH "
           "1992), Section 3.3; there the highest point alone decides",
       .undefined =
-          "Normals of 0 stay 0; with a trajectory points without a time keep their normal. Times more than 1 s "
-          "outside of the trajectory end the run.",
+          "Normals of 0 stay 0. Points without a finite place keep their normal, and with a trajectory also those "
+          "without a time. Times more than 1 s outside of the trajectory end the run.",
       .cost = "a sweep that ends a pass; about 150 bytes a point in the temporary folder",
       .neighbor_ns = 20,
       .attributes = {{.name = "normal_turned", .meaning = "1: orient has turned the normal; else 0"}},

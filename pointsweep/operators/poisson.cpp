@@ -60,14 +60,17 @@ OperatorDeclaration poisson_declaration() {
                        .unit = "length",
                        .required = true,
                        .positional = true,
-                       .sample = 0.5},
+                       .sample = 0.5,
+                       .is_radius = true},
                       {.name = "radius_from",
                        .kind = OptionKind::attribute,
-                       .meaning = "attribute of the input, or made before, that holds the radius of each point"}},
+                       .meaning = "attribute of the input, or made before, that holds the radius of each point",
+                       .is_radius = true}},
           .make = make_poisson,
           .formula =
               "In ascending order of h_i (ties by x, y, z, then row) a point is kept unless a kept point j has\n"
               "|p_i - p_j|² <= r_i², ((dx² + dy²) + dz²) in float64.\n"
+              "So of two points at exactly the radius the first in that order stays, and the other is left out.\n"
               "h: the hash of decimate with the seed 0x706f6973736f6e.\n"
               "r_i = radius, or min(radius_from, radius); 0 where radius_from is NaN or negative.",
           .source =
@@ -93,6 +96,7 @@ Contract Poisson::contract() const {
           .makes = {selection_attribute()},
           .alone = true,
           .selects = Selects::in_order,
+          .arrival = "each held until all points within the radius have come",
           .reach = options_.radius,
           .held_bytes = UndecidedPoints::kPointBytes};
 }

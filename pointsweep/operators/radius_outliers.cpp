@@ -31,7 +31,8 @@ OperatorDeclaration ror_declaration() {
                        .least = 0,
                        .unit = "length",
                        .required = true,
-                       .sample = 0.5},
+                       .sample = 0.5,
+                       .is_radius = true},
                       {.name = "min_neighbors",
                        .kind = OptionKind::whole,
                        .preset = std::uint64_t{2},
@@ -45,7 +46,8 @@ OperatorDeclaration ror_declaration() {
               "PDAL (min_k), PCL (setMinNeighborsInRadius) and Open3D (nb_points) keep the same points, but\n"
               "that PDAL and Open3D do not count a neighbour at exactly the radius.",
           .source = "PDAL filters.outlier, method radius; PCL RadiusOutlierRemoval; Open3D remove_radius_outlier",
-          .undefined = "A neighbour that has no finite place is not within the radius.",
+          .undefined =
+              "A neighbour that has no finite place is not within the radius. A point that has none is an outlier.",
           .neighbor_ns = 2,
           .attributes = {{.name = "outlier",
                           .meaning = "1: fewer than min_neighbors neighbours within the radius; else 0"}},

@@ -46,7 +46,8 @@ OperatorDeclaration segments_declaration() {
                    .meaning = "points farther from each other are not joined",
                    .least = 0,
                    .unit = "length",
-                   .sample = 0.5}},
+                   .sample = 0.5,
+                   .is_radius = true}},
       .make = make_segments,
       .formula =
           "Points i and j are joined if j is in N_i or i is in N_j, |n_i . n_j| > cos(angle), and with\n"

@@ -43,13 +43,15 @@ OperatorDeclaration simplify_declaration() {
                        .kind = OptionKind::number,
                        .meaning = "the largest radius, on flat parts; without it, 32 error",
                        .least = kAboveZero,
-                       .unit = "length"},
+                       .unit = "length",
+                       .is_radius = true},
                       {.name = "least",
                        .kind = OptionKind::number,
                        .preset = 0.0,
                        .meaning = "the smallest radius, where noise looks like curvature; at most `most`",
                        .unit = "length",
-                       .sample = 0.125}},
+                       .sample = 0.125,
+                       .is_radius = true}},
           .make = make_simplify,
           .formula =
               "r_i = √(2 error / k1_i), at least `least`, at most `most`; then poisson(most, radius_from=r).\n"

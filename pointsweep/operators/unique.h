@@ -19,7 +19,12 @@ OperatorDeclaration unique_declaration();
 class Unique final : public Operator {
  public:
   std::string name() const override { return "unique"; }
-  Contract contract() const override { return {{}, {}, {selection_attribute()}, true, Selects::in_order}; }
+  Contract contract() const override {
+    return {.makes = {selection_attribute()},
+            .alone = true,
+            .selects = Selects::in_order,
+            .arrival = "equal ones together"};
+  }
   void apply(const Neighborhoods&, Columns&) const override {}
   std::unique_ptr<Thinning> thinning(const ThinningSetup&) const override;
 };

@@ -79,15 +79,23 @@ std::string slabs_text(const MemoryPlan& memory, std::uint64_t points, std::uint
                                          : "in memory");
 }
 
+/// The axis along which the points of a pass of kind order come.
+std::string axis_text(const PlannedPass& pass, std::optional<int> asked) {
+  const OrderedOperator* op = pass.ordered_operator();
+  const bool in_plane = op != nullptr && op->in_plane();
+  if (asked && !(in_plane && *asked == 2)) return std::string(1, "xyz"[*asked]);
+  return in_plane ? "x or y" : "their longest axis";
+}
+
 /// How a pass goes through the points.
 std::string passage_text(const Preview& p, std::size_t s) {
   const PlannedPass& pass = p.planned.passes[s];
   if (pass.kind == PassKind::rows) return "reads         the rows in their order; no neighbours are searched\n";
-  if (pass.kind == PassKind::order)
-    return fmt::format("reads         the points in order{}; no neighbours are searched\n",
-                       pass.ordered_operator() != nullptr ? ", in rows across an axis"
-                       : pass.has_places()                ? ", those of a voxel together"
-                                                          : ", equal ones together");
+  if (pass.kind == PassKind::order) {
+    const std::string how = pass.thinner().contract().arrival;
+    return fmt::format("reads         the points in order along {}{}; no neighbours are searched\n",
+                       axis_text(pass, p.axis), how.empty() ? "" : ", " + how);
+  }
   std::string text = fmt::format("neighbours    {}\n", neighborhood_text(pass.plan.neighborhood));
   if (const Effort& effort = p.memory.efforts[s]; effort.neighbors_per_point > 0)
     text += fmt::format("effort        {}\n", effort_text(effort.neighbors_per_point, effort.seconds));
@@ -153,6 +161,7 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   out.tiles = outputs.tiles.size();
   out.points = cloud.count();
   out.decoded_bytes = decoded_input_bytes(cloud);
+  out.axis = options.axis;
   out.budget = options.resources.memory_bytes != 0 ? options.resources.memory_bytes : default_memory_budget();
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};

@@ -9,6 +9,7 @@
 #include "tests/cli/tool.h"
 #include "tests/formats/point_files.h"
 #include "tests/pipeline/hostile_clouds.h"
+#include "tests/support/radius_pipelines.h"
 
 namespace pointsweep {
 namespace {
@@ -104,6 +105,23 @@ class VerifyOperators : public Tool {
     }
   }
 };
+
+TEST_F(VerifyOperators, EveryRadiusAtTheLeastThatHoldsAPointAndNextToIt) {
+  const PairAtRadius& pair = pairs_at_radius().back();
+  const std::string header = "x,y,z,nx,ny,nz,own\n";
+  write("other.xyz", fmt::format("{} {} {}\n", pair.q.x, pair.q.y, pair.q.z));
+  for (const auto& [name, text] : radius_pipelines())
+    for (const double r : {PairAtRadius::below(pair.radius), pair.radius, PairAtRadius::above(pair.radius)}) {
+      std::string rows;
+      for (const Vec3 p : {pair.p, pair.q, pair.p + Vec3{1000, 0, 0}, pair.p + Vec3{0, 3000, 0}})
+        rows += fmt::format("{},{},{},0,0,1,{}\n", p.x, p.y, p.z, r);
+      write("in.csv", header + rows);
+      const std::string pipeline = radius_pipeline(text, r, (folder_ / "other.xyz").string());
+      made("run in.csv out.ply -f -q --pipeline '" + pipeline + "'", "out.ply");
+      const Result result = tool("verify out.ply");
+      EXPECT_NE(result.status, 1) << pipeline << "\n" << result.out << result.err;
+    }
+}
 
 TEST_F(VerifyOperators, DistancesToAnotherCloud) {
   checks("distance_to(other.ply)", {"cloud_distance"});

@@ -105,12 +105,12 @@ void order_output(RunState& run) {
       {.source = run.source, .survey = run.survey, .memory = run.memory.reordering, .canonical = true, .whole = true});
 }
 
-/// Puts the points in order by the places that a select gives them. `run.survey` stays that of their positions.
+/// Puts the points in order by the places that an operator gives them. `run.survey` stays that of their positions.
 void order_places(RunState& run, std::size_t p) {
   const PlannedPass& pass = run.plan.passes[p];
   const PlacedSource placed(run.source, pass.payload(), pass.thinner());
   Survey of_places;
-  const bool in_plane = pass.ordered_operator() != nullptr;  // their places have no third coordinate
+  const bool in_plane = pass.ordered_operator() != nullptr && pass.ordered_operator()->in_plane();
   const std::optional<int> axis = in_plane && run.options.axis == 2 ? std::nullopt : run.options.axis;
   if (!is_in_order(run)) of_places = survey(placed.source, axis, false);
   make_stream(run, {.source = placed.source,

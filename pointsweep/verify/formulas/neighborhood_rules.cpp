@@ -61,10 +61,7 @@ Kept within_limits(const Place& p, std::span<const Place> neighbors, std::option
   std::size_t count = neighbors.size();
   if (k) count = *k >= 1 ? static_cast<std::size_t>(std::min(std::floor(*k), static_cast<double>(count))) : 0;
   if (!radius) return {count, true};
-  const auto is_within = [&](const Place& q) {
-    const double distance2 = squared_distance(p, q);
-    return distance2 <= *radius * *radius || std::sqrt(distance2) <= *radius;
-  };
+  const auto is_within = [&](const Place& q) { return squared_distance(p, q) <= *radius * *radius; };
   std::size_t within = 0;
   while (within < count && *radius >= 0 && is_within(neighbors[within])) ++within;
   return {within, true};

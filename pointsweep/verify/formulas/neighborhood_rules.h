@@ -20,8 +20,8 @@ struct Kept {
 /// fewer than `least` neighbours, or no E at all, all are kept.
 Kept of_least_eigenentropy(const Place& p, std::span<const Place> neighbors, std::size_t least);
 
-/// The neighbours that both limits allow: the first floor(k), and those with ((dx² + dy²) + dz²) <= radius² or its root
-/// <= radius, all in float64.
+/// The neighbours that both limits allow: the first floor(k), and those with ((dx² + dy²) + dz²) <= radius · radius in
+/// float64.
 /// A k below 1, a negative radius and NaN allow none.
 Kept within_limits(const Place& p, std::span<const Place> neighbors, std::optional<double> k,
                    std::optional<double> radius);

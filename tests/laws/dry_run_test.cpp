@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+/// What --dry-run says of how each kind of stage takes the points, for every operator of the registry.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "pointsweep/operators/ordered_operator.h"
+#include "pointsweep/pipeline/preview.h"
+#include "tests/pipeline/attribute_cloud.h"
+#include "tests/support/every_operator.h"
+
+namespace pointsweep {
+namespace {
+
+const std::string kRows = "reads the rows in their order; no neighbours are searched";
+const std::string kSearch = "neighbours all within 9";
+
+std::string in_order(const std::string& along, const std::string& how) {
+  return fmt::format("reads the points in order along {}, {}; no neighbours are searched", along, how);
+}
+std::string connecting(const std::string& op) {
+  return kSearch + " / connects neighbours by edges, in the temporary folder; '" + op + "' is known after the pass";
+}
+
+/// By stage, the passages of the passes that it makes itself; {axis} stands for what --axis says.
+std::map<std::string, std::string> expected(const std::string& axis, const std::string& in_plane) {
+  const std::string beside = in_order(axis, "beside those of the other cloud");
+  const std::string disks = in_order(axis, "each held until all points within the radius have come");
+  const std::string voxels = in_order(axis, "those of a voxel together");
+  return {
+      {"normals", kSearch},
+      {"curvature", kSearch},
+      {"splats", kSearch},
+      {"fair", kRows + " / " + kSearch},
+      {"features", kSearch},
+      {"neighborhood_size", kSearch},
+      {"where", kRows},
+      {"crop", kRows},
+      {"set", kRows},
+      {"drop", kRows},
+      {"sor", kSearch + " / " + kRows},
+      {"ror", kSearch},
+      {"lof", kSearch},
+      {"density", kSearch},
+      {"unique", in_order(axis, "equal ones together")},
+      {"decimate", kRows},
+      {"voxel", voxels},
+      {"voxel keep=centroid", voxels + " / " + kRows},
+      {"poisson", disks},
+      {"simplify", kRows + " / " + disks},
+      {"ground", in_order(in_plane, "those of a row of cells together")},
+      {"height", in_order(in_plane, "beside those of the ground")},
+      {"color", kRows + " / " + kRows},
+      {"distance_to", beside},
+      {"m3c2", beside},
+      {"components", connecting("components")},
+      {"dbscan", connecting("clusters")},
+      {"segments", connecting("segments")},
+      {"orient", connecting("normal_signs") + " / " + kRows},
+      {"reneighbor", kRows + " / " + kSearch},
+      {"resort", kSearch},
+  };
+}
+
+class DryRun : public testing::Test {
+ protected:
+  DryRun() : other_(testing::TempDir() + fmt::format("pointsweep-dry-run-{}.xyz", getpid())) {
+    std::ofstream(other_) << "0 0 0\n1 1 1\n";
+    for (const char* name : {"x", "y", "z"}) input_.schema.append(name, Type::f64);
+    for (const char* name : {"nx", "ny", "nz", "k1", "splat_axis_x", "splat_axis_y", "splat_axis_z", "splat_length",
+                             "splat_ratio"})
+      input_.schema.append(name, Type::f32);
+    input_.schema.append("classification", Type::u8);
+    input_.schema.append("intensity", Type::u16);
+    input_.bytes.resize(8 * input_.schema.stride);
+  }
+  ~DryRun() override { std::filesystem::remove(other_); }
+
+  /// The lines on how the passes take the points, with " / " between them.
+  std::string passages(const std::string& pipeline, std::optional<int> axis) const {
+    InputCloud cloud = input_.cloud();
+    EngineOptions options;
+    options.axis = axis;
+    std::istringstream lines(to_text(preview(cloud, build_chain(parse_pipeline(pipeline), cloud), options)));
+    std::string text;
+    for (std::string line; std::getline(lines, line);) {
+      const std::size_t word = line.find(' '), rest = line.find_first_not_of(' ', word);
+      const std::string title = line.substr(0, word);
+      if (title != "reads" && title != "neighbours" && title != "connects") continue;
+      text += (text.empty() ? "" : " / ") + title + " " + line.substr(rest);
+    }
+    return text;
+  }
+
+  std::string other_;
+  Records input_;
+};
+
+/// Notes along which axis the places of its points come, and checks that they do.
+class AxisNote final : public OrderedOperator {
+ public:
+  explicit AxisNote(bool in_plane) : in_plane_(in_plane) {}
+  std::string name() const override { return "axis"; }
+  Contract contract() const override {
+    return {.makes = {scalar("noted", Type::u8, "1", "")}, .alone = true, .has_places = true};
+  }
+  bool in_plane() const override { return in_plane_; }
+  std::uint64_t least_bytes(std::span<const Vec3>, int) const override { return 0; }
+  std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override {
+    class Ascending final : public OrderedWork {
+     public:
+      explicit Ascending(int axis) : axis_(axis) {}
+      unsigned rounds() const override { return 1; }
+      void add(unsigned, const OrderedPoints& points, MadeInOrder&) override {
+        EXPECT_TRUE(std::ranges::is_sorted(points.places, {}, [&](Vec3 p) { return p[axis_]; }));
+      }
+      void end(unsigned, MadeInOrder&) override {}
+
+     private:
+      int axis_;
+    };
+    axis = setup.axis;
+    return std::make_unique<Ascending>(setup.axis);
+  }
+  mutable int axis = -1;
+
+ private:
+  bool in_plane_;
+};
+
+TEST(Axis, OfOperatorsThatTakePointsInOrderIsTheOneThatWasAskedForUnlessTheyLieInAPlane) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 50; ++i) points.push_back({double(i * 7 % 50), double(i * 11 % 50) / 2, double(i * 3 % 50) / 4});
+  for (const bool in_plane : {false, true})
+    for (const int asked : {0, 1, 2}) {
+      const auto note = std::make_shared<AxisNote>(in_plane);
+      EngineOptions options;
+      options.axis = asked;
+      run_in_memory(points, {{}, {note}}, options);
+      EXPECT_EQ(note->axis, in_plane && asked == 2 ? 0 : asked);
+    }
+}
+
+TEST_F(DryRun, SaysHowEveryOperatorTakesThePointsAndAlongWhichAxis) {
+  const EveryOperator every({"normal", "k1", "splat_axis", "splat_length", "splat_ratio", "classification"},
+                            "knn(radius=9)", other_);
+  for (const std::optional<int> axis : {std::optional<int>(), std::optional(1), std::optional(2)}) {
+    const std::string along = axis ? std::string(1, "xyz"[*axis]) : "their longest axis";
+    const std::map<std::string, std::string> texts = expected(along, axis == 1 ? "y" : "x or y");
+    std::set<std::string> asked;
+    const auto ask = [&](const std::string& name, const OperatorCase& one) {
+      asked.insert(name);
+      ASSERT_TRUE(texts.contains(name)) << "add the text of '" << name << "'";
+      EXPECT_EQ(passages(one.pipeline, axis), texts.at(name)) << one.pipeline;
+    };
+    for (const OperatorDeclaration& declaration : all_operators()) {
+      OptionValues values = every.values_of(declaration);
+      ask(declaration.name, every.case_of(declaration, values));
+      if (declaration.name != "voxel") continue;
+      values.give("keep", "centroid");
+      ask("voxel keep=centroid", every.case_of(declaration, values));
+    }
+    EXPECT_EQ(asked.size(), texts.size());
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep
