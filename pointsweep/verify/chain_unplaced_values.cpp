@@ -50,6 +50,22 @@ void ChainValues::leave_unchanged(const Stage& stage, const Surroundings& points
   }
 }
 
+/// False if the stage leaves such points unchanged.
+bool ChainValues::take_unplaced(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
+                                ColumnEstimates& estimates) const {
+  for (const std::uint16_t column : stage.makes) estimates[column].clear();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    CloudPoint point{{{points.x[i], points.y[i], points.z[i]}, points.row[i]}, {}};
+    for (const std::uint16_t column : stage.reads)
+      point.reads.push_back(estimates[column][i * estimates_of(columns_[column])]);
+    const auto made = stage.cloud->unplaced(point);
+    if (!made) return false;
+    for (std::size_t m = 0; m < stage.makes.size(); ++m) estimates[stage.makes[m]].push_back((*made)[m]);
+  }
+  for (const std::uint16_t column : stage.makes) take_estimates(column, estimates, bits);
+  return points.size() > 0;
+}
+
 ChainResults ChainValues::evaluate_unplaced(std::span<const KnownPoint> points, RowSource& in) const {
   const Surroundings around = without_neighbors(points, rings());
   ColumnBytes bits(columns_.size());
@@ -59,6 +75,7 @@ ChainResults ChainValues::evaluate_unplaced(std::span<const KnownPoint> points, 
   const std::vector<bool> certain(points.size());
   for (const Stage& stage : stages_) {
     if (stage.ring < 0) continue;
+    if (stage.cloud && take_unplaced(stage, around, bits, estimates)) continue;
     if (stage.cloud || !is_pointwise(stage.op->contract())) {
       leave_unchanged(stage, around, bits, estimates);
       continue;

@@ -98,6 +98,8 @@ class ChainValues {
   std::optional<ColumnSource> source_of(std::uint16_t column, const OutputColumns& in_output) const;
   CloudInput cloud_input(const Stage& stage, CloudRows& rows) const;
   void evaluate_cloud(const Stage& stage, const Surroundings& around, CloudRows& rows, ColumnEstimates& columns) const;
+  bool take_unplaced(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
+                     ColumnEstimates& estimates) const;
   void leave_unchanged(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
                        ColumnEstimates& estimates) const;
   void take_estimates(std::uint16_t column, const ColumnEstimates& estimates, ColumnBytes& bits) const;

@@ -67,6 +67,20 @@ class MeanFormula final : public CloudFormula {
     return made;
   }
 
+  /// It keeps what the stage reads of it behind the means: each attribute as a whole, or its components.
+  std::optional<std::vector<Estimate>> unplaced(const CloudPoint& point) const override {
+    const Vec3 p = point.at.position;
+    std::vector<Estimate> made = {{.value = {p.x, p.y, p.z}}};
+    std::size_t read = 1;
+    for (const AveragedAttribute& a : averaged_) {
+      Estimate own = point.reads[read];
+      if (a.reads.size() == 3) own.value.y = point.reads[read + 1].value.x, own.value.z = point.reads[read + 2].value.x;
+      made.push_back(own);
+      read += a.reads.size();
+    }
+    return made;
+  }
+
  private:
   formulas::Coordinates voxel_of(Vec3 p) const {
     formulas::Coordinates voxel = formulas::voxel_of({p.x, p.y, p.z}, *size_);

@@ -47,8 +47,8 @@ def knn(
     Formula
     -------
     N_i: the k points of the cloud nearest to p_i without p_i itself, or all within the radius, or the k
-    nearest of these. Distances are ((dx² + dy²) + dz²) in double of the coordinates of the input; equal
-    ones are ordered by x, y, z, then by input row.
+    nearest of these. Distances are d² = ((dx² + dy²) + dz²) in double of the coordinates of the input;
+    equal ones are ordered by x, y, z, then by input row. Within a radius R: d² <= R·R in double.
     k_from, radius_from: point i keeps the first neighbours that its own k or radius allows.
     adaptive=eigenentropy: the k from k_min on for which E = -Σ e_j ln e_j is least; e_1, e_2, e_3 are
     the eigenvalues of the covariance of p_i and its k nearest neighbours, divided by their sum.
@@ -336,8 +336,9 @@ def features(
 
     Undefined
     ---------
-    Points all in one place: all but number_of_neighbors is 0. Points on a line: verticality is 0. If a neighbour
-    has no finite place: all but number_of_neighbors is 0.
+    Points all in one place, or a neighbour without a finite place: all but number_of_neighbors is 0. Points on a
+    line, vertical ones too: verticality is 0, since e3 is any direction across it. Points without a finite place:
+    all is 0.
 
     Source
     ------
@@ -483,8 +484,9 @@ def set(
 
     Undefined
     ---------
-    A value that the type cannot hold ends the run, naming the row. Points without a finite place get 0, and keep
-    their place.
+    A value that the type cannot hold ends the run, naming the row, and so does a coordinate that is not finite of a
+    point that has a finite place. Points without one are assigned to like all others: their coordinates are NaN or
+    infinite.
 
     Cost
     ----
@@ -509,7 +511,7 @@ def drop(attributes: str | Sequence[str]) -> Stage:
 
     Undefined
     ---------
-    X, y and z are never dropped.
+    The coordinates x, y and z are never dropped.
 
     Cost
     ----
@@ -608,7 +610,7 @@ def ror(radius: float, *, min_neighbors: int = 2) -> Stage:
 
     Undefined
     ---------
-    A neighbour that has no finite place is not within the radius.
+    A neighbour that has no finite place is not within the radius. A point that has none is an outlier.
 
     Source
     ------
@@ -690,7 +692,8 @@ def density(radius: float | None = None) -> Stage:
 
     Undefined
     ---------
-    0 without neighbours, where all lie on the point, and where one has no finite place; with radius, never.
+    0 without neighbours, where all lie on the point, and where one has no finite place; with radius only for a
+    point that has no finite place itself.
 
     Source
     ------
@@ -746,7 +749,7 @@ def decimate(share: float, *, seed: int = 0) -> Stage:
 
     Source
     ------
-    M: Steele, Lea and Flood, Fast splittable pseudorandom number generators (OOPSLA 2014).
+    The function m: Steele, Lea and Flood, Fast splittable pseudorandom number generators (OOPSLA 2014).
 
     Cost
     ----
@@ -786,8 +789,8 @@ def voxel(size: float, *, keep: Literal["center", "hash", "centroid"] = "center"
 
     Undefined
     ---------
-    Points without a finite place all stay; with keep=centroid the averaged attributes are 0 there. The mean of
-    values none of which is finite is NaN.
+    Points without a finite place all stay, with the values they have. The mean of values none of which is finite is
+    NaN.
 
     Cost
     ----
@@ -817,6 +820,7 @@ def poisson(radius: float, *, radius_from: str | None = None) -> Stage:
     -------
     In ascending order of h_i (ties by x, y, z, then row) a point is kept unless a kept point j has
     |p_i - p_j|² <= r_i², ((dx² + dy²) + dz²) in float64.
+    So of two points at exactly the radius the first in that order stays, and the other is left out.
     h: the hash of decimate with the seed 0x706f6973736f6e.
     r_i = radius, or min(radius_from, radius); 0 where radius_from is NaN or negative.
 
@@ -922,11 +926,11 @@ def ground(
        values in its row and column, at most 3R + 3 cells away; w, e, s, n: their distances;
        missing sides count 0. Without any it is absent.
     2. open(A, r): the greatest, over a disk dx² + dy² <= r², of the least of A over a disk;
-       absent cells count for nothing. Pits: -F(Z) - open(-F(Z), 1) > 5 cell.
+       absent cells count for nothing and stay absent. Pits: -F(Z) - open(-F(Z), 1) > 5 cell.
     3. S_0 = F(Z); S_r = open(S_(r-1), r), r = 1 ... R. Objects: for some r
        S_(r-1) - S_r > slope (cell r).
     4. G = F(Z without the cells of pits and objects); g = sqrt(gx² + gy²) in each cell, by
-       central differences of G, one-sided next to absent cells.
+       central differences of G, one-sided next to an absent cell, 0 between two of them.
     5. G(p), g(p): bilinear between the centres of the four cells around p; where one of these
        is absent, those of the cell of p.
        Ground: points that take part with |z - G(p)| <= threshold + scalar g(p).
@@ -934,7 +938,7 @@ def ground(
     Undefined
     ---------
     Points that do not take part, and those where G is absent, are not ground. What is not ground keeps its class,
-    but 1 in the place of 2, and 1 where the cloud has no classes. Points without a finite place get 1.
+    but 1 in the place of 2, and 1 where the cloud has no classes. Points without a finite place keep their class.
 
     Source
     ------
@@ -1038,7 +1042,7 @@ def color(
 
     Undefined
     ---------
-    NaN is grey (128). Points without a finite place are black.
+    NaN is grey (128).
 
     Source
     ------
@@ -1087,7 +1091,7 @@ def distance_to(cloud: str | os.PathLike[str] | Cloud, *, most: float | None = N
 
     Cost
     ----
-    A pass that puts the points in order along x or y; the other cloud is put in the same order in the temporary
+    A pass that puts the points in order along an axis; the other cloud is put in the same order in the temporary
     folder (32 bytes a point, and as much while it is ordered), and memory holds what is near the front.
 
     In a text
@@ -1125,9 +1129,10 @@ def m3c2(cloud: str | os.PathLike[str] | Cloud, cylinder: float, depth: float, *
 
     Formula
     -------
-    Points of each cloud within cylinder / 2 of the line through p_i along n_i, and within depth of p_i along
-    it, have places a_j = (p_j - p_i) . n_i. With their mean m, their standard deviation s (of n - 1) and their
-    number n: distance m_2 - m_1; level of detection 1.96 (sqrt(s_1² / n_1 + s_2² / n_2) + registration).
+    u_i = n_i / |n_i| in float64. Points of each cloud within R = cylinder / 2 of the line through p_i along
+    u_i, |(p_j - p_i) × u_i|² <= R·R, and within depth of p_i along it have places a_j = (p_j - p_i) . u_i.
+    With their mean m, their standard deviation s (of n - 1) and their number n: distance m_2 - m_1; level
+    of detection 1.96 (sqrt(s_1² / n_1 + s_2² / n_2) + registration).
 
     Undefined
     ---------
@@ -1142,7 +1147,7 @@ def m3c2(cloud: str | os.PathLike[str] | Cloud, cylinder: float, depth: float, *
 
     Cost
     ----
-    A pass that puts the points in order along x or y and reads them twice; both clouds are kept in the temporary
+    A pass that puts the points in order along an axis and reads them twice; both clouds are kept in the temporary
     folder (32 bytes a point), and memory holds what is near the front; time grows with the points in a cylinder,
     and each thread needs 8 bytes for each of them, which --memory does not count.
 
@@ -1347,15 +1352,17 @@ def orient(
     points, each by x, y, z, row. Along an edge of the minimum spanning forest signs s agree with the
     sign of n_i . n_j, where 0 counts as +.
     The signs of a component are turned together so that the larger in absolute value of
-    Σ s n_z and Σ s n . (p - c) / e is positive, c its centroid, e its mean extent: up for open
-    surfaces, outwards for closed ones. With viewpoint v: Σ sign(s n . (v - p)). If that is 0, the
-    normal of the highest point points up.
+    Σ s n_z and Σ s n . (p - c) / e is positive, of equal ones the first; c is its centroid and e the mean
+    of the three edges of its bounding box: up for open surfaces, outwards for closed ones. n counts in
+    steps of 2^-20, p in steps of 2^-32, summed exactly. With viewpoint v: Σ sign(s n . (v - p)). If that
+    is 0, the normal of the highest point points up; if that is level, the one of the first point by x,
+    y, z, row stays.
     trajectory: n . (s(t) - p) >= 0, s(t) on the straight line between the places before and after t.
 
     Undefined
     ---------
-    Normals of 0 stay 0; with a trajectory points without a time keep their normal. Times more than 1 s outside of
-    the trajectory end the run.
+    Normals of 0 stay 0. Points without a finite place keep their normal, and with a trajectory also those without a
+    time. Times more than 1 s outside of the trajectory end the run.
 
     Source
     ------

@@ -108,13 +108,13 @@ class VerifyOperators : public Tool {
 
 TEST_F(VerifyOperators, EveryRadiusAtTheLeastThatHoldsAPointAndNextToIt) {
   const PairAtRadius& pair = pairs_at_radius().back();
-  const std::string header = "x,y,z,nx,ny,nz,own\n";
+  const std::string header = "x,y,z,nx,ny,nz,k1,own\n";
   write("other.xyz", fmt::format("{} {} {}\n", pair.q.x, pair.q.y, pair.q.z));
   for (const auto& [name, text] : radius_pipelines())
     for (const double r : {PairAtRadius::below(pair.radius), pair.radius, PairAtRadius::above(pair.radius)}) {
       std::string rows;
       for (const Vec3 p : {pair.p, pair.q, pair.p + Vec3{1000, 0, 0}, pair.p + Vec3{0, 3000, 0}})
-        rows += fmt::format("{},{},{},0,0,1,{}\n", p.x, p.y, p.z, r);
+        rows += fmt::format("{},{},{},0,0,1,1,{}\n", p.x, p.y, p.z, r);
       write("in.csv", header + rows);
       const std::string pipeline = radius_pipeline(text, r, (folder_ / "other.xyz").string());
       made("run in.csv out.ply -f -q --pipeline '" + pipeline + "'", "out.ply");

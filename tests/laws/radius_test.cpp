@@ -36,7 +36,7 @@ class RadiusRule : public testing::Test {
     for (const char* name : {"nx", "ny", "nz", "k1"}) input.schema.append(name, Type::f32);
     input.bytes.resize(points.size() * input.schema.stride);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const double values[] = {points[i].x, points[i].y, points[i].z, radius, 0, 0, 1, 0};
+      const double values[] = {points[i].x, points[i].y, points[i].z, radius, 0, 0, 1, 1};
       for (std::size_t f = 0; f < input.schema.fields.size(); ++f)
         set_value(input.schema.fields[f], input.bytes.data() + i * input.schema.stride, values[f]);
     }

@@ -60,8 +60,8 @@ inline const std::map<std::string, std::string>& radius_pipelines() {
       {"dbscan eps", "knn(radius={wide}) | dbscan(eps={r}, min_points=2)"},
       {"poisson radius", "poisson({r})"},
       {"poisson radius_from", "poisson(100, radius_from=own)"},
-      {"simplify most", "set(k1 = 0) | simplify(1e-9, most={r})"},
-      {"simplify least", "set(k1 = 1e30) | simplify(1e-30, most=100, least={r})"},
+      {"simplify most", "simplify(1e10, most={r})"},
+      {"simplify least", "simplify(1e-300, most=100, least={r})"},
       {"distance_to most", "distance_to({other}, most={r})"},
       {"m3c2 cylinder", "m3c2({other}, cylinder={wide}, depth=1)"}};
   return pipelines;
