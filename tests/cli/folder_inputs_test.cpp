@@ -68,6 +68,19 @@ TEST_F(FolderInputs, AFileWhoseNameLooksLikeAPatternIsItself) {
   EXPECT_EQ(points_in("'a[1].ply'"), 20u);
 }
 
+TEST_F(FolderInputs, AFolderWhoseNameLooksLikeAPatternIsItselfWithinAPattern) {
+  for (const char* folder : {"scan [2]", "scan 2", "deep [ab]/a"}) std::filesystem::create_directories(folder_ / folder);
+  made("generate statue 'scan [2]/a.ply' -n 20");
+  made("generate statue 'scan 2/a.ply' -n 30");
+  made("generate statue 'deep [ab]/a/[c].ply' -n 40");
+  EXPECT_EQ(points_in("'scan [2]/*.ply'"), 20u);
+  EXPECT_EQ(points_in("'scan [2-3]/*.ply'"), 30u);
+  EXPECT_EQ(points_in("'deep [ab]/?/*.ply'"), 40u);
+  made("sort 'scan [2]/*.ply' sorted.ply");
+  made("run 'deep [ab]/**/*.ply' out/ --pipeline 'decimate(1)'");
+  EXPECT_TRUE(exists("out/a/[c].ply"));
+}
+
 TEST_F(FolderInputs, SeveralArgumentsOfAllKindsMayBeMixed) {
   made("generate statue more.ply -n 10");
   made("normals more.ply 'tiles/*.las' tiles/deep -o out.ply");

@@ -17,7 +17,13 @@ namespace fs = std::filesystem;
 
 bool has_wildcard(const std::string& name) { return name.find_first_of("*?[") != name.npos; }
 
-/// Follows the names of a pattern from folder to folder.
+/// Whether the path has a wildcard in its last name, which no file or folder has as its own name.
+bool ends_with_pattern(const fs::path& path) {
+  std::error_code error;
+  return has_wildcard(path.filename().string()) && !fs::exists(fs::symlink_status(path, error));
+}
+
+/// Follows the names of a pattern from folder to folder. Where a name exists as it stands, it is that name.
 class Matcher {
  public:
   explicit Matcher(const fs::path& pattern) : names_(pattern.begin(), pattern.end()) {}
@@ -35,7 +41,7 @@ class Matcher {
     const std::string name = names_[n].string();
     if (name.empty()) return void(found_.insert(folder));
     if (name == "**") return follow_any_depth(folder, n);
-    if (!has_wildcard(name)) return go_on(folder / name, n);
+    if (!ends_with_pattern(folder / name)) return go_on(folder / name, n);
     for (const fs::directory_entry& entry : entries_of(folder))
       if (::fnmatch(name.c_str(), entry.path().filename().c_str(), FNM_PERIOD) == 0) go_on(entry.path(), n);
   }
@@ -75,7 +81,7 @@ std::vector<fs::path> matches_of(const fs::path& pattern) { return Matcher(patte
 
 fs::path fixed_part(const fs::path& pattern) {
   fs::path fixed;
-  for (auto name = pattern.begin(); std::next(name) != pattern.end() && !has_wildcard(name->string()); ++name)
+  for (auto name = pattern.begin(); std::next(name) != pattern.end() && !ends_with_pattern(fixed / *name); ++name)
     fixed /= *name;
   return fixed;
 }
