@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "pointsweep/formats/files/standard_streams.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/render/attribute_unit.h"
+#include "pointsweep/pipeline/registry.h"
 #include "pointsweep/report/pictured_attribute.h"
 #include "pointsweep/report/run_report.h"
 
@@ -117,18 +119,22 @@ RunSummary summary_of(const ResolvedFiles& files, const InputCloud& input, const
   return summary;
 }
 
-/// What degenerate results are, and where their rows are listed.
-std::string about_degenerate(const Statistics& s, const std::filesystem::path& stats) {
-  return fmt::format(
-      "{} undefined because the points have too few neighbours, or neighbours that all lie on a line or in one place: "
-      "there normals, curvatures and splats are 0 and fair leaves the point in place; {} of the points",
-      s.degenerate == 1 ? "one result is" : fmt::format("{} results are", s.degenerate),
-      stats.empty() ? "--stats FILE lists the rows"
-                    : fmt::format("degenerate_rows in {} lists the rows", stats.string()));
+/// A sentence for each stage that marked points as degenerate; those of two stages of one name may be the same.
+std::set<std::string> about_degenerate(const Statistics& s, const std::filesystem::path& stats) {
+  const std::string rows = stats.empty() ? "--stats FILE lists the rows"
+                                         : fmt::format("degenerate_rows in {} lists the rows", stats.string());
+  std::set<std::string> sentences;
+  for (const DegenerateResults& results : s.degenerate_results) {
+    const OperatorDeclaration* const declaration = declaration_of(results.stage);
+    if (results.count == 0 || declaration == nullptr) continue;
+    sentences.insert(fmt::format("{}: {} points {} ({}).", results.stage, grouped_text(results.count),
+                                 declaration->degenerate, rows));
+  }
+  return sentences;
 }
 
 /// "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory"
-std::string conclusion(const ResolvedFiles& files, const Statistics& s, const std::filesystem::path& stats) {
+std::string conclusion(const ResolvedFiles& files, const Statistics& s) {
   std::string text =
       fmt::format("wrote {}: ", is_standard_stream(files.output) ? "standard output" : files.output.string());
   if (!files.tiles.empty())
@@ -138,7 +144,6 @@ std::string conclusion(const ResolvedFiles& files, const Statistics& s, const st
   text += fmt::format(" in {:.1f} s", s.total_seconds);
   if (s.total_seconds > 0) text += fmt::format(", {}/s", count_text(static_cast<double>(s.points) / s.total_seconds));
   text += fmt::format(", at most {} of memory", size_text(s.peak_rss_bytes));
-  if (s.degenerate > 0) text += "; " + about_degenerate(s, stats);
   const std::uint64_t kept = s.nonfinite - s.dropped;
   if (kept > 0) text += fmt::format("; {} with coordinates that are not finite", kept);
   return text;
@@ -194,7 +199,9 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
   const Statistics statistics = work(cloud, files, run);
   if (stats) complete(*stats, to_json(statistics) + "\n");
   if (report) complete(*report, report_of(summary_of(files, cloud, statistics, display)));
-  display.say(Severity::note, conclusion(files, statistics, options.stats));
+  for (const std::string& sentence : about_degenerate(statistics, options.stats))
+    display.say(Severity::warning, sentence);
+  display.say(Severity::note, conclusion(files, statistics));
 }
 
 void look_at_cloud(const InputsAndOutput& paths, const CommonOptions& options,

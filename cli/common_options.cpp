@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "cli/help.h"
 #include "cli/quantities.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
@@ -65,7 +66,7 @@ CloudOptions cloud_options(const CommonOptions& options) {
 }
 
 void add_progress_options(CLI::App& verb, CommonOptions& options) {
-  verb.add_flag("-q,--quiet", options.quiet, "Print errors only");
+  verb.add_flag("-q,--quiet", options.quiet, "Print errors only")->group(kOtherGroup);
   verb.add_option_function<int>(
           "--progress-fd",
           [&options](int descriptor) {
@@ -73,62 +74,72 @@ void add_progress_options(CLI::App& verb, CommonOptions& options) {
             options.progress_descriptor = descriptor;
           },
           "Write progress to this open file descriptor, one JSON object per line")
-      ->type_name("N");
+      ->type_name("N")
+      ->group(kOtherGroup);
 }
 
 void add_thread_option(CLI::App& verb, CommonOptions& options) {
   options.threads = static_cast<int>(thread_count());
   verb.add_option("--threads", options.threads, "Number of threads (default: one per processor)")
       ->type_name("N")
+      ->group(kMachineGroup)
       ->check(CLI::Range(1, kMostThreads).description(""));
 }
 
 void add_force_option(CLI::App& verb, CommonOptions& options) {
-  verb.add_flag("-f,--force", options.force, "Overwrite existing outputs");
+  verb.add_flag("-f,--force", options.force, "Overwrite existing outputs")->group(kOutputGroup);
 }
 
 void add_crs_option(CLI::App& verb, CommonOptions& options) {
   verb.add_flag("--ignore-crs", options.ignore_crs,
                 "Take coordinates as they are: merge inputs of different systems without a transformation, take "
-                "degrees for lengths, do not convert defaults to feet");
+                "degrees for lengths, do not convert defaults to feet")
+      ->group(kOtherGroup);
 }
 
 void add_format_option(CLI::App& verb, std::string& format) {
   verb.add_option("--format", format,
-                  "Format of inputs that have no signature; all others are recognised by their content")
-      ->type_name(formats_asked_for());
+                  "Format of inputs without a signature (all others are recognised by their content)")
+      ->type_name(formats_asked_for())
+      ->group(kOtherGroup);
 }
 
 void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meaning) {
   verb.add_option_function<std::string>(
           "--memory", [&options](const std::string& text) { options.memory = parse_size("--memory", text); }, meaning)
-      ->type_name("SIZE");
+      ->type_name("SIZE")
+      ->group(kMachineGroup);
 }
 
 void add_axis_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
           "--axis", [&options](const std::string& name) { options.axis = parse_axis(name); },
-          "Sweep axis; auto is the axis of the largest extent (default: auto)")
-      ->type_name("auto|x|y|z");
+          "Axis along which the run sweeps; auto is the longest (default: auto)")
+      ->type_name("auto|x|y|z")
+      ->group(kMachineGroup);
 }
 
 void add_stream_options(CLI::App& verb, CommonOptions& options) {
   add_memory_option(
       verb, options,
-      "Memory budget of the whole process, e.g. 800M, 2GB or 4GiB; units are powers of 1024 (default: half of the "
-      "available memory)");
+      "Memory budget of the whole process, e.g. 800M, 2GB or 4GiB, in powers of 1024 (default: half of the available "
+      "memory)");
   verb.add_option(
           "--temp-dir", options.temp_dir,
-          "Existing folder for temporary files; they are needed where the cloud does not fit the budget (default: the "
-          "system's temporary folder)")
-      ->type_name("DIR");
+          "Existing folder for temporary files, which a cloud beyond the budget needs (default: that of the system)")
+      ->type_name("DIR")
+      ->group(kMachineGroup);
   verb.add_option("--resume", options.resume,
                   "Keep checkpoints in this folder. Rerun the command to resume after an interruption")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->group(kMachineGroup);
   add_axis_option(verb, options);
-  verb.add_option("--stats", options.stats, "Write statistics of the run to this JSON file")->type_name("FILE");
+  verb.add_option("--stats", options.stats, "Write statistics of the run to this JSON file")
+      ->type_name("FILE")
+      ->group(kOutputGroup);
   verb.add_option("--report", options.report, "Write a page about the run to this HTML file, with plots and a picture")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->group(kOutputGroup);
   // For figures of the sweep and for tests, not for users.
   verb.add_option("--half-way-states", options.half_way)->group("");
   verb.add_option("--checkpoint-seconds", options.checkpoint_seconds)->group("")->check(CLI::NonNegativeNumber);
@@ -137,33 +148,40 @@ void add_stream_options(CLI::App& verb, CommonOptions& options) {
 void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning) {
   verb.add_option_function<std::string>(
           "--keep", [&keep](const std::string& text) { keep = parse_names(text); }, meaning)
-      ->type_name("A,B,...");
+      ->type_name("A,B,...")
+      ->group(kOutputGroup);
 }
 
 void add_dry_run_option(CLI::App& verb, CommonOptions& options) {
-  verb.add_flag("--dry-run", options.dry_run, "Print the plan and the memory it takes; write nothing");
+  verb.add_flag("--dry-run", options.dry_run, "Print the plan and the memory it takes; write nothing")
+      ->group(kMachineGroup);
 }
 
 void add_order_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
           "--order", [&options](const std::string& name) { options.order = parse_order(name); },
           "Order of the points in the output: as in the input, or ascending along the sweep axis (default: input)")
-      ->type_name("input|sweep");
+      ->type_name("input|sweep")
+      ->group(kOutputGroup);
 }
 
 void add_nonfinite_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
           "--nonfinite", [&options](const std::string& name) { options.nonfinite = parse_nonfinite(name); },
-          "Points with NaN or infinite coordinates: keep (default), drop (default for LAS) or refuse")
-      ->type_name("keep|drop|refuse");
+          "Keep, drop or refuse points with NaN or infinite coordinates (default: keep; drop for LAS outputs)")
+      ->type_name("keep|drop|refuse")
+      ->group(kOtherGroup);
 }
 
 void add_naming_options(CLI::App& verb, CommonOptions& options) {
-  verb.add_option("--replace", options.replace, "Attributes of the input that may be overwritten, e.g. curvature")
+  verb.add_option("--replace", options.replace,
+                  "Allow computed attributes to overwrite these of the input, e.g. curvature,color")
       ->delimiter(',')
-      ->type_name("A,B,...");
-  verb.add_option("--prefix", options.prefix, "Write the made attributes with this before their names")
-      ->type_name("NAME");
+      ->type_name("A,B,...")
+      ->group(kOutputGroup);
+  verb.add_option("--prefix", options.prefix, "Put this before the names of computed attributes")
+      ->type_name("NAME")
+      ->group(kOutputGroup);
 }
 
 void add_provenance_options(CLI::App& verb, CommonOptions& options) {
@@ -173,25 +191,28 @@ void add_provenance_options(CLI::App& verb, CommonOptions& options) {
             if (what != "names" && what != "paths") fail_usage("--provenance: '{}' is not names or paths.", what);
             options.provenance_paths = what == "paths";
           },
-          "The output says how it was made, with the names (default) or the absolute paths of its inputs")
-      ->type_name("names|paths");
+          "Record inputs by their names or by their absolute paths in the processing record (default: names)")
+      ->type_name("names|paths")
+      ->group(kOutputGroup);
   verb.add_flag_function(
-      "--no-provenance", [&options](std::int64_t) { options.provenance = false; },
-      "The output does not say how it was made");
+          "--no-provenance", [&options](std::int64_t) { options.provenance = false; }, "Omit the processing record")
+      ->group(kOutputGroup);
 }
 
 void add_engine_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
           "--engine", [&options](const std::string& name) { options.engine = parse_engine(name); },
-          "exact, or reference: the paper's own algorithm, slow and not always exact (default: exact)")
-      ->type_name("exact|reference");
+          "Use the exact engine, or the paper's own algorithm, which is slow and not always exact (default: exact)")
+      ->type_name("exact|reference")
+      ->group(kOtherGroup);
 }
 
 void add_positions_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
           "--positions", [&options](const std::string& name) { options.moved_positions = parse_position_type(name); },
           "Type of x, y and z of moved points (default: float64; a LAS file keeps the grid of a LAS input)")
-      ->type_name("float32|float64");
+      ->type_name("float32|float64")
+      ->group(kOutputGroup);
 }
 
 }  // namespace pointsweep

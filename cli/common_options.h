@@ -69,9 +69,8 @@ void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meani
 std::vector<std::string> parse_names(const std::string& text);
 /// --keep A,B,...
 inline constexpr const char* kKeepMeaning =
-    "Attributes to write, by the name of the attribute or of its column in the output, e.g. normal or "
-    "x,y,z,intensity,nx. Of the computed attributes those named are written, or all if none is named; of those of the "
-    "input likewise; x, y and z always are (default: all)";
+    "Write only these attributes, by name or by column, e.g. normal or x,y,z,intensity,nx. Where no computed attribute "
+    "is named, all of them are written; where none of the input is named, all of those (default: all)";
 void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning);
 /// --dry-run
 void add_dry_run_option(CLI::App& verb, CommonOptions& options);

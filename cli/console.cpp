@@ -3,8 +3,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 
@@ -44,6 +46,13 @@ void print(std::string_view text) {
   const int error = write_all(STDOUT_FILENO, text);
   const bool is_closed = error == EPIPE || error == EBADF;
   if (!is_closed && first_error == 0) first_error = error;
+}
+
+std::size_t text_columns() {
+  constexpr std::size_t kNoTerminal = 80, kWidest = 100, kNarrowest = 60;
+  winsize size{};
+  if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kNoTerminal;
+  return std::clamp<std::size_t>(size.ws_col, kNarrowest, kWidest);
 }
 
 int printing_error() { return first_error; }

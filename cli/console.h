@@ -3,6 +3,7 @@
 /// where its words go changes no status of a verb but one: a full standard output is an error.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -16,6 +17,9 @@ void open_console();
 
 /// Writes a text to standard output. Where that is closed, or its reader has gone, the text is dropped.
 void print(std::string_view text);
+
+/// Width of lines of text on standard output: of the terminal, at most 100; 80 where it is no terminal.
+std::size_t text_columns();
 
 /// The first error of print() other than a closed standard output, as errno; 0 if there was none.
 int printing_error();

@@ -71,8 +71,7 @@ std::string footer() {
   for (const auto& shape : all_shapes()) text += fmt::format("  {:<10}{}\n", shape->name(), shape->meaning());
   return text +
          "\nPoints come in random order, with the normals of the shape where it has them. Row i depends on shape, seed "
-         "and\n"
-         "options only, so the same command gives the same bytes on every machine.\n"
+         "and options only, so the same command gives the same bytes on every machine.\n"
          "\nExample: two million points of a statue, half a millimetre of noise, one point in a thousand astray:\n"
          "  pointsweep generate statue statue.ply -n 2M --noise 0.0005 --outliers 0.001";
 }
@@ -94,7 +93,7 @@ void add_sampling_options(CLI::App& verb, Sampling& sampling) {
                   "Share of points, 0 to 1, that lie at random in a larger box, with normal 0 (default: 0)")
       ->type_name("FRACTION");
   verb.add_option("--outlier-box", sampling.outlier_box,
-                  "Size of that box as a multiple of the size of the shape (default: 20)")
+                  "Size of the box of outliers as a multiple of the size of the shape (default: 20)")
       ->type_name("FACTOR");
   verb.add_option_function<std::string>(
           "--origin",
@@ -104,7 +103,7 @@ void add_sampling_options(CLI::App& verb, Sampling& sampling) {
           },
           "Move the cloud, e.g. to map coordinates; implies --double")
       ->type_name("X,Y,Z");
-  verb.add_flag("--double", sampling.float64, "Coordinates as float64 instead of float32");
+  verb.add_flag("--double", sampling.float64, "Write coordinates as float64 instead of float32");
 }
 
 }  // namespace
@@ -113,7 +112,7 @@ void add_generate_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("generate", "Generate a point cloud of a known shape, of any size");
   auto options = std::make_shared<GenerateOptions>();
   verb.add_option("SHAPE", options->shape, "Name of a shape (see below)")->required()->type_name("");
-  verb.add_option("OUT", options->positional, "File to write; the extension says the format")->type_name("");
+  verb.add_option("OUT", options->positional, "File to write, in the format of its extension")->type_name("");
   add_output_option(verb, options->output);
   add_sampling_options(verb, options->sampling);
   add_thread_option(verb, options->common);

@@ -15,12 +15,6 @@ std::size_t columns_of(std::string_view text) {
   return columns;
 }
 
-std::string rest_of_line(std::istream& text) {
-  std::string line;
-  std::getline(text, line);
-  return line;
-}
-
 }  // namespace
 
 std::string wrapped(std::string_view text, std::size_t indent, std::size_t columns) {
@@ -57,6 +51,16 @@ std::string HelpFormatter::make_description(const CLI::App* app) const {
   return wrapped(app->get_description(), 0) + "\n\n";
 }
 
+std::string HelpFormatter::options_in_groups(const CLI::App* app) const {
+  std::string text;
+  for (const char* group : kGroups) {
+    const auto options = app->get_options(
+        [&](const CLI::Option* option) { return option->get_group() == group && option->nonpositional(); });
+    if (!options.empty()) text += make_group(group, false, options);
+  }
+  return text;
+}
+
 std::string HelpFormatter::make_option(const CLI::Option* option, bool positional) const {
   return row(make_option_name(option, positional) + make_option_opts(option), make_option_desc(option));
 }
@@ -79,9 +83,10 @@ std::string HelpFormatter::make_option_usage(const CLI::Option* option) const {
   return (optional ? "[" : "") + name + (several ? "..." : "") + (optional ? "]" : "");
 }
 
-/// One empty line between groups, where the parser's own formatter leaves two.
+/// One empty line between parts, where the parser's own formatter leaves two.
 std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
-  std::string text = CLI::Formatter::make_help(app, std::move(name), mode);
+  std::string text = make_description(app) + make_usage(app, std::move(name)) + make_positionals(app) +
+                     options_in_groups(app) + make_subcommands(app, mode) + "\n" + make_footer(app);
   while (text.ends_with("\n\n")) text.pop_back();
   for (std::size_t at = 0; (at = text.find("\n\n\n", at)) != text.npos;) text.erase(at, 1);
   return text;
@@ -93,11 +98,17 @@ std::string HelpFormatter::make_subcommand(const CLI::App* verb) const {
 
 std::string HelpFormatter::make_footer(const CLI::App* app) const {
   std::istringstream footer(app->get_footer());
-  std::string text;
-  while (footer.peek() != std::istream::traits_type::eof()) {
-    const std::string line = rest_of_line(footer);
-    text += (line.starts_with(' ') ? line : wrapped(line, 0)) + "\n";
+  std::string text, paragraph;
+  const auto end_paragraph = [&] {
+    if (!paragraph.empty()) text += wrapped(paragraph, 0) + "\n";
+    paragraph.clear();
+  };
+  for (std::string line; std::getline(footer, line);) {
+    const bool is_kept = line.empty() || line.starts_with(' ');
+    if (is_kept) end_paragraph();
+    is_kept ? text += line + "\n" : paragraph += line + " ";
   }
+  end_paragraph();
   return text;
 }
 

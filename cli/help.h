@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// How help looks: at most 100 columns, plain names, and IN... OUT where the last of a verb's files is its output.
+/// How help looks: as wide as the terminal, flags in groups, plain names, and IN... OUT where the last of the files of a
+/// verb is its output.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -7,16 +8,26 @@
 #include <string>
 #include <string_view>
 
+#include "cli/console.h"
+
 namespace pointsweep {
 
 inline constexpr const char* kInputsAndOutput = "FILES";  ///< to the parser IN... OUT is one list of this name
-inline constexpr std::size_t kHelpColumns = 100;
+
+/// Groups of flags, in the order of the help. The first holds what only one verb or a few have.
+inline constexpr const char* kOwnGroup = "Options";
+inline constexpr const char* kNeighborGroup = "Neighbours";
+inline constexpr const char* kOutputGroup = "Output";
+inline constexpr const char* kMachineGroup = "Memory and machine";
+inline constexpr const char* kOtherGroup = "Other";
+inline constexpr const char* kGroups[] = {kOwnGroup, kNeighborGroup, kOutputGroup, kMachineGroup, kOtherGroup};
 
 /// `text` broken at blanks into lines of at most `columns` characters. The first line begins at column `indent` of a
 /// line that the caller has begun; the others get `indent` blanks. A word longer than a line stays whole.
-std::string wrapped(std::string_view text, std::size_t indent, std::size_t columns = kHelpColumns);
+std::string wrapped(std::string_view text, std::size_t indent, std::size_t columns = text_columns());
 
-/// Lays help out. In footers, lines that begin with a blank (examples, tables) are kept; the others are wrapped.
+/// Lays help out. In footers, lines that begin with a blank (examples, tables) are kept; those between are paragraphs,
+/// which are wrapped.
 class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter();
@@ -30,6 +41,7 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_footer(const CLI::App* app) const override;
 
  private:
+  std::string options_in_groups(const CLI::App* app) const;
   std::string row(const std::string& left, const std::string& right) const;
 };
 

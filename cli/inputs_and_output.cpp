@@ -102,6 +102,8 @@ std::vector<fs::path> tiles_in(const InputsAndOutput& named, const std::vector<L
 
 void require_folder_for_format(const InputsAndOutput& named, bool is_folder) {
   if (is_folder || named.output_format.empty()) return;
+  if (is_standard_stream(named.output()))
+    fail_usage("--output-format: standard output is PLY; for another format name an output file.");
   fail_usage("--output-format: {} is a file, and its name says its format; leave the option out, or name a folder.",
              named.output().string());
 }
@@ -135,19 +137,21 @@ void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* o
 }
 
 void add_recursive_option(CLI::App& verb, bool& recursive) {
-  verb.add_flag("--recursive", recursive, "Folders stand for the point files in their folders, too");
+  verb.add_flag("--recursive", recursive, "Read the folders inside of folders, too")->group(kOtherGroup);
 }
 
 void add_output_format_option(CLI::App& verb, std::string& format) {
   verb.add_option_function<std::string>(
           "--output-format", [&format](const std::string& text) { format = parse_output_format(text); },
           "Format of all files in a folder of outputs, e.g. laz or ply (default: that of each input)")
-      ->type_name("EXT");
+      ->type_name("EXT")
+      ->group(kOutputGroup);
 }
 
 void add_output_option(CLI::App& verb, fs::path& output) {
-  verb.add_option("-o,--output", output, "Output; all other files are then inputs (default: the last file)")
-      ->type_name("FILE");
+  verb.add_option("-o,--output", output, "Output file or folder (default: the last argument)")
+      ->type_name("FILE")
+      ->group(kOutputGroup);
 }
 
 ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format) {

@@ -7,6 +7,7 @@
 #include "cli/cloud_run.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/help.h"
 #include "cli/stage_options.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
@@ -99,7 +100,8 @@ void add_neighbors_command(CLI::App& app) {
   verb.get_option("-k")->description(
       fmt::format("Number of neighbours, excluding the point, and of columns (default: {})", default_k()));
   verb.add_option("--distances", command->distances, "Write the distances, float64, to this .npy file")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->group(kOutputGroup);
   add_keep_option(verb, command->common.keep,
                   "Arrays to write: neighbors, distances or both; distances alone go to OUT (default: neighbors, and "
                   "distances with --distances)");

@@ -108,6 +108,20 @@ std::vector<ListedOperator> listed_operators(const std::vector<std::string>& nam
   return operators;
 }
 
+std::string command_of_operator(const std::string& name) {
+  const bool is_knn = name == neighborhood_declaration().name;
+  const OperatorDeclaration* const declaration = declaration_of(name);
+  if (!is_knn && declaration == nullptr) return "";
+  return fmt::format("pointsweep run IN... OUT --pipeline '{}'",
+                     is_knn ? neighborhood_declaration().example : declaration->example);
+}
+
+std::string help_of_operator(const std::string& name) {
+  const std::string command = command_of_operator(name);
+  if (command.empty()) return "";
+  return fmt::format("{}\nUsage: {}\n", to_text(listed_operators({name})), command);
+}
+
 std::string to_text(const std::vector<ListedOperator>& operators) {
   std::string text;
   for (const ListedOperator& listed_one : operators) text += operator_text(listed_one);

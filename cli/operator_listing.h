@@ -27,6 +27,11 @@ std::string default_k_text(const Contract& contract);
 /// an unknown one.
 std::vector<ListedOperator> listed_operators(const std::vector<std::string>& names);
 
+/// Of one operator or knn, for the terminal, and how to run it; empty where nothing has that name.
+std::string help_of_operator(const std::string& name);
+/// "pointsweep run IN... OUT --pipeline 'voxel(0.5)'"; empty where no operator has that name.
+std::string command_of_operator(const std::string& name);
+
 /// For the terminal.
 std::string to_text(const std::vector<ListedOperator>& operators);
 /// An array of objects; docs/pipelines as JSON use the same names and values.

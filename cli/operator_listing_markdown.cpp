@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
+#include "cli/help.h"
 #include "cli/operator_listing.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/option_text.h"
@@ -109,11 +111,20 @@ std::string line_unless_empty(const char* title, const std::string& text) {
   return text.empty() ? "" : fmt::format("- {}: {}\n", title, sentence(text));
 }
 
+/// A line of a block keeps its own lines, so that long ones are broken here.
+std::string formula_block(const std::string& formula) {
+  if (formula.empty()) return "";
+  std::istringstream lines(formula);
+  std::string text = "```text\n";
+  for (std::string line; std::getline(lines, line);) text += wrapped(line, 2, 120) + "\n";
+  return text + "```\n";
+}
+
 std::string section(const ListedOperator& listed) {
   const OperatorDeclaration& d = listed.declaration;
   std::string text = fmt::format("## {}\n{}\n\n", d.name, sentence(d.meaning)) + options_table(d.options);
   text += needs_text(listed.contract) + made_table(listed);
-  if (!d.formula.empty()) text += fmt::format("```text\n{}\n```\n", d.formula);
+  text += formula_block(d.formula);
   text += line_unless_empty("Neighbours", default_k_text(listed.contract));
   text += line_unless_empty("Source", d.source) + line_unless_empty("Undefined", d.undefined);
   text += line_unless_empty("Cost", d.cost);

@@ -98,6 +98,12 @@ std::string count_text(double count) {
   return count < 9999.5 ? fmt::format("{:.0f}", count) : three_digits(count, 1000);
 }
 
+std::string grouped_text(std::uint64_t count) {
+  std::string text = std::to_string(count);
+  for (std::size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, ",");
+  return text;
+}
+
 std::string duration_text(double seconds) {
   const auto s = static_cast<std::uint64_t>(std::max(0.0, std::round(seconds)));
   if (s >= 3600) return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);

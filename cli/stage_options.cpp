@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "cli/help.h"
+
 namespace pointsweep {
 namespace {
 
@@ -14,7 +16,7 @@ std::string value_name(const OptionDeclaration& option) {
     case OptionKind::whole:
       return "N";
     case OptionKind::number:
-      return "NUMBER";
+      return option.unit == "length" ? "LENGTH" : "NUMBER";
     case OptionKind::point:
       return "X,Y,Z";
     case OptionKind::names:
@@ -50,9 +52,10 @@ std::string help_of(const OptionDeclaration& option, const std::string& preset) 
   return range.empty() ? meaning : fmt::format("{} ({})", meaning, range);
 }
 
-void add_option(CLI::App& verb, const std::string& flag, const OptionDeclaration& option, const std::string& preset,
-                std::vector<OptionText>& into) {
-  verb.add_option_function<std::string>(
+CLI::Option* add_option(CLI::App& verb, const std::string& flag, const OptionDeclaration& option,
+                        const std::string& preset, std::vector<OptionText>& into) {
+  return verb
+      .add_option_function<std::string>(
           flag,
           [&into, flag, name = option.name](const std::string& value) {
             into.push_back({name, value, flag});
@@ -81,7 +84,8 @@ void add_stage_option(CLI::App& verb, const std::string& flag, const OptionDecla
 void add_neighborhood_options(CLI::App& verb, const std::string& k, std::vector<OptionText>& into) {
   for (const OptionDeclaration& option : neighborhood_declaration().options) {
     const bool is_k = option.name == "k";
-    add_option(verb, is_k ? "-k" : flag_of(option.name), option, is_k ? k : text_of_value(option.preset), into);
+    add_option(verb, is_k ? "-k" : flag_of(option.name), option, is_k ? k : text_of_value(option.preset), into)
+        ->group(kNeighborGroup);
   }
 }
 

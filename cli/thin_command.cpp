@@ -43,7 +43,7 @@ std::vector<StageText> thinning_stages(const ThinCommand& command) {
     return std::ranges::find(stage.options, first_of(stage), &OptionText::name) != stage.options.end();
   };
   if (std::ranges::count_if(stages, says_how) != 1)
-    fail_usage("thin: say how by one of --voxel SIZE, --poisson RADIUS and --decimate SHARE.");
+    fail_usage("thin: give one of --voxel SIZE, --poisson RADIUS and --decimate SHARE.");
   for (const StageText& stage : stages)
     if (!says_how(stage))
       fail_usage("{0}: belongs to --{1}; leave it out, or use --{1}.", stage.options[0].place, stage.name);
@@ -66,8 +66,7 @@ void add_thin_command(CLI::App& app) {
   add_output_options(verb, command->run);
   verb.footer(
       "Same as 'pointsweep run' with the pipeline 'voxel(SIZE)', 'poisson(RADIUS)' or 'decimate(SHARE)'. Tiles give "
-      "the "
-      "points of the merged cloud.\n"
+      "the points of the merged cloud.\n"
       "\nExample: one point in each cube of half a metre:\n"
       "  pointsweep thin scan.ply thin.ply --voxel 0.5\n"
       "\nExample: no two points within 20 cm, of a folder of tiles, into another one:\n"

@@ -14,6 +14,7 @@
 #include "cli/help.h"
 #include "cli/interrupt.h"
 #include "cli/not_checked.h"
+#include "cli/operator_listing.h"
 #include "cli/usage_errors.h"
 #include "cli/version.h"
 #include "pointsweep/cancellation.h"
@@ -29,9 +30,17 @@ int fail_with(int status, const std::string& sentence) {
   return status;
 }
 
+/// "pointsweep voxel" asks for an operator as "pointsweep help voxel" does, unless a verb has its name.
+bool names_operator_alone(const CLI::App& app, int argc, char** argv) {
+  return argc == 2 && find_verb(app, argv[1]) == nullptr && !command_of_operator(argv[1]).empty();
+}
+
 int parse_and_run(CLI::App& app, int argc, char** argv) {
   try {
-    app.parse(argc, argv);
+    if (names_operator_alone(app, argc, argv))
+      print(help_of_operator(argv[1]));
+    else
+      app.parse(argc, argv);
     return 0;
   } catch (const CLI::CallForVersion& version) {
     print(std::string(version.what()) + "\n");

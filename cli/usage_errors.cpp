@@ -4,8 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 #include <vector>
 
+#include "cli/help.h"
+#include "cli/operator_listing.h"
+#include "pointsweep/pipeline/registry.h"
 #include "pointsweep/points/nearest_names.h"
 
 namespace pointsweep {
@@ -55,14 +59,25 @@ std::string extras_sentence(const CLI::App& app, const CLI::App* verb) {
 
 /// The parser counts values; every option of ours has one.
 std::string parser_sentence(const CLI::ParseError& error) {
-  const std::string text = error.what();
+  std::string text = error.what();
+  if (text.starts_with(kInputsAndOutput)) text.replace(0, std::string_view(kInputsAndOutput).size(), "IN... OUT");
   if (error.get_name() != "ArgumentMismatch") return text + ".";
   return text.substr(0, text.find(':')) + " needs a value.";
 }
 
 }  // namespace
 
+const CLI::App* find_verb(const CLI::App& app, const std::string& name) {
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
+    if (verb->get_name() == name) return verb;
+  return nullptr;
+}
+
 std::string unknown_verb_sentence(const CLI::App& app, const std::string& word) {
+  if (const std::string command = command_of_operator(word); !command.empty())
+    return fmt::format("'{}' is an operator, not a verb: {}", word, command);
+  if (const std::string_view advice = advice_for(word); !advice.empty())
+    return fmt::format("'{}' is not a verb; in the pipeline of 'pointsweep run', {}.", word, advice);
   const auto meant = probable_name(word, verbs_of(app));
   return fmt::format("'{}' is not a verb.{}", word, meant ? fmt::format(" Did you mean '{}'?", *meant) : "");
 }

@@ -124,6 +124,7 @@ def section(title, lines):
 
 def docstring(operator):
     wrap = lambda text: textwrap.wrap(text, WIDTH - 4)
+    wrap_indented = lambda text: textwrap.wrap(text, WIDTH - 4, subsequent_indent="  ")
     lines = wrap(sentence(operator["meaning"]))
     lines += section("Parameters", [line for option in operator["options"] for line in about_option(operator, option)])
     lines += section("Makes", [line for made in operator["makes"] for line in about_made(made)])
@@ -133,8 +134,10 @@ def docstring(operator):
     lines += section("Neighbours", [f"{operator['default_k']} where neither k nor a radius is given."] if operator["default_k"] else [])
     for title in ("formula", "undefined", "source", "cost"):
         text = operator[title]
-        is_text = title != "formula"
-        lines += section(title.capitalize(), wrap(sentence(text)) if is_text and text else text.splitlines())
+        broken = wrap(sentence(text)) if text else []
+        if title == "formula":
+            broken = [line for whole in text.splitlines() for line in wrap_indented(whole)]
+        lines += section(title.capitalize(), broken)
     lines += section("In a text", [operator["example"]] if operator["example"] else [])
     text = "\n".join("    " + line if line else "" for line in lines).lstrip()
     return ('r' if "\\" in text else "") + f'"""{text}\n    """' if "\n" in text else f'"""{text}"""'

@@ -22,12 +22,18 @@ std::string with_crs(const std::vector<const FileInfo*>& files) {
 
 [[noreturn]] void refuse_different(const FileInfo& first, const FileInfo& other) {
   fail_usage(
-      "{} is in {} and {} in {}: transform one of them first (e.g. with 'pdal translate IN OUT reprojection'), or add "
-      "--ignore-crs to merge the coordinates without a transformation.",
-      first.path.string(), short_text(*first.crs), other.path.string(), short_text(*other.crs));
+      "{} is in {} and {} in {}: transform one of them first{}, or add --ignore-crs to merge the coordinates without a "
+      "transformation.",
+      first.path.string(), short_text(*first.crs), other.path.string(), short_text(*other.crs),
+      way_to_transform(*first.crs));
 }
 
 }  // namespace
+
+std::string way_to_transform(const Crs& to) {
+  if (to.epsg == 0) return "";
+  return fmt::format(", e.g. by 'pdal translate IN OUT reprojection --filters.reprojection.out_srs=EPSG:{}'", to.epsg);
+}
 
 CommonCrs common_crs(const std::vector<std::unique_ptr<Reader>>& readers, bool ignore) {
   CommonCrs common;

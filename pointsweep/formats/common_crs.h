@@ -19,4 +19,7 @@ struct CommonCrs {
 /// Throws UsageError for inputs whose systems differ; with `ignore` that is a warning, and coordinates stay unchanged.
 CommonCrs common_crs(const std::vector<std::unique_ptr<Reader>>& readers, bool ignore);
 
+/// ", e.g. by 'pdal translate ...'": a command that transforms a file to the system; empty where it has no EPSG code.
+std::string way_to_transform(const Crs& to);
+
 }  // namespace pointsweep

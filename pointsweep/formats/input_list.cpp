@@ -64,6 +64,7 @@ class Lister {
   void list(const fs::path& path) {
     switch (kind_of(path)) {
       case ArgumentKind::file:
+        if (path.empty()) fail_usage("an input has an empty name; name a point file, a folder or a pattern.");
         return out_.files.push_back({path, path.filename()});
       case ArgumentKind::virtual_cloud:
         for (ListedFile& file : files_of_virtual_cloud(path)) out_.files.push_back(std::move(file));

@@ -207,9 +207,9 @@ std::unique_ptr<Writer> create_writer(const OutputPlan& plan) {
   std::string known;
   for (const std::string_view other : writable_extensions())
     known += fmt::format("{}{}", known.empty() ? "" : ", ", other);
-  fail_usage("{}: {} is no format that can be written; the extension may be one of {}{}.", plan.path.string(),
-             extension.empty() ? "a name without extension" : fmt::format("'{}'", extension), known,
-             extension.empty() ? ", and the name of a folder of outputs ends in '/'" : "");
+  fail_usage("{}: cannot write {}; use {}{}.", plan.path.string(),
+             extension.empty() ? "a file without an extension" : extension, known,
+             extension.empty() ? ", or end the name of a folder of outputs with '/'" : "");
 }
 
 std::vector<std::string_view> writable_extensions() {

@@ -82,28 +82,29 @@ Attribute color_attribute(Type type) {
 OperatorDeclaration color_declaration() {
   return {
       .name = "color",
-      .meaning = "makes colours from the values of an attribute",
+      .meaning = "colours points by the values of an attribute",
       .options = {{.name = "by",
                    .kind = OptionKind::attribute,
-                   .meaning = "attribute of the input, or component of one made before, or x, y or z; 'by=' may be "
-                              "left out",
+                   .meaning = "attribute of the input, component of one that an earlier stage computes, or x, y or z; "
+                              "'by=' may be left out",
                    .required = true,
                    .positional = true,
                    .sample = std::string("z")},
                   {.name = "map",
                    .kind = OptionKind::choice,
                    .preset = std::string("viridis"),
-                   .meaning = "colours for numbers, or those of the classes of LAS",
+                   .meaning = "colour map for numbers, or the colours of the classes of LAS",
                    .choices = {std::begin(kMapNames), std::end(kMapNames)}},
                   {.name = "range",
                    .kind = OptionKind::numbers,
-                   .meaning = "values at the ends of the map; without it the least and the greatest of the cloud",
+                   .meaning = "values at the ends of the colour map; without this option, the least and the greatest "
+                              "of the cloud",
                    .sample = std::string("0,10")},
                   {.name = "bits",
                    .kind = OptionKind::choice,
                    .preset = std::string("auto"),
-                   .meaning = "of a channel: 8, or 16 as LAS has it; auto: 16 where the input has colours of 16 bits, "
-                              "or fields of LAS",
+                   .meaning = "bits of a colour channel: 8, or 16 as in LAS; auto takes 16 where the input has "
+                              "colours of 16 bits or fields of LAS",
                    .choices = {std::begin(kBitsNames), std::end(kBitsNames)}}},
       .make = make_color,
       .formula =

@@ -2,10 +2,12 @@
 #include "pointsweep/operators/crop.h"
 
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/declaration.h"
+#include "pointsweep/points/lower_case.h"
 #include "pointsweep/points/text_file.h"
 #include "pointsweep/polygons/polygon_text.h"
 
@@ -49,17 +51,17 @@ OperatorDeclaration crop_declaration() {
                   {.name = "outside",
                    .kind = OptionKind::choice,
                    .preset = std::string("false"),
-                   .meaning = "keep the points that are not inside instead",
+                   .meaning = "keep the points outside of the box and polygons instead",
                    .choices = {"false", "true"}},
                   {.name = "checksum",
                    .kind = OptionKind::word,
-                   .meaning = "of the file with polygons, as records of runs have it; a file of another content is "
-                              "refused",
+                   .meaning = "checksum of the file with polygons, as a processing record holds it; a file with other "
+                              "content is refused",
                    .sample = std::string("baf74575be7585e0")}},
       .make = make_crop,
       .formula =
           "In the box: XMIN <= x <= XMAX and YMIN <= y <= YMAX (and ZMIN <= z <= ZMAX).\n"
-          "In a polygon: (x, y) lies on one of its edges, or a ray from it crosses its edges an odd number of times\n"
+          "In a polygon: (x, y) lies on one of its edges, or a ray from it crosses its edges an odd number of times "
           "(even-odd rule over all its rings). Of several polygons: in any of them. Decided without rounding.",
       .source = "Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates (1997).",
       .undefined =
@@ -84,6 +86,10 @@ Crop::Crop(CropOptions options, std::string place) : options_(std::move(options)
 
 void Crop::read_polygons() {
   const bool is_file = !is_polygon_text(options_.polygon);
+  const std::string extension = in_lower_case(std::filesystem::path(options_.polygon).extension().string());
+  if (is_file && (extension == ".shp" || extension == ".gpkg"))
+    fail("{0}: polygons are read as GeoJSON or WKT; convert the file: ogr2ogr -f GeoJSON polygons.geojson {0}.",
+         options_.polygon);
   const std::string text = is_file ? read_text_file(options_.polygon, "polygons as WKT or GeoJSON") : options_.polygon;
   const std::string checksum = checksum_of_text(text), name = is_file ? options_.polygon : place_;
   if (!options_.checksum.empty() && options_.checksum != checksum)
@@ -100,6 +106,19 @@ bool Crop::is_inside(Vec3 p) const {
   for (std::size_t a = 0; a < axes; ++a)
     if (const double c = p[static_cast<int>(a)]; !(c >= b[a] && c <= b[a + axes])) return false;
   return !index_ || index_->covers({p.x, p.y});
+}
+
+Box Crop::box() const {
+  Box box;
+  if (const std::vector<double>& b = options_.bounds; !b.empty()) {
+    const std::size_t axes = b.size() / 2;
+    for (const std::size_t corner : {std::size_t{0}, axes}) box.include(Vec3{b[corner], b[corner + 1], 0});
+    return box;
+  }
+  for (const Polygon& polygon : polygons_)
+    for (const Ring& ring : polygon.rings)
+      for (const Point2& p : ring) box.include(Vec3{p.x, p.y, 0});
+  return box;
 }
 
 void Crop::apply(const Neighborhoods& in, Columns& out) const {

@@ -30,6 +30,8 @@ class Crop final : public Operator {
   /// With the checksum of the file that was read.
   const CropOptions& options() const { return options_; }
   const std::vector<Polygon>& polygons() const { return polygons_; }
+  /// In x and y around the bounds, or around the polygons where there are no bounds; z is 0.
+  Box box() const;
 
  protected:
   Options own_options() const override;

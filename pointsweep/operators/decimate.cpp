@@ -15,7 +15,7 @@ OperatorDeclaration decimate_declaration() {
       .meaning = "keeps a share of the points, chosen by a hash of their coordinates",
       .options = {{.name = "share",
                    .kind = OptionKind::number,
-                   .meaning = "of the places to keep; the number of points kept varies around it by chance",
+                   .meaning = "keep about this fraction of the points",
                    .least = 0,
                    .most = 1,
                    .required = true,
@@ -24,8 +24,8 @@ OperatorDeclaration decimate_declaration() {
                   {.name = "seed",
                    .kind = OptionKind::whole,
                    .preset = std::uint64_t{0},
-                   .meaning = "another number chooses other points; with the same one, a smaller share is a part "
-                              "of a larger one"}},
+                   .meaning = "seed of the random choice: another seed keeps other points; with the same seed, a "
+                              "smaller share is a part of a larger one"}},
       .make = [](const OptionValues& options,
                  const Facts&) { return std::make_shared<Decimate>(options.number("share"), options.whole("seed")); },
       .formula =

@@ -124,6 +124,9 @@ struct OperatorDeclaration {
   std::string formula = {};    ///< lines of plain text
   std::string source = {};     ///< the publication and where in it
   std::string undefined = {};  ///< which points get no value, and what they get
+  /// A clause about the points that it marks as degenerate (Columns::mark_degenerate), e.g. "have no neighbours; their
+  /// density is 0"; empty: it marks none.
+  std::string degenerate = {};
   std::string cost = {};       ///< in addition to the time of `neighbor_ns`
   double neighbor_ns = 10;     ///< CPU time for each neighbour, of about 1,000; measured with `script/bench radius`
   bool makes_named = false;    ///< its options name the attributes that it makes

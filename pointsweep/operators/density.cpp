@@ -42,7 +42,8 @@ OperatorDeclaration density_declaration() {
           .meaning = "points for each unit of area and of volume around a point",
           .options = {{.name = "radius",
                        .kind = OptionKind::number,
-                       .meaning = "R, above 0; without it, the distance to the farthest neighbour",
+                       .meaning = "radius of the ball in which points are counted, above 0; without this option, the "
+                                  "distance to the farthest neighbour",
                        .unit = "length",
                        .sample = 0.5,
                        .is_radius = true}},
@@ -58,6 +59,7 @@ OperatorDeclaration density_declaration() {
           .undefined =
               "0 without neighbours, where all lie on the point, and where one has no finite place; with radius only "
               "for a point that has no finite place itself.",
+          .degenerate = "have no neighbours, or only neighbours in the same place; their densities are 0",
           .neighbor_ns = 2,
           .attributes = {{.name = "surface_density", .meaning = "points for each unit of area; undefined: 0"},
                          {.name = "volume_density", .meaning = "points for each unit of volume; undefined: 0"}},

@@ -65,15 +65,15 @@ OperatorDeclaration dbscan_declaration() {
                   {.name = "min_points",
                    .kind = OptionKind::whole,
                    .preset = std::uint64_t{5},
-                   .meaning = "points within eps that make a core point, itself included",
+                   .meaning = "number of points within eps that make a core point, itself included",
                    .least = 1}},
       .make = make_dbscan,
       .formula =
           "core_i = 1 where |{j : |p_j - p_i| <= eps}| >= min_points, i itself counted, as in scikit-learn.\n"
-          "Core points within eps of each other are in one cluster. Another point is in that of the nearest\n"
+          "Core points within eps of each other are in one cluster. Another point is in that of the nearest "
           "core point within eps, equal distances by x, y, z, row; without one it is noise, cluster = -1.\n"
           "Clusters are numbered from 0 by their first point, that of the least x, then y, then z, then row.\n"
-          "In scikit-learn and in the publication a border point belongs to the cluster that comes to it\n"
+          "In scikit-learn and in the publication a border point belongs to the cluster that comes to it "
           "first, so that its cluster depends on the order of the points.",
       .source =
           "Ester, Kriegel, Sander, Xu, A density-based algorithm for discovering clusters in large spatial "

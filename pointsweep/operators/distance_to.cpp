@@ -56,7 +56,8 @@ OperatorDeclaration distance_to_declaration() {
                    .sample = std::string("before.las")},
                   {.name = "most",
                    .kind = OptionKind::number,
-                   .meaning = "farthest that the nearest point is looked for; by default as far as it is",
+                   .meaning = "maximum distance at which the nearest point is looked for; without this option there "
+                              "is no limit",
                    .least = kAboveZero,
                    .unit = "length",
                    .sample = 5.0,

@@ -16,7 +16,8 @@ OperatorDeclaration drop_declaration() {
           .meaning = "leaves attributes out of the output; later stages cannot read them",
           .options = {{.name = "attributes",
                        .kind = OptionKind::attributes,
-                       .meaning = "of the input, or made before, with commas between; 'attributes=' may be left out",
+                       .meaning = "attributes to leave out, of the input or computed by earlier stages; 'attributes=' "
+                                  "may be left out",
                        .required = true,
                        .positional = true,
                        .sample = std::string("intensity")}},

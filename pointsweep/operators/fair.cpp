@@ -62,11 +62,11 @@ OperatorDeclaration fair_declaration() {
       .name = "fair",
       .meaning = "edge-preserving smoothing: moves points towards the tangent planes of their neighbours (Equation 3)",
       .options = {width("f",
-                        "standard deviation of the Gaussian of the distance to a neighbour, in % of the diagonal of "
-                        "the input's bounding box"),
+                        "reach of the smoothing: standard deviation of the Gaussian weight of the distance to a "
+                        "neighbour, in % of the diagonal of the bounding box of the input"),
                   width("g",
-                        "standard deviation of the Gaussian of the distance to its tangent plane, in % of the same "
-                        "diagonal")},
+                        "height of the bumps that go: standard deviation of the Gaussian weight of the distance to "
+                        "the tangent plane of a neighbour, in % of the diagonal of the bounding box of the input")},
       .make = make_fair,
       .formula =
           "p_i' = 1/w_i Σ_j Π_j(p_i) a_j f(|p_j - p_i|) g(|Π_j(p_i) - p_i|), j over N_i and i\n"
@@ -76,6 +76,7 @@ OperatorDeclaration fair_declaration() {
           "Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 4.3.4, Equation 3; Π_j as in "
           "Jones, Durand and Desbrun, Non-iterative, feature-preserving mesh smoothing (2003)",
       .undefined = "A point stays where it is if no neighbour with a normal and a splat has a weight above 0.",
+      .degenerate = "have no neighbour with a normal and a splat; they stay in place",
       .cost = "one reading of the input for the diagonal",
       .neighbor_ns = 20,
       .attributes = {{.name = "position",

@@ -103,18 +103,18 @@ OperatorDeclaration features_declaration() {
           "plane or a volume",
       .options = {{.name = "names",
                    .kind = OptionKind::names,
-                   .meaning = "the attributes to make, as in [linearity,planarity]; without it, all",
+                   .meaning = "features to compute, as in [linearity,planarity]; without this option, all of them",
                    .choices = names_of_features(),
                    .sample = "linearity,planarity"},
                   {.name = "eigenvalues",
                    .kind = OptionKind::choice,
                    .preset = "raw",
-                   .meaning = "eigenvalues, their square roots, or eigenvalues over their sum",
+                   .meaning = "scale of the eigenvalues: as they are, their square roots, or divided by their sum",
                    .choices = {std::begin(kScales), std::end(kScales)}},
                   {.name = "with_point",
                    .kind = OptionKind::choice,
                    .preset = "yes",
-                   .meaning = "whether the point itself is one of the points P",
+                   .meaning = "count the point itself among the points of its neighbourhood",
                    .choices = {"yes", "no"}}},
       .make = make_features,
       .formula =
@@ -122,13 +122,13 @@ OperatorDeclaration features_declaration() {
           "Σ = 1/n Σ_P (p - p̄)(p - p̄)^T, eigenvalues l1 >= l2 >= l3, eigenvectors e1, e2, e3\n"
           "eigenvalues=raw: λ = l, in length²; sqrt: λ = √l, in length;\n"
           "eigenvalues=normalized: λ = l / (l1 + l2 + l3)\n"
-          "Moments are sums over P. In eigenentropy 0 ln 0 is 0; of raw values and roots it\n"
+          "Moments are sums over P. In eigenentropy 0 ln 0 is 0; of raw values and roots it "
           "depends on the unit of length.\n"
-          "CloudCompare: raw, with_point=yes; its '1st order moment' is\n"
+          "CloudCompare: raw, with_point=yes; its '1st order moment' is "
           "moment1_axis2² / moment2_axis2.\n"
-          "jakteristics: the same with n - 1 for n, which changes omnivariance, eigenentropy and\n"
+          "jakteristics: the same with n - 1 for n, which changes omnivariance, eigenentropy and "
           "eigenvalue_sum alone.\n"
-          "PDAL: sqrt, with_point=yes, n - 1 for n; its Scattering is sphericity, its\n"
+          "PDAL: sqrt, with_point=yes, n - 1 for n; its Scattering is sphericity, its "
           "DemantkeVerticality verticality; its Verticality (Guinard and Landrieu 2017) is another.",
       .source =
           "Weinmann et al., Semantic point cloud interpretation based on optimal neighborhoods, relevant features "
@@ -139,6 +139,7 @@ OperatorDeclaration features_declaration() {
           "Points all in one place, or a neighbour without a finite place: all but number_of_neighbors is 0. Points on "
           "a line, vertical ones too: verticality is 0, since e3 is any direction across it. Points without a finite "
           "place: all is 0.",
+      .degenerate = "have too few neighbours, or only neighbours on a line; the features that need more are 0",
       .cost = "at k = 10 as much as normals, after the search; logarithms and axes only where an attribute needs them",
       .neighbor_ns = 3,
       .attributes = notes(),

@@ -28,37 +28,37 @@ std::vector<OptionDeclaration> ground_options() {
   return {{.name = "method",
            .kind = OptionKind::choice,
            .preset = std::string("smrf"),
-           .meaning = "the filter; there is one",
+           .meaning = "filter that finds the ground; there is only this one",
            .choices = {"smrf"}},
-          positive_length("cell", 1, "edge of a cell of the raster, whose lines lie at multiples of it"),
+          positive_length("cell", 1, "edge length of the cells of the raster, whose lines lie at multiples of it"),
           {.name = "slope",
            .kind = OptionKind::number,
            .preset = 0.15,
-           .meaning = "steepest slope of the ground, rise over run; what is steeper is an object"},
+           .meaning = "steepest slope of the ground, rise over run; steeper shapes are objects"},
           {.name = "window",
            .kind = OptionKind::number,
            .preset = 18.0,
-           .meaning = "radius of the largest disk: about half the width of the widest object",
+           .meaning = "about half the width of the widest object, such as a building",
            .unit = "length"},
           {.name = "threshold",
            .kind = OptionKind::number,
            .preset = 0.5,
-           .meaning = "a point this far above or below the surface is still ground where that is level",
+           .meaning = "largest distance from a point of the ground to the surface, where that is level",
            .unit = "length"},
           {.name = "scalar",
            .kind = OptionKind::number,
            .preset = 1.25,
-           .meaning = "added to the threshold for each unit of the slope of the surface",
+           .meaning = "length added to the threshold for each unit of the slope of the surface",
            .unit = "length"},
           {.name = "returns",
            .kind = OptionKind::choice,
            .preset = std::string("last"),
-           .meaning = "which returns of a pulse take part, where the cloud numbers them",
+           .meaning = "use the last returns of pulses or all returns, where the cloud numbers them",
            .choices = {"last", "all"}},
           {.name = "noise",
            .kind = OptionKind::choice,
            .preset = std::string("no"),
-           .meaning = "whether points of the classes 7 and 18 take part, where the cloud has classes",
+           .meaning = "let points of the classes 7 and 18 (noise) take part, where the cloud has classes",
            .choices = {"no", "yes"}}};
 }
 
@@ -101,24 +101,24 @@ std::size_t columns_of(std::span<const Vec3> sample, int axis, double cell, Axis
 
 OperatorDeclaration ground_declaration() {
   return {.name = "ground",
-          .meaning = "finds the points of the ground by a morphological filter and makes their classification 2",
+          .meaning = "finds the points of the ground by a morphological filter and gives them class 2",
           .options = ground_options(),
           .make = make_ground,
           .formula =
               "Cell of p: (⌊x / cell⌋, ⌊y / cell⌋); R = ⌈window / cell⌉. Rasters have absent cells.\n"
-              "1. Z: the least z of the points of a cell that take part. F(Z): a cell without one becomes\n"
-              "   ((W/w + E/e) + (S/s + N/n)) / ((1/w + 1/e) + (1/s + 1/n)), W, E, S, N: the nearest\n"
-              "   values in its row and column, at most 3R + 3 cells away; w, e, s, n: their distances;\n"
-              "   missing sides count 0. Without any it is absent.\n"
-              "2. open(A, r): the greatest, over a disk dx² + dy² <= r², of the least of A over a disk;\n"
-              "   absent cells count for nothing and stay absent. Pits: -F(Z) - open(-F(Z), 1) > 5 cell.\n"
-              "3. S_0 = F(Z); S_r = open(S_(r-1), r), r = 1 ... R. Objects: for some r\n"
-              "   S_(r-1) - S_r > slope (cell r).\n"
-              "4. G = F(Z without the cells of pits and objects); g = sqrt(gx² + gy²) in each cell, by\n"
-              "   central differences of G, one-sided next to an absent cell, 0 between two of them.\n"
-              "5. G(p), g(p): bilinear between the centres of the four cells around p; where one of these\n"
-              "   is absent, those of the cell of p.\n"
-              "   Ground: points that take part with |z - G(p)| <= threshold + scalar g(p).",
+              "1. Z: the least z of the points of a cell that take part. F(Z): a cell without one becomes "
+              "((W/w + E/e) + (S/s + N/n)) / ((1/w + 1/e) + (1/s + 1/n)), W, E, S, N: the nearest "
+              "values in its row and column, at most 3R + 3 cells away; w, e, s, n: their distances; "
+              "missing sides count 0. Without any it is absent.\n"
+              "2. open(A, r): the greatest, over a disk dx² + dy² <= r², of the least of A over a disk; "
+              "absent cells count for nothing and stay absent. Pits: -F(Z) - open(-F(Z), 1) > 5 cell.\n"
+              "3. S_0 = F(Z); S_r = open(S_(r-1), r), r = 1 ... R. Objects: for some r "
+              "S_(r-1) - S_r > slope (cell r).\n"
+              "4. G = F(Z without the cells of pits and objects); g = sqrt(gx² + gy²) in each cell, by "
+              "central differences of G, one-sided next to an absent cell, 0 between two of them.\n"
+              "5. G(p), g(p): bilinear between the centres of the four cells around p; where one of these "
+              "is absent, those of the cell of p.\n"
+              "Ground: points that take part with |z - G(p)| <= threshold + scalar g(p).",
           .source =
               "Pingel, Clarke and McBride, An improved simple morphological filter for the terrain classification of "
               "airborne LIDAR data (ISPRS Journal 77, 2013). The paper fills holes by a system of springs over the "

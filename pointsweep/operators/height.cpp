@@ -73,17 +73,17 @@ OperatorDeclaration height_declaration() {
       .options = {{.name = "from",
                    .kind = OptionKind::choice,
                    .preset = std::string("ground"),
-                   .meaning = "what height is measured from: the points of class 2",
+                   .meaning = "measure height from the points of class 2",
                    .choices = {"ground"}},
                   {.name = "k",
                    .kind = OptionKind::whole,
                    .preset = std::uint64_t{1},
-                   .meaning = "number of points of the ground whose mean counts",
+                   .meaning = "number of nearest ground points over which the height of the ground is averaged",
                    .least = 1,
                    .most = static_cast<double>(Height::kMostNeighbors)}},
       .make = [](const OptionValues& options, const Facts&) { return std::make_shared<Height>(options.whole("k")); },
       .formula =
-          "h = z - Σ_j w_j z_j / Σ_j w_j, w_j = 1 / d_j², over the k points of class 2 that are nearest\n"
+          "h = z - Σ_j w_j z_j / Σ_j w_j, w_j = 1 / d_j², over the k points of class 2 that are nearest "
           "in x and y: d_j² = dx² + dy² in float64, equal ones by x, y, z, row; summed nearest first.\n"
           "Where d_1 = 0: h = z - z_1.",
       .source =

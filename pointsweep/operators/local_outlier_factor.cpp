@@ -48,8 +48,8 @@ OperatorDeclaration lof_declaration() {
               "k_distance_i = max_j |p_j - p_i| over N_i, which does not hold p_i\n"
               "reachability_density: r_i = |N_i| / Σ_j max(k_distance_j, |p_j - p_i|)\n"
               "lof_i = 1/|N_i| Σ_j r_j / r_i\n"
-              "Exactly k neighbours count, as in scikit-learn and PDAL (filters.lof, minpts is k); in the\n"
-              "publication more, where several are as far as the k-th. scikit-learn adds 1e-10 to the mean\n"
+              "Exactly k neighbours count, as in scikit-learn and PDAL (filters.lof, minpts is k); in the "
+              "publication more, where several are as far as the k-th. scikit-learn adds 1e-10 to the mean "
               "reachability; here r is infinite where that is 0, and the quotient of two of them is 1.",
           .source =
               "Breunig, Kriegel, Ng, Sander, LOF: identifying density-based local outliers (SIGMOD 2000), "
@@ -57,6 +57,7 @@ OperatorDeclaration lof_declaration() {
           .undefined =
               "NaN without neighbours, or if the point, a neighbour or a neighbour of one has no finite place or "
               "no neighbours.",
+          .degenerate = "have no neighbours with a place; their lof is NaN",
           .cost = "three steps: points stay in memory until the neighbours of their neighbours are known",
           .attributes = {{.name = "k_distance", .meaning = "distance to the farthest neighbour; undefined: NaN"},
                          {.name = "reachability_density",

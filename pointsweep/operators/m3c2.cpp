@@ -176,9 +176,9 @@ OperatorDeclaration m3c2_declaration() {
                                                       .registration = options.number("registration")});
           },
       .formula =
-          "u_i = n_i / |n_i| in float64. Points of each cloud within R = cylinder / 2 of the line through p_i along\n"
-          "u_i, |(p_j - p_i) × u_i|² <= R·R, and within depth of p_i along it have places a_j = (p_j - p_i) . u_i.\n"
-          "With their mean m, their standard deviation s (of n - 1) and their number n: distance m_2 - m_1; level\n"
+          "u_i = n_i / |n_i| in float64. Points of each cloud within R = cylinder / 2 of the line through p_i along "
+          "u_i, |(p_j - p_i) × u_i|² <= R·R, and within depth of p_i along it have places a_j = (p_j - p_i) . u_i. "
+          "With their mean m, their standard deviation s (of n - 1) and their number n: distance m_2 - m_1; level "
           "of detection 1.96 (sqrt(s_1² / n_1 + s_2² / n_2) + registration).",
       .source =
           "Lague, Brodu and Leroux, Accurate 3D comparison of complex topography with terrestrial laser scanner (ISPRS "

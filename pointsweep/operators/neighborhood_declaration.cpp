@@ -27,29 +27,30 @@ NeighborhoodDeclaration declare_neighborhood() {
            {.name = "k_from",
             .kind = OptionKind::attribute,
             .meaning =
-                "attribute of the input that holds the number of neighbours of each point, at most k; requires k"},
+                "attribute of the input that holds the number of neighbours of each point, at most k, which has to be "
+                "given"},
            {.name = "radius_from",
             .kind = OptionKind::attribute,
-            .meaning = "attribute of the input that holds the maximum distance for each point; requires k or radius as "
-                       "a limit",
+            .meaning = "attribute of the input that holds the maximum distance of a neighbour for each point; k or "
+                       "radius has to be given as a limit",
             .is_radius = true},
            {.name = "adaptive",
             .kind = OptionKind::choice,
             .preset = "none",
-            .meaning = "eigenentropy chooses for each point the number from k_min to k with the least eigenentropy "
-                       "(Weinmann 2014); requires k",
+            .meaning = "choose the number of neighbours of each point, from k_min to k, by the least eigenentropy "
+                       "(Weinmann 2014); k has to be given",
             .choices = {"none", "eigenentropy"}},
            {.name = "k_min",
             .kind = OptionKind::whole,
             .preset = std::uint64_t{10},
-            .meaning = "smallest number that adaptive=eigenentropy may choose",
+            .meaning = "smallest number of neighbours that adaptive=eigenentropy may choose",
             .least = 3}},
       .formula =
-          "N_i: the k points of the cloud nearest to p_i without p_i itself, or all within the radius, or the k\n"
-          "nearest of these. Distances are d² = ((dx² + dy²) + dz²) in double of the coordinates of the input;\n"
+          "N_i: the k points of the cloud nearest to p_i without p_i itself, or all within the radius, or the k "
+          "nearest of these. Distances are d² = ((dx² + dy²) + dz²) in double of the coordinates of the input; "
           "equal ones are ordered by x, y, z, then by input row. Within a radius R: d² <= R·R in double.\n"
           "k_from, radius_from: point i keeps the first neighbours that its own k or radius allows.\n"
-          "adaptive=eigenentropy: the k from k_min on for which E = -Σ e_j ln e_j is least; e_1, e_2, e_3 are\n"
+          "adaptive=eigenentropy: the k from k_min on for which E = -Σ e_j ln e_j is least; e_1, e_2, e_3 are "
           "the eigenvalues of the covariance of p_i and its k nearest neighbours, divided by their sum.",
       .source =
           "Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 4.2.2; here exact. eigenentropy: "

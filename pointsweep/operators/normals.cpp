@@ -71,7 +71,7 @@ OperatorDeclaration normals_declaration() {
                    .choices = {std::begin(kOrientations), std::end(kOrientations)}},
                   {.name = "viewpoint",
                    .kind = OptionKind::point,
-                   .meaning = "position of the scanner, in the coordinates of the cloud; requires orient=viewpoint",
+                   .meaning = "position of the scanner for orient=viewpoint, in the coordinates of the cloud",
                    .unit = "length",
                    .sample = Vec3{0, 0, 1.7}}},
       .make = make_normals,
@@ -80,11 +80,12 @@ OperatorDeclaration normals_declaration() {
           "M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)^T θ(|p_j - p_i|)\n"
           "θ(r) = exp(-r² / 2σ²), σ² = π max_j |p_j - p_i|² / |N_i|; |N_i| does not count p_i.\n"
           "orient=none: the first of the largest components is positive.\n"
-          "orient=up, viewpoint, input: the dot product with +z, the direction to the viewpoint or the\n"
+          "orient=up, viewpoint, input: the dot product with +z, the direction to the viewpoint or the "
           "normal of the input is positive; where it is 0, as for none.",
       .source = "Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 3.2, Equation 1",
       .undefined =
           "(0, 0, 0) where the neighbours define no plane: fewer than two, all on the point, or all on a line.",
+      .degenerate = "have too few neighbours, or only neighbours on a line; their normals are 0",
       .cost = "at k = 8 about 190 cycles per point with AVX2, after the search",
       .neighbor_ns = 4,
       .attributes = {{.name = "normal", .meaning = "unit surface normal; undefined: 0"}},

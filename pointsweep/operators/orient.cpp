@@ -39,33 +39,34 @@ OperatorDeclaration orient_declaration() {
       .options = {{.name = "method",
                    .kind = OptionKind::choice,
                    .preset = std::string("mst"),
-                   .meaning = "how signs are found: mst, by the minimum spanning forest of the graph of neighbours; "
-                              "trajectory, by where the sensor was at the gps_time of the point",
+                   .meaning = "find signs by the minimum spanning forest of the graph of neighbours (mst), or by the "
+                              "place of the sensor at the gps_time of the point (trajectory)",
                    .choices = {"mst", "trajectory"}},
                   {.name = "viewpoint",
                    .kind = OptionKind::point,
-                   .meaning = "most normals of each component face this point, in the coordinates of the cloud",
+                   .meaning = "point that most normals of each component face, in the coordinates of the cloud",
                    .unit = "length",
                    .sample = Vec3{0, 0, 1.7}},
                   {.name = "trajectory",
                    .kind = OptionKind::file,
-                   .meaning = "file with lines of time, x, y, z: where the sensor was, in the coordinates of the "
+                   .meaning = "file with the path of the sensor as lines of time, x, y, z, in the coordinates of the "
                               "cloud and the times of gps_time",
                    .sample = std::string("flight.csv")},
                   {.name = "checksum",
                    .kind = OptionKind::word,
-                   .meaning = "of the trajectory, as records of runs have it; a file of another content is refused",
+                   .meaning = "checksum of the trajectory, as a processing record holds it; a file with other content "
+                              "is refused",
                    .sample = std::string("baf74575be7585e0")}},
       .make = make_orient,
       .formula =
-          "Edges join i and j if j is in N_i or i is in N_j, weight 1 - |n_i . n_j|; equal ones by the two\n"
-          "points, each by x, y, z, row. Along an edge of the minimum spanning forest signs s agree with the\n"
+          "Edges join i and j if j is in N_i or i is in N_j, weight 1 - |n_i . n_j|; equal ones by the two "
+          "points, each by x, y, z, row. Along an edge of the minimum spanning forest signs s agree with the "
           "sign of n_i . n_j, where 0 counts as +.\n"
-          "The signs of a component are turned together so that the larger in absolute value of\n"
-          "Σ s n_z and Σ s n . (p - c) / e is positive, of equal ones the first; c is its centroid and e the mean\n"
-          "of the three edges of its bounding box: up for open surfaces, outwards for closed ones. n counts in\n"
-          "steps of 2^-20, p in steps of 2^-32, summed exactly. With viewpoint v: Σ sign(s n . (v - p)). If that\n"
-          "is 0, the normal of the highest point points up; if that is level, the one of the first point by x,\n"
+          "The signs of a component are turned together so that the larger in absolute value of "
+          "Σ s n_z and Σ s n . (p - c) / e is positive, of equal ones the first; c is its centroid and e the mean "
+          "of the three edges of its bounding box: up for open surfaces, outwards for closed ones. n counts in "
+          "steps of 2^-20, p in steps of 2^-32, summed exactly. With viewpoint v: Σ sign(s n . (v - p)). If that "
+          "is 0, the normal of the highest point points up; if that is level, the one of the first point by x, "
           "y, z, row stays.\n"
           "trajectory: n . (s(t) - p) >= 0, s(t) on the straight line between the places before and after t.",
       .source =

@@ -96,11 +96,12 @@ OperatorDeclaration sor_declaration() {
           .options = {{.name = "multiplier",
                        .kind = OptionKind::number,
                        .preset = 2.0,
-                       .meaning = "standard deviations above the mean"},
+                       .meaning = "a mean distance this many standard deviations above that of the cloud makes an "
+                                  "outlier"},
                       {.name = "definition",
                        .kind = OptionKind::choice,
                        .preset = kDefinitions[0],
-                       .meaning = "the program whose rule counts; see the formula",
+                       .meaning = "use the rule of this program; the formula shows the differences",
                        .choices = {std::begin(kDefinitions), std::end(kDefinitions)}}},
           .make =
               [](const OptionValues& options, const Facts&) {
@@ -110,20 +111,21 @@ OperatorDeclaration sor_declaration() {
                     static_cast<OutlierDefinition>(definition - std::begin(kDefinitions)));
               },
           .formula =
-              "d_i = 1/|N_i| Σ_j |p_j - p_i| (mean_distance); m and s: mean and standard deviation of\n"
+              "d_i = 1/|N_i| Σ_j |p_j - p_i| (mean_distance); m and s: mean and standard deviation of "
               "all n finite d; t = m + multiplier * s. N_i never holds p_i.\n"
               "pointsweep:   s divides by n - 1; outlier: d > t\n"
               "pdal:         s divides by n - 1; outlier: d >= t. mean_k is our k\n"
               "pcl:          as pointsweep. mean_k is our k (before PCL 1.7: k + 1)\n"
-              "open3d:       d_i = 1/(|N_i| + 1) Σ_j |p_j - p_i|, for the point itself counts, at\n"
-              "              distance 0. Terms of s with d = 0 are left out, but count in n;\n"
-              "              s divides by n - 1; outlier: d >= t or d = 0. nb_neighbors is k + 1\n"
+              "open3d:       d_i = 1/(|N_i| + 1) Σ_j |p_j - p_i|, for the point itself counts, at "
+              "distance 0. Terms of s with d = 0 are left out, but count in n; "
+              "s divides by n - 1; outlier: d >= t or d = 0. nb_neighbors is k + 1\n"
               "cloudcompare: s divides by n; outlier: d > t. Its number of points is k + 1",
           .source =
               "Rusu, Semantic 3D object maps (2009); the sources of PDAL 2 (filters.outlier), PCL 1.13 "
               "(StatisticalOutlierRemoval), Open3D 0.18 (RemoveStatisticalOutliers) and CloudCompare 2.11 (sorFilter). "
               "PCL and CloudCompare round d to float32; here it is float64",
           .undefined = "Without neighbours, or if one has no finite place: mean_distance is NaN and outlier 1.",
+          .degenerate = "have no neighbours with a place; their mean_distance is NaN and outlier is 1",
           .cost = "one more reading of the rows, or the writing of the output, in which the outliers are marked",
           .attributes = {{.name = "mean_distance",
                           .meaning = "mean distance to the neighbours at the positions the stage sees; undefined: NaN"},

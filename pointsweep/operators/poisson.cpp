@@ -55,7 +55,7 @@ OperatorDeclaration poisson_declaration() {
           .meaning = "keeps points that are farther than a radius from each other and leave no gap wider than it",
           .options = {{.name = "radius",
                        .kind = OptionKind::number,
-                       .meaning = "within which a kept point leaves out others; with radius_from the most it can be",
+                       .meaning = "minimum distance between kept points; with radius_from, its upper limit",
                        .least = kAboveZero,
                        .unit = "length",
                        .required = true,
@@ -64,11 +64,12 @@ OperatorDeclaration poisson_declaration() {
                        .is_radius = true},
                       {.name = "radius_from",
                        .kind = OptionKind::attribute,
-                       .meaning = "attribute of the input, or made before, that holds the radius of each point",
+                       .meaning = "attribute of the input, or made before, that holds the minimum distance from each "
+                                  "point to the kept ones",
                        .is_radius = true}},
           .make = make_poisson,
           .formula =
-              "In ascending order of h_i (ties by x, y, z, then row) a point is kept unless a kept point j has\n"
+              "In ascending order of h_i (ties by x, y, z, then row) a point is kept unless a kept point j has "
               "|p_i - p_j|² <= r_i², ((dx² + dy²) + dz²) in float64.\n"
               "So of two points at exactly the radius the first in that order stays, and the other is left out.\n"
               "h: the hash of decimate with the seed 0x706f6973736f6e.\n"

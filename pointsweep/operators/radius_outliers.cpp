@@ -36,14 +36,15 @@ OperatorDeclaration ror_declaration() {
                       {.name = "min_neighbors",
                        .kind = OptionKind::whole,
                        .preset = std::uint64_t{2},
-                       .meaning = "how many neighbours a point needs, itself not counted; knn needs k of at least this",
+                       .meaning = "number of neighbours that a point needs, without the point itself; knn needs k of "
+                                  "at least this",
                        .least = 1}},
           .make = make_ror,
           .formula =
               "outlier = 1 where |{j in N_i : |p_j - p_i| <= radius}| < min_neighbors, N_i without p_i.\n"
-              "The min_neighbors nearest neighbours are enough to know, so that knn(k=min_neighbors) before it\n"
+              "The min_neighbors nearest neighbours are enough to know, so that knn(k=min_neighbors) before it "
               "makes the same as knn(radius=...) in less time.\n"
-              "PDAL (min_k), PCL (setMinNeighborsInRadius) and Open3D (nb_points) keep the same points, but\n"
+              "PDAL (min_k), PCL (setMinNeighborsInRadius) and Open3D (nb_points) keep the same points, but "
               "that PDAL and Open3D do not count a neighbour at exactly the radius.",
           .source = "PDAL filters.outlier, method radius; PCL RadiusOutlierRemoval; Open3D remove_radius_outlier",
           .undefined =

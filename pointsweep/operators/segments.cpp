@@ -37,7 +37,7 @@ OperatorDeclaration segments_declaration() {
       .options = {{.name = "angle",
                    .kind = OptionKind::number,
                    .preset = 5.0,
-                   .meaning = "normals of neighbours in one segment differ by less; above 0",
+                   .meaning = "maximum angle between the normals of neighbours in one segment, in degrees, above 0",
                    .least = 0,
                    .most = 90,
                    .unit = "degrees"},
@@ -50,13 +50,13 @@ OperatorDeclaration segments_declaration() {
                    .is_radius = true}},
       .make = make_segments,
       .formula =
-          "Points i and j are joined if j is in N_i or i is in N_j, |n_i . n_j| > cos(angle), and with\n"
-          "distance D |p_j - p_i| <= D. segment: components of these, numbered from 0 by the first point,\n"
-          "that of the least x, then y, then z, then row. Normals are unit vectors or 0; a normal of 0 is\n"
+          "Points i and j are joined if j is in N_i or i is in N_j, |n_i . n_j| > cos(angle), and with "
+          "distance D |p_j - p_i| <= D. segment: components of these, numbered from 0 by the first point, "
+          "that of the least x, then y, then z, then row. Normals are unit vectors or 0; a normal of 0 is "
           "joined with none.\n"
-          "segment_residual: the root mean square distance of the points of the segment to the plane for\n"
-          "which it is least: the square root of the least eigenvalue of their covariance; 0 for fewer than\n"
-          "4 points. Of positions to 2^-40, at most 2^40 in absolute value, summed exactly; its error is\n"
+          "segment_residual: the root mean square distance of the points of the segment to the plane for "
+          "which it is least: the square root of the least eigenvalue of their covariance; 0 for fewer than "
+          "4 points. Of positions to 2^-40, at most 2^40 in absolute value, summed exactly; its error is "
           "below 10^-7 of the extent of the segment, or 2^-40 where that is more.",
       .source =
           "after Rabbani, van den Heuvel, Vosselman, Segmentation of point clouds using smoothness constraint "

@@ -125,14 +125,14 @@ OperatorDeclaration set_declaration() {
                    .sample = std::string("classification = 7 where z > 100")},
                   {.name = "as",
                    .kind = OptionKind::choice,
-                   .meaning = "the type of attributes that are new; without it float64, or the type that LAS has for "
-                              "the name, such as uint8 for classification",
+                   .meaning = "type of new attributes; without this option float64, or the type that LAS has for the "
+                              "name, such as uint8 for classification",
                    .choices = names_of_types(),
                    .sample = std::string("float32")}},
       .make = make_set,
       .formula =
           "The value in float64, as where evaluates numbers; of a type of whole numbers the nearest, halves to even.\n"
-          "An attribute that is there keeps its type, and its value where the condition does not hold; a new one is 0\n"
+          "An attribute that is there keeps its type, and its value where the condition does not hold; a new one is 0 "
           "there. x, y and z move the points.",
       .undefined =
           "A value that the type cannot hold ends the run, naming the row, and so does a coordinate that is not finite "
@@ -283,7 +283,7 @@ void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
     assignment_.value.evaluate_whole(batch.values(), wholes);
   else
     assignment_.value.evaluate_number(batch.values(), reals);
-  T* const to = out.column<T>(0).data();
+  auto* const to = reinterpret_cast<T*>(out.column<std::byte>(0).data());
   const Field old_field{.name = "", .type = old_ ? old_->type : Type::f64};
   const auto old = old_value_ ? in.values<std::byte>(*old_value_) : nullptr;
   for (std::size_t i = 0; i < n; ++i) {

@@ -27,12 +27,12 @@ OperatorDeclaration splats_declaration() {
       .options = {{.name = "axes",
                    .kind = OptionKind::choice,
                    .preset = "auto",
-                   .meaning = "what determines direction and ratio of the ellipses; auto is curvature if an earlier "
-                              "stage makes it, else positions",
+                   .meaning = "derive direction and ratio of the ellipses from curvature or from positions; auto "
+                              "takes curvature if an earlier stage computes it",
                    .choices = {"auto", "positions", "curvature"}}},
       .make = make_splats,
       .formula =
-          "An ellipse around p_i in the tangent plane of n_i, grown until it holds eight neighbours; with m < 8\n"
+          "An ellipse around p_i in the tangent plane of n_i, grown until it holds eight neighbours; with m < 8 "
           "neighbours, √(8/m) times as long as one that holds all.\n"
           "axes=positions: major axis along the largest eigenvector of M_i (Equation 1), ratio √(λ1/λ2).\n"
           "axes=curvature: major axis along the direction of k2, ratio √(k2/k1).\n"
@@ -41,6 +41,7 @@ OperatorDeclaration splats_declaration() {
           "Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 4.3.3; the size is ours "
           "(docs/paper.md)",
       .undefined = "All values are 0 where the point has no normal or no neighbour off the point.",
+      .degenerate = "have no normal, or no neighbour elsewhere; their splats are 0",
       .cost = "at k = 8 about 150 cycles per point with AVX2, after the search",
       .attributes = {{.name = "splat_axis", .meaning = "unit major axis, tangent, of no sign; undefined: 0"},
                      {.name = "splat_length", .meaning = "major semi-axis; undefined: 0"},

@@ -62,7 +62,7 @@ OperatorDeclaration voxel_declaration() {
       .meaning = "keeps one point in each cube of a grid; later stages see neighbours among those kept",
       .options = {{.name = "size",
                    .kind = OptionKind::number,
-                   .meaning = "length of the edges of the cubes, whose faces lie at multiples of it",
+                   .meaning = "edge length of the cubes, whose faces lie at multiples of it",
                    .least = kAboveZero,
                    .unit = "length",
                    .required = true,
@@ -71,20 +71,20 @@ OperatorDeclaration voxel_declaration() {
                   {.name = "keep",
                    .kind = OptionKind::choice,
                    .preset = std::string("center"),
-                   .meaning = "the point nearest to the centre of the cube, the one whose coordinates have the "
-                              "smallest hash, or the first of these with means of the cube",
+                   .meaning = "point that a cube keeps: the one nearest to its centre, one chosen by a hash, or the "
+                              "one nearest to its centre with the means of the cube",
                    .choices = {std::begin(kKeepNames), std::end(kKeepNames)}}},
       .make = make_voxel,
       .formula =
-          "Voxel of p: (⌊x / size⌋, ⌊y / size⌋, ⌊z / size⌋), quotients rounded to float64: a point on a\n"
+          "Voxel of p: (⌊x / size⌋, ⌊y / size⌋, ⌊z / size⌋), quotients rounded to float64: a point on a "
           "face belongs to the voxel above it. The grid does not depend on the cloud.\n"
           "keep=center: the least |p - c|², ((dx² + dy²) + dz²) in float64, c = (voxel + 0.5) * size.\n"
           "keep=hash: the least hash of decimate, with the seed 0x766f78656c.\n"
           "Of equal ones the point of the least x, then y, then z, then input row.\n"
-          "keep=centroid: the row of keep=center, at the mean of the points of the voxel. Floating-point numbers,\n"
-          "intensity and colours become means too, m = (Σ v) / n of the n finite values, at least the least, at\n"
+          "keep=centroid: the row of keep=center, at the mean of the points of the voxel. Floating-point numbers, "
+          "intensity and colours become means too, m = (Σ v) / n of the n finite values, at least the least, at "
           "most the greatest; Σ is exact, rounded once to float64; intensity and colours then to whole numbers.\n"
-          "Normals: the mean, divided by its length; 0 where that is 0. All else is that of the row: whole\n"
+          "Normals: the mean, divided by its length; 0 where that is 0. All else is that of the row: whole "
           "numbers (classification, return number, ids), directions without a sign, arrays, scaled fields.",
       .undefined =
           "Points without a finite place all stay, with the values they have. The mean of values none of which is "

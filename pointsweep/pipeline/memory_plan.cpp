@@ -259,7 +259,8 @@ std::uint64_t least_budget(const SweepPlan& plan, const MemoryDemand& demand) {
 }  // namespace
 
 void fail_budget(std::uint64_t budget, std::uint64_t needed_bytes) {
-  fail("A memory budget of {} MB is too small for this cloud and chain: give --memory {}M or more.", budget >> 20,
+  const std::string given = budget < kMega ? fmt::format("{} bytes", budget) : fmt::format("{} MB", budget >> 20);
+  fail("A memory budget of {} is too small for this cloud and chain: give --memory {}M or more.", given,
        (needed_bytes + kMega - 1) >> 20);
 }
 

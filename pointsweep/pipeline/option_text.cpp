@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/neighborhood_declaration.h"
 #include "pointsweep/points/nearest_names.h"
 
 namespace pointsweep {
@@ -51,15 +52,20 @@ const OptionDeclaration& declared(const std::vector<OptionDeclaration>& declarat
     if (d.name == option.name) return d;
     names.push_back(d.name);
   }
+  const auto& knn = neighborhood_declaration();
+  if (std::ranges::find(knn.options, option.name, &OptionDeclaration::name) != knn.options.end())
+    fail_usage("{}: {} belongs to the neighbourhood: write {}({}={}) | {}.", option.place, option.name, knn.name,
+               option.name, option.value, stage);
   if (names.empty()) fail_usage("{}: {} has no options, so it has no '{}'.", option.place, stage, option.name);
   fail_usage("{}: {} has no option '{}'; the nearest it has {} {}.", option.place, stage, option.name,
              names.size() == 1 ? "is" : "are", nearest_names(option.name, names));
 }
 
-/// The option without a name is that of the first place, if there is one.
+/// In the first place a value without a name is that of the first option.
 const OptionDeclaration& declared_for(const std::vector<OptionDeclaration>& declared_options, const OptionText& option,
                                       bool first, const StageText& stage) {
-  if (option.name.empty() && first && !declared_options.empty() && declared_options.front().positional)
+  const auto is_name = [&](const OptionDeclaration& o) { return !o.positional && o.name == option.value; };
+  if (option.name.empty() && first && !declared_options.empty() && std::ranges::none_of(declared_options, is_name))
     return declared_options.front();
   return declared(declared_options, option, stage.name);
 }

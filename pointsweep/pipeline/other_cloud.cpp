@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/common_crs.h"
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/input_list.h"
 #include "pointsweep/order/stream.h"
@@ -33,9 +34,9 @@ OtherCloud::OtherCloud(const std::string& name, const InputCloud& cloud)
   const CrsAgreement agreement = compare(*mine, *other);
   if (agreement == CrsAgreement::different && !cloud.ignores_crs())
     fail_usage(
-        "{} is in {} and the input in {}: transform one of them first (e.g. with 'pdal translate IN OUT "
-        "reprojection'), or add --ignore-crs to compare the coordinates without a transformation.",
-        name, short_text(*other), short_text(*mine));
+        "{} is in {} and the input in {}: transform one of them first{}, or add --ignore-crs to compare the coordinates "
+        "without a transformation.",
+        name, short_text(*other), short_text(*mine), way_to_transform(*mine));
   if (agreement == CrsAgreement::undecided)
     warnings_.push_back(fmt::format(
         "The coordinate reference system of {} could not be compared with that of the input; it is taken to be the "

@@ -33,6 +33,11 @@ OutputNames names_in_outputs(const InputCloud& cloud, const ChainPlan& plan, con
   return names;
 }
 
+void require_outputs(const Outputs& outputs) {
+  if (outputs.points.empty() && outputs.arrays.empty() && outputs.tiles.empty() && !outputs.writer)
+    fail_usage("the run has no output: name a point file, arrays, a writer or tiles.");
+}
+
 void require_tiles_possible(const Outputs& outputs, const EngineOptions& options) {
   if (outputs.tiles.empty()) return;
   if (!outputs.points.empty() || !outputs.arrays.empty() || outputs.writer)

@@ -23,6 +23,9 @@ std::vector<OutputFormat> output_formats(const Outputs& outputs);
 OutputNames names_in_outputs(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
                              const EngineOptions& options);
 
+/// Throws UsageError where nothing is to be written.
+void require_outputs(const Outputs& outputs);
+
 /// Throws UsageError for a request that only one output of all points can fulfil, if there are tiles.
 void require_tiles_possible(const Outputs& outputs, const EngineOptions& options);
 

@@ -67,15 +67,17 @@ class Naming {
     if (const auto at = input_.find(field)) return meet(attribute, own, field, input_.fields[*at]);
     const auto column = std::find(columns_.begin(), columns_.end(), stored);
     if (column != columns_.end())
-      refuse(field, column_names(input_)[static_cast<std::size_t>(column - columns_.begin())], false);
+      refuse(field, column_names(input_)[static_cast<std::size_t>(column - columns_.begin())], "");
   }
 
   /// The input has `old`, which the output would hold under the name of `field`.
   void meet(const Attribute& attribute, const std::string& own, const std::string& field, const Field& old) {
-    if (old.count != 1) refuse(field, old.name, false);
+    if (old.count != 1) refuse(field, old.name, "");
     if (asked_to_replace({attribute.name, own, old.name, library_name_of(old.name)})) return;
     const bool is_color = attribute.kind == Kind::color;  // those of a camera cannot be made again
-    if (!rules_.prefix.empty() || is_color || !means_only(old.name, own)) refuse(field, old.name, true);
+    const bool is_asked_for = !is_color && means_only(old.name, own);
+    if (!rules_.prefix.empty() || !is_asked_for)
+      refuse(field, old.name, attribute.is_list() ? attribute.name : old.name);
     out_.replaced.push_back(old.name);
   }
 
@@ -87,12 +89,14 @@ class Naming {
     return asked;
   }
 
-  [[noreturn]] void refuse(const std::string& field, const std::string& old, bool replaceable) const {
-    const std::string overwrite = replaceable ? fmt::format("overwrite it with --replace {}, or ", old) : "";
+  /// `replaceable`: what --replace may name to allow it; empty: nothing.
+  [[noreturn]] void refuse(const std::string& field, const std::string& old, const std::string& replaceable) const {
+    const std::string overwrite =
+        replaceable.empty() ? "" : fmt::format("allow it with --replace {}, or ", replaceable);
     const std::string other =
-        rules_.prefix.empty() ? "write what is made under other names with --prefix NAME" : "choose another prefix";
-    fail_usage("{}: its attribute '{}' would be overwritten by '{}', which is made; {}{}.", input_name_, old, field,
-               overwrite, other);
+        rules_.prefix.empty() ? "rename the computed attributes with --prefix NAME" : "choose another prefix";
+    fail_usage("{}: the computed '{}' would overwrite its attribute '{}'; {}{}.", input_name_, field, old, overwrite,
+               other);
   }
 
   const Schema& input_;
@@ -110,9 +114,8 @@ class Naming {
 std::string OutputNames::warning() const {
   if (replaced.empty()) return "";
   std::string names;
-  for (const std::string& name : replaced) names += (names.empty() ? "" : " ") + name;
-  return fmt::format("The input's {} {} replaced by what is made; --prefix NAME keeps both.", names,
-                     replaced.size() == 1 ? "is" : "are");
+  for (const std::string& name : replaced) names += (names.empty() ? "" : ", ") + name;
+  return fmt::format("replacing {} of the input with computed values.", names);
 }
 
 OutputNames name_outputs(const Schema& input, const std::string& input_name, const std::vector<Attribute>& made,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <system_error>
 #include <utility>
 
 #include "pointsweep/fail.h"
@@ -199,6 +200,9 @@ std::vector<StageText> parse_pipeline(std::string_view text, std::string_view so
 
 std::vector<StageText> parse_pipeline_or_file(const std::string& text_or_file) {
   const bool file = std::filesystem::path(text_or_file).extension() == ".json";
+  std::error_code error;
+  if (!file && std::filesystem::is_regular_file(text_or_file, error))
+    fail_usage("{}: pipeline files end in .json; rename it, or write the stages themselves.", text_or_file);
   return file ? parse_json_pipeline(content_of(text_or_file), text_or_file) : parse_pipeline(text_or_file);
 }
 

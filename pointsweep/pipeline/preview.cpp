@@ -33,7 +33,7 @@ std::string stages_text(const SweepPlan& plan, std::size_t first_stage) {
     text += fmt::format("  {:<12}{:>4}  {}\n", fmt::format("{} {}", first_stage + s + 1, plan.stages[s].op->name()),
                         step + 1,
                         waits ? "pre-buffer: waits until all neighbours have finished the step before"
-                              : "through: runs at once, with the stage or search before it");
+                              : "through: runs in the same pass");
   }
   return text;
 }

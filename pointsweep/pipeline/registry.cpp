@@ -2,6 +2,8 @@
 #include "pointsweep/pipeline/registry.h"
 
 #include <algorithm>
+#include <optional>
+#include <string_view>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/color.h"
@@ -37,6 +39,29 @@
 
 namespace pointsweep {
 
+namespace {
+
+/// A word of other programs for what no operator here is called, and what to do instead.
+struct OtherWord {
+  std::string_view word, advice;
+};
+
+constexpr std::string_view kReproject =
+    "pointsweep does not transform coordinates, but 'pdal translate IN OUT reprojection "
+    "--filters.reprojection.out_srs=EPSG:CODE' does";
+constexpr std::string_view kCopy = "decimate(1) copies the points of all inputs";
+constexpr OtherWord kOtherWords[] = {
+    {"reproject", kReproject},
+    {"reprojection", kReproject},
+    {"transform", "set moves points, as in set(x = x + 1000, y = y + 2000)"},
+    {"sample", "voxel and poisson keep points at a distance, decimate a share of them"},
+    {"merge", kCopy},
+    {"copy", kCopy},
+    {"convert", kCopy},
+    {"translate", kCopy}};
+
+}  // namespace
+
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = {
       normals_declaration(),    curvature_declaration(),   splats_declaration(),
@@ -53,6 +78,11 @@ const std::vector<OperatorDeclaration>& all_operators() {
   return operators;
 }
 
+std::string_view advice_for(std::string_view word) {
+  const auto* const found = std::ranges::find(kOtherWords, word, &OtherWord::word);
+  return found == std::end(kOtherWords) ? std::string_view() : found->advice;
+}
+
 const OperatorDeclaration* declaration_of(std::string_view name) {
   const auto found = std::ranges::find(all_operators(), name, &OperatorDeclaration::name);
   return found == all_operators().end() ? nullptr : &*found;
@@ -60,10 +90,13 @@ const OperatorDeclaration* declaration_of(std::string_view name) {
 
 const OperatorDeclaration& find_operator(const StageText& stage) {
   if (const OperatorDeclaration* found = declaration_of(stage.name)) return *found;
+  if (const std::string_view advice = advice_for(stage.name); !advice.empty())
+    fail_usage("{}: no operator is called '{}'; {}.", stage.place, stage.name, advice);
   std::vector<std::string> names = {neighborhood_declaration().name};
   for (const OperatorDeclaration& declaration : all_operators()) names.push_back(declaration.name);
-  fail_usage("{}: no operator is called '{}'; the nearest are {}.", stage.place, stage.name,
-             nearest_names(stage.name, names));
+  const std::optional<std::string> meant = probable_name(stage.name, names);
+  fail_usage("{}: no operator is called '{}'; {}.", stage.place, stage.name,
+             meant ? fmt::format("the nearest is '{}'", *meant) : "'pointsweep operators' lists all");
 }
 
 }  // namespace pointsweep

@@ -246,10 +246,10 @@ std::vector<std::string> TileSet::warnings() const {
   for (const auto& [what, warning] : warnings_)
     all.push_back(warning.others == 0 ? warning.first
                                       : fmt::format("{} (And so of {} more outputs.)", warning.first, warning.others));
-  if (empty_.size() == 1) all.push_back(fmt::format("No point is left for {}: it holds none.", empty_.front()));
+  if (empty_.size() == 1) all.push_back(fmt::format("no point passed; {} is empty.", empty_.front()));
   if (empty_.size() > 1)
     all.push_back(
-        fmt::format("No point is left for {} outputs, the first {}: they hold none.", empty_.size(), empty_.front()));
+        fmt::format("no point passed for {} outputs, which are empty, the first {}.", empty_.size(), empty_.front()));
   return all;
 }
 

@@ -10,6 +10,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/colors/class_colors.h"
 #include "pointsweep/colors/color_map.h"
+#include "pointsweep/points/lower_case.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -28,20 +29,20 @@ bool is_fraction(const Field& field) { return field.type == Type::f32 || field.t
 }  // namespace
 
 PointColor::PointColor(const Schema& schema, std::string_view what, std::string_view option)
-    : schema_(schema), chosen_by_user_(!what.empty()), name_(what) {
+    : schema_(schema), chosen_by_user_(!what.empty()), name_(in_lower_case(what)) {
   if (what.empty()) {
     if (take(schema, Kind::rgb, kColorFields)) name_ = "rgb";
     return;
   }
-  if (what == "plain") return;
-  if (what == "rgb" && take(schema, Kind::rgb, kColorFields)) return;
-  if (what == "normal" && take(schema, Kind::normal, kNormals)) return;
-  if (what == "classification" && take_classes(schema)) return;
-  if (what == "height") {
+  if (name_ == "plain") return;
+  if (name_ == "rgb" && take(schema, Kind::rgb, kColorFields)) return;
+  if (name_ == "normal" && take(schema, Kind::normal, kNormals)) return;
+  if (name_ == "classification" && take_classes(schema)) return;
+  if (name_ == "height") {
     kind_ = Kind::height;
     return;
   }
-  if (what == "curvature") {
+  if (name_ == "curvature") {
     for (const char* name : {"rms_curvature", "mean_curvature", "absolute_curvature", "k1", "surface_variation"})
       if (take_number(schema, name)) return;
   } else if (take_number(schema, what)) {

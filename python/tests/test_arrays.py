@@ -143,7 +143,7 @@ def test_one_point_has_no_normal_and_no_points_are_an_error():
 
 
 def test_all_rows_may_be_left_out(surface):
-    with pytest.warns(ps.PointsweepWarning, match="No point is left"):
+    with pytest.warns(ps.PointsweepWarning, match="no point passed"):
         arrays = ps.run(surface, "where(z < 0)")
     assert arrays["xyz"].shape == (0, 3) and arrays["row"].shape == (0,)
 

@@ -135,6 +135,6 @@ def test_tables_of_notebooks(tmp_path):
     t = ps.run(XYZ, "knn(k=8) | normals", keep=["xyz", "normal"])
     assert "<th>normal</th><td>float32</td><td>(4000, 3)</td>" in t._repr_html_() and "4,000 points" in t._repr_html_()
     assert "4,000" in t.report._repr_html_()
-    with pytest.warns(ps.PointsweepWarning, match="No point is left"):
+    with pytest.warns(ps.PointsweepWarning, match="no point passed"):
         empty = ps.run(XYZ, "where(x > 2)")
     assert "0 points" in empty._repr_html_()

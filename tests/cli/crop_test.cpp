@@ -37,6 +37,24 @@ TEST_F(CropStage, VerifyReadsTheFileThatTheRunReadAndRefusesAnother) {
   refused(1, "verify out.las", "area.geojson: cannot be opened");
 }
 
+TEST_F(CropStage, AnEmptyResultNamesTheBoxes) {
+  const Result result = tool("run all.txt none.ply --pipeline 'crop([700,2,900,8])'");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_NE(result.err.find("warning: no point passed; none.ply is empty: crop spans x 700 .. 900, y 2 .. 8"),
+            std::string::npos)
+      << result.err;
+  made("run all.txt all.las --pipeline 'decimate(1)'");
+  EXPECT_NE(tool("run all.las none.las --pipeline 'crop([700,2,900,8])'").err.find(", the input x 0 .. 29, y 0 .. 29"),
+            std::string::npos);
+}
+
+TEST_F(CropStage, AFileThatGisProgramsConvertIsNamedWithTheCommand) {
+  write("area.shp", "x");
+  refused(1, "run all.txt out.ply --pipeline 'crop(polygon=area.shp)'",
+          "area.shp: polygons are read as GeoJSON or WKT; convert the file: ogr2ogr -f GeoJSON polygons.geojson "
+          "area.shp");
+}
+
 TEST_F(CropStage, TilesAndTheMergedCloudKeepTheSamePoints) {
   std::string a = "x y z\n", b = a;
   for (int i = 0; i < 400; ++i) (i % 3 == 0 ? a : b) += fmt::format("{} {} {}\n", i % 20, i / 20, i % 11);

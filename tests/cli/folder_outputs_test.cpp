@@ -158,11 +158,12 @@ TEST_F(FolderOutputs, ATileWithoutRowsIsWrittenEmptyAndNamed) {
   make_tiles("las");
   const Result run = tool("run tiles out/ --pipeline 'where(x < 0 && weight != 0) | normals'");
   EXPECT_EQ(run.status, 0) << run.err;
-  EXPECT_NE(run.err.find("No point is left for out/b.las: it holds none."), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("no point passed; out/b.las is empty."), std::string::npos) << run.err;
   EXPECT_EQ(StoredPoints(folder_ / "out/b.las").rows, 0u);
   EXPECT_GT(StoredPoints(folder_ / "out/a.las").rows, 0u);
   const Result none = tool("run tiles none/ --pipeline 'where(x > 100) | normals'");
-  EXPECT_NE(none.err.find("No point is left for 3 outputs, the first none/a.las"), std::string::npos) << none.err;
+  EXPECT_NE(none.err.find("no point passed for 3 outputs, which are empty, the first none/a.las"), std::string::npos)
+      << none.err;
 }
 
 TEST_F(FolderOutputs, EmptyTilesAndTilesOfOnePointAreTiles) {

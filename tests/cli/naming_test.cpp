@@ -61,8 +61,8 @@ TEST_F(Naming, AnAttributeCalledCurvatureIsNotReplacedBySurfaceVariation) {
         EXPECT_FALSE(exists(out));
       }
   refused(2, "curvature in.ply out.ply",
-          "in.ply: its attribute 'curvature' would be overwritten by 'surface_variation'");
-  refused(2, "curvature in.las out.las", "in.las: its attribute 'Curvature'");
+          "in.ply: the computed 'surface_variation' would overwrite its attribute 'curvature'");
+  refused(2, "curvature in.las out.las", "would overwrite its attribute 'Curvature'");
   write("chain.json", "[{\"type\": \"normals\"}, {\"type\": \"curvature\"}]");
   refused(2, "run --pipeline chain.json in.ply out.ply", "--replace curvature");
 }
@@ -119,17 +119,17 @@ TEST_F(Naming, WhatWasAskedForByItsNameIsReplacedWithOneWarning) {
     for (const char* verb : {"normals ", "run --pipeline 'normals' ", "splats "}) {
       const Result result = tool(verb + std::string(files) + " -f");
       ASSERT_EQ(result.status, 0) << result.err;
-      const std::size_t warning = result.err.find("replaced by what is made");
+      const std::size_t warning = result.err.find("with computed values");
       EXPECT_NE(warning, std::string::npos) << result.err;
-      EXPECT_EQ(result.err.find("replaced by what is made", warning + 1), std::string::npos) << result.err;
+      EXPECT_EQ(result.err.find("with computed values", warning + 1), std::string::npos) << result.err;
     }
   }
   ASSERT_EQ(tool("normals in.ply out.ply -f").status, 0);
   expect_made("out.ply", "nx", "1");
   ASSERT_EQ(tool("curvature plain.xyz k.ply --keep k1 -k 3").status, 0);
-  EXPECT_NE(tool("curvature k.ply k2.ply --keep k1 -k 3").err.find("The input's k1 is replaced"), std::string::npos);
+  EXPECT_NE(tool("curvature k.ply k2.ply --keep k1 -k 3").err.find("replacing k1 of the input"), std::string::npos);
   const Result dry = tool("run in.ply new.ply --pipeline normals --dry-run");
-  EXPECT_NE(dry.out.find("The input's nx ny nz are replaced"), std::string::npos) << dry.out;
+  EXPECT_NE(dry.out.find("replacing nx, ny, nz of the input"), std::string::npos) << dry.out;
 }
 
 }  // namespace

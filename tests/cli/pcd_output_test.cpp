@@ -64,7 +64,7 @@ TEST_F(PcdOutput, OfPcdKeepsFieldsAndViewpointAndNanPoints) {
                         "F\nCOUNT 1 1 1 1 2 1 1 1\nWIDTH 4\nHEIGHT 1\nVIEWPOINT 0 0 1.5 1 0 0 0\nPOINTS 4\n"));
   made("verify in.pcd out.pcd");
   const Result again = tool("normals out.pcd again.pcd -k 3");
-  EXPECT_THAT(again.err, HasSubstr("normal_x normal_y normal_z are replaced"));
+  EXPECT_THAT(again.err, HasSubstr("replacing normal_x, normal_y, normal_z"));
   EXPECT_THAT(header_of("again.pcd"), HasSubstr("FIELDS x y z rgba label normal_x normal_y normal_z\n"));
 }
 

@@ -34,6 +34,17 @@ TEST_F(Render, SaysWhatTheColorsMean) {
       << result.err;
 }
 
+TEST_F(Render, ColorsAreNamedInAnySpelling) {
+  made("generate terrain t.las -n 500");
+  made("ground t.las g.las");
+  for (const char* word : {"classification", "Classification", "Height", "RGB"}) {
+    const bool is_there = std::string_view(word) != "RGB";
+    EXPECT_EQ(tool(std::string("render g.las p.png --force --color ") + word).status, is_there ? 0 : 2) << word;
+  }
+  EXPECT_EQ(made("render g.las a.png --color Classification", "a.png"),
+            made("render g.las b.png --color classification", "b.png"));
+}
+
 TEST_F(Render, WritesALegendUnlessToldNotTo) {
   const std::string with = made("render a.xyz a.png --size 640x480 --color x", "a.png");
   EXPECT_NE(made("render a.xyz b.png --size 640x480 --color x --no-legend", "b.png"), with);

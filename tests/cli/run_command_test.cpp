@@ -48,7 +48,7 @@ TEST_F(RunVerb, WhatMakesNoSenseIsStatus2AndNamesThePlace) {
   refused(2, "run in.ply --pipeline normals", "IN... OUT");
   refused(2, "run in.ply out.ply --pipeline 'knn(k=12) | nromals'", "column 13: no operator is called 'nromals'");
   refused(2, "run in.ply out.ply --pipeline 'knn(k=12'", "column 9");
-  refused(2, "run in.ply out.ply --pipeline 'knn(k=12)'", "makes nothing");
+  refused(2, "run in.ply out.ply --pipeline 'knn(k=12)'", "computes nothing");
   refused(2, "run in.ply out.ply --pipeline '[{\"type\": \"normals\", \"orient\": \"in\"}]'", "stage 1");
   refused(1, "run in.ply out.ply --pipeline none.json", "none.json");
   EXPECT_FALSE(exists("out.ply"));
@@ -179,7 +179,7 @@ TEST_F(RunVerb, OperatorsAreListedWithEveryOption) {
     EXPECT_NE(out.find(tool("operators " + declaration.name).out), std::string::npos);
   }
   EXPECT_TRUE(out.starts_with(tool("operators knn").out));
-  refused(2, "operators nromals", "the nearest are 'normals'");
+  refused(2, "operators nromals", "the nearest is 'normals'");
 }
 
 }  // namespace

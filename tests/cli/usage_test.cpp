@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <CLI/CLI.hpp>
+#include <vector>
+
+#include "cli/commands.h"
 #include "tests/cli/tool.h"
 
 namespace pointsweep {
@@ -116,6 +120,36 @@ TEST_F(Usage, TwoOutputsAreNotOneFile) {
   write("s", "old");
   refused(2, "normals in.ply out.ply -f --stats s --report folder/s", "two outputs");
   EXPECT_EQ(contents(folder_ / "s"), "old");
+}
+
+/// The command line "VERB FLAG ''", or "VERB ''" for an argument, as the parser takes it.
+void expect_no_empty_value(const std::string& verb, const std::string& flag) {
+  CLI::App app;
+  add_commands(app);
+  std::vector<std::string> words = {"", verb};  // from the last to the first
+  if (!flag.empty()) words.insert(words.begin() + 1, flag);
+  try {
+    app.parse(words);
+    ADD_FAILURE() << verb << " " << flag;
+  } catch (const CLI::ParseError& error) {
+    EXPECT_NE(std::string(error.what()).find("the value is empty"), std::string::npos) << verb << flag << error.what();
+  }
+}
+
+TEST_F(Usage, NoOptionOfAnyVerbTakesAnEmptyValue) {
+  CLI::App app;
+  add_commands(app);
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
+    for (const CLI::Option* option : verb->get_options())
+      if (option->get_items_expected_max() > 0)
+        expect_no_empty_value(verb->get_name(), option->nonpositional() ? option->get_name() : "");
+}
+
+TEST_F(Usage, AnEmptyNameIsNoFolderOfOutputs) {
+  write("in.xyz", "1 2 3\n");
+  for (const char* files : {"in.xyz ''", "in.xyz -o ''", "'' out.ply", "in.xyz '' out.ply"})
+    refused(2, std::string("sort ") + files, "the value is empty; give one, or leave the option out");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 3) << "in.xyz, .out and .err";
 }
 
 TEST_F(Usage, AMissingInputIsStatus1) {

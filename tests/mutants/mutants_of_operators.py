@@ -175,7 +175,7 @@ MUTANTS = [
            "if (ends.lo_ <= ends.hi_) include(ends.lo_), include(ends.hi_);", "if (ends.lo_ <= ends.hi_) include(ends.lo_);",
            ("pipeline:Color.*",)),
     Mutant("colours of the input are replaced unasked", "runs", "pointsweep/pipeline/output_names.cpp",
-           "|| is_color ||", "|| (is_color && false) ||", ("pipeline:Color.*",)),
+           "is_asked_for = !is_color && means_only", "is_asked_for = means_only", ("pipeline:Color.*",)),
     Mutant("decimate hashes -0 apart from 0", "selects", "pointsweep/math/coordinate_hash.h",
            "std::bit_cast<std::uint64_t>(c + 0.0)", "std::bit_cast<std::uint64_t>(c)", ("pipeline:Decimate.*",)),
     Mutant("decimate leaves out points that are not finite", "selects", OPS + "decimate.cpp",

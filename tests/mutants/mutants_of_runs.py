@@ -156,6 +156,14 @@ MUTANTS = [
            "for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})",
            "for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO})", ("cli:Console.*",)),
 
+    Mutant("an empty name of an output is the current folder", "cli", "cli/commands.cpp",
+           "if (option->get_items_expected_max() > 0)", "if (option->get_items_expected_max() > 1)", ("cli:Usage.*",)),
+    Mutant("a run without an output is done for nothing", "runs", PIPELINE + "output_formats.cpp",
+           "outputs.tiles.empty() && !outputs.writer)", "outputs.tiles.empty() && outputs.writer)", ("pipeline:Run.*",)),
+    Mutant("a folder whose name looks like a pattern is one within a pattern", "cli",
+           "pointsweep/formats/files/file_pattern.cpp", "if (!ends_with_pattern(folder / name))", "if (!has_wildcard(name))",
+           ("cli:FolderInputs.*",)),
+
     # Selects
     Mutant("a second select counts the rows that the first left", "selects", PIPELINE + "row_mask.cpp",
            "while (before_ != nullptr && next_ < rows_ && !before_->has(next_)) append_any(false);",

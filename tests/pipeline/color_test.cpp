@@ -120,7 +120,7 @@ TEST(Color, ColorsOfTheInputAreReplacedOnlyOnRequest) {
   EXPECT_NE(
       refusal([&] {
         run_to({}, "");
-      }).find("its attribute 'red' would be overwritten by 'red', which is made; overwrite it with --replace red"),
+      }).find("the computed 'red' would overwrite its attribute 'red'; allow it with --replace color"),
       std::string::npos)
       << refusal([&] { run_to({}, ""); });
   EXPECT_NO_THROW(run_to({"color"}, ""));

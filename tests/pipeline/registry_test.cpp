@@ -283,7 +283,7 @@ TEST(Registry, PipelinesAreTheChainsOneWouldBuildByHand) {
 }
 
 TEST(Registry, UnknownNamesGetTheNearestKnownOnes) {
-  expect_refused("normal", "column 1: no operator is called 'normal'; the nearest are 'normals'");
+  expect_refused("normal", "column 1: no operator is called 'normal'; the nearest is 'normals'");
   expect_refused("knn | nrmals(orient=up)", "column 7: no operator is called 'nrmals'");
   expect_refused("normals(orientation=up)",
                  "column 9: normals has no option 'orientation'; the nearest it has are 'orient'");

@@ -42,6 +42,14 @@ void expect_lists(const std::vector<Vec3>& points, const Lists& expected, std::s
   EXPECT_EQ(result.statistics.nonfinite, points.size() - finite);
 }
 
+TEST(Run, WithoutAnOutputIsRefused) {
+  const std::vector<double> xyz = {0, 0, 0, 1, 0, 0};
+  std::vector<std::unique_ptr<Reader>> readers;
+  readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
+  InputCloud cloud(std::move(readers));
+  EXPECT_THROW(run(cloud, graph_within(1, 2), Outputs{}, EngineOptions{}), UsageError);
+}
+
 TEST(Run, NeighborsEqualBruteForceWhateverTheSlabsAndCells) {
   for (const auto& [name, shape] : hostile_shapes()) {
     const std::vector<Vec3> points = make_cloud(shape, sized(2000), 5);

@@ -137,7 +137,7 @@ TEST(Updates, ChainsThatDoNotFitAreRefusedBeforeAnyWork) {
                 .find("splats: needs 'normal'"),
             std::string::npos);
   EXPECT_NE(sentence({{}, {thrown(1), reneighbor(0), normals()}}).find("k = 0 gives no neighbours"), std::string::npos);
-  EXPECT_NE(sentence({{}, {reneighbor(), resort()}}).find("makes nothing; add an operator"), std::string::npos);
+  EXPECT_NE(sentence({{}, {reneighbor(), resort()}}).find("computes nothing; add an operator"), std::string::npos);
   EXPECT_NE(sentence({{}, {thrown(1), reneighbor(), normals()}, {"stream_position"}})
                 .find("what is made is position, normal."),
             std::string::npos);

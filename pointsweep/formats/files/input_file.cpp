@@ -19,6 +19,7 @@ namespace pointsweep {
 namespace {
 
 [[noreturn]] void fail_to_open(const std::filesystem::path& path, int error) {
+  if (path.empty()) fail("a file to read has an empty name; name a file.");
   if (error == ENOENT || error == ENOTDIR) fail("{}: no such file; check the path.", path.string());
   if (error == EACCES || error == EPERM) {
     fail("{}: no permission to read it; change its permissions or copy it to where you may read it.", path.string());

@@ -7,6 +7,7 @@
 
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/operators/crop.h"
 #include "pointsweep/pipeline/canonical_text.h"
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/provenance_record.h"
@@ -61,6 +62,24 @@ void open_files(RunState& run) {
                     provenance_of(run.cloud, said_of(run)), values_if_needed(run));
 }
 
+std::string text_of(const Box& box) {
+  return fmt::format("x {:.9g} .. {:.9g}, y {:.9g} .. {:.9g}", box.lo.x, box.hi.x, box.lo.y, box.hi.y);
+}
+
+/// Polygons of another coordinate system are a frequent reason why no point is left.
+std::string boxes_of_crop(const RunState& run) {
+  Box cloud = run.survey.bounds;
+  for (const auto& reader : run.cloud.readers())
+    if (const std::optional<Box>& stated = reader->info().bounds) cloud.include(*stated);
+  for (const GraphNode& node : run.plan.graph.nodes) {
+    const auto* const crop = dynamic_cast<const Crop*>(node.op.get());
+    if (crop == nullptr || crop->options().outside) continue;
+    const std::string of_input = cloud.empty() ? "" : fmt::format(", the input {}", text_of(cloud));
+    return fmt::format(": crop spans {}{}", text_of(crop->box()), of_input);
+  }
+  return "";
+}
+
 }  // namespace
 
 void require_writable(RunState& run) {
@@ -92,7 +111,7 @@ void open_late(RunState& run) {
   }
   run.statistics.points_written = run.cloud.count();
   if (run.is_empty() && run.outputs.tiles.empty())
-    run.warn(fmt::format("No point is left: {} holds none.", name_of_output(run.outputs)));
+    run.warn(fmt::format("no point passed; {} is empty{}.", name_of_output(run.outputs), boxes_of_crop(run)));
   open_files(run);
 }
 

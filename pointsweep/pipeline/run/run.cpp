@@ -56,6 +56,7 @@ void open_other_clouds(RunState& run) {
 void check_request(RunState& run) {
   if (run.options.order == Order::sweep && !run.outputs.arrays.empty())
     fail_usage("Arrays have their rows in input order: leave out --order sweep.");
+  require_outputs(run.outputs);
   require_lengths(run.cloud, run.plan.chain);
   for (const std::string& sentence : converted_defaults(run.cloud, run.plan.chain)) run.warn(sentence);
   require_tiles_possible(run.outputs, run.options);
