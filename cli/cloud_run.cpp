@@ -38,7 +38,7 @@ EngineOptions run_options(const CommonOptions& options) {
   run.order = options.order;
   run.engine = options.engine;
   run.overwrite = options.force;
-  run.moved_positions = options.moved_positions.value_or(run.moved_positions);
+  run.positions = options.positions;
   run.count_distances = !options.report.empty();
   run.half_way_states = options.half_way;
   run.resume_folder = options.resume;

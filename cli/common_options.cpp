@@ -209,8 +209,8 @@ void add_engine_option(CLI::App& verb, CommonOptions& options) {
 
 void add_positions_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
-          "--positions", [&options](const std::string& name) { options.moved_positions = parse_position_type(name); },
-          "Type of x, y and z of moved points (default: float64; a LAS file keeps the grid of a LAS input)")
+          "--positions", [&options](const std::string& name) { options.positions = parse_position_type(name); },
+          "Type of x, y and z in the output, not for LAS (default: that of the input; float64 of moved points)")
       ->type_name("float32|float64")
       ->group(kOutputGroup);
 }

@@ -23,7 +23,7 @@ struct CommonOptions {
   std::optional<int> axis;     ///< 0, 1, 2; none: the axis of largest extent
   Order order = Order::input;  ///< of the rows of the output
   Engine engine = Engine::exact;
-  std::optional<Type> moved_positions;  ///< type of x, y and z where points move; none: float64
+  std::optional<Type> positions;  ///< type of x, y and z in the output; none: that of the input, float64 of moved points
   std::filesystem::path stats;          ///< JSON file; empty: none
   std::filesystem::path report;         ///< HTML page; empty: none
   std::filesystem::path half_way;       ///< .npy file of the state of each point; empty: none

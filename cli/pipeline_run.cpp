@@ -23,17 +23,6 @@ void require_viewpoint(const std::vector<OptionText>& orientation) {
     fail_usage("--orient viewpoint needs the position of the scanner; add --viewpoint X,Y,Z.");
 }
 
-/// An option that would change nothing is refused.
-void require_a_mover(const Chain& chain, const CommonOptions& options) {
-  const auto moves = [](const ChainStage& stage) {
-    const Contract contract = contract_of(stage);
-    return std::any_of(contract.makes.begin(), contract.makes.end(),
-                       [](const Attribute& a) { return a.name == position_attribute().name; });
-  };
-  if (options.moved_positions && std::ranges::none_of(chain.stages, moves))
-    fail_usage("--positions: no stage moves points, so positions keep the type of the input; leave the option out.");
-}
-
 Outputs outputs_of(const ResolvedFiles& files) {
   if (!files.tiles.empty()) return {.tiles = files.tiles};
   return {.points = files.output};
@@ -80,7 +69,6 @@ void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
     look_at_cloud(command.paths, command.common,
                   [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
                     const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
-                    require_a_mover(chain, command.common);
                     print(to_text(preview(cloud, chain, options, outputs_of(files))));
                   });
     return;
@@ -88,7 +76,6 @@ void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
   run_over_cloud(command.paths, command.common,
                  [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
                    const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
-                   require_a_mover(chain, command.common);
                    return run(cloud, chain, outputs_of(files), options);
                  });
 }

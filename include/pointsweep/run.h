@@ -89,10 +89,10 @@ struct RunOptions {
   Engine engine = Engine::exact;
   Nonfinite nonfinite = Nonfinite::by_format;
   bool overwrite = false;  ///< outputs may replace existing files
-  /// Type that x, y and z of the output get if the chain moves points, whatever they are in the input: Type::f64, or
-  /// Type::f32, to which moved positions are then rounded while normals and all else describe the unrounded ones.
-  /// A LAS file keeps the integer grid of a LAS input.
-  Type moved_positions = Type::f64;
+  /// Type of x, y and z in the output, Type::f64 or Type::f32, to which positions are then rounded while normals and all
+  /// else describe the unrounded ones. Absent: that of the input, Type::f64 where the chain moves points. Refused for
+  /// LAS, which stores integers.
+  std::optional<Type> positions = {};
   /// Attributes of the input that made ones may overwrite, although they are not the same: `curvature`, above all,
   /// which programs disagree about. What bears the very name of a made one (nx, ny, nz) is overwritten in any case.
   std::vector<std::string> replace = {};

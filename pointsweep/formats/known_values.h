@@ -2,18 +2,20 @@
 /// What some formats have to know of all values of a cloud before its first point is written (Format::values).
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/value_range.h"
 
 namespace pointsweep {
 
 struct KnownValues {
   std::vector<ValueRange> ranges;  ///< one for each field of the cloud
-  /// Real coordinates are stored at the scale of the inputs (InputCloud::las()): every one of them lies on that grid,
-  /// or all inputs are LAS and are rounded to the finest scale among them.
-  bool keeps_grid = false;
-  bool rounds = false;  ///< the latter
+  /// The grid on which LAS stores the coordinates: every one of them lies on it, or all inputs are LAS and their
+  /// coordinates are rounded to the finest scale among them. Absent: they lie on no grid that is known.
+  std::optional<LasQuantization> grid = std::nullopt;
+  bool rounds = false;  ///< the coordinates are rounded to that grid
 };
 
 }  // namespace pointsweep

@@ -50,11 +50,27 @@ void quantize_axis(double lo, double hi, double useful, double& scale, double& o
   scale = power_of_ten(exponent);
 }
 
+/// `steps` of `scale`; of 0.001 and the like exactly rounded, so that the header has a short number.
+double length_of(double steps, double scale) {
+  const double inverse = std::nearbyint(1 / scale);
+  return inverse > 0 && 1 / inverse == scale ? steps / inverse : steps * scale;
+}
+
 bool reaches(double lo, double hi, double scale, double offset) {
-  return (hi - offset) / scale <= kMostLasSteps && (offset - lo) / scale <= kMostLasSteps;
+  return las_grid_reaches(lo, scale, offset) && las_grid_reaches(hi, scale, offset);
 }
 
 }  // namespace
+
+bool las_grid_reaches(double value, double scale, double offset) {
+  return std::abs((value - offset) / scale) <= kMostLasSteps;
+}
+
+bool is_on_las_grid(double value, double scale, double offset) {
+  const double steps = std::nearbyint((value - offset) / scale);
+  const double tolerance = 4 * std::numeric_limits<double>::epsilon() * (std::abs(value) + std::abs(offset));
+  return std::abs(steps) <= kMostLasSteps && std::abs(steps * scale + offset - value) <= tolerance;
+}
 
 LasQuantization las_quantization(const Box& bounds) {
   LasQuantization q;
@@ -69,18 +85,26 @@ LasQuantization las_quantization(const Box& bounds) {
 }
 
 LasQuantization las_grid_within(const LasQuantization& grid, const Box& bounds) {
+  LasQuantization q = las_grid_for_moved(grid, bounds);
+  for (int axis = 0; axis < 3 && !bounds.empty(); ++axis) {
+    if (reaches(bounds.lo[axis], bounds.hi[axis], q.scale[axis], q.offset[axis])) continue;
+    const LasQuantization coarse = las_quantization(bounds);
+    q.scale[axis] = coarse.scale[axis];
+    q.offset[axis] = coarse.offset[axis];
+  }
+  return q;
+}
+
+LasQuantization las_grid_for_moved(const LasQuantization& grid, const Box& bounds) {
   LasQuantization q = grid;
   if (bounds.empty()) return q;
   constexpr double kRoundSteps = 1000;
   for (int axis = 0; axis < 3; ++axis) {
     const double lo = bounds.lo[axis], hi = bounds.hi[axis], scale = grid.scale[axis];
-    if (reaches(lo, hi, scale, q.offset[axis])) continue;
+    if (reaches(lo, hi, scale, grid.offset[axis])) continue;
     const double steps = (0.5 * lo + 0.5 * hi - grid.offset[axis]) / scale;
-    q.offset[axis] = grid.offset[axis] + std::nearbyint(steps / kRoundSteps) * kRoundSteps * scale;
-    if (reaches(lo, hi, scale, q.offset[axis])) continue;
-    const LasQuantization coarse = las_quantization(bounds);
-    q.scale[axis] = coarse.scale[axis];
-    q.offset[axis] = coarse.offset[axis];
+    const double offset = grid.offset[axis] + length_of(std::nearbyint(steps / kRoundSteps) * kRoundSteps, scale);
+    if (reaches(lo, hi, scale, offset)) q.offset[axis] = offset;
   }
   return q;
 }

@@ -14,6 +14,13 @@ struct LasQuantization {
   Vec3 scale{1, 1, 1}, offset;
 };
 
+/// Whether LAS can store `value` on this grid within half a step.
+bool las_grid_reaches(double value, double scale, double offset);
+
+/// Whether LAS can store `value` as a whole number of steps, so that it reads it again but for a few units in the last
+/// place of a double.
+bool is_on_las_grid(double value, double scale, double offset);
+
 /// Scale and offset of each axis for coordinates inside `bounds`: the scale is the smallest power of ten whose steps
 /// reach both ends from the offset in 31 bits, but no finer than doubles of that size are; the offset is a round
 /// number near the middle. An axis of extent E loses at most 1.3e-9 E (1.3 mm on 1,000 km), which is less than the
@@ -23,5 +30,10 @@ LasQuantization las_quantization(const Box& bounds);
 /// `grid` with its offsets moved by whole steps where `bounds` are too far away for 32 bits; an axis that is too long
 /// for its scale is as las_quantization() has it.
 LasQuantization las_grid_within(const LasQuantization& grid, const Box& bounds);
+
+/// The grid for points that stages have moved: `grid`, or where `bounds` are too far away for 32 bits the same scale
+/// with another offset, whole steps from the first. An axis that is too long for its scale keeps its offset: its points
+/// do not fit.
+LasQuantization las_grid_for_moved(const LasQuantization& grid, const Box& bounds);
 
 }  // namespace pointsweep

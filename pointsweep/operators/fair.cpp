@@ -81,7 +81,7 @@ OperatorDeclaration fair_declaration() {
       .neighbor_ns = 20,
       .attributes = {{.name = "position",
                       .meaning = "moved position; undefined: the one before. float64 in the output too, unless "
-                                 "`--positions float32` (`RunOptions::moved_positions`) or a LAS grid rounds it"}},
+                                 "`--positions float32` (`RunOptions::positions`) or a LAS grid rounds it"}},
       .example = "knn(k=64) | normals | splats | fair(f=0.3, g=0.3) | normals"};
 }
 

@@ -49,8 +49,10 @@ Statistics run(InputCloud& cloud, const Chain& chain, const Outputs& outputs, co
 Statistics sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options = {},
                 const std::vector<std::string>& keep = {});
 
-/// The type of x, y and z in `output` of a chain that moves points; absent: that of the input.
-std::optional<Type> type_of_moved_positions(const Schema& input, const std::filesystem::path& output,
-                                            const EngineOptions& options);
+/// The type of x, y and z in the records for `output`, of a chain that makes `made`; absent: that of the input. Moved
+/// positions come to every format as float64, and one that stores integers rounds them once. Throws UsageError where
+/// such a format is asked for a type.
+std::optional<Type> type_of_positions(const std::vector<Attribute>& made, const std::filesystem::path& output,
+                                      const EngineOptions& options);
 
 }  // namespace pointsweep

@@ -48,6 +48,12 @@ void require_tiles_possible(const Outputs& outputs, const EngineOptions& options
         "file.");
 }
 
+OutputNeeds needs_of(const Outputs& outputs, const EngineOptions& options) {
+  const std::vector<OutputFormat> written = output_formats(outputs);
+  const bool bounds = std::ranges::any_of(written, [](const OutputFormat& o) { return o.format->needs_bounds; });
+  return {.stream_order = options.order == Order::sweep, .bounds = bounds};
+}
+
 std::string name_of_output(const Outputs& outputs) {
   if (!outputs.tiles.empty()) return outputs.tiles.front().parent_path().string();
   return outputs.points.empty() ? "the output" : outputs.points.string();

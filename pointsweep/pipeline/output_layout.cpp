@@ -18,16 +18,27 @@ void copy_pieces(const std::byte* from, std::size_t from_stride, std::byte* to, 
   });
 }
 
+void convert_values(const Field& from, const std::byte* records, std::size_t from_stride, const Field& to,
+                    std::byte* outputs, std::size_t to_stride, std::size_t n) {
+  for (std::size_t i = 0; i < n; ++i)
+    set_value(to, outputs + i * to_stride, value_of(from, records + i * from_stride));
+}
+
 }  // namespace
 
+bool moves_points(const std::vector<Attribute>& made) {
+  return std::ranges::find(made, position_attribute().name, &Attribute::name) != made.end();
+}
+
 OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept,
-                           std::optional<Type> moved_positions)
+                           std::optional<Type> positions)
     : schema_(input), input_stride_(input.stride), passed_{{0, 0, input.stride}} {
-  const Types types = replaced(input, made, kept, moved_positions);
+  const Types types = replaced(input, made, kept, positions);
   if (kept.input)
     keep_fields(input, *kept.input, types);
   else
     retype(types);
+  if (!moves_points(made)) convert_positions(input, types);
   const Schema own = schema_;
   for (const Attribute& attribute : made) {
     for (const std::string& name : attribute.fields) {
@@ -44,21 +55,30 @@ OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& ma
 /// The fields of the input that are stored otherwise than what replaces them. Bit fields share their bytes with others
 /// and keep their storage.
 OutputLayout::Types OutputLayout::replaced(const Schema& input, const std::vector<Attribute>& made,
-                                           const KeptFields& kept, std::optional<Type> moved_positions) {
+                                           const KeptFields& kept, std::optional<Type> positions) {
   Types types;
-  for (const Attribute& attribute : made) {
-    const bool moves = attribute.name == position_attribute().name;
-    if (moves && !moved_positions) continue;
-    for (const std::string& name : attribute.fields) {
+  const auto give = [&](const std::vector<std::string>& names, Type type) {
+    for (const std::string& name : names) {
       const auto known = input.find(name);
       if (!known || kept.left_out.contains(name)) continue;
       const Field& field = input.fields[*known];
-      const Type type = moves ? *moved_positions : attribute.type;
       const bool as_made = field.is_plain() && field.type == type;
       if (!as_made && field.bit_width == 0 && field.count == 1) types[*known] = type;
     }
+  };
+  for (const Attribute& attribute : made) give(attribute.fields, attribute.type);
+  if (positions) {
+    for (const std::string& axis : position_attribute().fields) types.erase(input.find(axis).value());
+    give(position_attribute().fields, *positions);
   }
   return types;
+}
+
+void OutputLayout::convert_positions(const Schema& input, const Types& types) {
+  for (const std::string& axis : position_attribute().fields) {
+    const std::size_t own = input.find(axis).value();
+    if (types.contains(own)) retyped_.emplace_back(input.fields[own], schema_.fields[schema_.find(axis).value()]);
+  }
 }
 
 /// These become plain fields of their types; what stands behind them in the record moves up or down.
@@ -131,9 +151,9 @@ void OutputLayout::assemble_block(const std::byte* inputs, const std::byte* resu
   for (const Copy& c : passed_) copy_pieces(inputs + c.from, input_stride_, outputs + c.to, schema_.stride, c.bytes, n);
   for (const Copy& c : copies_)
     copy_pieces(results + c.from, result_stride_, outputs + c.to, schema_.stride, c.bytes, n);
+  for (const auto& [from, to] : retyped_) convert_values(from, inputs, input_stride_, to, outputs, schema_.stride, n);
   for (const auto& [from, to] : conversions_)
-    for (std::size_t i = 0; i < n; ++i)
-      set_value(to, outputs + i * schema_.stride, value_of(from, results + i * result_stride_));
+    convert_values(from, results, result_stride_, to, outputs, schema_.stride, n);
 }
 
 }  // namespace pointsweep

@@ -15,15 +15,18 @@
 
 namespace pointsweep {
 
+/// Whether a stage that makes these attributes moves points.
+bool moves_points(const std::vector<Attribute>& made);
+
 /// The input's record unchanged, or those of its fields that are kept, without gaps; then the made values. A made
 /// attribute that the input's part already has is replaced where it stands, and gets its own type there: no value is
 /// rounded to that of the input.
 class OutputLayout {
  public:
-  /// `moved_positions`: the type that x, y and z get where they stand if `made` moves points; absent: that of the
-  /// input.
+  /// `positions`: the type that x, y and z get where they stand, moved or not; absent: that of the input, and float64
+  /// of moved points.
   OutputLayout(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept = {},
-               std::optional<Type> moved_positions = std::nullopt);
+               std::optional<Type> positions = std::nullopt);
 
   const Schema& schema() const { return schema_; }
   /// `inputs` holds n records of the input, `results` n result records, `outputs` receives n records of schema().
@@ -35,7 +38,8 @@ class OutputLayout {
   };
   using Types = std::map<std::size_t, Type>;  ///< of fields of the input, by index
   static Types replaced(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept,
-                        std::optional<Type> moved_positions);
+                        std::optional<Type> positions);
+  void convert_positions(const Schema& input, const Types& types);
   void retype(const Types& types);
   /// Values that lie side by side in both records are one copy.
   static void append(std::vector<Copy>& copies, const Copy& next);
@@ -48,7 +52,8 @@ class OutputLayout {
   std::uint32_t result_stride_ = 0;
   std::vector<Copy> passed_;                          ///< from records of the input
   std::vector<Copy> copies_;                          ///< from result records
-  std::vector<std::pair<Field, Field>> conversions_;  ///< from, to
+  std::vector<std::pair<Field, Field>> conversions_;  ///< from result records
+  std::vector<std::pair<Field, Field>> retyped_;      ///< from records of the input: positions that no stage moves
 };
 
 }  // namespace pointsweep

@@ -26,29 +26,30 @@ std::shared_ptr<const KnownValues> of_kept_fields(std::shared_ptr<const KnownVal
 
 }  // namespace
 
-std::optional<Type> type_of_moved_positions(const Schema& input, const std::filesystem::path& output,
-                                            const EngineOptions& options) {
-  const auto x = input.find("x");
-  const bool on_grid = x && !input.fields[*x].is_plain();
+std::optional<Type> type_of_positions(const std::vector<Attribute>& made, const std::filesystem::path& output,
+                                      const EngineOptions& options) {
   const Format* const format = format_of_output(output);
-  const bool keeps_grid = on_grid && format != nullptr && !format->real_coordinates;
-  return keeps_grid ? std::nullopt : std::optional(options.moved_positions);
+  if (options.positions && format != nullptr && !format->real_coordinates)
+    fail_usage("--positions: {} stores coordinates as integers, in {}; leave the option out, or write PLY.",
+               format->name, output.string());
+  if (options.positions) return options.positions;
+  return moves_points(made) ? std::optional(Type::f64) : std::nullopt;
 }
 
 OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept,
-                     const Outputs& outputs, const EngineOptions& options, std::optional<Box> bounds,
-                     std::vector<std::string> provenance, std::shared_ptr<const KnownValues> values)
-    : layout_(cloud.schema(), made, kept, type_of_moved_positions(cloud.schema(), outputs.points, options)),
+                     const Outputs& outputs, const EngineOptions& options, OutputPlace place,
+                     std::vector<std::string> provenance)
+    : layout_(cloud.schema(), made, kept, type_of_positions(made, outputs.points, options)),
       input_stride_(cloud.schema().stride) {
   const OutputPlan plan{.path = outputs.points,
                         .schema = layout_.schema(),
                         .count = cloud.count(),
                         .extras = cloud.extras(),
                         .overwrite = options.overwrite,
-                        .bounds = bounds,
+                        .bounds = place.bounds,
                         .crs = cloud.crs(),
                         .las = cloud.las(),
-                        .values = of_kept_fields(std::move(values), kept),
+                        .values = of_kept_fields(std::move(place.values), kept),
                         .other_extras = cloud.other_extras(),
                         .made = made,
                         .provenance = std::move(provenance)};

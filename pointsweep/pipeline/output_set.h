@@ -14,13 +14,18 @@
 
 namespace pointsweep {
 
+/// Where the points of an output are, as far as its format has to know before the first record.
+struct OutputPlace {
+  std::optional<Box> bounds;                  ///< OutputPlan::bounds
+  std::shared_ptr<const KnownValues> values;  ///< OutputPlan::values
+};
+
 class OutputSet {
  public:
   /// Refuses before any work: unknown formats, existing files, missing folders, names of attributes no operator makes.
   /// `made` and `kept` under the names they have in outputs (output_names.h); `provenance` as in OutputPlan.
   OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept, const Outputs& outputs,
-            const EngineOptions& options, std::optional<Box> bounds, std::vector<std::string> provenance = {},
-            std::shared_ptr<const KnownValues> values = nullptr);
+            const EngineOptions& options, OutputPlace place, std::vector<std::string> provenance = {});
 
   const OutputLayout& layout() const { return layout_; }
   /// What the formats of the files cannot hold, one sentence each.

@@ -150,7 +150,7 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
         "The reference has no plan to show: it reads point by point; leave out --dry-run or --engine reference.");
   if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
   Preview out;
-  out.planned = plan_chain(chain, cloud.schema(), options.order == Order::sweep);
+  out.planned = plan_chain(chain, cloud.schema(), needs_of(outputs, options));
   require_lengths(cloud, out.planned.chain);
   out.notes = converted_defaults(cloud, out.planned.chain);
   require_tiles_possible(outputs, options);
@@ -166,7 +166,7 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
   const OutputLayout layout(cloud.schema(), out.names.made, out.names.kept,
-                            type_of_moved_positions(cloud.schema(), outputs.points, options));
+                            type_of_positions(out.names.made, outputs.points, options));
   out.memory = plan_run_memory(out.budget, out.planned, out.points, survey(source, options.axis, false), options,
                                layout.schema().stride, codec_bytes(cloud, outputs, layout.schema().stride, options),
                                on_demand_order(cloud, out.planned, options));

@@ -29,7 +29,7 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
   set("engine", options.engine == Engine::reference ? "reference" : "");
   set("replace", sorted_list(options.replace));
   set("prefix", options.prefix);
-  set("positions", options.moved_positions == Type::f64 ? "" : std::string(name_of(options.moved_positions)));
+  set("positions", options.positions ? std::string(name_of(*options.positions)) : "");
   set("nonfinite", run.drops_nonfinite ? "drop" : "");
   const auto asked_for =
       std::ranges::find_if(cloud.readers(), [](const auto& r) { return !r->info().asked_for_as.empty(); });

@@ -64,8 +64,7 @@ std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const O
   text += inputs_text(cloud) + outputs_text(outputs);
   text += fmt::format("order {}, axis {}, cells of {} points\n", options.order == Order::sweep ? "sweep" : "input",
                       options.axis ? "xyz"[*options.axis] : '-', options.cell_points);
-  if (options.moved_positions != Type::f64)
-    text += fmt::format("moved positions as {}\n", name_of(options.moved_positions));
+  if (options.positions) text += fmt::format("positions as {}\n", name_of(*options.positions));
   text += fmt::format("outputs named with prefix '{}', replacing '{}', nonfinite points {}, {} provenance\n",
                       options.prefix, fmt::join(options.replace, ","), static_cast<int>(options.nonfinite),
                       !options.provenance   ? "without"

@@ -2,6 +2,7 @@
 #include "pointsweep/pipeline/tile_set.h"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "pointsweep/cancellation.h"
@@ -80,9 +81,33 @@ std::optional<Box> bounds_if_needed(const Format* format, InputCloud& cloud) {
   return needed ? std::optional(bounds_of(cloud)) : std::nullopt;
 }
 
-std::shared_ptr<const KnownValues> values_if_needed(const Format* format, InputCloud& cloud) {
+std::shared_ptr<KnownValues> values_if_needed(const Format* format, InputCloud& cloud) {
   if (format == nullptr || format->values == nullptr) return nullptr;
   return std::make_shared<KnownValues>(format->values(cloud, [](std::uint64_t) { stop_if_cancelled(); }));
+}
+
+/// Whether a point of the tile, whose rows begin at `first` in the whole cloud, is elsewhere than in the input.
+bool has_moved_points(InputCloud& tile, const MovedPoints& moved, std::uint64_t first) {
+  constexpr std::uint64_t kRows = 1 << 14;
+  const std::size_t stride = tile.schema().stride, bytes = moved.rows->record_bytes();
+  const PositionFields p = position_fields(tile.schema(), "the input");
+  std::vector<std::byte> inputs, after;
+  for (std::uint64_t row = 0; row < tile.count(); row += kRows) {
+    stop_if_cancelled();
+    const std::size_t n = std::min(kRows, tile.count() - row);
+    inputs.resize(n * stride);
+    after.resize(n * bytes);
+    tile.read(row, inputs);
+    moved.rows->read(first + row, after);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::byte* const own = inputs.data() + i * stride;
+      const double was[3] = {value_of(p.x, own), value_of(p.y, own), value_of(p.z, own)};
+      double is[3];
+      std::memcpy(is, after.data() + i * bytes + moved.position, sizeof is);
+      if (!std::equal(was, was + 3, is)) return true;
+    }
+  }
+  return false;
 }
 
 /// Tries one tile of each kind: opens its file and removes it again.
@@ -103,7 +128,7 @@ class KindsOfTiles {
                  {"", replaced_in(cloud.schema(), request_.options.replace, request_.names.made)});
     Box somewhere;
     somewhere.include(Vec3{});
-    OutputSet(cloud, request_.names.made, kept, {.points = output}, request_.options, somewhere);
+    OutputSet(cloud, request_.names.made, kept, {.points = output}, request_.options, {somewhere, nullptr});
   }
 
  private:
@@ -158,22 +183,32 @@ void TileSet::open_next() {
   if (const RowSelection* all = request_.cloud.selection())
     cloud.select(selected_rows(*all, first_row_[t], cloud.count()));
   const fs::path& output = request_.outputs.tiles[t];
+  const std::uint64_t first = std::exchange(rows_opened_, rows_opened_ + cloud.count());
   if (cloud.count() == 0) empty_.push_back(output.string());
   if (finished_.has(t, output)) return void(++complete_);
-  const Format* const format = format_of_output(output);
   const KeptFields kept = kept_of(request_.names.kept, request_.cloud.schema(), cloud.schema());
-  tile_->files.emplace(cloud, request_.names.made, kept, Outputs{.points = output}, request_.options,
-                       bounds_if_needed(format, cloud), request_.provenance(cloud, t), values_if_needed(format, cloud));
+  OutputPlace place = place_of_tile(cloud, format_of_output(output), first);
+  tile_->files.emplace(cloud, request_.names.made, kept, Outputs{.points = output}, request_.options, std::move(place),
+                       request_.provenance(cloud, t));
+}
+
+/// Tiles with moved points share one decision about their grid; all others keep their own.
+OutputPlace TileSet::place_of_tile(InputCloud& cloud, const Format* format, std::uint64_t first) const {
+  std::shared_ptr<KnownValues> values = values_if_needed(format, cloud);
+  if (!request_.moved || !values) return {bounds_if_needed(format, cloud), values};
+  if (!has_moved_points(cloud, *request_.moved, first)) return {bounds_of(cloud), values};
+  values->grid = request_.moved->grid;
+  return {request_.moved->bounds, values};
 }
 
 void TileSet::complete() {
   if (tile_->files) {
     require_unchanged_inputs();
     const fs::path& output = request_.outputs.tiles[tile_->number];
-    note(tile_->files->warnings(), output);
     tile_->files->flush();
     finished_.begin(tile_->number, output);
     tile_->files->finish(tile_->cloud);
+    note(tile_->files->warnings(), output);
     finished_.end(tile_->number, output);
     bytes_written_ += tile_->files->bytes_written();
     ++complete_;

@@ -15,12 +15,25 @@
 #include "pointsweep/formats/files/made_folders.h"
 #include "pointsweep/formats/files/unfinished_output.h"
 #include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/las_scale.h"
+#include "pointsweep/order/row_file.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/finished_tiles.h"
 #include "pointsweep/pipeline/output_names.h"
 #include "pointsweep/pipeline/output_set.h"
 
 namespace pointsweep {
+
+struct Format;
+
+/// Where stages have moved the points of all tiles, for formats that store integers.
+struct MovedPoints {
+  Box bounds;  ///< of all tiles
+  /// The grid of the inputs, if there is one, so that all tiles with moved points and the merged cloud get the same.
+  std::optional<LasQuantization> grid;
+  const RowFile* rows;   ///< what the last pass has left
+  std::size_t position;  ///< where a record of it has the moved position, three float64
+};
 
 /// What all tiles of a run have in common.
 struct TileRequest {
@@ -30,6 +43,7 @@ struct TileRequest {
   const EngineOptions& options;
   /// What an output made of the cloud of one input is to say (OutputPlan::provenance).
   std::function<std::vector<std::string>(const InputCloud& input, std::size_t tile)> provenance;
+  std::optional<MovedPoints> moved = std::nullopt;
 };
 
 /// Throws what can be known before the work: outputs that exist or cannot be written, attributes that would be
@@ -62,6 +76,7 @@ class TileSet {
   using WriteRows = std::function<void(Tile&, std::uint64_t row, std::uint64_t skip, std::uint64_t rows)>;
   void for_each_part(std::uint64_t rows, const WriteRows& write);
   void open_next();
+  OutputPlace place_of_tile(InputCloud& cloud, const Format* format, std::uint64_t first) const;
   void complete();
   void require_unchanged_inputs() const;
   void note(const std::vector<std::string>& warnings, const std::filesystem::path& output);
@@ -70,6 +85,7 @@ class TileSet {
   ManyOutputs outputs_;
   FinishedTiles finished_;
   std::vector<std::uint64_t> first_row_;  ///< of each input, before any select
+  std::uint64_t rows_opened_ = 0;         ///< of the cloud, in the tiles before next_
   std::size_t next_ = 0;                  ///< tile to be opened next
   std::size_t complete_ = 0;
   std::unique_ptr<Tile> tile_;  ///< that is being written

@@ -25,7 +25,7 @@ Schema positions_and_level() {
 ChainPlan plan_of(const std::string& text, bool ordered = false, const std::vector<std::string>& keep = {}) {
   Chain chain = build_chain(parse_pipeline(text), Facts{.points = 1000});
   chain.keep = keep;
-  return plan_chain(chain, positions_and_level(), ordered);
+  return plan_chain(chain, positions_and_level(), {.stream_order = ordered});
 }
 
 /// Kinds of nodes, in their order.

@@ -108,7 +108,7 @@ TEST(Reneighbor, MovedPositionsAreRoundedNeitherBetweenSweepsNorInTheOutput) {
   EXPECT_EQ(result.schema.fields[*result.schema.find("x")].type, Type::f64);
   EXPECT_TRUE(same_bytes(values_of<double>(result, {"x", "y", "z"}), whole.values<double>("position")));
   EngineOptions narrow = tiny(100);
-  narrow.moved_positions = Type::f32;
+  narrow.positions = Type::f32;
   const RunResult rounded = run_in_memory(*cloud, chain, narrow);
   EXPECT_EQ(rounded.schema.fields[*rounded.schema.find("x")].type, Type::f32);
   EXPECT_EQ(values_of<std::uint32_t>(rounded, names), whole.values<std::uint32_t>("neighbors"));

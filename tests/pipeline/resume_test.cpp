@@ -369,7 +369,7 @@ TEST_F(Refused, IfOrderOrAxisAreOthers) {
 TEST_F(Refused, IfNamesTypesOrPointsOfTheOutputAreOthers) {
   EngineOptions prefix = resuming(work_), positions = prefix, nonfinite = prefix;
   prefix.prefix = "p_";
-  positions.moved_positions = Type::f32;
+  positions.positions = Type::f32;
   nonfinite.nonfinite = Nonfinite::keep;
   for (const EngineOptions& other : {prefix, positions, nonfinite})
     EXPECT_NE(sentence(work_, other).find("holds another run"), std::string::npos) << sentence(work_, other);
@@ -380,7 +380,7 @@ TEST_F(Resume, RefusesMovedPositionsOfAnotherType) {
   work.pipeline = "normals | splats | fair(f=9, g=9)";
   EXPECT_FALSE(run_until(15, work, resuming(work)));
   EngineOptions other = resuming(work);
-  other.moved_positions = Type::f32;
+  other.positions = Type::f32;
   const std::string sentence = sentence_of<Error>([&] { run_all(work, other); });
   EXPECT_NE(sentence.find("moved positions as float32"), std::string::npos) << sentence;
   EXPECT_NE(sentence.find("remove the folder"), std::string::npos) << sentence;

@@ -26,37 +26,53 @@ LasEncoder::LasEncoder(const LasLayout& layout, std::string path)
       offset_(layout.header.offset),
       stride_in_(layout.from.stride),
       stride_out_(layout.to.stride),
+      fitting_scale_(layout.fitting_scale),
       positions_change_(layout.positions_change),
       returns_missing_(layout.returns_missing),
+      points_moved_(layout.points_moved),
       only_return_(layout.header.point_format >= 6 ? kOnlyReturn : kOnlyLegacyReturn),
       path_(std::move(path)) {}
 
-void LasEncoder::run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) const {
+void LasEncoder::run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) {
   if (positions_change_) check_positions(row, from, count);
   conversion_.run(from, to, count);
   if (!returns_missing_) return;
   for (std::size_t i = 0; i < count; ++i) to[i * stride_out_ + kLasReturnByte] = only_return_;
 }
 
-void LasEncoder::check_positions(std::uint64_t row, const std::byte* records, std::size_t count) const {
+void LasEncoder::check_positions(std::uint64_t row, const std::byte* records, std::size_t count) {
   std::array<std::array<double, kRowsAtOnce>, 3> xyz;
   for (std::size_t first = 0; first < count; first += kRowsAtOnce) {
     const std::size_t n = std::min(kRowsAtOnce, count - first);
     decode_positions(positions_, records + first * stride_in_, stride_in_, n, xyz[0].data(), xyz[1].data(),
                      xyz[2].data());
-    for (int axis = 0; axis < 3; ++axis) {
-      for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t i = 0; i < n; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
         const double value = xyz[static_cast<std::size_t>(axis)][i];
-        if (std::abs((value - offset_[axis]) / scale_[axis]) <= kMostLasSteps) continue;
-        if (!std::isfinite(value)) {
-          fail("{}: {} of row {} is {}, which LAS cannot hold; write PLY, or remove such points.", path_, "xyz"[axis],
-               row + first + i, value);
-        }
-        fail("{}: {} of row {} is {}, too far from the offset {} for the scale {} of this LAS file; write PLY.", path_,
-             "xyz"[axis], row + first + i, value, offset_[axis], scale_[axis]);
+        if (!las_grid_reaches(value, scale_[axis], offset_[axis])) refuse(axis, row + first + i, value);
+        rounds_ = rounds_ || (points_moved_ && !is_on_las_grid(value, scale_[axis], offset_[axis]));
       }
     }
   }
+}
+
+void LasEncoder::refuse(int axis, std::uint64_t row, double value) const {
+  if (!std::isfinite(value))
+    fail("{}: {} of row {} is {}, which LAS cannot hold; write PLY, or remove such points.", path_, "xyz"[axis], row,
+         value);
+  const std::string remedy = fitting_scale_ && (*fitting_scale_)[axis] > scale_[axis]
+                                 ? fmt::format(" a scale of {} would reach all points;", (*fitting_scale_)[axis])
+                                 : "";
+  fail("{}: {} of row {} is {}, too far from the offset {} for the scale {} of this LAS file;{} write PLY, or leave out "
+       "points that are far from the others.",
+       path_, "xyz"[axis], row, value, offset_[axis], scale_[axis], remedy);
+}
+
+std::string LasEncoder::rounding() const {
+  if (!rounds_) return "";
+  const double most = std::max({scale_.x, scale_.y, scale_.z}) / 2;
+  return fmt::format("{}: moved coordinates are rounded to steps of {} in x, {} in y and {} in z, by at most {}.", path_,
+                     scale_.x, scale_.y, scale_.z, most);
 }
 
 }  // namespace pointsweep

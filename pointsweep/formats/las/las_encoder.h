@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -24,16 +25,22 @@ class LasEncoder {
 
   /// Encodes `count` records; `row` is the number of the first. Throws Error for coordinates that LAS cannot hold: NaN,
   /// infinite, or too far from the offset.
-  void run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) const;
+  void run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count);
+
+  /// A sentence about moved coordinates that were rounded; empty if none was.
+  std::string rounding() const;
 
  private:
-  void check_positions(std::uint64_t row, const std::byte* records, std::size_t count) const;
+  void check_positions(std::uint64_t row, const std::byte* records, std::size_t count);
+  [[noreturn]] void refuse(int axis, std::uint64_t row, double value) const;
 
   RecordConversion conversion_;
   PositionFields positions_;
   Vec3 scale_, offset_;
   std::size_t stride_in_, stride_out_;
-  bool positions_change_, returns_missing_;
+  std::optional<Vec3> fitting_scale_;
+  bool positions_change_, returns_missing_, points_moved_;
+  bool rounds_ = false;  ///< a moved coordinate lay beside the grid
   std::byte only_return_;
   std::string path_;
 };

@@ -26,6 +26,16 @@ bool same_encoding(const Field& a, const Field& b) {
          a.scale == b.scale && a.bias == b.bias;
 }
 
+/// Bytes of x, y and z in a record of LAS, which begins with them.
+constexpr std::uint32_t kLasPositionBytes = 12;
+
+/// Bytes of the first three fields.
+std::uint32_t position_bytes(const Schema& schema) {
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i < 3; ++i) bytes += size_of(schema.fields[i].type);
+  return static_cast<std::uint32_t>(bytes);
+}
+
 bool is_position_field(std::string_view name) { return name == "x" || name == "y" || name == "z"; }
 
 const LasExtras* las_extras(const std::shared_ptr<const FormatExtras>& extras) {
@@ -42,7 +52,9 @@ class Builder {
   }
 
   LasLayout build() {
-    kept_ = input_ != nullptr && las_begins_with_records_of(*input_, plan_.schema);
+    kept_ = input_ != nullptr && las_begins_with_records_of(*input_, plan_.schema) && !makes_fields_of_formats();
+    layout_.points_moved = is_made("x");
+    if (plan_.bounds && !plan_.bounds->empty()) layout_.fitting_scale = las_quantization(*plan_.bounds).scale;
     if (kept_) {
       keep_records();
     } else {
@@ -116,20 +128,22 @@ class Builder {
     return "";
   }
 
-  /// The records of the input unchanged, then what was made.
+  /// Whether an attribute beyond those of the input is one that a point format has: it is no extra bytes then.
+  bool makes_fields_of_formats() const {
+    return std::ranges::any_of(las_names_in(plan_.schema),
+                               [&](const std::string& name) { return !input_->schema.find(name); });
+  }
+
+  /// The records of the input unchanged but for coordinates that have become real numbers, then what was made.
   void keep_records() {
     const Schema& own = input_->schema;
     const LasHeader& header = layout_.header;
-    const std::vector<Field>& fields = plan_.schema.fields;
-    set_grid({{fields[0].scale, fields[1].scale, fields[2].scale}, {fields[0].bias, fields[1].bias, fields[2].bias}});
-    Field record;
-    record.type = Type::u8;
-    record.count = own.stride;
-    layout_.to.stride = own.stride;
-    connect(record, record);
-    vlr_ = ExtraBytesVlr(input_->extra_bytes);
+    choose_scale(position_fields(plan_.schema, plan_.path.string()));
     Schema described = las_point_schema(header.point_format, header.scale, header.offset);
     const Schema format = described;
+    layout_.to.stride = own.stride;
+    keep_bytes(format);
+    vlr_ = ExtraBytesVlr(input_->extra_bytes);
     append_extra_bytes(input_->extra_bytes, own.stride, described);
     if (described.stride < own.stride) vlr_.append_undocumented(own.stride - described.stride);
     for (std::size_t i = own.fields.size(); i < plan_.schema.fields.size(); ++i) {
@@ -142,6 +156,18 @@ class Builder {
       }
     }
     watch_positions(format);
+  }
+
+  void keep_bytes(const Schema& format) {
+    Field record{.name = "", .type = Type::u8, .count = layout_.to.stride};
+    if (las_keeps_scale(position_fields(plan_.schema, ""))) return connect(record, record);
+    for (std::size_t axis = 0; axis < 3; ++axis) connect(plan_.schema.fields[axis], format.fields[axis]);
+    Field rest = record;
+    rest.offset = kLasPositionBytes;
+    rest.count -= kLasPositionBytes;
+    Field from = rest;
+    from.offset = position_bytes(plan_.schema);
+    connect(from, rest);
   }
 
   /// The last field that goes to x, y or z is what has to fit.
@@ -221,14 +247,15 @@ class Builder {
                                                         (plan_.las->standard_time ? kLasStandardTimeBit : 0));
   }
 
-  /// LAS integers keep their scale. Real coordinates get that of the inputs where las_values() says so, else the finest
-  /// that 32 bits allow; those of a LAS input without known bounds that of its header.
+  /// LAS integers keep their scale. Real coordinates get that of the inputs where las_values() knows one, else the
+  /// finest that 32 bits allow; those of a LAS input without known bounds that of its header.
   void choose_scale(const PositionFields& p) {
     LasHeader& header = layout_.header;
     if (las_keeps_scale(p)) {
       set_grid({{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}});
-    } else if (plan_.bounds && keeps_grid()) {
-      set_grid(las_grid_within(plan_.las->grid, *plan_.bounds));
+    } else if (plan_.bounds && plan_.values && plan_.values->grid) {
+      const LasQuantization& grid = *plan_.values->grid;
+      set_grid(is_made("x") ? las_grid_for_moved(grid, *plan_.bounds) : las_grid_within(grid, *plan_.bounds));
       if (plan_.values->rounds)
         layout_.warnings.push_back(
             fmt::format("{}: the scales and offsets of the inputs have no common grid; coordinates are rounded to the "
@@ -243,8 +270,6 @@ class Builder {
           plan_.path.string());
     }
   }
-
-  bool keeps_grid() const { return plan_.las && plan_.values && plan_.values->keeps_grid && !is_made("x"); }
 
   void set_grid(const LasQuantization& grid) {
     layout_.header.scale = grid.scale;
@@ -337,17 +362,21 @@ bool las_keeps_scale(const PositionFields& p) {
 bool las_begins_with_records_of(const LasExtras& input, const Schema& schema) {
   const std::vector<Field>& own = input.schema.fields;
   const std::vector<Field>& all = schema.fields;
-  if (schema.stride < input.schema.stride || all.size() < own.size()) return false;
+  if (all.size() < own.size()) return false;
+  const std::uint32_t longer = position_bytes(schema) - kLasPositionBytes;
+  if (schema.stride < input.schema.stride + longer) return false;
   for (std::size_t i = 0; i < own.size(); ++i) {
     Field field = all[i];
-    if (is_position_field(own[i].name) && i < 3) {
-      field.scale = own[i].scale;
-      field.bias = own[i].bias;
+    if (i < 3) {
+      if (field.offset != i * size_of(field.type) || field.bit_width != 0) return false;
+      field = {.name = field.name, .type = Type::i32, .offset = own[i].offset, .scale = own[i].scale, .bias = own[i].bias};
+    } else {
+      field.offset -= longer;
     }
     if (field != own[i]) return false;
   }
   return std::all_of(all.begin() + std::ssize(own), all.end(),
-                     [&](const Field& f) { return f.offset >= input.schema.stride; });
+                     [&](const Field& f) { return f.offset >= input.schema.stride + longer; });
 }
 
 LasLayout lay_out_las(const OutputPlan& plan, LasPoints points) { return Builder(plan, points).build(); }

@@ -19,12 +19,8 @@ bool is_las(const std::unique_ptr<Reader>& reader) {
   return dynamic_cast<const LasExtras*>(reader->info().extras.get()) != nullptr;
 }
 
-/// True if LAS can store `value` as a whole number of steps in 32 bits, so that it reads it again but for a few units
-/// in the last place of a double.
-bool is_on_grid(double value, double scale, double offset) {
-  const double steps = std::nearbyint((value - offset) / scale);
-  const double tolerance = 4 * std::numeric_limits<double>::epsilon() * (std::abs(value) + std::abs(offset));
-  return std::abs(steps) <= 2147483647 && std::abs(steps * scale + offset - value) <= tolerance;
+LasQuantization grid_of(const PositionFields& p) {
+  return {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
 }
 
 /// Reads all points; what it looks for is given to the constructor.
@@ -62,7 +58,7 @@ class Look {
     for (int axis = 0; axis < 3; ++axis) {
       const std::vector<double>& values = xyz_[static_cast<std::size_t>(axis)];
       for (std::size_t i = 0; i < rows; ++i) {
-        if (std::isfinite(values[i]) && !is_on_grid(values[i], grid.scale[axis], grid.offset[axis])) return false;
+        if (std::isfinite(values[i]) && !is_on_las_grid(values[i], grid.scale[axis], grid.offset[axis])) return false;
       }
     }
     return true;
@@ -90,7 +86,10 @@ KnownValues las_values(InputCloud& cloud, const std::function<void(std::uint64_t
     fields = undecided_las_fields(cloud.schema(), values.ranges, from_las);
   Look look(cloud, values, fields, look_at_grid);
   if (look_at_grid || !fields.empty()) look.run(progress);
-  values.keeps_grid = values.rounds || (look_at_grid && look.all_on_grid());
+  if (!real)
+    values.grid = grid_of(position_fields(cloud.schema(), "the input"));
+  else if (values.rounds || (look_at_grid && look.all_on_grid()))
+    values.grid = cloud.las()->grid;
   return values;
 }
 

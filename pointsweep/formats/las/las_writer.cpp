@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/fail.h"
@@ -40,6 +41,7 @@ class LasWriter : public Writer {
     // More than planned: some rows were written again, and only a second look can count them once.
     if (statistics_.count() > planned_) read_back();
     frame_.require_count(statistics_.count());
+    if (std::string rounding = encoder_.rounding(); !rounding.empty()) add_warning(std::move(rounding));
     frame_.finish(statistics_, frame_.layout().points_end(planned_));
     bytes_written_ = frame_.bytes_written();
   }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/cancellation.h"
@@ -53,6 +55,7 @@ class LazWriter : public Writer {
     frame_.put(frame_.layout().header.offset_to_points, table_at);
     const std::vector<std::byte> table = laz_.write_chunk_table(chunks_);
     frame_.put(at_, table);
+    if (std::string rounding = encoder_.rounding(); !rounding.empty()) add_warning(std::move(rounding));
     frame_.finish(statistics_, at_ + table.size());
     bytes_written_ = frame_.bytes_written();
   }

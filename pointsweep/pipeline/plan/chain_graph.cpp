@@ -10,6 +10,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/drop.h"
+#include "pointsweep/operators/moved_bounds.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
 
 namespace pointsweep {
@@ -68,9 +69,10 @@ class GraphBuilder {
     for (const auto& part : parts) add(part);
   }
 
-  ChainGraph finish(bool ordered) {
+  ChainGraph finish(OutputNeeds needs) {
     if (graph_.drops && made_.empty() && selects_ == 0) add(std::make_shared<AllRows>());
-    if (ordered) note_stream_position();
+    if (needs.stream_order) note_stream_position();
+    if (needs.bounds && position_) find_moved_bounds();
     for (const Attribute& a : made_) graph_.made.push_back(latest_.at(a.name));
     return std::move(graph_);
   }
@@ -234,6 +236,13 @@ class GraphBuilder {
     }
   }
 
+  void find_moved_bounds() {
+    graph_.moved_bounds = graph_.nodes.size();
+    note_reader(*position_, *graph_.moved_bounds, ReadAs::whole_cloud);
+    graph_.nodes.push_back(
+        {.kind = NodeKind::reduce, .reduction = std::make_shared<MovedBounds>(), .reads = {*position_}});
+  }
+
   const Schema& input_;
   Schema visible_;                 ///< what of it is not dropped
   std::set<std::string> dropped_;  ///< names of fields
@@ -299,11 +308,11 @@ std::vector<Attribute> ChainGraph::made_attributes() const {
 
 bool ChainGraph::has(NodeKind kind) const { return std::ranges::find(nodes, kind, &GraphNode::kind) != nodes.end(); }
 
-ChainGraph resolve(const Chain& chain, const Schema& input, bool ordered) {
+ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs) {
   GraphBuilder builder(input);
   builder.add(chain.neighborhood);
   for (const ChainStage& stage : chain.stages) std::visit(builder, stage);
-  return builder.finish(ordered);
+  return builder.finish(needs);
 }
 
 }  // namespace pointsweep

@@ -67,6 +67,8 @@ struct ChainGraph {
   std::vector<AttributeVersion> versions;
   /// The last version of every attribute that is made, in the order first made; without selections and orders.
   std::vector<std::size_t> made;
+  /// The reduce node that finds the box of the moved positions, if the output needs it before its first record.
+  std::optional<std::size_t> moved_bounds;
   /// Indices of the input's fields that a stage drops.
   std::set<std::size_t> dropped;
   bool drops = false;  ///< a stage drops some of these, or something made
@@ -75,10 +77,16 @@ struct ChainGraph {
   bool has(NodeKind kind) const;
 };
 
+/// What an output asks of the plan of a chain.
+struct OutputNeeds {
+  bool stream_order = false;  ///< its points are in stream order, so that the last Resort counts
+  bool bounds = false;        ///< its format needs the box of moved points before the first record
+};
+
 /// Throws UsageError in a sentence naming the stage when k is 0, a radius is negative, or an operator reads an
 /// attribute that neither the input nor an earlier stage has, or a rule of neighbourhoods one that the cloud has not.
-/// `input` names the cloud's fields. `ordered`: the output is in stream order, so that the last Resort counts.
-ChainGraph resolve(const Chain& chain, const Schema& input, bool ordered);
+/// `input` names the cloud's fields.
+ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs);
 
 /// The position a point had at the last Resort of the chain; made only where the order of the output needs it.
 Attribute stream_position_attribute();

@@ -191,7 +191,7 @@ void find_order(ChainPlan& plan, const Schema& input, bool ordered) {
   last.carried = plan.made;
   if (plan.by_moved_positions) last.carried.push_back(stream_position_attribute());
   const bool makes_all = last.kind == PassKind::sweep && last.input.stride == input.stride && !last.selects;
-  const bool in_its_order = makes_all && last.connecting_stage() == nullptr;
+  const bool in_its_order = makes_all && last.connecting_stage() == nullptr && !plan.graph.moved_bounds;
   // Where other passes were left out, it may make things in another order than the whole chain.
   if (makes_all) put_in_order(last, last.carried);
   plan.reorders = ordered && (!in_its_order || plan.by_moved_positions);
@@ -199,10 +199,10 @@ void find_order(ChainPlan& plan, const Schema& input, bool ordered) {
 
 }  // namespace
 
-ChainPlan plan_chain(const Chain& chain, const Schema& input, bool ordered) {
+ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs) {
   ChainPlan plan;
   plan.chain = with_named_neighborhoods(chain);
-  plan.graph = resolve(plan.chain, input, ordered);
+  plan.graph = resolve(plan.chain, input, needs);
   find_written(plan, input);
   plan.by_moved_positions = orders_by_moved_positions(plan.graph);
   Names needed;
@@ -210,17 +210,20 @@ ChainPlan plan_chain(const Chain& chain, const Schema& input, bool ordered) {
   if (plan.by_moved_positions) needed.insert(stream_position_attribute().name);
   std::vector<Draft> drafts = draft_passes(PassSchedule(plan.graph).passes(), plan.graph);
   find_needed(drafts, std::move(needed), plan.graph, input);
+  if (plan.graph.moved_bounds) drafts.back().pass.reduces.push_back(*plan.graph.moved_bounds);
   std::size_t stages = 0;
   for (const Draft& draft : drafts) {
     const Attributes carried = plan.passes.empty() ? Attributes{} : plan.passes.back().carried;
     plan.passes.push_back(planned_pass(draft, plan.graph, carried, stages, input));
     stages += draft.pass.stages.size();
   }
-  find_order(plan, input, ordered);
+  find_order(plan, input, needs.stream_order);
   return plan;
 }
 
-bool ChainPlan::leaves_rows(std::size_t p) const { return reorders || passes[p].selects || p + 1 < passes.size(); }
+bool ChainPlan::leaves_rows(std::size_t p) const {
+  return reorders || passes[p].selects || graph.moved_bounds || p + 1 < passes.size();
+}
 
 std::uint64_t ChainPlan::most_carried_bytes() const {
   std::uint64_t most = 0, before = 0;

@@ -91,6 +91,8 @@ struct ChainPlan {
   bool by_moved_positions = false;
 
   bool selects() const { return graph.has(NodeKind::select); }
+  /// Whether the output can be opened only when all passes have ended.
+  bool opens_late() const { return selects() || graph.moved_bounds.has_value(); }
   /// Whether what pass `p` makes becomes the rows of another pass, or of the reordering, and not the output at once.
   bool leaves_rows(std::size_t p) const;
   /// Of a point, the most at once: while a pass ends, what came into it and what goes out of it.
@@ -99,8 +101,7 @@ struct ChainPlan {
 
 /// Resolves the chain. Throws as resolve(), and UsageError when an attribute to keep is neither made nor the input's,
 /// and where nothing is made and all rows are kept. As few passes as the chain allows: stages run in the first pass in
-/// which all they read is there, and a pass without results that are used is left out. `ordered`: the output is to be
-/// in stream order.
-ChainPlan plan_chain(const Chain& chain, const Schema& input, bool ordered = false);
+/// which all they read is there, and a pass without results that are used is left out.
+ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs = {});
 
 }  // namespace pointsweep

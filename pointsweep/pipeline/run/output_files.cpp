@@ -34,18 +34,34 @@ RunRecord said_of(const RunState& run) {
           .drops_nonfinite = run.statistics.dropped > 0};
 }
 
-/// What the format of the output has to know of all values before the first record.
-std::shared_ptr<const KnownValues> values_if_needed(RunState& run) {
-  const Format* const format = format_of_output(run.outputs.points);
+/// What the format of an output has to know of all values before the first record.
+std::shared_ptr<const KnownValues> values_if_needed(RunState& run, const Format* format) {
   if (format == nullptr || format->values == nullptr) return nullptr;
   const auto report = [&run](std::uint64_t rows) { run.report("ordering", rows, 0); };
   return std::make_shared<KnownValues>(format->values(run.cloud, report));
 }
 
 std::optional<Box> bounds_if_known(const RunState& run) {
+  if (run.plan.graph.moved_bounds && !run.is_empty()) return run.moved_bounds();
   if (const Box& box = run.input.dropped().bounds; !box.empty() && !run.cloud.selection()) return box;
   if (run.is_empty()) return Box{Vec3{}, Vec3{}};
   return run.survey.exact && !run.survey.bounds.empty() ? std::optional(run.survey.bounds) : std::nullopt;
+}
+
+/// Where the points of tiles are that stages have moved. `run.rows` has what the last pass has left.
+std::optional<MovedPoints> moved_points(RunState& run) {
+  const std::optional<Box> bounds = run.moved_bounds();
+  if (!bounds) return std::nullopt;
+  const std::vector<OutputFormat> written = output_formats(run.outputs);
+  const auto on_grid = std::ranges::find_if(written, [](const OutputFormat& o) { return o.format->needs_bounds; });
+  const auto values = values_if_needed(run, on_grid->format);
+  const std::string position = position_attribute().name;
+  std::size_t at = 0;
+  for (const Attribute& a : run.plan.passes.back().carried) {
+    if (a.name == position) break;
+    at += a.bytes();
+  }
+  return MovedPoints{*bounds, values ? values->grid : std::nullopt, run.rows.get(), at};
 }
 
 TileRequest tiles_of(RunState& run) {
@@ -56,10 +72,14 @@ TileRequest tiles_of(RunState& run) {
 }
 
 void open_files(RunState& run) {
-  if (!run.outputs.tiles.empty())
-    return void(run.tiles.emplace(tiles_of(run), FinishedTiles(run.options.resume_folder)));
-  run.files.emplace(run.cloud, run.names.made, run.names.kept, run.outputs, run.options, bounds_if_known(run),
-                    provenance_of(run.cloud, said_of(run)), values_if_needed(run));
+  if (!run.outputs.tiles.empty()) {
+    TileRequest request = tiles_of(run);
+    request.moved = moved_points(run);
+    return void(run.tiles.emplace(std::move(request), FinishedTiles(run.options.resume_folder)));
+  }
+  OutputPlace place{bounds_if_known(run), values_if_needed(run, format_of_output(run.outputs.points))};
+  run.files.emplace(run.cloud, run.names.made, run.names.kept, run.outputs, run.options, std::move(place),
+                    provenance_of(run.cloud, said_of(run)));
 }
 
 std::string text_of(const Box& box) {
@@ -87,17 +107,17 @@ void require_writable(RunState& run) {
     return require_writable_tiles(tiles_of(run), FinishedTiles(run.options.resume_folder), run.folders);
   Box somewhere = run.survey.bounds;
   if (somewhere.empty()) somewhere.include(Vec3{});
-  OutputSet(run.cloud, run.names.made, run.names.kept, run.outputs, run.options, somewhere);
+  OutputSet(run.cloud, run.names.made, run.names.kept, run.outputs, run.options, {somewhere, nullptr});
 }
 
 bool needs_bounds(const RunState& run) {
   const Format* const format = format_of_output(run.outputs.points);
-  return format != nullptr && format->needs_bounds != nullptr &&
+  return format != nullptr && format->needs_bounds != nullptr && !run.plan.graph.moved_bounds &&
          (run.input.dropped().bounds.empty() || run.cloud.selection()) && format->needs_bounds(run.cloud.schema());
 }
 
 void open_outputs(RunState& run) {
-  const bool late = run.plan.selects();
+  const bool late = run.plan.opens_late();
   if (late || !run.outputs.tiles.empty()) require_writable(run);
   if (!late) open_files(run);
 }

@@ -170,7 +170,7 @@ ChainPlan plan_sort(const Schema& input, const std::vector<std::string>& keep) {
 }  // namespace
 
 Statistics run(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
-  return run_plan(cloud, outputs, options, plan_chain(chain, cloud.schema(), options.order == Order::sweep));
+  return run_plan(cloud, outputs, options, plan_chain(chain, cloud.schema(), needs_of(outputs, options)));
 }
 
 Statistics sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options,

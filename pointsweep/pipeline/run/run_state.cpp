@@ -9,6 +9,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/same_file.h"
+#include "pointsweep/operators/moved_bounds.h"
 #include "pointsweep/pipeline/cloud_source.h"
 #include "pointsweep/pipeline/statistics.h"
 
@@ -73,6 +74,11 @@ RunState::RunState(InputCloud& read, const Outputs& written, const EngineOptions
   if (cloud.count() == 0) fail("{}: has no points, so there is nothing to do.", name_of_cloud());
   for (const std::string& sentence : statistics.warnings) tell(sentence);
   warn(input.warning());
+}
+
+std::optional<Box> RunState::moved_bounds() const {
+  if (!plan.graph.moved_bounds || is_empty()) return std::nullopt;
+  return box_of(values.at(*plan.graph.moved_bounds));
 }
 
 std::string RunState::name_of_cloud() const {

@@ -64,6 +64,8 @@ struct RunState {
   MadeFolders folders;                  ///< of tiles
   std::optional<TileSet> tiles;         ///< in place of `files` where each input has its output
 
+  /// The box of the moved points; absent where no stage moves points, or the output needs no box.
+  std::optional<Box> moved_bounds() const;
   bool by_reference() const { return options.engine == Engine::reference; }
   bool is_empty() const { return cloud.count() == 0; }  ///< a select has left no row
   bool is_last(std::size_t p) const { return p + 1 == plan.passes.size(); }

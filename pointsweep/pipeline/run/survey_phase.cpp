@@ -45,7 +45,7 @@ void plan_memory_of(RunState& run) {
   run.on_demand = on_demand_order(run.cloud, run.plan, run.options);
   if (!run.plan.passes.empty())
     run.layout.emplace(input, run.names.made, run.names.kept,
-                       type_of_moved_positions(input, run.outputs.points, run.options));
+                       type_of_positions(run.names.made, run.outputs.points, run.options));
   const std::uint64_t output = run.layout ? run.layout->schema().stride : input.stride;
   run.memory = plan_run_memory(run.statistics.memory_budget_bytes, run.plan, run.cloud.count(), run.survey, run.options,
                                output, codec_bytes(run.cloud, run.outputs, output, run.options), run.on_demand);

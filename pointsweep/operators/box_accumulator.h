@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+/// The box of the points of a cloud that are finite.
+#pragma once
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/operator.h"
+
+namespace pointsweep {
+
+/// Takes x, y and z of each point; finish() of a derived class says what the box becomes.
+class BoxAccumulator : public Accumulator {
+ public:
+  void add(const double* values, std::size_t points) override {
+    for (std::size_t i = 0; i < points; ++i, values += 3) {
+      const Vec3 p{values[0], values[1], values[2]};
+      if (is_finite(p)) box_.include(p);
+    }
+  }
+  void merge(const Accumulator& other) override {
+    const Box& box = static_cast<const BoxAccumulator&>(other).box_;
+    if (!box.empty()) box_.include(box.lo), box_.include(box.hi);
+  }
+
+ protected:
+  Box box_;
+};
+
+}  // namespace pointsweep

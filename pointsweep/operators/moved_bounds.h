@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+/// Where the points of a cloud are after all stages that move them.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/operator.h"
+
+namespace pointsweep {
+
+/// The box of the moved positions, of which an output is planned whose format stores integers.
+class MovedBounds final : public Reduction {
+ public:
+  std::string text() const override { return "bounds of moved points"; }
+  std::vector<Attribute> reads() const override { return {position_attribute()}; }
+  std::unique_ptr<Accumulator> start() const override;
+};
+
+/// The box in the value of a MovedBounds; empty if no point is finite.
+Box box_of(std::span<const double> moved_bounds);
+
+}  // namespace pointsweep
