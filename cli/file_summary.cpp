@@ -9,6 +9,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/math/mix.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/points/decimals.h"
 
 namespace pointsweep {
 namespace {
@@ -109,6 +110,21 @@ std::uint64_t points_above(const Field& number, const Field& most, const Schema&
   return points;
 }
 
+/// Bounds and ranges of integers on a decimal grid become the decimal fractions that they mean.
+void use_decimals(FileSummary& summary, const Schema& schema) {
+  for (std::size_t f = 0; f < schema.fields.size(); ++f) {
+    const GridDecimals decimals(schema.fields[f]);
+    summary.ranges[f].lo = decimals.of(summary.ranges[f].lo);
+    summary.ranges[f].hi = decimals.of(summary.ranges[f].hi);
+  }
+  if (summary.bounds.empty()) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    const GridDecimals decimals(schema.fields[schema.find(std::string(1, "xyz"[axis])).value()]);
+    summary.bounds.lo[axis] = decimals.of(summary.bounds.lo[axis]);
+    summary.bounds.hi[axis] = decimals.of(summary.bounds.hi[axis]);
+  }
+}
+
 std::vector<double> nearest_distances(Reader& reader, std::vector<NearestDistances::Sampled> sample,
                                       const std::function<void(std::uint64_t)>& progress) {
   NearestDistances nearest(std::move(sample));
@@ -168,6 +184,7 @@ FileSummary summarize(Reader& reader, Spacing spacing,
     progress(piece.first_row + piece.count, work);
   });
   plan.settle();
+  use_decimals(summary, info.schema);
   summary.area = plan.area();
   summary.cell_side = plan.cell_side();
   if (spacing == Spacing::measure) {

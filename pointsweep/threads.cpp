@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/first_failure.h"
 
 #if !defined(__SANITIZE_THREAD__)  // threads_sanitized.cpp takes its place there
 
@@ -47,16 +48,23 @@ unsigned thread_count() { return static_cast<unsigned>(tbb::this_task_arena::max
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t, unsigned)>& body) {
   const CancellationToken* const token = CancellationScope::current();
+  FirstFailure failure;
   const auto loop = [&] {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      if (failure.makes_needless(i)) return;
       const Working mark;
       const CancellationScope scope(token);
-      stop_if_cancelled();
-      body(i, static_cast<unsigned>(tbb::this_task_arena::current_thread_index()));
+      try {
+        stop_if_cancelled();
+        body(i, static_cast<unsigned>(tbb::this_task_arena::current_thread_index()));
+      } catch (...) {
+        failure.note(i);
+      }
     });
   };
   // A piece of work that waits for its own loop must not take up another one meanwhile: it may hold a lock.
   working ? tbb::this_task_arena::isolate(loop) : loop();
+  failure.rethrow();
 }
 
 struct BackgroundTask::State {

@@ -18,8 +18,9 @@ unsigned thread_count();
 
 /// Calls body(i, worker) once for each i in [0, count). Calls with the same worker never run at once, so that each
 /// worker can have its own memory. A body may itself call parallel_for, also while it holds a lock: its thread then
-/// runs no other body until that loop ends. Returns when all have returned; the first exception ends the loop and is
-/// thrown, and so is Cancelled if the caller's CancellationScope asks to stop, in which the bodies run too.
+/// runs no other body until that loop ends. Returns when all have returned. An exception ends the loop for all higher
+/// `i`, and that of the lowest `i` is thrown, for any number of threads. Cancelled is thrown if the caller's
+/// CancellationScope asks to stop, in which the bodies run too.
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, unsigned worker)>& body);
 
 /// One piece of work in the background, on one of the threads of the run.

@@ -5,13 +5,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <exception>
 #include <future>
-#include <mutex>
 #include <thread>
 #include <vector>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/first_failure.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -26,29 +25,24 @@ class Loop {
 
   void work(unsigned worker) {
     const CancellationScope scope(token_);
-    try {
-      for (std::size_t i = next_++; i < count_; i = next_++) {
+    for (std::size_t i = next_++; i < count_ && !failure_.makes_needless(i); i = next_++) {
+      try {
         stop_if_cancelled();
         body_(i, worker);
+      } catch (...) {
+        failure_.note(i);
       }
-    } catch (...) {
-      next_ = count_;
-      const std::lock_guard lock(mutex_);
-      if (!error_) error_ = std::current_exception();
     }
   }
 
-  void rethrow() const {
-    if (error_) std::rethrow_exception(error_);
-  }
+  void rethrow() const { failure_.rethrow(); }
 
  private:
   std::size_t count_;
   const std::function<void(std::size_t, unsigned)>& body_;
   const CancellationToken* token_ = CancellationScope::current();
   std::atomic<std::size_t> next_ = 0;
-  std::mutex mutex_;
-  std::exception_ptr error_;
+  FirstFailure failure_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/points/schema.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/writer.h"
 
@@ -85,7 +86,15 @@ void ArrayWriter<T>::write_at(std::uint64_t row, std::span<const std::byte> reco
                     : std::is_same_v<T, double>        ? Type::f64
                     : std::is_same_v<T, std::uint32_t> ? Type::u32
                                                        : Type::u64;
-      set_value(target, reinterpret_cast<std::byte*>(out + f), value_of(fields_[f], record));
+      if (fields_[f].is_plain() && fields_[f].type == target.type) {
+        std::memcpy(out + f, record + fields_[f].offset, sizeof(T));
+        continue;
+      }
+      const double value = value_of(fields_[f], record);
+      if (!holds(target, value))
+        fail("Row {}: '{}' is {}, which is not {}, the type of the array; collect it in a wider one.", row + i,
+             fields_[f].name, value, name_of(target.type));
+      set_value(target, reinterpret_cast<std::byte*>(out + f), value);
     }
   }
   rows_written_ += rows;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/points/color_depth.h"
 
 namespace pointsweep {
 namespace {
@@ -214,10 +215,19 @@ CommonSchema common_schema(const Readers& readers) {
   common.schema = all.schema();
   common.ranges = all.ranges();
   common.warnings = missing_fields(readers, schemas, common.schema);
+  std::vector<std::string> brightened;
   for (std::size_t i = 0; i < readers.size(); ++i) {
-    common.mappings[i].conversion = std::make_unique<RecordConversion>(schemas[i], common.schema);
+    const bool wide_colors = with_colors_of(Type::u8, common.schema).has_value();
+    const std::optional<Schema> scaled = wide_colors ? with_colors_of(Type::u16, schemas[i]) : std::nullopt;
+    if (scaled) brightened.push_back(readers[i]->info().path.string());
+    common.mappings[i].conversion = std::make_unique<RecordConversion>(scaled ? *scaled : schemas[i], common.schema);
     common.mappings[i].missing = MissingFields(readers[i]->info(), common.schema);
   }
+  if (!brightened.empty())
+    common.warnings.push_back(fmt::format(
+        "{}{}: red, green and blue of 8 bits are read as 16 bits, times 257, since other inputs have 16 bits.",
+        brightened.front(),
+        brightened.size() == 1 ? "" : fmt::format(" and {} more inputs", brightened.size() - 1)));
   return common;
 }
 

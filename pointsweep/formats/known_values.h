@@ -15,7 +15,8 @@ struct KnownValues {
   /// The grid on which LAS stores the coordinates: every one of them lies on it, or all inputs are LAS and their
   /// coordinates are rounded to the finest scale among them. Absent: they lie on no grid that is known.
   std::optional<LasQuantization> grid = std::nullopt;
-  bool rounds = false;  ///< the coordinates are rounded to that grid
+  bool rounds = false;       ///< the coordinates are rounded to that grid
+  bool by_decimals = false;  ///< the grid is that of the digits behind their points; moved points have others
 };
 
 }  // namespace pointsweep

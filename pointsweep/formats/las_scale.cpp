@@ -41,7 +41,7 @@ void quantize_axis(double lo, double hi, double useful, double& scale, double& o
   const double largest = std::max(std::abs(lo), std::abs(hi));
   const double half = 0.5 * hi - 0.5 * lo;
   const double finest = std::max(largest * std::numeric_limits<double>::epsilon(), useful);
-  offset = half > finest ? round_number(0.5 * lo + 0.5 * hi, half) : lo;
+  offset = (half > finest ? round_number(0.5 * lo + 0.5 * hi, half) : lo) + 0.0;  // -0 becomes 0
   const double reach = std::max(hi - offset, offset - lo);
   int exponent = kLeast;
   while (exponent < kMost && (power_of_ten(exponent) < finest || reach / power_of_ten(exponent) > kUsableSteps)) {

@@ -38,7 +38,7 @@ void RecordWriter::write_at(std::uint64_t row, std::span<const std::byte> record
   if (row > plan_.count || rows > plan_.count - row) {
     fail("{}: more points came than the {} that were announced.", plan_.path.string(), plan_.count);
   }
-  check(records);
+  check(row, records);
   write_header();
 
   const std::uint64_t offset = header_bytes_ + row * stored_stride_;
@@ -61,7 +61,6 @@ void RecordWriter::finish() {
   if (rows_written_ < plan_.count) {
     fail("{}: only {} of the {} points that were announced came.", plan_.path.string(), rows_written_, plan_.count);
   }
-
   write_header();
   file_.commit();
 }

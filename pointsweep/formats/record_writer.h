@@ -27,8 +27,8 @@ class RecordWriter : public Writer {
  protected:
   RecordWriter(const OutputPlan& plan, std::string_view header, const Schema& stored);
 
-  /// Called with every block of input records before it is stored; may throw.
-  virtual void check(std::span<const std::byte>) const {}
+  /// Called with every block of input records before it is stored, from row `row` on; may throw.
+  virtual void check(std::uint64_t row, std::span<const std::byte> records) { (void)row, (void)records; }
   const OutputPlan& plan() const { return plan_; }
 
  private:

@@ -12,6 +12,7 @@
 #include "pointsweep/operators/declaration.h"
 #include "pointsweep/operators/meant_value.h"
 #include "pointsweep/points/with_type.h"
+#include "pointsweep/row_error.h"
 
 namespace pointsweep {
 namespace {
@@ -241,28 +242,29 @@ void SetAttribute::find_target(const Schema& input, std::span<const Attribute> m
   old_ = scalar(field.name, exact ? field.type : Type::f64, "", "");
 }
 
-void SetAttribute::refuse(std::uint64_t row, const std::string& value) const {
+std::string SetAttribute::refusal(std::uint64_t row, const std::string& value) const {
   const std::string range = range_.is_whole
                                 ? fmt::format("{}, {:.0f} to {:.0f}", name_of(range_.type), range_.least, range_.most)
                             : target_.name == position_attribute().name ? std::string("a finite coordinate")
                                                                         : std::string(name_of(range_.type));
-  fail("{}: row {}: {} would be {}, which is not {}; exclude such points by a condition, or assign to a new attribute.",
-       place_, row, assignment_.name, value, range);
+  return fmt::format(
+      "{}: row {}: {} would be {}, which is not {}; exclude such points by a condition, or assign to a new attribute.",
+      place_, row, assignment_.name, value, range);
 }
 
 /// `is_placed`: the point has a finite place, which it must not lose.
 template <class T>
-T SetAttribute::stored(double value, std::uint64_t row, bool is_placed) const {
+std::optional<T> SetAttribute::stored(double value, bool is_placed) const {
   if constexpr (std::is_floating_point_v<T>) {
     const auto as_stored = static_cast<T>(value);
     const bool moves = is_placed && target_.name == position_attribute().name;
-    if ((std::isfinite(value) || moves) && !std::isfinite(as_stored)) refuse(row, fmt::format("{}", value));
+    if ((std::isfinite(value) || moves) && !std::isfinite(as_stored)) return std::nullopt;
     return as_stored;
   } else {
     const double rounded = std::nearbyint(value);
     // The largest of 64 bits is no double: its next one is too large.
     const bool below = range_.most < 0x1p53 ? rounded <= range_.most : rounded < range_.most;
-    if (!(rounded >= range_.least && below)) refuse(row, fmt::format("{}", value));
+    if (!(rounded >= range_.least && below)) return std::nullopt;
     return static_cast<T>(rounded);
   }
 }
@@ -286,6 +288,10 @@ void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
   auto* const to = reinterpret_cast<T*>(out.column<std::byte>(0).data());
   const Field old_field{.name = "", .type = old_ ? old_->type : Type::f64};
   const auto old = old_value_ ? in.values<std::byte>(*old_value_) : nullptr;
+  FirstRowError refused;
+  const auto refuse = [&](std::size_t i, const auto& value) {
+    refused.note(in.row(i), [&] { return refusal(in.row(i), value()); });
+  };
   for (std::size_t i = 0; i < n; ++i) {
     T* const value = to + i * width;
     for (std::size_t c = 0; c < width; ++c) {
@@ -301,17 +307,21 @@ void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
     }
     if (!holds[i]) continue;
     if (!is_exact) {
-      value[component_] = stored<T>(reals[i], in.row(i), is_finite(in.position(i)));
+      if (const std::optional<T> number = stored<T>(reals[i], is_finite(in.position(i))))
+        value[component_] = *number;
+      else
+        refuse(i, [&] { return fmt::format("{}", reals[i]); });
       continue;
     }
     if constexpr (std::is_integral_v<T>) {
       const auto number = static_cast<T>(wholes[i]);
       const bool fits =
           WholeNumber{number} == wholes[i] && (range_.most >= 0x1p53 || static_cast<double>(number) <= range_.most);
-      if (!fits) refuse(in.row(i), fmt::format("{:.0f}", static_cast<double>(wholes[i])));
+      if (!fits) refuse(i, [&] { return fmt::format("{:.0f}", static_cast<double>(wholes[i])); });
       value[component_] = number;
     }
   }
+  refused.throw_if_any();
 }
 
 void SetAttribute::apply(const Neighborhoods& in, Columns& out) const {

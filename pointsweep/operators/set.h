@@ -44,7 +44,7 @@ class SetAttribute final : public Operator {
   SetAttribute(Assignment assignment, std::optional<Type> type, std::string place = "set");
   std::string name() const override { return "set"; }
   Contract contract() const override;
-  /// Throws Error naming the row of a value that the type of the attribute cannot hold.
+  /// Throws RowError naming the lowest row with a value that the type of the attribute cannot hold.
   void apply(const Neighborhoods& in, Columns& out) const override;
   std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
@@ -68,11 +68,12 @@ class SetAttribute final : public Operator {
  private:
   void find_target(const Schema& input, std::span<const Attribute> made);
   void read_old(Attribute attribute);
-  [[noreturn]] void refuse(std::uint64_t row, const std::string& value) const;
+  std::string refusal(std::uint64_t row, const std::string& value) const;
   template <class T>
   void assign(const Neighborhoods& in, Columns& out) const;
+  /// Nothing if the type of the attribute cannot hold the value.
   template <class T>
-  T stored(double value, std::uint64_t row, bool is_placed) const;
+  std::optional<T> stored(double value, bool is_placed) const;
 
   Assignment assignment_;
   std::optional<Type> type_;

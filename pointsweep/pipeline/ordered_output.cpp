@@ -83,7 +83,7 @@ PointSource Reordering::records() {
             rows_.read(row, carried_);
             for (std::size_t i = 0; i < n; ++i) {
               layout_.assemble(inputs_.data() + i * cloud_.schema().stride, carried_.data() + i * rows_.record_bytes(),
-                               1, out.data() + i * stride);
+                               1, out.data() + i * stride, {row + i});
             }
             put_positions(n, stride, out.data() + bytes);
             return n;

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/output_layout.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <string>
 
 #include "pointsweep/order/fixed_copy.h"
+#include "pointsweep/row_error.h"
 
 namespace pointsweep {
 namespace {
@@ -22,6 +27,28 @@ void convert_values(const Field& from, const std::byte* records, std::size_t fro
                     std::byte* outputs, std::size_t to_stride, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i)
     set_value(to, outputs + i * to_stride, value_of(from, records + i * from_stride));
+}
+
+std::string range_text(const Field& field) {
+  if (field.type == Type::f32) return "float32";
+  if (field.bit_width != 0) return fmt::format("0 to {}", (std::uint64_t{1} << field.bit_width) - 1);
+  return std::string(name_of(field.type));
+}
+
+/// Looks for values that are not held, or whole numbers that would be rounded.
+void note_refused(const Field& from, const Field& to, const std::byte* records, std::size_t stride, std::size_t n,
+                  RowNumbers rows, FirstRowError& refused) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double value = value_of(from, records + i * stride);
+    const bool rounds = to.type != Type::f32 && to.scale == 1 && std::nearbyint(value) != value;
+    if (holds(to, value) && !rounds) continue;
+    refused.note(rows.of(i), [&] {
+      return fmt::format(
+          "Row {}: '{}' would be {}, which is not {}, what the field of the output holds; leave out such points, or "
+          "write the attribute under another name (--prefix).",
+          rows.of(i), to.name, value, range_text(to));
+    });
+  }
 }
 
 }  // namespace
@@ -138,8 +165,21 @@ void OutputLayout::add(const Field& from, const Field& to) {
   append(copies_, {from.offset, to.offset, static_cast<std::uint32_t>(size_of(from.type))});
 }
 
-void OutputLayout::assemble(const std::byte* inputs, const std::byte* results, std::size_t n,
-                            std::byte* outputs) const {
+void OutputLayout::require_held(const std::byte* inputs, const std::byte* results, std::size_t n,
+                                RowNumbers rows) const {
+  FirstRowError refused;
+  const auto check = [&](const auto& conversions, const std::byte* records, std::size_t stride) {
+    for (const auto& [from, to] : conversions)
+      if (!holds_all_of(to, from)) note_refused(from, to, records, stride, n, rows, refused);
+  };
+  check(retyped_, inputs, input_stride_);
+  check(conversions_, results, result_stride_);
+  refused.throw_if_any();
+}
+
+void OutputLayout::assemble(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs,
+                            RowNumbers rows) const {
+  require_held(inputs, results, n, rows);
   for (std::size_t i = 0; i < n; i += kBlock) {
     assemble_block(inputs, results, std::min(kBlock, n - i), outputs);
     inputs += kBlock * input_stride_, results += kBlock * result_stride_, outputs += kBlock * schema_.stride;

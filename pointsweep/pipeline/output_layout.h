@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <span>
@@ -18,9 +19,16 @@ namespace pointsweep {
 /// Whether a stage that makes these attributes moves points.
 bool moves_points(const std::vector<Attribute>& made);
 
+/// The numbers of successive records, for messages: `each` of them, or all from `first` on.
+struct RowNumbers {
+  std::uint64_t first = 0;
+  const std::uint64_t* each = nullptr;
+  std::uint64_t of(std::size_t i) const { return each != nullptr ? each[i] : first + i; }
+};
+
 /// The input's record unchanged, or those of its fields that are kept, without gaps; then the made values. A made
 /// attribute that the input's part already has is replaced where it stands, and gets its own type there: no value is
-/// rounded to that of the input.
+/// rounded to that of the input. Bits that share a byte with others keep their storage.
 class OutputLayout {
  public:
   /// `positions`: the type that x, y and z get where they stand, moved or not; absent: that of the input, and float64
@@ -30,7 +38,9 @@ class OutputLayout {
 
   const Schema& schema() const { return schema_; }
   /// `inputs` holds n records of the input, `results` n result records, `outputs` receives n records of schema().
-  void assemble(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs) const;
+  /// Throws RowError for the lowest row with a value that its field cannot hold.
+  void assemble(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs,
+                RowNumbers rows = {}) const;
 
  private:
   struct Copy {
@@ -45,6 +55,7 @@ class OutputLayout {
   static void append(std::vector<Copy>& copies, const Copy& next);
   void keep_fields(const Schema& input, const std::vector<std::size_t>& kept, const Types& types);
   void add(const Field& from, const Field& to);
+  void require_held(const std::byte* inputs, const std::byte* results, std::size_t n, RowNumbers rows) const;
   void assemble_block(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs) const;
 
   Schema schema_;

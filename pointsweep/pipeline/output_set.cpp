@@ -93,7 +93,7 @@ void OutputSet::write_results(InputCloud& cloud, std::uint64_t first_row, std::s
       parallel_for((n + kTaskRows - 1) / kTaskRows, [&](std::size_t task, unsigned) {
         const std::size_t row = task * kTaskRows;
         layout_.assemble(inputs_.data() + row * input_stride_, from + row * result_bytes_, std::min(kTaskRows, n - row),
-                         assembled_.data() + row * layout_.schema().stride);
+                         assembled_.data() + row * layout_.schema().stride, {first_row + done + row});
       });
       points_.write(assembled_);
     }

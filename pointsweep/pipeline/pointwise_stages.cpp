@@ -55,6 +55,9 @@ void PointwiseStages::run(const std::byte* records, std::span<const std::uint64_
     run_batch(records + first * records_.stride, rows.subspan(first, std::min(kBatch, rows.size() - first)),
               tallies_[worker], results + first * pass_.plan.result_bytes);
   });
+  FirstRowError refused;
+  for (const StageTally& tally : tallies_) refused.note(tally.refused);
+  refused.throw_if_any();
 }
 
 void PointwiseStages::run_batch(const std::byte* records, std::span<const std::uint64_t> rows, StageTally& tally,

@@ -22,7 +22,7 @@ class Rows {
     records_.resize(records_.size() + stride_);
     std::byte* to = records_.data() + records_.size() - stride_;
     if (run_.layout) {
-      run_.layout->assemble(point.record, point.results, 1, to);
+      run_.layout->assemble(point.record, point.results, 1, to, {point.row});
     } else {
       std::copy_n(point.results, stride_, to);
     }

@@ -41,7 +41,7 @@ void SweepOrderSink::recalled(const Finished& points) {
       places.push_back(kept.place);
     }
   }
-  layout_.assemble(inputs.data(), points.results, points.size, outputs.data());
+  layout_.assemble(inputs.data(), points.results, points.size, outputs.data(), {0, points.rows});
   store_.put(places, outputs);
 }
 
@@ -54,7 +54,7 @@ void SweepOrderSink::put(const Open& open, const Finished& points) {
     std::memcpy(inputs.data() + i * input_stride_, open.records.data() + index * stride, input_stride_);
     places[i] = stream_.slabs()[points.slab].first + open.rank[index];
   }
-  layout_.assemble(inputs.data(), points.results, points.size, outputs.data());
+  layout_.assemble(inputs.data(), points.results, points.size, outputs.data(), {0, points.rows});
   store_.put(places, outputs);
 }
 

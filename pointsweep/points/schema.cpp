@@ -71,7 +71,38 @@ void store_value(const Field& field, std::byte* at, double value) {
   std::memcpy(at, &raw, sizeof raw);
 }
 
+/// The integers that a word, or the bits of one, can be, as float64.
+template <class T>
+bool is_in_range(const Field& field, double rounded) {
+  if (field.bit_width != 0) return rounded >= 0 && rounded <= static_cast<double>(mask_of(field));
+  // The largest of 64 bits is no double: its next one is too large.
+  constexpr auto kMost = static_cast<double>(std::numeric_limits<T>::max());
+  const bool below = sizeof(T) < 8 ? rounded <= kMost : rounded < kMost;
+  return rounded >= static_cast<double>(std::numeric_limits<T>::min()) && below;
+}
+
 }  // namespace
+
+bool holds(const Field& field, double value) {
+  const double bits = field.scale == 1 && field.bias == 0 ? value : (value - field.bias) / field.scale;
+  return with_type(field.type, [&]<class T>() {
+    if constexpr (std::is_floating_point_v<T>)
+      return !std::isfinite(bits) || std::isfinite(static_cast<T>(bits));
+    else
+      return is_in_range<T>(field, std::nearbyint(bits));
+  });
+}
+
+bool holds_all_of(const Field& field, const Field& values) {
+  const auto is_real = [](Type type) { return type == Type::f32 || type == Type::f64; };
+  if (is_real(field.type)) return field.type == Type::f64 || values.type != Type::f64;
+  if (is_real(values.type) || values.scale != 1 || values.bias != 0) return false;
+  return with_type(values.type, [&]<class T>() {
+    using Limits = std::numeric_limits<T>;
+    if (values.bit_width != 0) return holds(field, 0) && holds(field, static_cast<double>(mask_of(values)));
+    return holds(field, static_cast<double>(Limits::min())) && holds(field, static_cast<double>(Limits::max()));
+  });
+}
 
 Type unpacked_type(const Field& field) {
   if (field.bit_width == 0) return field.type;

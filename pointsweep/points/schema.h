@@ -47,6 +47,13 @@ void decode_positions(const PositionFields& fields, const std::byte* records, st
 /// least unsigned one that is wide enough.
 Type unpacked_type(const Field& field);
 
+/// Whether `value` stored in `field` is read again to half a step of it: not if it is NaN, infinite or out of range where
+/// the type has a range.
+bool holds(const Field& field, double value);
+
+/// Whether `field` holds every value that the type, scale and bits of `values` allow, whole numbers as whole numbers.
+bool holds_all_of(const Field& field, const Field& values);
+
 /// Copies records of one schema into records of another, field by field. A field whose storage is the same in both is
 /// copied bit for bit; otherwise its value is converted; fields absent in `from` become 0.
 class RecordConversion {

@@ -20,6 +20,15 @@ void count_distances(const Batch& batch, NeighborDistances& distances) {
   }
 }
 
+/// Goes on after a row that is refused: a lower one may be refused later.
+void apply(const Stage& stage, const Neighborhoods& in, Columns& out, FirstRowError& refused) {
+  try {
+    stage.op->apply(in, out);
+  } catch (const RowError& error) {
+    refused.note(error);
+  }
+}
+
 }  // namespace
 
 void run_stage(const SweepPlan& plan, std::size_t s, const Batch& batch, StageTally& tally) {
@@ -40,7 +49,7 @@ void run_stage(const SweepPlan& plan, std::size_t s, const Batch& batch, StageTa
   tally.marked[s] = {};
   Columns out(made, batch.size, tally.marked[s], std::move(unwanted));
   if (stage.connects == nullptr)
-    stage.op->apply(in, out);
+    apply(stage, in, out, tally.refused);
   else if (tally.edges)
     tally.edges->take(*stage.connects, in, batch);
   tally.seconds[s] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -10,6 +10,7 @@
 
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/points/degenerate_rows.h"
+#include "pointsweep/row_error.h"
 #include "pointsweep/sweep/distance_histogram.h"
 #include "pointsweep/sweep/edge_emitter.h"
 #include "pointsweep/sweep/plan.h"
@@ -22,6 +23,7 @@ struct StageTally {
   std::vector<DegeneratePoints> marked;  ///< by stage, those of the step that was run last: points of its batch
   /// By stage: the rows of marked points whose results are final. The callers of run_step add them.
   std::vector<DegenerateRows> degenerate;
+  FirstRowError refused;                         ///< by a stage that cannot make the value of a row; ends the pass
   std::unique_ptr<NeighborDistances> distances;  ///< filled if it is there
   std::unique_ptr<EdgeEmitter> edges;            ///< takes the edges of a connecting stage if it is there
 };

@@ -64,6 +64,7 @@ class Sweep {
     }
     statistics_.read_seconds = read_seconds_;
     recall();
+    refused().throw_if_any();
     return gather_statistics();
   }
 
@@ -157,8 +158,14 @@ class Sweep {
   void keep_progress() {
     const bool reads_again =
         options_.resume_from != nullptr && frontier_.slabs_read() < options_.resume_from->slabs_read;
-    if (options_.keeper == nullptr || reads_again || !options_.keeper->wants_progress()) return;
+    if (options_.keeper == nullptr || reads_again || !options_.keeper->wants_progress() || refused().any()) return;
     options_.keeper->keep(progress());
+  }
+
+  FirstRowError refused() const {
+    FirstRowError first;
+    for (const Worker& worker : workers_) first.note(worker.tally.refused), first.note(worker.halo.refused);
+    return first;
   }
 
   SweepProgress progress() const {

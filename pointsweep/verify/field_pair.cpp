@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "pointsweep/formats/field_names.h"
+#include "pointsweep/points/color_depth.h"
 
 namespace pointsweep {
 namespace {
@@ -32,8 +33,9 @@ std::uint64_t bits_at(const Field& field, const std::byte* record) {
   return bits;
 }
 
-/// What is read where `value` was stored.
+/// What is read where `value` was stored; `value` itself where the field cannot hold it.
 double stored_and_read(Field field, double value) {
+  if (!holds(field, value)) return value;
   std::byte bytes[sizeof(double)]{};
   field.offset = 0;
   set_value(field, bytes, value);
@@ -98,10 +100,12 @@ FieldPair::FieldPair(std::string name, const Field& from, std::uint32_t from_com
       from_(component_of(from, from_component)),
       to_(component_of(to, to_component)),
       bitwise_(stored_alike(from_, to_)),
+      decimals_(to_.type == Type::f64 && to_.is_plain() ? from_ : Field{}),
       single_(from_.type == Type::f32 && from_.is_plain() && to_.type == Type::f64 && to_.is_plain()) {}
 
 std::uint64_t FieldPair::word_of(double value) const {
   if (single_) value = static_cast<double>(static_cast<float>(value));
+  value = decimals_.of(value);
   return std::bit_cast<std::uint64_t>(std::isnan(value) ? std::numeric_limits<double>::quiet_NaN() : value);
 }
 
@@ -122,7 +126,12 @@ double FieldPair::resolution(double value) const {
 }
 
 std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to) {
-  const Field& field = from.fields[index];
+  const bool narrows = with_colors_of(Type::u8, from) && with_colors_of(Type::u16, to);
+  const bool widens = with_colors_of(Type::u16, from) && with_colors_of(Type::u8, to);
+  const std::optional<Schema> scaled = narrows  ? with_colors_of(Type::u8, from)
+                                       : widens ? with_colors_of(Type::u16, from)
+                                                : std::nullopt;
+  const Field& field = (scaled ? *scaled : from).fields[index];
   const PlaceFinder finder(from, index, to);
   std::vector<FieldPair> pairs;
   for (std::uint32_t c = 0; c < field.count; ++c) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/points/decimals.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -15,7 +16,8 @@ namespace pointsweep {
 /// Compares a value of one record with its copy in another, as far as the type of the copy can tell. Values are equal
 /// if
 /// - both are stored alike and their bits are equal; or else
-/// - storing `from` at `to` gives what is there: a format may round (LAS coordinates) and saturate; where `from` is
+/// - storing `from` at `to`, colours with the brightness of the type there, gives what is there: a format may round (LAS coordinates), and a value out of the range
+///   of its type equals nothing; integers on a decimal grid may be the decimal fractions that they mean; where `from` is
 ///   float32 and `to` float64, the nearest float32 of `to` counts, since text files hold the fewest digits of a float.
 class FieldPair {
  public:
@@ -37,7 +39,9 @@ class FieldPair {
 
   std::string name_;
   Field from_, to_;
-  bool bitwise_, single_;
+  bool bitwise_;
+  GridDecimals decimals_;  ///< of integers on a decimal grid, which text files hold as the decimal fractions they mean
+  bool single_;
 };
 
 /// Pairs of all components of from.fields[index] with where a writer of any format may have put them in `to`; nothing

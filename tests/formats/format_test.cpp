@@ -138,5 +138,74 @@ TEST(Format, TheDocumentationHasTheTableOfAllFormats) {
   EXPECT_THAT(page, ::testing::HasSubstr(formats_table()));
 }
 
+/// The least and most value of a type and what is hardest to hold between them.
+std::vector<double> extremes_of(Type type) {
+  constexpr double kMostFloat = std::numeric_limits<float>::max(), kMostDouble = std::numeric_limits<double>::max();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
+  switch (type) {
+    case Type::i8:
+      return {-128, 127};
+    case Type::u8:
+      return {0, 31, 255};
+    case Type::i16:
+      return {-32768, 32767};
+    case Type::u16:
+      return {0, 65535};
+    case Type::i32:
+      return {-2147483648.0, 2147483647};
+    case Type::u32:
+      return {0, 4294967295};
+    case Type::i64:
+      return {-9223372036854775808.0, 9007199254740991, 9223372036854774784.0};
+    case Type::u64:
+      return {0, 9007199254740991, 18446744073709549568.0};
+    case Type::f32:
+      return {-kMostFloat, 0x1p-149, double{0.1f}, kInfinity, kNan};
+    case Type::f64:
+      break;
+  }
+  return {-kMostDouble, 0x1p-1074, 0.1, 255.5, 16777217, kInfinity, kNan};
+}
+
+/// Whether the file holds `value` in row 1, under the name or in the exact copy NAME_TYPE.
+bool is_held(Reader& reader, const std::string& name, Type type, double value) {
+  for (const std::string& field : {name, name + "_" + std::string(name_of(type))})
+    for (const Field& own : reader.info().schema.fields) {
+      if (library_name_of(own.name) != field && own.name != field) continue;
+      const double found = values_of(reader, own.name).at(1);
+      if (found == value || (std::isnan(found) && std::isnan(value))) return true;
+    }
+  return false;
+}
+
+/// A law over the list of formats: the value comes back, or the error names the row, the attribute and the file.
+TEST(Format, HoldsEveryValueOrNamesItsRow) {
+  const TemporaryFolder folder;
+  std::size_t refused = 0;
+  for_each_written_name(folder, [&](const Format&, const std::filesystem::path& path) {
+    for (int t = 0; t < 10; ++t)
+      for (const char* name : {"level", "intensity", "classification", "return_number", "gps_time", "scan_angle", "nir"})
+        for (const double value : extremes_of(static_cast<Type>(t))) {
+          const double xyz[] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+          OutputPlan plan = plan_of_points(path, xyz);
+          plan.overwrite = true;
+          plan.schema.append(name, static_cast<Type>(t));
+          std::vector<std::byte> records(3 * plan.schema.stride);
+          for (std::size_t i = 0; i < 3; ++i) std::memcpy(records.data() + i * plan.schema.stride, xyz + 3 * i, 24);
+          set_value(plan.schema.fields.back(), records.data() + plan.schema.stride, value);
+          try {
+            write_all(plan, records);
+            EXPECT_TRUE(is_held(*open_reader(path), name, static_cast<Type>(t), value))
+                << path << " " << name << " " << name_of(static_cast<Type>(t)) << " " << value;
+          } catch (const Error& error) {
+            ++refused;
+            EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("row 1:"), testing::HasSubstr(name),
+                                                     testing::HasSubstr(path.string())));
+          }
+        }
+  });
+  EXPECT_GT(refused, 0u);  // PLY and E57 have no integers beyond these
+}
+
 }  // namespace
 }  // namespace pointsweep

@@ -205,5 +205,27 @@ TEST(RecordConversion, FieldsThatRepeatANameKeepTheirOwnValues) {
   EXPECT_EQ(value_of(to.fields[1], out.data()), 9);
 }
 
+TEST(Schema, KnowsWhatAFieldHolds) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const Field byte{.name = "", .type = Type::u8}, bits{.name = "", .type = Type::u8, .bit_shift = 3, .bit_width = 5};
+  const Field grid{.name = "", .type = Type::i32, .scale = 0.01, .bias = 1000};
+  const Field single{.name = "", .type = Type::f32}, wide{.name = "", .type = Type::i64};
+  for (const double value : {-1.0, 256.0, nan, infinity}) EXPECT_FALSE(holds(byte, value)) << value;
+  for (const double value : {0.0, 255.0, 254.6}) EXPECT_TRUE(holds(byte, value)) << value;
+  EXPECT_TRUE(holds(bits, 31));
+  EXPECT_FALSE(holds(bits, 32));
+  EXPECT_TRUE(holds(grid, 1000 + 21474836.47));
+  EXPECT_FALSE(holds(grid, 1000 + 21474836.48));
+  EXPECT_FALSE(holds(grid, nan));
+  EXPECT_TRUE(holds(single, infinity));
+  EXPECT_FALSE(holds(single, 1e39));
+  EXPECT_FALSE(holds(wide, 0x1p63));
+  EXPECT_TRUE(holds_all_of(single, grid));
+  EXPECT_FALSE(holds_all_of(single, {.name = "", .type = Type::f64}));
+  EXPECT_TRUE(holds_all_of(byte, bits));
+  EXPECT_FALSE(holds_all_of(bits, byte));
+  EXPECT_FALSE(holds_all_of(byte, single));
+}
+
 }  // namespace
 }  // namespace pointsweep

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -61,6 +62,22 @@ TEST(ParallelFor, EndsWithWhatAPieceThrew) {
     };
     EXPECT_THROW(parallel_for(1000, body), std::runtime_error);
   });
+}
+
+TEST(ParallelFor, ThrowsWhatTheLowestPieceThrewForAnyNumberOfThreads) {
+  for (const unsigned threads : {1u, 2u, 7u})
+    with_threads(threads, [] {
+      const auto body = [](std::size_t i, unsigned) {
+        if (i == 41) std::this_thread::sleep_for(std::chrono::milliseconds(2));  // others fail before it
+        if (i % 10 == 1 && i > 40) throw std::runtime_error(std::to_string(i));
+      };
+      try {
+        parallel_for(1000, body);
+        FAIL();
+      } catch (const std::runtime_error& error) {
+        EXPECT_STREQ(error.what(), "41");
+      }
+    });
 }
 
 TEST(BackgroundTask, HasDoneItsWorkWhenWaitReturns) {

@@ -40,11 +40,40 @@ TEST(FieldPair, AFloatInTextIsTheNearestFloat) {
   EXPECT_TRUE(passes(Type::f32, std::nan(""), Type::f64, std::nan("")));
 }
 
-TEST(FieldPair, StoredIntegersAreRoundedAndSaturatedAsTheTypeDemands) {
+TEST(FieldPair, StoredIntegersAreRoundedAndNeverSaturated) {
   EXPECT_TRUE(passes(Type::f64, 1.2345, Type::i32, 1.23, 0.01));
   EXPECT_FALSE(passes(Type::f64, 1.2345, Type::i32, 1.24, 0.01));
-  EXPECT_TRUE(passes(Type::f32, 300, Type::u8, 255));
+  EXPECT_FALSE(passes(Type::f32, 300, Type::u8, 255));
+  EXPECT_FALSE(passes(Type::f64, 512000, Type::i32, 214748.3647, 0.0001));
+  EXPECT_FALSE(passes(Type::f64, std::nan(""), Type::u8, 0));
   EXPECT_FALSE(passes(Type::f32, 200, Type::u8, 255));
+}
+
+TEST(FieldPair, IntegersOnADecimalGridMayBeTheDecimalFractions) {
+  Schema grid = schema_of("x", Type::i32), text = schema_of("x", Type::f64);
+  grid.fields[0].scale = 0.01;
+  std::byte stored[4]{}, read[8]{};
+  set_value(grid.fields[0], stored, 684992.57);
+  ASSERT_NE(value_of(grid.fields[0], stored), 684992.57);
+  const FieldPair pair = pairs_of_field(grid, 0, text)->front();
+  for (const auto& [value, passes] : {std::pair{684992.57, true}, std::pair{684992.5700000001, true},
+                                      std::pair{684992.58, false}, std::pair{684992.570001, false}}) {
+    set_value(text.fields[0], read, value);
+    EXPECT_EQ(pair.expected(stored) == pair.found(read), passes) << value;
+  }
+}
+
+TEST(FieldPair, ColorsKeepTheirBrightness) {
+  Schema bytes, words;
+  for (const char* color : {"red", "green", "blue"}) bytes.append(color, Type::u8), words.append(color, Type::u16);
+  std::byte narrow[3]{}, wide[6]{};
+  set_value(bytes.fields[1], narrow, 77);
+  for (const auto& [value, passes] : {std::pair{77.0 * 257, true}, std::pair{77.0, false}}) {
+    set_value(words.fields[1], wide, value);
+    const FieldPair widened = pairs_of_field(bytes, 1, words)->front(), narrowed = pairs_of_field(words, 1, bytes)->front();
+    EXPECT_EQ(widened.expected(narrow) == widened.found(wide), passes) << value;
+    EXPECT_EQ(narrowed.expected(wide) == narrowed.found(narrow), passes) << value;
+  }
 }
 
 TEST(FieldPair, FindsAFieldUnderTheNamesThatWritersGive) {

@@ -98,7 +98,8 @@ class E57Writer final : public Writer {
       stop_if_cancelled();
       const std::size_t n = std::min(kBatchPoints, rows - first);
       values_.resize(n * width_);
-      for (std::size_t i = 0; i < n; ++i) put(records.data() + (first + i) * stride, values_.data() + i * width_);
+      for (std::size_t i = 0; i < n; ++i)
+        put(rows_written_ + first + i, records.data() + (first + i) * stride, values_.data() + i * width_);
       psc_error error;
       require(psc_e57_write(codec_, values_.data(), values_.size(), &error), error);
     }
@@ -117,7 +118,7 @@ class E57Writer final : public Writer {
 
  private:
   /// Values of one point.
-  void put(const std::byte* record, std::uint64_t* values) const {
+  void put(std::uint64_t row, const std::byte* record, std::uint64_t* values) const {
     bool finite = true;
     for (std::size_t axis = 0; axis < 3; ++axis) finite &= std::isfinite(value_of(columns_[axis].field, record));
     for (std::size_t axis = 0; axis < 3; ++axis) *values++ = finite ? columns_[axis].stored(record) : 0;
@@ -126,8 +127,8 @@ class E57Writer final : public Writer {
       const E57Column& column = columns_[c];
       *values = column.stored(record);
       if (column.field.type == Type::u64 && *values > static_cast<std::uint64_t>(column.attribute.most))
-        fail("{}: E57 holds integers up to 2^63 - 1, but an '{}' is {}; leave it out by --keep.", plan_.path.string(),
-             column.field.name, *values);
+        fail("{}: row {}: '{}' is {}, but E57 holds integers up to 2^63 - 1; leave it out by --keep.",
+             plan_.path.string(), row, column.field.name, *values);
       ++values;
     }
   }

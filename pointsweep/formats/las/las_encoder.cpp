@@ -17,6 +17,12 @@ constexpr std::size_t kRowsAtOnce = 256;
 /// Byte 14 of a point that is return 1 of 1, in point formats 0 to 5 and 6 to 10.
 constexpr std::byte kOnlyLegacyReturn{0x09}, kOnlyReturn{0x11};
 
+/// Whether a coordinate lies so far from the grid that arithmetic in float64 alone does not explain it.
+bool is_beside_grid(double value, double scale, double offset) {
+  const double steps = (value - offset) / scale;
+  return std::abs(steps - std::nearbyint(steps)) > 1e-3 && !is_on_las_grid(value, scale, offset);
+}
+
 }  // namespace
 
 LasEncoder::LasEncoder(const LasLayout& layout, std::string path)
@@ -29,7 +35,7 @@ LasEncoder::LasEncoder(const LasLayout& layout, std::string path)
       fitting_scale_(layout.fitting_scale),
       positions_change_(layout.positions_change),
       returns_missing_(layout.returns_missing),
-      points_moved_(layout.points_moved),
+      notes_rounding_(layout.points_moved && layout.keeps_scale),
       only_return_(layout.header.point_format >= 6 ? kOnlyReturn : kOnlyLegacyReturn),
       path_(std::move(path)) {}
 
@@ -50,7 +56,7 @@ void LasEncoder::check_positions(std::uint64_t row, const std::byte* records, st
       for (int axis = 0; axis < 3; ++axis) {
         const double value = xyz[static_cast<std::size_t>(axis)][i];
         if (!las_grid_reaches(value, scale_[axis], offset_[axis])) refuse(axis, row + first + i, value);
-        rounds_ = rounds_ || (points_moved_ && !is_on_las_grid(value, scale_[axis], offset_[axis]));
+        rounds_ = rounds_ || (notes_rounding_ && is_beside_grid(value, scale_[axis], offset_[axis]));
       }
     }
   }
@@ -70,9 +76,11 @@ void LasEncoder::refuse(int axis, std::uint64_t row, double value) const {
 
 std::string LasEncoder::rounding() const {
   if (!rounds_) return "";
-  const double most = std::max({scale_.x, scale_.y, scale_.z}) / 2;
-  return fmt::format("{}: moved coordinates are rounded to steps of {} in x, {} in y and {} in z, by at most {}.", path_,
-                     scale_.x, scale_.y, scale_.z, most);
+  const double coarsest = std::max({scale_.x, scale_.y, scale_.z});
+  const bool alike = scale_.x == scale_.y && scale_.y == scale_.z;
+  const std::string steps = alike ? fmt::format("{}", scale_.x)
+                                  : fmt::format("{} in x, {} in y and {} in z", scale_.x, scale_.y, scale_.z);
+  return fmt::format("{}: moved coordinates are rounded to steps of {}, by at most {}.", path_, steps, coarsest / 2);
 }
 
 }  // namespace pointsweep

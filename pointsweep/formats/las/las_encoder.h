@@ -39,7 +39,7 @@ class LasEncoder {
   Vec3 scale_, offset_;
   std::size_t stride_in_, stride_out_;
   std::optional<Vec3> fitting_scale_;
-  bool positions_change_, returns_missing_, points_moved_;
+  bool positions_change_, returns_missing_, notes_rounding_;
   bool rounds_ = false;  ///< a moved coordinate lay beside the grid
   std::byte only_return_;
   std::string path_;

@@ -16,6 +16,7 @@
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las_origin.h"
 #include "pointsweep/formats/las_scale.h"
+#include "pointsweep/points/color_depth.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -198,10 +199,11 @@ class Builder {
     layout_.to.stride = format.stride;
     std::vector<bool> stored(schema.fields.size());
     std::vector<std::size_t> inexact;
+    const Schema source = in_sixteen_bits(format);
     for (const Field& target : format.fields) {
       const auto at = schema.find(target.name);
       if (!at || schema.fields[*at].count != 1) continue;
-      connect(schema.fields[*at], target);
+      connect(source.fields[*at], target);
       stored[*at] = true;
       if (!is_position_field(target.name) && !las_field_holds(target, schema.fields[*at], ranges[*at]))
         inexact.push_back(*at);
@@ -212,6 +214,15 @@ class Builder {
     }
     for (const std::size_t i : inexact) append_exact_copy(schema.fields[i]);
     watch_positions(format);
+  }
+
+  /// The schema of the records, read with the brightness that colours of LAS have.
+  Schema in_sixteen_bits(const Schema& format) {
+    const std::optional<Schema> scaled = with_colors_of(Type::u16, plan_.schema);
+    if (!scaled || !format.find("red")) return plan_.schema;
+    layout_.warnings.push_back(
+        fmt::format("{}: red, green and blue of 8 bits are written as 16 bits, times 257.", plan_.path.string()));
+    return *scaled;
   }
 
   void append_exact_copy(Field exact) {
@@ -253,9 +264,10 @@ class Builder {
     LasHeader& header = layout_.header;
     if (las_keeps_scale(p)) {
       set_grid({{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}});
-    } else if (plan_.bounds && plan_.values && plan_.values->grid) {
+    } else if (plan_.bounds && has_grid()) {
       const LasQuantization& grid = *plan_.values->grid;
-      set_grid(is_made("x") ? las_grid_for_moved(grid, *plan_.bounds) : las_grid_within(grid, *plan_.bounds));
+      layout_.keeps_scale = true;
+      set_grid(layout_.points_moved ? las_grid_for_moved(grid, *plan_.bounds) : las_grid_within(grid, *plan_.bounds));
       if (plan_.values->rounds)
         layout_.warnings.push_back(
             fmt::format("{}: the scales and offsets of the inputs have no common grid; coordinates are rounded to the "
@@ -269,6 +281,10 @@ class Builder {
           "write PLY.",
           plan_.path.string());
     }
+  }
+
+  bool has_grid() const {
+    return plan_.values && plan_.values->grid && !(plan_.values->by_decimals && layout_.points_moved);
   }
 
   void set_grid(const LasQuantization& grid) {

@@ -43,6 +43,7 @@ struct LasLayout {
   Field x, y, z;                  ///< of `from`
   bool positions_change = false;  ///< coordinates have to be quantised, which may fail
   bool points_moved = false;      ///< those are of points that stages have moved
+  bool keeps_scale = false;       ///< those are rounded to steps of the input
   std::optional<Vec3> fitting_scale;  ///< scales that hold all coordinates, where the bounds are known
   bool returns_missing = false;   ///< no return numbers come: every point is return 1 of 1
 

@@ -9,6 +9,7 @@
 #include "pointsweep/formats/las/las_fields.h"
 #include "pointsweep/formats/las/las_layout.h"
 #include "pointsweep/formats/las_origin.h"
+#include "pointsweep/points/decimals.h"
 
 namespace pointsweep {
 namespace {
@@ -23,73 +24,99 @@ LasQuantization grid_of(const PositionFields& p) {
   return {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
 }
 
-/// Reads all points; what it looks for is given to the constructor.
+/// Reads all points, until nothing is left to look for; what it looks for is given to the constructor.
 class Look {
  public:
-  Look(InputCloud& cloud, KnownValues& values, std::vector<std::size_t> fields, bool grid)
-      : cloud_(cloud), values_(values), fields_(std::move(fields)), grid_(grid) {
+  enum class For : std::uint8_t { nothing, grid, decimals };
+  Look(InputCloud& cloud, KnownValues& values, std::vector<std::size_t> fields, For coordinates)
+      : cloud_(cloud), values_(values), fields_(std::move(fields)), coordinates_(coordinates) {
     for (const std::size_t field : fields_) values_.ranges[field] = {};
   }
 
   void run(const std::function<void(std::uint64_t)>& progress) {
     const std::size_t stride = cloud_.schema().stride;
     std::vector<std::byte> records(kBlockRows * stride);
-    for (std::uint64_t row = 0; row < cloud_.count();) {
+    for (std::uint64_t row = 0; row < cloud_.count() && (coordinates_ != For::nothing || !fields_.empty());) {
       const std::size_t rows = cloud_.read(row, records);
       if (rows == 0) break;
       for (std::size_t i = 0; i < rows; ++i) take_values(records.data() + i * stride);
-      if (grid_) grid_ = are_on_grid(records.data(), rows);
+      if (coordinates_ != For::nothing && !take_coordinates(records.data(), rows)) coordinates_ = For::nothing;
       row += rows;
       if (progress) progress(row);
     }
   }
-  bool all_on_grid() const { return grid_; }
+
+  /// After run(): the grid on which all coordinates lie.
+  std::optional<LasQuantization> grid() const {
+    if (coordinates_ == For::grid) return cloud_.las()->grid;
+    if (coordinates_ == For::nothing || !any_) return std::nullopt;
+    const double scale = 1 / std::pow(10.0, decimals_);
+    return LasQuantization{{scale, scale, scale}, {0, 0, 0}};
+  }
 
  private:
   void take_values(const std::byte* record) {
     for (const std::size_t f : fields_) values_.ranges[f].include(value_of(cloud_.schema().fields[f], record));
   }
 
-  /// Points that are not finite do not count.
-  bool are_on_grid(const std::byte* records, std::size_t rows) {
+  /// False if one is on no grid. Points that are not finite do not count.
+  bool take_coordinates(const std::byte* records, std::size_t rows) {
     for (auto& axis : xyz_) axis.resize(kBlockRows);
     decode_positions(positions_, records, cloud_.schema().stride, rows, xyz_[0].data(), xyz_[1].data(), xyz_[2].data());
-    const LasQuantization& grid = cloud_.las()->grid;
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::vector<double>& values = xyz_[static_cast<std::size_t>(axis)];
+    for (int axis = 0; axis < 3; ++axis)
       for (std::size_t i = 0; i < rows; ++i) {
-        if (std::isfinite(values[i]) && !is_on_las_grid(values[i], grid.scale[axis], grid.offset[axis])) return false;
+        const double value = xyz_[static_cast<std::size_t>(axis)][i];
+        if (std::isfinite(value) && !take_coordinate(axis, value)) return false;
       }
-    }
     return true;
+  }
+
+  bool take_coordinate(int axis, double value) {
+    any_ = true;
+    if (coordinates_ == For::grid) {
+      const LasQuantization& grid = cloud_.las()->grid;
+      return is_on_las_grid(value, grid.scale[axis], grid.offset[axis]);
+    }
+    const std::optional<int> decimals = decimals_of(value);
+    if (decimals) decimals_ = std::max(decimals_, *decimals);
+    return decimals.has_value();
   }
 
   InputCloud& cloud_;
   KnownValues& values_;
   std::vector<std::size_t> fields_;
-  bool grid_;
+  For coordinates_;
+  int decimals_ = 0;  ///< the most that a coordinate has
+  bool any_ = false;  ///< a finite coordinate was met
   PositionFields positions_ = position_fields(cloud_.schema(), "the input");
   std::array<std::vector<double>, 3> xyz_;
 };
+
+/// Whether coordinates are float64 as they come from text, from arrays or from other formats.
+bool are_double(const PositionFields& p) {
+  const auto is_double = [](const Field& f) { return f.type == Type::f64 && f.is_plain(); };
+  return is_double(p.x) && is_double(p.y) && is_double(p.z);
+}
 
 }  // namespace
 
 KnownValues las_values(InputCloud& cloud, const std::function<void(std::uint64_t)>& progress) {
   KnownValues values{cloud.ranges()};
   const bool from_las = cloud.las() != nullptr;
-  const bool real = !las_keeps_scale(position_fields(cloud.schema(), "the input"));
+  const PositionFields positions = position_fields(cloud.schema(), "the input");
+  const bool real = !las_keeps_scale(positions);
   values.rounds = real && std::all_of(cloud.readers().begin(), cloud.readers().end(), is_las);
-  const bool look_at_grid = real && from_las && !values.rounds;
+  values.by_decimals = real && !from_las && are_double(positions);
   std::vector<std::size_t> fields;
   const auto first = dynamic_cast<const LasExtras*>(cloud.extras().get());
   if (first == nullptr || !las_begins_with_records_of(*first, cloud.schema()))
     fields = undecided_las_fields(cloud.schema(), values.ranges, from_las);
-  Look look(cloud, values, fields, look_at_grid);
-  if (look_at_grid || !fields.empty()) look.run(progress);
-  if (!real)
-    values.grid = grid_of(position_fields(cloud.schema(), "the input"));
-  else if (values.rounds || (look_at_grid && look.all_on_grid()))
-    values.grid = cloud.las()->grid;
+  const auto coordinates = values.by_decimals                        ? Look::For::decimals
+                           : real && from_las && !values.rounds ? Look::For::grid
+                                                                : Look::For::nothing;
+  Look look(cloud, values, fields, coordinates);
+  look.run(progress);
+  values.grid = !real ? grid_of(positions) : values.rounds ? cloud.las()->grid : look.grid();
   return values;
 }
 

@@ -6,11 +6,13 @@
 
 #include <cstring>
 #include <iterator>
+#include <vector>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/points/decimals.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {
@@ -28,6 +30,7 @@ class TextWriter final : public Writer {
  public:
   explicit TextWriter(const OutputPlan& plan)
       : plan_(plan), separator_(extension_of(plan.path) == ".csv" ? ',' : ' '), file_(plan.path, plan.overwrite) {
+    for (const Field& field : plan.schema.fields) decimals_.emplace_back(field);
     const auto names = column_names(plan.schema);
     const std::string extension = extension_of(plan.path);
     if (extension == ".pts") append(fmt::format("{}\n", plan.count));
@@ -66,19 +69,21 @@ class TextWriter final : public Writer {
 
   void append_row(const std::byte* record) {
     bool first = true;
-    for (const Field& field : plan_.schema.fields) {
-      for (std::uint32_t c = 0; c < field.count; ++c) {
+    for (std::size_t f = 0; f < plan_.schema.fields.size(); ++f) {
+      for (std::uint32_t c = 0; c < plan_.schema.fields[f].count; ++c) {
         if (!first) text_.push_back(separator_);
         first = false;
-        append_value(field, record, c);
+        append_value(f, record, c);
       }
     }
     text_.push_back('\n');
   }
 
-  void append_value(const Field& field, const std::byte* record, std::uint32_t component) {
+  void append_value(std::size_t f, const std::byte* record, std::uint32_t component) {
+    const Field& field = plan_.schema.fields[f];
     if (!field.is_plain()) {
-      fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value_of(field, record, component));
+      const double value = decimals_[f].of(value_of(field, record, component));
+      fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value);
       return;
     }
     with_type(field.type, [&]<class T>() {
@@ -95,6 +100,7 @@ class TextWriter final : public Writer {
   }
 
   OutputPlan plan_;
+  std::vector<GridDecimals> decimals_;  ///< by field
   char separator_;
   OutputFile file_;
   fmt::memory_buffer text_;

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+/// What values become in the formats: decimals of text, types of coordinates, depth of colours, errors that name rows.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "pointsweep/formats/las_origin.h"
+#include "tests/cli/tool.h"
+#include "tests/formats/point_files.h"
+
+namespace pointsweep {
+namespace {
+
+class Layout : public Tool {
+ protected:
+  std::vector<double> values(const std::string& file, const std::string& field) const {
+    const auto reader = open_reader(folder_ / file);
+    return values_of(*reader, field);
+  }
+  const Field field(const std::string& file, const std::string& name) const {
+    const auto reader = open_reader(folder_ / file);
+    const auto at = reader->info().schema.find(name);
+    EXPECT_TRUE(at.has_value()) << file << " " << name;
+    return reader->info().schema.fields[at.value_or(0)];
+  }
+  std::string format(const std::string& file) const { return open_reader(folder_ / file)->info().format; }
+};
+
+TEST_F(Layout, TextBecomesLasWithItsDecimalsAndTheSameTextAgain) {
+  std::string text = "x,y,z,intensity\n";
+  for (int i = 0; i < 300; ++i)
+    text += fmt::format("{},{},{},{}\n", (68499200 + i * 57) / 100.0, (487341100 + i * 31) / 100.0, i % 17 / 100.0 + 11,
+                        i * 13 % 1000);
+  write("a.csv", text);
+  EXPECT_NE(text.find("684992.57,"), std::string::npos);
+  for (const char* las : {"a.las", "a.laz"}) {
+    made(fmt::format("run a.csv {} -q --pipeline 'decimate(1)'", las));
+    EXPECT_EQ(open_reader(folder_ / las)->info().las->grid.scale, (Vec3{0.01, 0.01, 0.01}));
+    made(fmt::format("run {} b.csv -q -f --keep x,y,z,intensity --pipeline 'decimate(1)'", las));
+    EXPECT_EQ(contents(folder_ / "b.csv"), text);
+    EXPECT_NE(tool(fmt::format("info {}", las)).out.find("x           684992 .. 685162.43"), std::string::npos)
+        << tool(fmt::format("info {}", las)).out;
+    made(fmt::format("run {} all.csv -q -f --pipeline 'decimate(1)'", las));
+    EXPECT_EQ(tool(fmt::format("verify {} all.csv", las)).status, 0);
+  }
+}
+
+TEST_F(Layout, PositionsGetTheTypeAskedForInEveryOutputThatHasOne) {
+  write("a.txt", "x y z\n0.5 1.25 2\n3 4 5\n");
+  made("run a.txt a.las -q --pipeline 'decimate(1)'");
+  for (const char* in : {"a.txt", "a.las"})
+    for (const char* out : {"out.pcd", "out.ply"})
+      for (const char* pipeline : {"decimate(1)", "set(x = x + 1)", "where(x < 9) | set(w = 1)"})
+        for (const auto& [name, type] : {std::pair{"float32", Type::f32}, std::pair{"float64", Type::f64}}) {
+          made(fmt::format("run {} {} -q -f --positions {} --pipeline '{}'", in, out, name, pipeline));
+          for (const char* axis : {"x", "y", "z"}) EXPECT_EQ(field(out, axis).type, type) << in << out << pipeline;
+          EXPECT_EQ(values(out, "y"), (std::vector<double>{1.25, 4})) << in << out << pipeline;
+        }
+  refused(2, "run a.txt out.las --positions float32 --pipeline 'set(x = x + 1)'", "stores coordinates as integers");
+  refused(1, "run a.txt out.ply -f --positions float32 --pipeline 'set(x = 1e300 where z > 4)'", "ow 1");
+}
+
+TEST_F(Layout, ColorsRaiseThePointFormat) {
+  write("a.txt", "x y z intensity\n0.5 1.25 2 7\n3 4 5 8\n3 4 7 9\n");
+  made("run a.txt a.las -q --pipeline 'decimate(1)'");
+  EXPECT_NE(format("a.las").find("point format 6"), std::string::npos) << format("a.las");
+  for (const char* pipeline : {"color(z)", "color(z, bits=8)", "color(z, bits=16)",
+                               "set(red = 65535, green = z * 100, blue = 0)"}) {
+    made(fmt::format("run a.las c.las -q -f --pipeline '{}'", pipeline));
+    EXPECT_NE(format("c.las").find("point format 7"), std::string::npos) << pipeline << format("c.las");
+    for (const char* color : {"red", "green", "blue"}) EXPECT_EQ(field("c.las", color).type, Type::u16) << pipeline;
+    EXPECT_EQ(values("c.las", "x"), values("a.las", "x"));
+    EXPECT_EQ(values("c.las", "intensity"), values("a.las", "intensity"));
+    EXPECT_EQ(tool("verify c.las").status, 0) << tool("verify c.las").out;
+  }
+}
+
+TEST_F(Layout, ColorsKeepTheirBrightness) {
+  write("a.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+        "0 0 0 255 128 0\n1 0 0 1 2 3\n2 5 1 77 88 99\n");
+  const Result wide = tool("run a.ply a.las --pipeline 'decimate(1)'");
+  EXPECT_NE(wide.err.find("times 257"), std::string::npos) << wide.err;
+  EXPECT_EQ(values("a.las", "red"), (std::vector<double>{65535, 257, 77 * 257}));
+  EXPECT_EQ(values("a.las", "blue"), (std::vector<double>{0, 771, 99 * 257}));
+  const Result narrow = tool("run a.las b.ply --pipeline 'decimate(1)'");
+  EXPECT_NE(narrow.err.find("divided by 257"), std::string::npos) << narrow.err;
+  for (const char* color : {"red", "green", "blue"}) EXPECT_EQ(values("b.ply", color), values("a.ply", color));
+  EXPECT_EQ(field("b.ply", "red").type, Type::u8);
+  EXPECT_EQ(tool("verify a.ply a.las").status, 0);
+  EXPECT_EQ(tool("verify a.las b.ply").status, 0);
+  const Result same = tool("run a.las c.las --pipeline 'decimate(1)'");
+  EXPECT_EQ(same.err.find("257"), std::string::npos) << same.err;
+  EXPECT_EQ(values("c.las", "red"), values("a.las", "red"));
+  made("run a.las a.ply -o both.las -q --pipeline 'decimate(1)'");
+  EXPECT_EQ(values("both.las", "green"), (std::vector<double>{128 * 257, 514, 88 * 257, 128 * 257, 514, 88 * 257}));
+}
+
+TEST_F(Layout, DarkColorsOfLasAreNotWrittenInSilence) {
+  write("a.txt", "x y z\n0 0 0\n1 2 3\n");
+  made("run a.txt a.las -q --pipeline 'set(red = 200, green = 100, blue = 255)'");
+  EXPECT_NE(tool("run a.las a.ply --pipeline 'decimate(1)'").err.find("set(red = red * 257"), std::string::npos);
+}
+
+TEST_F(Layout, TheFirstRowIsNamedForAnyNumberOfThreads) {
+  std::string text = "x y z level\n";
+  for (int i = 0; i < 30000; ++i) text += fmt::format("{} {} {} {}\n", i * 7919 % 30011, i % 3, 0, i % 40 + (i > 5017));
+  write("a.txt", text);
+  for (const auto& [row, pipeline] :
+       {std::pair{39, "set(w = level * 100 where level > 38, as=uint8)"}, std::pair{37, "set(w = 7 * level, as=uint8)"},
+        std::pair{37, "knn(k=4) | normals | set(w = 7 * level + nx * 0, as=uint8)"}}) {
+    for (const int threads : {1, 2, 5, 16}) {
+      const Result result = tool(fmt::format("run a.txt out.ply -f --threads {} --pipeline '{}'", threads, pipeline));
+      EXPECT_EQ(result.status, 1);
+      EXPECT_NE(result.err.find(fmt::format("row {}:", row)), std::string::npos) << pipeline << result.err;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pointsweep
