@@ -62,8 +62,12 @@ MUTANTS = [
     Mutant("extra bytes are written without their offset", "formats", FORMATS + "las/las_extra_bytes.cpp",
            "d.options = kHasScale | kHasOffset;", "d.options = kHasScale;", ("formats:LasExtraBytes.*", "formats:Las*")),
     Mutant("the grid of a LAS output is not that of its inputs", "formats", FORMATS + "las/las_layout.cpp",
-           "set_grid(las_grid_within(plan_.las->grid, *plan_.bounds));", "set_grid(las_quantization(*plan_.bounds));",
-           ("formats:Las*",)),
+           ": las_grid_within(grid, *plan_.bounds));", ": las_quantization(*plan_.bounds));", ("formats:Las*",)),
+    Mutant("moved points get the grid of the input wherever they are", "formats", FORMATS + "las_scale.cpp",
+           "if (reaches(lo, hi, scale, offset)) q.offset[axis] = offset;", "if (lo > hi) q.offset[axis] = offset;",
+           ("cli:MovedGrid.*",)),
+    Mutant("colours of 8 bits come into LAS as they are", "formats", "pointsweep/points/color_depth.cpp",
+           "kSixteenOfEight = 257", "kSixteenOfEight = 1", ("cli:Layout.*", "verify:FieldPair.*")),
 
     # Points that are not finite
     Mutant("the row before a nonfinite one is dropped", "nonfinite", FORMATS + "finite_rows.cpp",

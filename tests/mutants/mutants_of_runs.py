@@ -35,8 +35,8 @@ MUTANTS = [
     Mutant("a run that keeps other attributes counts as the same run", "resume", PIPELINE + "run_identity.cpp",
            "text += kept_text(plan.kept, cloud.schema());",
            "if (text.empty()) text += kept_text(plan.kept, cloud.schema());", ("pipeline:Resume.*:Refused.*",)),
-    Mutant("another type of moved positions counts as the same run", "resume", PIPELINE + "run_identity.cpp",
-           "if (options.moved_positions != Type::f64)", "if (options.moved_positions == Type::i32)",
+    Mutant("another type of positions counts as the same run", "resume", PIPELINE + "run_identity.cpp",
+           "if (options.positions) text", "if (options.positions == Type::i32) text",
            ("pipeline:Resume.*:Refused.*",)),
     Mutant("another prefix counts as the same run", "resume", PIPELINE + "run_identity.cpp",
            "options.prefix, fmt::join(options.replace, \",\")", "\"\", fmt::join(options.replace, \",\")",
@@ -49,9 +49,8 @@ MUTANTS = [
            "records_.reserve(static_cast<std::size_t>(std::min(most_, count)));", "(void)count;", ("cli:*MemoryLaw*",)),
 
     # Provenance
-    Mutant("the provenance record does not say the type of moved positions", "provenance", PIPELINE + "provenance_record.cpp",
-           "set(\"positions\", options.moved_positions == Type::f64 ? \"\" :",
-           "set(\"positions\", options.moved_positions != Type::i32 ? \"\" :", ("cli:Provenance.*", "cli:Naming.*")),
+    Mutant("the provenance record does not say the type of positions", "provenance", PIPELINE + "provenance_record.cpp",
+           "set(\"positions\", options.positions ?", "set(\"positions\", options.positions == Type::i32 ?", ("cli:Provenance.*", "cli:Naming.*")),
     Mutant("the provenance record lacks the options of stages", "provenance", PIPELINE + "canonical_text.cpp",
            "if (is_preset && presets", "if ((is_preset || !option.name.empty()) && presets", ("cli:Provenance.*",)),
     Mutant("the provenance record leaves out presets that reneighbor needs", "provenance",
@@ -78,7 +77,8 @@ MUTANTS = [
 
     # Names and types of outputs
     Mutant("moved positions are float32", "outputs", PIPELINE + "output_layout.cpp",
-           "moves ? *moved_positions : attribute.type;", "moves ? Type::f32 : attribute.type;", ("pipeline:Run.*", "pipeline:OutputLayout.*")),
+           "give(position_attribute().fields, *positions);", "give(position_attribute().fields, Type::f32);",
+           ("pipeline:Run.*", "pipeline:OutputLayout.*")),
     Mutant("moved positions keep the input's type where fields are kept by name", "outputs", PIPELINE + "output_layout.cpp",
            ".type = type->second};", ".type = field.type};", ("pipeline:Keep*", "pipeline:OutputLayout.*")),
     Mutant("attributes of the input are overwritten without --replace", "outputs", PIPELINE + "output_names.cpp",
