@@ -155,7 +155,7 @@ MUTANTS = [
     Mutant("set truncates to whole numbers", "selects", OPS + "set.cpp",
            "const double rounded = std::nearbyint(value);", "const double rounded = std::trunc(value);", ("pipeline:Set.*",)),
     Mutant("set lets values beyond the type wrap", "selects", OPS + "set.cpp",
-           "if (!(rounded >= range_.least && below)) refuse", "if (std::isnan(rounded) && below) refuse", ("pipeline:Set.*",)),
+           "if (!(rounded >= range_.least && below)) return", "if (std::isnan(rounded) && below) return", ("pipeline:Set.*",)),
     Mutant("set rounds 64-bit integers to float64", "selects", OPS + "set.cpp",
            "std::is_integral_v<T> && assignment_.value.is_whole(batch.values())", "std::is_integral_v<T> && false",
            ("pipeline:Set.*",)),
