@@ -114,6 +114,18 @@ def test_it_moves_points(surface):
     assert arrays["normal"].tobytes() == ps.normals(arrays["xyz"], 6).tobytes()
 
 
+def test_what_it_moves_far_away_is_in_las_where_it_was_put(surface, tmp_path):
+    @ps.operator(makes={"position": ("f8", 3)}, neighbors=False)
+    def to_the_map(p):
+        return p.xyz + [512000, 5403000, 0]
+
+    small = tmp_path / "local.laz"
+    ps.run(np.round(surface, 4), "decimate(1)", to=small)
+    ps.run(small, to_the_map, to=tmp_path / "map.laz")
+    expected = ps.run(small, to_the_map)["xyz"]
+    np.testing.assert_allclose(ps.run(tmp_path / "map.laz", "decimate(1)")["xyz"], expected, rtol=0, atol=0.5001e-4)
+
+
 def test_threads_memory_and_order_change_no_byte():
     xyz = ps.generate("terrain", 400_000)["xyz"]
     chain = "knn(k=8) | normals" | roughness
