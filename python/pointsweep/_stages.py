@@ -37,21 +37,22 @@ def knn(
     k : number of neighbours, excluding the point; a radius without k means all points within it; without both, as
         many as the operator wants that wants most; 1 or more.
     radius : maximum distance of a neighbour, in the unit of the coordinates; 0 or more; unit: length.
-    k_from : attribute of the input that holds the number of neighbours of each point, at most k; requires k.
-    radius_from : attribute of the input that holds the maximum distance for each point; requires k or radius as a
-        limit.
-    adaptive : eigenentropy chooses for each point the number from k_min to k with the least eigenentropy (Weinmann
-        2014); requires k; default: "none".
-    k_min : smallest number that adaptive=eigenentropy may choose; 3 or more; default: 10.
+    k_from : attribute of the input that holds the number of neighbours of each point, at most k, which has to be
+        given.
+    radius_from : attribute of the input that holds the maximum distance of a neighbour for each point; k or radius
+        has to be given as a limit.
+    adaptive : choose the number of neighbours of each point, from k_min to k, by the least eigenentropy (Weinmann
+        2014); k has to be given; default: "none".
+    k_min : smallest number of neighbours that adaptive=eigenentropy may choose; 3 or more; default: 10.
 
     Formula
     -------
-    N_i: the k points of the cloud nearest to p_i without p_i itself, or all within the radius, or the k
-    nearest of these. Distances are d² = ((dx² + dy²) + dz²) in double of the coordinates of the input;
-    equal ones are ordered by x, y, z, then by input row. Within a radius R: d² <= R·R in double.
+    N_i: the k points of the cloud nearest to p_i without p_i itself, or all within the radius, or the k nearest of
+      these. Distances are d² = ((dx² + dy²) + dz²) in double of the coordinates of the input; equal ones are
+      ordered by x, y, z, then by input row. Within a radius R: d² <= R·R in double.
     k_from, radius_from: point i keeps the first neighbours that its own k or radius allows.
-    adaptive=eigenentropy: the k from k_min on for which E = -Σ e_j ln e_j is least; e_1, e_2, e_3 are
-    the eigenvalues of the covariance of p_i and its k nearest neighbours, divided by their sum.
+    adaptive=eigenentropy: the k from k_min on for which E = -Σ e_j ln e_j is least; e_1, e_2, e_3 are the
+      eigenvalues of the covariance of p_i and its k nearest neighbours, divided by their sum.
 
     Source
     ------
@@ -87,7 +88,7 @@ def normals(
     ----------
     orient : how to orient normals: none, up (towards +z), towards the viewpoint, or to the side of the normals in
         the input.
-    viewpoint : position of the scanner, in the coordinates of the cloud; requires orient=viewpoint; unit: length.
+    viewpoint : position of the scanner for orient=viewpoint, in the coordinates of the cloud; unit: length.
 
     Makes
     -----
@@ -103,8 +104,8 @@ def normals(
     M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)^T θ(|p_j - p_i|)
     θ(r) = exp(-r² / 2σ²), σ² = π max_j |p_j - p_i|² / |N_i|; |N_i| does not count p_i.
     orient=none: the first of the largest components is positive.
-    orient=up, viewpoint, input: the dot product with +z, the direction to the viewpoint or the
-    normal of the input is positive; where it is 0, as for none.
+    orient=up, viewpoint, input: the dot product with +z, the direction to the viewpoint or the normal of the input
+      is positive; where it is 0, as for none.
 
     Undefined
     ---------
@@ -185,8 +186,8 @@ def splats(axes: Literal["auto", "positions", "curvature"] = "auto") -> Stage:
 
     Parameters
     ----------
-    axes : what determines direction and ratio of the ellipses; auto is curvature if an earlier stage makes it, else
-        positions.
+    axes : derive direction and ratio of the ellipses from curvature or from positions; auto takes curvature if an
+        earlier stage computes it.
 
     Makes
     -----
@@ -204,8 +205,8 @@ def splats(axes: Literal["auto", "positions", "curvature"] = "auto") -> Stage:
 
     Formula
     -------
-    An ellipse around p_i in the tangent plane of n_i, grown until it holds eight neighbours; with m < 8
-    neighbours, √(8/m) times as long as one that holds all.
+    An ellipse around p_i in the tangent plane of n_i, grown until it holds eight neighbours; with m < 8 neighbours,
+      √(8/m) times as long as one that holds all.
     axes=positions: major axis along the largest eigenvector of M_i (Equation 1), ratio √(λ1/λ2).
     axes=curvature: major axis along the direction of k2, ratio √(k2/k1).
     Ratios are at least 1/8.
@@ -236,10 +237,11 @@ def fair(f: float = 0.5, *, g: float = 0.5) -> Stage:
 
     Parameters
     ----------
-    f : standard deviation of the Gaussian of the distance to a neighbour, in % of the diagonal of the input's
-        bounding box; 1e-06 to 100; unit: % of the diagonal.
-    g : standard deviation of the Gaussian of the distance to its tangent plane, in % of the same diagonal; 1e-06 to
-        100; unit: % of the diagonal.
+    f : reach of the smoothing: standard deviation of the Gaussian weight of the distance to a neighbour, in % of
+        the diagonal of the bounding box of the input; 1e-06 to 100; unit: % of the diagonal.
+    g : height of the bumps that go: standard deviation of the Gaussian weight of the distance to the tangent plane
+        of a neighbour, in % of the diagonal of the bounding box of the input; 1e-06 to 100; unit: % of the
+        diagonal.
 
     Makes
     -----
@@ -293,9 +295,9 @@ def features(
 
     Parameters
     ----------
-    names : the attributes to make, as in [linearity,planarity]; without it, all.
-    eigenvalues : eigenvalues, their square roots, or eigenvalues over their sum.
-    with_point : whether the point itself is one of the points P.
+    names : features to compute, as in [linearity,planarity]; without this option, all of them.
+    eigenvalues : scale of the eigenvalues: as they are, their square roots, or divided by their sum.
+    with_point : count the point itself among the points of its neighbourhood.
 
     Makes
     -----
@@ -325,14 +327,11 @@ def features(
     Σ = 1/n Σ_P (p - p̄)(p - p̄)^T, eigenvalues l1 >= l2 >= l3, eigenvectors e1, e2, e3
     eigenvalues=raw: λ = l, in length²; sqrt: λ = √l, in length;
     eigenvalues=normalized: λ = l / (l1 + l2 + l3)
-    Moments are sums over P. In eigenentropy 0 ln 0 is 0; of raw values and roots it
-    depends on the unit of length.
-    CloudCompare: raw, with_point=yes; its '1st order moment' is
-    moment1_axis2² / moment2_axis2.
-    jakteristics: the same with n - 1 for n, which changes omnivariance, eigenentropy and
-    eigenvalue_sum alone.
-    PDAL: sqrt, with_point=yes, n - 1 for n; its Scattering is sphericity, its
-    DemantkeVerticality verticality; its Verticality (Guinard and Landrieu 2017) is another.
+    Moments are sums over P. In eigenentropy 0 ln 0 is 0; of raw values and roots it depends on the unit of length.
+    CloudCompare: raw, with_point=yes; its '1st order moment' is moment1_axis2² / moment2_axis2.
+    jakteristics: the same with n - 1 for n, which changes omnivariance, eigenentropy and eigenvalue_sum alone.
+    PDAL: sqrt, with_point=yes, n - 1 for n; its Scattering is sphericity, its DemantkeVerticality verticality; its
+      Verticality (Guinard and Landrieu 2017) is another.
 
     Undefined
     ---------
@@ -429,14 +428,15 @@ def crop(
         left out; unit: length.
     polygon : file with polygons, or a polygon itself, as WKT or GeoJSON in the coordinates of the cloud; with
         bounds a point has to lie in both.
-    outside : keep the points that are not inside instead.
-    checksum : of the file with polygons, as records of runs have it; a file of another content is refused.
+    outside : keep the points outside of the box and polygons instead.
+    checksum : checksum of the file with polygons, as a processing record holds it; a file with other content is
+        refused.
 
     Formula
     -------
     In the box: XMIN <= x <= XMAX and YMIN <= y <= YMAX (and ZMIN <= z <= ZMAX).
-    In a polygon: (x, y) lies on one of its edges, or a ray from it crosses its edges an odd number of times
-    (even-odd rule over all its rings). Of several polygons: in any of them. Decided without rounding.
+    In a polygon: (x, y) lies on one of its edges, or a ray from it crosses its edges an odd number of times (even-
+      odd rule over all its rings). Of several polygons: in any of them. Decided without rounding.
 
     Undefined
     ---------
@@ -473,14 +473,14 @@ def set(
     ----------
     assign : NAME = NUMBER or NAME = NUMBER where CONDITION, several with commas between, done one after another;
         numbers and conditions are those of where; 'assign=' may be left out.
-    as_ : the type of attributes that are new; without it float64, or the type that LAS has for the name, such as
-        uint8 for classification.
+    as_ : type of new attributes; without this option float64, or the type that LAS has for the name, such as uint8
+        for classification.
 
     Formula
     -------
     The value in float64, as where evaluates numbers; of a type of whole numbers the nearest, halves to even.
     An attribute that is there keeps its type, and its value where the condition does not hold; a new one is 0
-    there. x, y and z move the points.
+      there. x, y and z move the points.
 
     Undefined
     ---------
@@ -507,7 +507,7 @@ def drop(attributes: str | Sequence[str]) -> Stage:
 
     Parameters
     ----------
-    attributes : of the input, or made before, with commas between; 'attributes=' may be left out.
+    attributes : attributes to leave out, of the input or computed by earlier stages; 'attributes=' may be left out.
 
     Undefined
     ---------
@@ -536,8 +536,8 @@ def sor(
 
     Parameters
     ----------
-    multiplier : standard deviations above the mean; 0 or more.
-    definition : the program whose rule counts; see the formula.
+    multiplier : a mean distance this many standard deviations above that of the cloud makes an outlier; 0 or more.
+    definition : use the rule of this program; the formula shows the differences.
 
     Makes
     -----
@@ -550,14 +550,13 @@ def sor(
 
     Formula
     -------
-    d_i = 1/|N_i| Σ_j |p_j - p_i| (mean_distance); m and s: mean and standard deviation of
-    all n finite d; t = m + multiplier * s. N_i never holds p_i.
+    d_i = 1/|N_i| Σ_j |p_j - p_i| (mean_distance); m and s: mean and standard deviation of all n finite d; t = m +
+      multiplier * s. N_i never holds p_i.
     pointsweep:   s divides by n - 1; outlier: d > t
     pdal:         s divides by n - 1; outlier: d >= t. mean_k is our k
     pcl:          as pointsweep. mean_k is our k (before PCL 1.7: k + 1)
-    open3d:       d_i = 1/(|N_i| + 1) Σ_j |p_j - p_i|, for the point itself counts, at
-                  distance 0. Terms of s with d = 0 are left out, but count in n;
-                  s divides by n - 1; outlier: d >= t or d = 0. nb_neighbors is k + 1
+    open3d:       d_i = 1/(|N_i| + 1) Σ_j |p_j - p_i|, for the point itself counts, at distance 0. Terms of s with d
+      = 0 are left out, but count in n; s divides by n - 1; outlier: d >= t or d = 0. nb_neighbors is k + 1
     cloudcompare: s divides by n; outlier: d > t. Its number of points is k + 1
 
     Undefined
@@ -590,7 +589,8 @@ def ror(radius: float, *, min_neighbors: int = 2) -> Stage:
     Parameters
     ----------
     radius : the distance within which neighbours count, inclusive; above 0; 0 or more; unit: length.
-    min_neighbors : how many neighbours a point needs, itself not counted; knn needs k of at least this; 1 or more.
+    min_neighbors : number of neighbours that a point needs, without the point itself; knn needs k of at least this;
+        1 or more.
 
     Makes
     -----
@@ -603,10 +603,10 @@ def ror(radius: float, *, min_neighbors: int = 2) -> Stage:
     Formula
     -------
     outlier = 1 where |{j in N_i : |p_j - p_i| <= radius}| < min_neighbors, N_i without p_i.
-    The min_neighbors nearest neighbours are enough to know, so that knn(k=min_neighbors) before it
-    makes the same as knn(radius=...) in less time.
-    PDAL (min_k), PCL (setMinNeighborsInRadius) and Open3D (nb_points) keep the same points, but
-    that PDAL and Open3D do not count a neighbour at exactly the radius.
+    The min_neighbors nearest neighbours are enough to know, so that knn(k=min_neighbors) before it makes the same
+      as knn(radius=...) in less time.
+    PDAL (min_k), PCL (setMinNeighborsInRadius) and Open3D (nb_points) keep the same points, but that PDAL and
+      Open3D do not count a neighbour at exactly the radius.
 
     Undefined
     ---------
@@ -644,9 +644,9 @@ def lof() -> Stage:
     k_distance_i = max_j |p_j - p_i| over N_i, which does not hold p_i
     reachability_density: r_i = |N_i| / Σ_j max(k_distance_j, |p_j - p_i|)
     lof_i = 1/|N_i| Σ_j r_j / r_i
-    Exactly k neighbours count, as in scikit-learn and PDAL (filters.lof, minpts is k); in the
-    publication more, where several are as far as the k-th. scikit-learn adds 1e-10 to the mean
-    reachability; here r is infinite where that is 0, and the quotient of two of them is 1.
+    Exactly k neighbours count, as in scikit-learn and PDAL (filters.lof, minpts is k); in the publication more,
+      where several are as far as the k-th. scikit-learn adds 1e-10 to the mean reachability; here r is infinite
+      where that is 0, and the quotient of two of them is 1.
 
     Undefined
     ---------
@@ -672,7 +672,8 @@ def density(radius: float | None = None) -> Stage:
 
     Parameters
     ----------
-    radius : R, above 0; without it, the distance to the farthest neighbour; 0 or more; unit: length.
+    radius : radius of the ball in which points are counted, above 0; without this option, the distance to the
+        farthest neighbour; 0 or more; unit: length.
 
     Makes
     -----
@@ -710,7 +711,7 @@ def density(radius: float | None = None) -> Stage:
 
 
 def unique() -> Stage:
-    """Keeps of points with equal coordinates the first; later stages see neighbours among those kept.
+    """Keeps the first of points with equal coordinates; later stages see neighbours among those kept.
 
     Undefined
     ---------
@@ -732,9 +733,9 @@ def decimate(share: float, *, seed: int = 0) -> Stage:
 
     Parameters
     ----------
-    share : of the places to keep; the number of points kept varies around it by chance; 0 to 1.
-    seed : another number chooses other points; with the same one, a smaller share is a part of a larger one; 0 or
-        more.
+    share : keep about this fraction of the points; 0 to 1.
+    seed : seed of the random choice: another seed keeps other points; with the same seed, a smaller share is a part
+        of a larger one; 0 or more.
 
     Formula
     -------
@@ -770,22 +771,22 @@ def voxel(size: float, *, keep: Literal["center", "hash", "centroid"] = "center"
 
     Parameters
     ----------
-    size : length of the edges of the cubes, whose faces lie at multiples of it; 5e-324 or more; unit: length.
-    keep : the point nearest to the centre of the cube, the one whose coordinates have the smallest hash, or the
-        first of these with means of the cube.
+    size : edge length of the cubes, whose faces lie at multiples of it; 5e-324 or more; unit: length.
+    keep : point that a cube keeps: the one nearest to its centre, one chosen by a hash, or the one nearest to its
+        centre with the means of the cube.
 
     Formula
     -------
-    Voxel of p: (⌊x / size⌋, ⌊y / size⌋, ⌊z / size⌋), quotients rounded to float64: a point on a
-    face belongs to the voxel above it. The grid does not depend on the cloud.
+    Voxel of p: (⌊x / size⌋, ⌊y / size⌋, ⌊z / size⌋), quotients rounded to float64: a point on a face belongs to the
+      voxel above it. The grid does not depend on the cloud.
     keep=center: the least |p - c|², ((dx² + dy²) + dz²) in float64, c = (voxel + 0.5) * size.
     keep=hash: the least hash of decimate, with the seed 0x766f78656c.
     Of equal ones the point of the least x, then y, then z, then input row.
-    keep=centroid: the row of keep=center, at the mean of the points of the voxel. Floating-point numbers,
-    intensity and colours become means too, m = (Σ v) / n of the n finite values, at least the least, at
-    most the greatest; Σ is exact, rounded once to float64; intensity and colours then to whole numbers.
-    Normals: the mean, divided by its length; 0 where that is 0. All else is that of the row: whole
-    numbers (classification, return number, ids), directions without a sign, arrays, scaled fields.
+    keep=centroid: the row of keep=center, at the mean of the points of the voxel. Floating-point numbers, intensity
+      and colours become means too, m = (Σ v) / n of the n finite values, at least the least, at most the greatest;
+      Σ is exact, rounded once to float64; intensity and colours then to whole numbers.
+    Normals: the mean, divided by its length; 0 where that is 0. All else is that of the row: whole numbers
+      (classification, return number, ids), directions without a sign, arrays, scaled fields.
 
     Undefined
     ---------
@@ -812,14 +813,14 @@ def poisson(radius: float, *, radius_from: str | None = None) -> Stage:
 
     Parameters
     ----------
-    radius : within which a kept point leaves out others; with radius_from the most it can be; 5e-324 or more; unit:
-        length.
-    radius_from : attribute of the input, or made before, that holds the radius of each point.
+    radius : minimum distance between kept points; with radius_from, its upper limit; 5e-324 or more; unit: length.
+    radius_from : attribute of the input, or made before, that holds the minimum distance from each point to the
+        kept ones.
 
     Formula
     -------
-    In ascending order of h_i (ties by x, y, z, then row) a point is kept unless a kept point j has
-    |p_i - p_j|² <= r_i², ((dx² + dy²) + dz²) in float64.
+    In ascending order of h_i (ties by x, y, z, then row) a point is kept unless a kept point j has |p_i - p_j|² <=
+      r_i², ((dx² + dy²) + dz²) in float64.
     So of two points at exactly the radius the first in that order stays, and the other is left out.
     h: the hash of decimate with the seed 0x706f6973736f6e.
     r_i = radius, or min(radius_from, radius); 0 where radius_from is NaN or negative.
@@ -852,10 +853,12 @@ def simplify(error: float, *, most: float | None = None, least: float = 0) -> St
 
     Parameters
     ----------
-    error : how far a kept point may be off the tangent plane of a point that it represents; 5e-324 or more; unit:
+    error : largest distance from a point that is left out to the tangent plane of a kept one; 5e-324 or more; unit:
         length.
-    most : the largest radius, on flat parts; without it, 32 error; 5e-324 or more; unit: length.
-    least : the smallest radius, where noise looks like curvature; at most `most`; 0 or more; unit: length.
+    most : maximum distance between kept points, on flat parts; without this option, 32 times error; 5e-324 or more;
+        unit: length.
+    least : minimum distance between kept points, where noise looks like curvature; at most `most`; 0 or more; unit:
+        length.
 
     Makes
     -----
@@ -900,19 +903,19 @@ def ground(
     returns: Literal["last", "all"] = "last",
     noise: bool = False,
 ) -> Stage:
-    """Finds the points of the ground by a morphological filter and makes their classification 2.
+    """Finds the points of the ground by a morphological filter and gives them class 2.
 
     Parameters
     ----------
-    method : the filter; there is one.
-    cell : edge of a cell of the raster, whose lines lie at multiples of it; 5e-324 or more; unit: length.
-    slope : steepest slope of the ground, rise over run; what is steeper is an object; 0 or more.
-    window : radius of the largest disk: about half the width of the widest object; 0 or more; unit: length.
-    threshold : a point this far above or below the surface is still ground where that is level; 0 or more; unit:
+    method : filter that finds the ground; there is only this one.
+    cell : edge length of the cells of the raster, whose lines lie at multiples of it; 5e-324 or more; unit: length.
+    slope : steepest slope of the ground, rise over run; steeper shapes are objects; 0 or more.
+    window : about half the width of the widest object, such as a building; 0 or more; unit: length.
+    threshold : largest distance from a point of the ground to the surface, where that is level; 0 or more; unit:
         length.
-    scalar : added to the threshold for each unit of the slope of the surface; 0 or more; unit: length.
-    returns : which returns of a pulse take part, where the cloud numbers them.
-    noise : whether points of the classes 7 and 18 take part, where the cloud has classes.
+    scalar : length added to the threshold for each unit of the slope of the surface; 0 or more; unit: length.
+    returns : use the last returns of pulses or all returns, where the cloud numbers them.
+    noise : let points of the classes 7 and 18 (noise) take part, where the cloud has classes.
 
     Makes
     -----
@@ -921,19 +924,17 @@ def ground(
     Formula
     -------
     Cell of p: (⌊x / cell⌋, ⌊y / cell⌋); R = ⌈window / cell⌉. Rasters have absent cells.
-    1. Z: the least z of the points of a cell that take part. F(Z): a cell without one becomes
-       ((W/w + E/e) + (S/s + N/n)) / ((1/w + 1/e) + (1/s + 1/n)), W, E, S, N: the nearest
-       values in its row and column, at most 3R + 3 cells away; w, e, s, n: their distances;
-       missing sides count 0. Without any it is absent.
-    2. open(A, r): the greatest, over a disk dx² + dy² <= r², of the least of A over a disk;
-       absent cells count for nothing and stay absent. Pits: -F(Z) - open(-F(Z), 1) > 5 cell.
-    3. S_0 = F(Z); S_r = open(S_(r-1), r), r = 1 ... R. Objects: for some r
-       S_(r-1) - S_r > slope (cell r).
-    4. G = F(Z without the cells of pits and objects); g = sqrt(gx² + gy²) in each cell, by
-       central differences of G, one-sided next to an absent cell, 0 between two of them.
-    5. G(p), g(p): bilinear between the centres of the four cells around p; where one of these
-       is absent, those of the cell of p.
-       Ground: points that take part with |z - G(p)| <= threshold + scalar g(p).
+    1. Z: the least z of the points of a cell that take part. F(Z): a cell without one becomes ((W/w + E/e) + (S/s +
+      N/n)) / ((1/w + 1/e) + (1/s + 1/n)), W, E, S, N: the nearest values in its row and column, at most 3R + 3
+      cells away; w, e, s, n: their distances; missing sides count 0. Without any it is absent.
+    2. open(A, r): the greatest, over a disk dx² + dy² <= r², of the least of A over a disk; absent cells count for
+      nothing and stay absent. Pits: -F(Z) - open(-F(Z), 1) > 5 cell.
+    3. S_0 = F(Z); S_r = open(S_(r-1), r), r = 1 ... R. Objects: for some r S_(r-1) - S_r > slope (cell r).
+    4. G = F(Z without the cells of pits and objects); g = sqrt(gx² + gy²) in each cell, by central differences of
+      G, one-sided next to an absent cell, 0 between two of them.
+    5. G(p), g(p): bilinear between the centres of the four cells around p; where one of these is absent, those of
+      the cell of p.
+    Ground: points that take part with |z - G(p)| <= threshold + scalar g(p).
 
     Undefined
     ---------
@@ -973,8 +974,8 @@ def height(from_: Literal["ground"] = "ground", *, k: int = 1) -> Stage:
 
     Parameters
     ----------
-    from_ : what height is measured from: the points of class 2.
-    k : number of points of the ground whose mean counts; 1 to 1024.
+    from_ : measure height from the points of class 2.
+    k : number of nearest ground points over which the height of the ground is averaged; 1 to 1024.
 
     Makes
     -----
@@ -986,8 +987,8 @@ def height(from_: Literal["ground"] = "ground", *, k: int = 1) -> Stage:
 
     Formula
     -------
-    h = z - Σ_j w_j z_j / Σ_j w_j, w_j = 1 / d_j², over the k points of class 2 that are nearest
-    in x and y: d_j² = dx² + dy² in float64, equal ones by x, y, z, row; summed nearest first.
+    h = z - Σ_j w_j z_j / Σ_j w_j, w_j = 1 / d_j², over the k points of class 2 that are nearest in x and y: d_j² =
+      dx² + dy² in float64, equal ones by x, y, z, row; summed nearest first.
     Where d_1 = 0: h = z - z_1.
 
     Undefined
@@ -1021,14 +1022,16 @@ def color(
     range: Sequence[float] | None = None,
     bits: Literal["auto", "8", "16"] = "auto",
 ) -> Stage:
-    """Makes colours from the values of an attribute.
+    """Colours points by the values of an attribute.
 
     Parameters
     ----------
-    by : attribute of the input, or component of one made before, or x, y or z; 'by=' may be left out.
-    map : colours for numbers, or those of the classes of LAS.
-    range : values at the ends of the map; without it the least and the greatest of the cloud.
-    bits : of a channel: 8, or 16 as LAS has it; auto: 16 where the input has colours of 16 bits, or fields of LAS.
+    by : attribute of the input, component of one that an earlier stage computes, or x, y or z; 'by=' may be left
+        out.
+    map : colour map for numbers, or the colours of the classes of LAS.
+    range : values at the ends of the colour map; without this option, the least and the greatest of the cloud.
+    bits : bits of a colour channel: 8, or 16 as in LAS; auto takes 16 where the input has colours of 16 bits or
+        fields of LAS.
 
     Makes
     -----
@@ -1070,7 +1073,8 @@ def distance_to(cloud: str | os.PathLike[str] | Cloud, *, most: float | None = N
     Parameters
     ----------
     cloud : the other cloud: a point file, a folder of them or a pattern.
-    most : farthest that the nearest point is looked for; by default as far as it is; 5e-324 or more; unit: length.
+    most : maximum distance at which the nearest point is looked for; without this option there is no limit; 5e-324
+        or more; unit: length.
 
     Makes
     -----
@@ -1129,10 +1133,10 @@ def m3c2(cloud: str | os.PathLike[str] | Cloud, cylinder: float, depth: float, *
 
     Formula
     -------
-    u_i = n_i / |n_i| in float64. Points of each cloud within R = cylinder / 2 of the line through p_i along
-    u_i, |(p_j - p_i) × u_i|² <= R·R, and within depth of p_i along it have places a_j = (p_j - p_i) . u_i.
-    With their mean m, their standard deviation s (of n - 1) and their number n: distance m_2 - m_1; level
-    of detection 1.96 (sqrt(s_1² / n_1 + s_2² / n_2) + registration).
+    u_i = n_i / |n_i| in float64. Points of each cloud within R = cylinder / 2 of the line through p_i along u_i,
+      |(p_j - p_i) × u_i|² <= R·R, and within depth of p_i along it have places a_j = (p_j - p_i) . u_i. With their
+      mean m, their standard deviation s (of n - 1) and their number n: distance m_2 - m_1; level of detection 1.96
+      (sqrt(s_1² / n_1 + s_2² / n_2) + registration).
 
     Undefined
     ---------
@@ -1213,7 +1217,7 @@ def dbscan(eps: float, *, min_points: int = 5) -> Stage:
     ----------
     eps : the distance within which points are neighbours, inclusive; needs knn(radius=...) of at least it; 0 or
         more; unit: length.
-    min_points : points within eps that make a core point, itself included; 1 or more.
+    min_points : number of points within eps that make a core point, itself included; 1 or more.
 
     Makes
     -----
@@ -1228,11 +1232,11 @@ def dbscan(eps: float, *, min_points: int = 5) -> Stage:
     Formula
     -------
     core_i = 1 where |{j : |p_j - p_i| <= eps}| >= min_points, i itself counted, as in scikit-learn.
-    Core points within eps of each other are in one cluster. Another point is in that of the nearest
-    core point within eps, equal distances by x, y, z, row; without one it is noise, cluster = -1.
+    Core points within eps of each other are in one cluster. Another point is in that of the nearest core point
+      within eps, equal distances by x, y, z, row; without one it is noise, cluster = -1.
     Clusters are numbered from 0 by their first point, that of the least x, then y, then z, then row.
-    In scikit-learn and in the publication a border point belongs to the cluster that comes to it
-    first, so that its cluster depends on the order of the points.
+    In scikit-learn and in the publication a border point belongs to the cluster that comes to it first, so that its
+      cluster depends on the order of the points.
 
     Undefined
     ---------
@@ -1262,7 +1266,8 @@ def segments(angle: float = 5, *, distance: float | None = None) -> Stage:
 
     Parameters
     ----------
-    angle : normals of neighbours in one segment differ by less; above 0; 0 to 90; unit: degrees.
+    angle : maximum angle between the normals of neighbours in one segment, in degrees, above 0; 0 to 90; unit:
+        degrees.
     distance : points farther from each other are not joined; 0 or more; unit: length.
 
     Makes
@@ -1282,14 +1287,13 @@ def segments(angle: float = 5, *, distance: float | None = None) -> Stage:
 
     Formula
     -------
-    Points i and j are joined if j is in N_i or i is in N_j, |n_i . n_j| > cos(angle), and with
-    distance D |p_j - p_i| <= D. segment: components of these, numbered from 0 by the first point,
-    that of the least x, then y, then z, then row. Normals are unit vectors or 0; a normal of 0 is
-    joined with none.
-    segment_residual: the root mean square distance of the points of the segment to the plane for
-    which it is least: the square root of the least eigenvalue of their covariance; 0 for fewer than
-    4 points. Of positions to 2^-40, at most 2^40 in absolute value, summed exactly; its error is
-    below 10^-7 of the extent of the segment, or 2^-40 where that is more.
+    Points i and j are joined if j is in N_i or i is in N_j, |n_i . n_j| > cos(angle), and with distance D |p_j -
+      p_i| <= D. segment: components of these, numbered from 0 by the first point, that of the least x, then y, then
+      z, then row. Normals are unit vectors or 0; a normal of 0 is joined with none.
+    segment_residual: the root mean square distance of the points of the segment to the plane for which it is least:
+      the square root of the least eigenvalue of their covariance; 0 for fewer than 4 points. Of positions to 2^-40,
+      at most 2^40 in absolute value, summed exactly; its error is below 10^-7 of the extent of the segment, or
+      2^-40 where that is more.
 
     Undefined
     ---------
@@ -1326,12 +1330,12 @@ def orient(
 
     Parameters
     ----------
-    method : how signs are found: mst, by the minimum spanning forest of the graph of neighbours; trajectory, by
-        where the sensor was at the gps_time of the point.
-    viewpoint : most normals of each component face this point, in the coordinates of the cloud; unit: length.
-    trajectory : file with lines of time, x, y, z: where the sensor was, in the coordinates of the cloud and the
+    method : find signs by the minimum spanning forest of the graph of neighbours (mst), or by the place of the
+        sensor at the gps_time of the point (trajectory).
+    viewpoint : point that most normals of each component face, in the coordinates of the cloud; unit: length.
+    trajectory : file with the path of the sensor as lines of time, x, y, z, in the coordinates of the cloud and the
         times of gps_time.
-    checksum : of the trajectory, as records of runs have it; a file of another content is refused.
+    checksum : checksum of the trajectory, as a processing record holds it; a file with other content is refused.
 
     Makes
     -----
@@ -1348,15 +1352,14 @@ def orient(
 
     Formula
     -------
-    Edges join i and j if j is in N_i or i is in N_j, weight 1 - |n_i . n_j|; equal ones by the two
-    points, each by x, y, z, row. Along an edge of the minimum spanning forest signs s agree with the
-    sign of n_i . n_j, where 0 counts as +.
-    The signs of a component are turned together so that the larger in absolute value of
-    Σ s n_z and Σ s n . (p - c) / e is positive, of equal ones the first; c is its centroid and e the mean
-    of the three edges of its bounding box: up for open surfaces, outwards for closed ones. n counts in
-    steps of 2^-20, p in steps of 2^-32, summed exactly. With viewpoint v: Σ sign(s n . (v - p)). If that
-    is 0, the normal of the highest point points up; if that is level, the one of the first point by x,
-    y, z, row stays.
+    Edges join i and j if j is in N_i or i is in N_j, weight 1 - |n_i . n_j|; equal ones by the two points, each by
+      x, y, z, row. Along an edge of the minimum spanning forest signs s agree with the sign of n_i . n_j, where 0
+      counts as +.
+    The signs of a component are turned together so that the larger in absolute value of Σ s n_z and Σ s n . (p - c)
+      / e is positive, of equal ones the first; c is its centroid and e the mean of the three edges of its bounding
+      box: up for open surfaces, outwards for closed ones. n counts in steps of 2^-20, p in steps of 2^-32, summed
+      exactly. With viewpoint v: Σ sign(s n . (v - p)). If that is 0, the normal of the highest point points up; if
+      that is level, the one of the first point by x, y, z, row stays.
     trajectory: n . (s(t) - p) >= 0, s(t) on the straight line between the places before and after t.
 
     Undefined
@@ -1402,12 +1405,13 @@ def reneighbor(
     k : number of neighbours, excluding the point; a radius without k means all points within it; without both, as
         many as the operator wants that wants most; 1 or more.
     radius : maximum distance of a neighbour, in the unit of the coordinates; 0 or more; unit: length.
-    k_from : attribute of the input that holds the number of neighbours of each point, at most k; requires k.
-    radius_from : attribute of the input that holds the maximum distance for each point; requires k or radius as a
-        limit.
-    adaptive : eigenentropy chooses for each point the number from k_min to k with the least eigenentropy (Weinmann
-        2014); requires k.
-    k_min : smallest number that adaptive=eigenentropy may choose; 3 or more.
+    k_from : attribute of the input that holds the number of neighbours of each point, at most k, which has to be
+        given.
+    radius_from : attribute of the input that holds the maximum distance of a neighbour for each point; k or radius
+        has to be given as a limit.
+    adaptive : choose the number of neighbours of each point, from k_min to k, by the least eigenentropy (Weinmann
+        2014); k has to be given.
+    k_min : smallest number of neighbours that adaptive=eigenentropy may choose; 3 or more.
 
     Formula
     -------
