@@ -217,8 +217,7 @@ CommonSchema common_schema(const Readers& readers) {
   common.warnings = missing_fields(readers, schemas, common.schema);
   std::vector<std::string> brightened;
   for (std::size_t i = 0; i < readers.size(); ++i) {
-    const bool wide_colors = with_colors_of(Type::u8, common.schema).has_value();
-    const std::optional<Schema> scaled = wide_colors ? with_colors_of(Type::u16, schemas[i]) : std::nullopt;
+    const std::optional<Schema> scaled = has_wide_colors(common.schema) ? with_wide_colors(schemas[i]) : std::nullopt;
     if (scaled) brightened.push_back(readers[i]->info().path.string());
     common.mappings[i].conversion = std::make_unique<RecordConversion>(scaled ? *scaled : schemas[i], common.schema);
     common.mappings[i].missing = MissingFields(readers[i]->info(), common.schema);

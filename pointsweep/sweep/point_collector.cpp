@@ -132,7 +132,7 @@ std::vector<std::uint32_t> PointCollector::numbers_inside(std::uint32_t slab, st
     numbers.push_back(n);
     balls.push_back(ball_now(n));
   }
-  const BallIndex index(balls);
+  const BallLookup index(balls);
   return numbers_of(records, [&](Vec3 p, const std::byte* record) {
     bool is_inside = cover_.covers(p);
     if (is_inside && is_superfluous(p, record)) return false;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "pointsweep/search/ball_cover.h"
-#include "pointsweep/search/ball_index.h"
+#include "pointsweep/search/ball_lookup.h"
 #include "pointsweep/sweep/frontier.h"
 
 namespace pointsweep {

@@ -126,11 +126,7 @@ double FieldPair::resolution(double value) const {
 }
 
 std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to) {
-  const bool narrows = with_colors_of(Type::u8, from) && with_colors_of(Type::u16, to);
-  const bool widens = with_colors_of(Type::u16, from) && with_colors_of(Type::u8, to);
-  const std::optional<Schema> scaled = narrows  ? with_colors_of(Type::u8, from)
-                                       : widens ? with_colors_of(Type::u16, from)
-                                                : std::nullopt;
+  const std::optional<Schema> scaled = has_wide_colors(to) ? with_wide_colors(from) : std::nullopt;
   const Field& field = (scaled ? *scaled : from).fields[index];
   const PlaceFinder finder(from, index, to);
   std::vector<FieldPair> pairs;

@@ -285,7 +285,7 @@ TEST_F(FolderOutputs, WhatNeedsOneOutputIsRefused) {
   refused(2, "normals tiles out/ --order sweep", "leave out --order sweep, or name one output file");
   refused(2, "sort tiles out/", "sort puts the points of all inputs in one order");
   refused(2, "neighbors tiles out/", "name a .npy file");
-  refused(2, "normals tiles out", "the name of a folder of outputs ends in '/'");
+  refused(2, "normals tiles out", "end the name of a folder of outputs with '/'");
   refused(1, "normals tiles none/out/", "the folder none does not exist");
   refused(1, "normals none out/", "none: no such file");
   EXPECT_FALSE(exists("out"));

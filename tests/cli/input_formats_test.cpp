@@ -87,7 +87,7 @@ TEST_F(InputFormats, AreVerifiedWithoutOptions) {
   for (const std::string name : kNames) {
     SCOPED_TRACE(name);
     made("normals " + name + " out.ply --format kitti --force --quiet");
-    EXPECT_THAT(tool("verify out.ply --sample 100").out, HasSubstr("points             30000\n"));
+    EXPECT_THAT(tool("verify out.ply --sample 100").out, HasSubstr("points             30,000\n"));
     made("verify out.ply --sample 100");
   }
 }

@@ -4,6 +4,7 @@
 
 #include "pointsweep/formats/e57/e57_file.h"
 #include "pointsweep/formats/las/laz_layout.h"
+#include "cli/quantities.h"
 #include "tests/cli/tool.h"
 #include "tests/support/data_folder.h"
 
@@ -113,8 +114,8 @@ class MalformedFiles : public Tool {
     if (outcome.sentence == nullptr) {
       EXPECT_EQ(run.status, 0) << run.err;
       const Result check = tool("verify " + in + " " + out + " --sample 200 --pipeline normals");
-      EXPECT_EQ(check.status, 0) << check.out << check.err;
-      EXPECT_NE(check.out.find("points             " + std::to_string(outcome.points) + "\n"), std::string::npos)
+      EXPECT_TRUE(check.status == 0 || check.status == 3) << "3 where rounding decides\n" << check.out << check.err;
+      EXPECT_NE(check.out.find("points             " + grouped_text(outcome.points) + "\n"), std::string::npos)
           << check.out;
       return;
     }

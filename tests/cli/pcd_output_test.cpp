@@ -39,7 +39,7 @@ TEST_F(PcdOutput, IsVerifiedByItsOwnRecord) {
     SCOPED_TRACE(options);
     made(std::string("normals in.ply out.pcd --force ") + options);
     EXPECT_THAT(header_of("out.pcd"), HasSubstr("# pointsweep stage normals"));
-    EXPECT_THAT(made("verify out.pcd --sample 100", ".out"), HasSubstr("points             20000\n"));
+    EXPECT_THAT(made("verify out.pcd --sample 100", ".out"), HasSubstr("points             20,000\n"));
   }
 }
 

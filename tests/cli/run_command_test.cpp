@@ -116,7 +116,6 @@ TEST_F(RunVerb, MovedPositionsAreFloat64UnlessAskedOtherwise) {
   made("fair single.ply d.ply --no-provenance -k 12 --keep position", "d.ply");
   EXPECT_EQ(made("sort d.txt e.txt --axis x --no-provenance", "e.txt"),
             made("sort d.ply f.txt --axis x --no-provenance", "f.txt"));
-  refused(2, "normals single.ply g.ply --positions float32", "--positions");
   const std::string wide = made("run single.ply h.ply --pipeline normals --positions float64", "h.ply");
   EXPECT_EQ(position_types(wide), "double double double") << "of points that no stage moves, too";
   refused(2, "fair single.ply g.ply --positions half", "--positions: 'half' is not float32 or float64");

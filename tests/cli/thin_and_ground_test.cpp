@@ -36,7 +36,7 @@ TEST_F(ThinAndGround, ThinIsVoxelPoissonOrDecimate) {
 }
 
 TEST_F(ThinAndGround, ThinRefusesWhatDoesNotGoTogether) {
-  const char* how = "thin: say how by one of --voxel SIZE, --poisson RADIUS and --decimate SHARE";
+  const char* how = "thin: give one of --voxel SIZE, --poisson RADIUS and --decimate SHARE";
   refused(2, "thin all.txt out.ply", how);
   refused(2, "thin all.txt out.ply --seed 3", how);
   refused(2, "thin all.txt out.ply --voxel 1 --poisson 2", how);

@@ -172,8 +172,10 @@ bool is_held(Reader& reader, const std::string& name, Type type, double value) {
   for (const std::string& field : {name, name + "_" + std::string(name_of(type))})
     for (const Field& own : reader.info().schema.fields) {
       if (library_name_of(own.name) != field && own.name != field) continue;
-      const double found = values_of(reader, own.name).at(1);
-      if (found == value || (std::isnan(found) && std::isnan(value))) return true;
+      double found = values_of(reader, own.name).at(1);
+      if (type == Type::f32) found = static_cast<float>(found);  // text has the shortest decimals
+      const double rounded = own.scale == 1 ? 0 : std::abs(own.scale) / 2 * (1 + 1e-9);  // LAS: degrees in steps of 0.006
+      if (std::abs(found - value) <= rounded || found == value || (std::isnan(found) && std::isnan(value))) return true;
     }
   return false;
 }

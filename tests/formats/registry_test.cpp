@@ -48,7 +48,7 @@ TEST(Registry, RefusesExtensionsItCannotWrite) {
   EXPECT_THAT(sentence_of<UsageError>([] { create_writer(plan_for("out.vtk", 0)); }),
               HasSubstr("cannot write .vtk; use .ply, .las"));
   EXPECT_THAT(sentence_of<UsageError>([] { create_writer(plan_for("out", 0)); }),
-              HasSubstr("a name without extension"));
+              HasSubstr("a file without an extension"));
 }
 
 /// What becomes of a real file: the points it holds, or a part of the sentence that refuses it.

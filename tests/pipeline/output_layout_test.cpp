@@ -109,12 +109,16 @@ TEST(OutputLayout, AnAttributeThatIsReplacedGetsTheTypeOfWhatIsMade) {
   }
 }
 
-TEST(OutputLayout, PositionsThatDoNotMoveOrAreNotAskedForKeepTheirType) {
+TEST(OutputLayout, PositionsGetTheTypeAskedForWhetherTheyMoveOrNot) {
   const Schema input = mixed_input(Type::f32);
-  const OutputLayout still(input, {normal_attribute()}, {}, Type::f64), kept(input, {position_attribute()});
+  const OutputLayout plain(input, {normal_attribute()}), still(input, {normal_attribute()}, {}, Type::f64);
+  const OutputLayout moved(input, {position_attribute()}), rounded(input, {position_attribute()}, {}, Type::f32);
   for (const char* axis : {"x", "y", "z"}) {
-    EXPECT_EQ(still.schema().fields[*input.find(axis)], input.fields[*input.find(axis)]);
-    EXPECT_EQ(kept.schema().fields[*input.find(axis)], input.fields[*input.find(axis)]);
+    const std::size_t field = *input.find(axis);
+    EXPECT_EQ(plain.schema().fields[field], input.fields[field]);
+    EXPECT_EQ(still.schema().fields[field].type, Type::f64);
+    EXPECT_EQ(moved.schema().fields[field].type, Type::f64) << "that of the attribute";
+    EXPECT_EQ(rounded.schema().fields[field].type, Type::f32);
   }
 }
 

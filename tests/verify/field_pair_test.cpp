@@ -70,9 +70,8 @@ TEST(FieldPair, ColorsKeepTheirBrightness) {
   set_value(bytes.fields[1], narrow, 77);
   for (const auto& [value, passes] : {std::pair{77.0 * 257, true}, std::pair{77.0, false}}) {
     set_value(words.fields[1], wide, value);
-    const FieldPair widened = pairs_of_field(bytes, 1, words)->front(), narrowed = pairs_of_field(words, 1, bytes)->front();
+    const FieldPair widened = pairs_of_field(bytes, 1, words)->front();
     EXPECT_EQ(widened.expected(narrow) == widened.found(wide), passes) << value;
-    EXPECT_EQ(narrowed.expected(wide) == narrowed.found(narrow), passes) << value;
   }
 }
 

@@ -218,7 +218,7 @@ class Builder {
 
   /// The schema of the records, read with the brightness that colours of LAS have.
   Schema in_sixteen_bits(const Schema& format) {
-    const std::optional<Schema> scaled = with_colors_of(Type::u16, plan_.schema);
+    const std::optional<Schema> scaled = with_wide_colors(plan_.schema);
     if (!scaled || !format.find("red")) return plan_.schema;
     layout_.warnings.push_back(
         fmt::format("{}: red, green and blue of 8 bits are written as 16 bits, times 257.", plan_.path.string()));

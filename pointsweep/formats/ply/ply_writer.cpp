@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/ply/ply_writer.h"
 
-#include <algorithm>
 #include <cstring>
 #include <limits>
-#include <optional>
-#include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
@@ -14,7 +11,6 @@
 #include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/record_writer.h"
-#include "pointsweep/points/color_depth.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/points/with_type.h"
 
@@ -50,7 +46,6 @@ std::string_view ply_name_of(Type type) {
 bool is_wide(Type type) { return type == Type::i64 || type == Type::u64; }
 
 Type stored_type(const Field& field, bool keeps_wide) {
-  if (is_color_in_eight_bits(field)) return Type::u8;
   if (field.scale != 1 || field.bias != 0) return Type::f64;
   const Type type = unpacked_type(field);
   return is_wide(type) && !keeps_wide ? Type::f64 : type;
@@ -90,22 +85,9 @@ std::string ply_header_text(const OutputPlan& plan) {
   return header + "end_header\n";
 }
 
-/// Colours of 16 bits that come from other formats become the 8 bits that PLY files have.
-OutputPlan in_eight_bits(OutputPlan plan) {
-  if (ply_extras(plan) != nullptr) return plan;
-  if (auto scaled = with_colors_of(Type::u8, plan.schema)) plan.schema = std::move(*scaled);
-  return plan;
-}
-
 class PlyWriter final : public RecordWriter {
  public:
-  /// The plan as in_eight_bits() returns it.
   explicit PlyWriter(const OutputPlan& plan) : RecordWriter(plan, ply_header_text(plan), ply_schema(plan)) {
-    if (std::ranges::any_of(plan.schema.fields, is_color_in_eight_bits)) {
-      colors_.emplace(plan.schema);
-      add_warning(fmt::format("{}: red, green and blue of 16 bits are written as 8 bits, divided by 257.",
-                              plan.path.string()));
-    }
     for (const Field& field : plan.schema.fields) {
       if (field.is_plain() && is_wide(field.type) && stored_type(field, ply_extras(plan) != nullptr) == Type::f64) {
         narrowed_.push_back(field);
@@ -113,18 +95,8 @@ class PlyWriter final : public RecordWriter {
     }
   }
 
-  void finish() override {
-    RecordWriter::finish();
-    if (colors_ && colors_->found())
-      add_warning(fmt::format(
-          "{}: colours are almost black, since no red, green or blue of the input is above 255: it holds colours of 8 "
-          "bits in fields of 16; add set(red = red * 257, green = green * 257, blue = blue * 257).",
-          plan().path.string()));
-  }
-
  private:
   void check(std::uint64_t row, std::span<const std::byte> records) override {
-    if (colors_) colors_->look_at(records);
     const std::size_t stride = plan().schema.stride;
     for (std::size_t at = 0; !narrowed_.empty() && at < records.size(); at += stride)
       for (const Field& field : narrowed_)
@@ -148,13 +120,12 @@ class PlyWriter final : public RecordWriter {
   }
 
   std::vector<Field> narrowed_;
-  std::optional<ColorsOfEightBits> colors_;  ///< of 16 bits that are written in 8
 };
 
 }  // namespace
 
 std::unique_ptr<Writer> create_ply_writer(const OutputPlan& plan) {
-  return std::make_unique<PlyWriter>(in_eight_bits(plan));
+  return std::make_unique<PlyWriter>(plan);
 }
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/search/ball_index.h"
+#include "pointsweep/search/ball_lookup.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 
 namespace pointsweep {
 
-std::size_t BallIndex::find(std::uint64_t key) const {
+std::size_t BallLookup::find(std::uint64_t key) const {
   const std::size_t mask = buckets_.size() - 1;
   std::size_t at = (key >> 1) & mask;
   while (buckets_[at].key != key && buckets_[at].key != 0) at = (at + 1) & mask;
@@ -17,7 +17,7 @@ std::size_t BallIndex::find(std::uint64_t key) const {
 
 /// Cells are at least twice as wide as the ball, so that its ends, with all rounding, are in one cell or in two adjacent
 /// ones.
-BallIndex::BallIndex(std::span<const Ball> balls) {
+BallLookup::BallLookup(std::span<const Ball> balls) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> entries;  // key, number
   for (std::uint32_t number = 0; number < balls.size(); ++number) {
     const auto& [c, reach2] = balls[number];

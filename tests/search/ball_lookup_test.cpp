@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/search/ball_cover.h"
-#include "pointsweep/search/ball_index.h"
+#include "pointsweep/search/ball_lookup.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-std::vector<std::uint32_t> named(const BallIndex& index, Vec3 p) {
+std::vector<std::uint32_t> named(const BallLookup& index, Vec3 p) {
   std::vector<std::uint32_t> numbers;
   index.for_each_near(p, [&](std::uint32_t number) { numbers.push_back(number); });
   std::ranges::sort(numbers);
@@ -33,7 +33,7 @@ void expect_names_all_that_hold(Vec3 middle, std::uint64_t seed) {
     points.push_back(i % 50 == 0 ? center : on);
   }
   balls.push_back({middle, Box::kInf});
-  const BallIndex index(balls);
+  const BallLookup index(balls);
   std::size_t holds = 0, asked = 0;
   for (const Vec3& p : points) {
     const std::vector<std::uint32_t> numbers = named(index, p);
@@ -52,18 +52,18 @@ void expect_names_all_that_hold(Vec3 middle, std::uint64_t seed) {
   EXPECT_LT(asked, points.size() * balls.size()) << "the test would not see an index that names everything";
 }
 
-TEST(BallIndex, NamesEveryBallThatHoldsAPoint) {
+TEST(BallLookup, NamesEveryBallThatHoldsAPoint) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     expect_names_all_that_hold({0, 0, 0}, seed);
     expect_names_all_that_hold({5e5, -5e6, 100}, seed);
   }
 }
 
-TEST(BallIndex, NamesBallsThatAreSmallerThanTheGapsBetweenDoubles) {
+TEST(BallLookup, NamesBallsThatAreSmallerThanTheGapsBetweenDoubles) {
   const double far = 1e12, next = std::nextafter(far, 2 * far);
   for (const double reach : {1e-9, (next - far) / 2, next - far, 3 * (next - far)}) {
     const std::vector<Ball> balls = {{{far, far, far}, reach * reach}};
-    const BallIndex index(balls);
+    const BallLookup index(balls);
     for (double x = far - 8 * (next - far); x <= far + 8 * (next - far); x += next - far) {
       if (distance2(Vec3{x, far, far}, balls[0].center) > balls[0].reach2) continue;
       EXPECT_EQ(named(index, {x, far, far}).size(), 1u);
@@ -72,8 +72,8 @@ TEST(BallIndex, NamesBallsThatAreSmallerThanTheGapsBetweenDoubles) {
   }
 }
 
-TEST(BallIndex, OfNoBallsNamesNone) {
-  EXPECT_TRUE(named(BallIndex({}), {1, 2, 3}).empty());
+TEST(BallLookup, OfNoBallsNamesNone) {
+  EXPECT_TRUE(named(BallLookup({}), {1, 2, 3}).empty());
   EXPECT_FALSE(BallCover({}).covers({1, 2, 3}));
 }
 

@@ -13,9 +13,9 @@ namespace pointsweep {
 
 /// Balls of similar size share a grid whose cells are at least twice as wide, so that each ball lies in eight cells at
 /// most. A query looks one cell up for each size: about 10 ns. Thread-safe.
-class BallIndex {
+class BallLookup {
  public:
-  explicit BallIndex(std::span<const Ball> balls);
+  explicit BallLookup(std::span<const Ball> balls);
 
   /// Calls use(i) for every ball i that holds `p`, each once, and for some of the others.
   template <class Use>
