@@ -159,7 +159,7 @@ def test_progress_is_called_on_the_calling_thread_and_its_exception_ends_the_run
 
 def test_warnings_are_issued_at_the_line_of_the_caller():
     normal = np.zeros((1000, 3), np.float32)
-    with pytest.warns(ps.PointsweepWarning, match="nx ny nz") as caught:
+    with pytest.warns(ps.PointsweepWarning, match="nx, ny, nz") as caught:
         ps.run({"xyz": XYZ, "normal": normal}, "knn(k=8) | normals", order="sweep")
     assert caught[0].filename == __file__
 

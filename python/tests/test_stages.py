@@ -31,7 +31,7 @@ def test_every_operator_is_a_function_that_says_what_it_is(declarations):
     for operator in json.loads(declarations):
         function = getattr(ps, operator["name"])
         for text in (operator["formula"].splitlines() or [""])[:1] + [m["name"] for m in operator["makes"]]:
-            assert text in function.__doc__, operator["name"]
+            assert " ".join(text.split()) in " ".join(function.__doc__.split()), operator["name"]
         options = {o["name"] + "_" * keyword.iskeyword(o["name"]) for o in operator["options"]}
         assert options <= set(inspect.signature(function).parameters)
 

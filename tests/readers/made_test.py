@@ -31,7 +31,7 @@ class NeighborsInNumpyFilesAreThoseOfBruteForce(tool.Files):
     def check(self, path):
         las = read_las(path)
         arrays = self.folder / "neighbors.npy", self.folder / "distances.npy"
-        tool.run("neighbors", [path], arrays[0], "-k", NEIGHBORS, "--distances", arrays[1])
+        tool.run("neighbors", [path], arrays[0], "-k", NEIGHBORS, "--distances", arrays[1], "--ignore-crs")
         neighbors, distances = (np.load(array, allow_pickle=False) for array in arrays)
         every = distances2(np.stack([values_of(las, axis) for axis in "xyz"], axis=1))
         nearest = np.sqrt(np.sort(every, axis=1)[:, :NEIGHBORS])
@@ -63,7 +63,7 @@ class LasAndLazOfTheSamePointsGiveTheSameResults(tool.Files):
     def normals(self, path):
         """The bytes of a PLY file of normals behind its comments."""
         out = self.folder / "normals.ply"
-        tool.run("normals", [path], out, "-k", 8, "--no-provenance")
+        tool.run("normals", [path], out, "-k", 8, "--no-provenance", "--ignore-crs")
         header, end, rows = out.read_bytes().partition(b"end_header\n")
         return [line for line in header.split(b"\n") if not line.startswith(b"comment")], rows
 
@@ -99,7 +99,7 @@ class NormalsAreTheSameInEveryFormat(tool.Files):
         got = {}
         for suffix in (".ply", ".las", ".laz", ".pcd", ".xyz", ".csv"):
             written = self.folder / f"out{suffix}"
-            tool.run("normals", [path], written, "-k", 8, "--no-provenance", "--nonfinite", "drop", "--prefix", "made_")
+            tool.run("normals", [path], written, "-k", 8, "--no-provenance", "--nonfinite", "drop", "--prefix", "made_", "--ignore-crs")
             columns = read_any(written)
             got[suffix] = {name: columns[name].astype(np.float32) for name in ("made_nx", "made_ny", "made_nz")}
         for suffix, normals in got.items():
