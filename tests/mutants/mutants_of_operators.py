@@ -163,7 +163,7 @@ MUTANTS = [
            "const auto old = old_value_ ? in.values<std::byte>(*old_value_) : nullptr;",
            "const std::byte* const old = nullptr;", ("pipeline:Set.*",)),
     Mutant("set costs a sweep", "plan", "pointsweep/pipeline/plan/pass_schedule.cpp",
-           "      pass.kind = PassKind::rows;\n", "      pass.kind = PassKind::sweep;\n", ("pipeline:Set.*",)),
+           "needs_no_search)) pass.kind = PassKind::rows;", "needs_no_search)) pass.kind = PassKind::sweep;", ("pipeline:Set.*",)),
     Mutant("later stages read made attributes that are dropped", "plan", "pointsweep/pipeline/plan/chain_graph.cpp",
            "std::erase_if(latest_, [&](const auto& known) { return !is_visible(graph_.versions[known.second]); });",
            "std::erase_if(latest_, [&](const auto& known) { return known.first.empty(); });", ("pipeline:Drop.*",)),

@@ -11,7 +11,7 @@ MUTANTS = [
     Mutant("rows carried between sweeps begin at 0", "spills", PIPELINE + "updated_cloud.cpp",
            "carried->read(first + at, old);", "carried->read(at, old);", ("pipeline:Reneighbor.*",)),
     Mutant("points of infinite position are lost in sweep order", "order", PIPELINE + "ordered_output.cpp",
-           "{ write({record, bytes}); });", "{ if (bytes == 0) write({record, bytes}); });",
+           "at < records.size(); at += stride) write(", "at + stride < records.size(); at += stride) write(",
            ("pipeline:Sort.*:Run.*", "cli:NonfinitePoints.*")),
     Mutant("a recalled point's place is its index", "recall", PIPELINE + "result_sinks.cpp",
            "kept_[{slab, index}] = {stream_.slabs()[slab].first + open.rank[index],",
@@ -82,14 +82,13 @@ MUTANTS = [
     Mutant("moved positions keep the input's type where fields are kept by name", "outputs", PIPELINE + "output_layout.cpp",
            ".type = type->second};", ".type = field.type};", ("pipeline:Keep*", "pipeline:OutputLayout.*")),
     Mutant("attributes of the input are overwritten without --replace", "outputs", PIPELINE + "output_names.cpp",
-           "if (!rules_.prefix.empty() || is_color || !means_only(old.name, own)) refuse(field, old.name, true);",
-           "if (!rules_.prefix.empty() || is_color || (!means_only(old.name, own) && false)) refuse(field, old.name, true);",
+           "const bool is_asked_for = !is_color && means_only(old.name, own);", "const bool is_asked_for = !is_color;",
            ("cli:Naming.*", "pipeline:OutputRules.*")),
     Mutant("--replace may name what nothing takes", "outputs", PIPELINE + "output_names.cpp",
            "if (!unused_.empty())\n      fail_usage(\"--replace", "if (unused_.size() > 1)\n      fail_usage(\"--replace",
            ("cli:Naming.*", "pipeline:OutputRules.*")),
     Mutant("a prefix may make a name of the input again", "outputs", PIPELINE + "output_names.cpp",
-           "if (!rules_.prefix.empty() || is_color || !means_only", "if (is_color || !means_only", ("cli:Naming.*", "pipeline:OutputRules.*")),
+           "if (!rules_.prefix.empty() || !is_asked_for)", "if (!is_asked_for)", ("cli:Naming.*", "pipeline:OutputRules.*")),
 
     # Memory and time
     Mutant("the radius estimate takes the sample for the cloud", "budget", PIPELINE + "radius_estimate.cpp",
@@ -168,9 +167,6 @@ MUTANTS = [
     Mutant("a second select counts the rows that the first left", "selects", PIPELINE + "row_mask.cpp",
            "while (before_ != nullptr && next_ < rows_ && !before_->has(next_)) append_any(false);",
            "while (before_ != nullptr && next_ > rows_ && !before_->has(next_)) append_any(false);",
-           ("pipeline:Where.*:Unique.*:Select.*",)),
-    Mutant("points without a place keep what a pass over rows made of them", "selects", PIPELINE + "row_pass.cpp",
-           "if (!is_finite(Vec3{x[i], y[i], z[i]}))", "if (is_finite(Vec3{x[i], y[i], z[i]}) && size == 0)",
            ("pipeline:Where.*:Unique.*:Select.*",)),
 
     # What nobody names
