@@ -107,7 +107,7 @@ class VerifyOperators : public Tool {
 };
 
 TEST_F(VerifyOperators, EveryRadiusAtTheLeastThatHoldsAPointAndNextToIt) {
-  const PairAtRadius& pair = pairs_at_radius().back();
+  const PairAtRadius pair = pairs_at_radius().back();
   const std::string header = "x,y,z,nx,ny,nz,k1,own\n";
   write("other.xyz", fmt::format("{} {} {}\n", pair.q.x, pair.q.y, pair.q.z));
   for (const auto& [name, text] : radius_pipelines())
