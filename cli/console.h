@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What the tool prints: texts on standard output, sentences on standard error. Nothing here throws, so that the place
-/// where its words go changes no status of a verb but one: a full standard output is an error.
+/// Output of the tool: texts on standard output, sentences on standard error. No function here throws. A text or
+/// sentence that cannot be written changes the status of a verb in one case only: a full standard output is an error.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,8 @@ std::size_t text_columns();
 /// The first error of print() other than a closed standard output, as errno; 0 if there was none.
 int printing_error();
 
-/// How much a sentence matters to people: something failed, a result may not be what was meant, or what was done.
+/// Severity of a sentence to the user. error: the run failed. warning: the result may not be what the user meant. note:
+/// information about what was done.
 enum class Severity : std::uint8_t { error, warning, note };
 
 /// "warning: a.las: ...": a line of its own, as all sentences on standard error.

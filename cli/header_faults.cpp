@@ -11,7 +11,8 @@
 namespace pointsweep {
 namespace {
 
-/// How far a stated bound may be from that of the points: half a step, and the rounding of the decimal numbers.
+/// Returns the largest difference between a bound in the header and the bound of the points that rounding explains:
+/// half a step of the grid plus the rounding of decimal numbers.
 double tolerance_of(const Field& coordinate, double bound) {
   return 0.5 * coordinate.scale + 4 * std::abs(bound) * 0x1p-52;
 }

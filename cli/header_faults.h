@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Whether what a header and the attributes of points say agrees with the points.
+/// Comparison of a header, and of attributes such as return numbers, with the points of the file.
 #pragma once
 
 #include <string>

@@ -83,7 +83,7 @@ std::string HelpFormatter::make_option_usage(const CLI::Option* option) const {
   return (optional ? "[" : "") + name + (several ? "..." : "") + (optional ? "]" : "");
 }
 
-/// One empty line between parts, where the parser's own formatter leaves two.
+/// Removes repeated empty lines: the formatter of the command-line library leaves two between parts.
 std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
   std::string text = make_description(app) + make_usage(app, std::move(name)) + make_positionals(app) +
                      options_in_groups(app) + make_subcommands(app, mode) + "\n" + make_footer(app);

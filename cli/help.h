@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// How help looks: as wide as the terminal, flags in groups, plain names, and IN... OUT where the last of the files of a
-/// verb is its output.
+/// Layout of help: the width of the terminal, flags in groups, plain names, and IN... OUT where a verb takes its output
+/// as the last file.
 #pragma once
 
 #include <CLI/App.hpp>

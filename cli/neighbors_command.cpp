@@ -17,7 +17,7 @@
 namespace pointsweep {
 namespace {
 
-/// Where none is given.
+/// Returns the number of neighbours that the verb finds if the user gives none.
 std::string default_k() { return text_of_value(neighbor_rows_declaration().options.front().preset); }
 
 struct NeighborsCommand {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What `verify` throws where it found nothing wrong and could not check everything: status 3.
+/// Error that `verify` throws if it found nothing wrong but could not check everything. Its exit status is 3.
 #pragma once
 
 #include "pointsweep/error.h"

@@ -20,14 +20,16 @@ struct ListedOperator {
 /// Of an operator whose options have their presets, without what is never written.
 Contract contract_of(const OperatorDeclaration& declaration);
 
-/// How many neighbours an operator with this contract wants, for people; empty if it looks at none.
+/// Returns a sentence about the number of neighbours that an operator with this contract uses by default; empty if the
+/// operator uses no neighbours.
 std::string default_k_text(const Contract& contract);
 
 /// knn and all operators of pipelines; of these the ones named, in the order named, if any are. Throws UsageError for
 /// an unknown one.
 std::vector<ListedOperator> listed_operators(const std::vector<std::string>& names);
 
-/// Of one operator or knn, for the terminal, and how to run it; empty where nothing has that name.
+/// Returns the help of an operator or of knn for the terminal, with a command that runs it; empty if no operator has
+/// that name.
 std::string help_of_operator(const std::string& name);
 /// "pointsweep run IN... OUT --pipeline 'voxel(0.5)'"; empty where no operator has that name.
 std::string command_of_operator(const std::string& name);

@@ -13,8 +13,8 @@ namespace pointsweep {
 /// ones. Memory: 32 bytes × limit.
 class PlanArea {
  public:
-  /// For a cloud of `points` points: a limit of a sixteenth of them, but at least 16 and at most 65,536. So a cell of a
-  /// cloud that fills its bounds holds 16 to 64 points on average, or more.
+  /// Limits the number of cells to a sixteenth of `points`, at least 16 and at most 65,536. A cell of a cloud that
+  /// fills its bounds holds 16 to 64 points on average, or more.
   explicit PlanArea(std::uint64_t points);
 
   /// Finite coordinates.

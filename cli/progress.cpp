@@ -34,7 +34,7 @@ ProgressDisplay::Targets targets_of(const CommonOptions& options) {
   return targets;
 }
 
-/// How far a phase has come.
+/// Progress of a phase in numbers.
 struct Figures {
   std::string_view phase;
   std::uint64_t done, total;  // points
@@ -56,7 +56,7 @@ struct Figures {
   }
 };
 
-/// At most columns - 1 characters: a bar as long as there is room for, or none, and the figures.
+/// Returns a line of at most columns - 1 characters: a bar, if there is room for one, and the figures.
 std::string bar_line(const Figures& figures, int columns) {
   const std::string head = fmt::format("{:<10} ", figures.phase),
                     tail = fmt::format("{:>5}  {}", figures.percent(), figures.text(""));

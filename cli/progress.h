@@ -14,9 +14,10 @@
 
 namespace pointsweep {
 
-/// On a terminal a bar with rate and remaining time, ten times a second, without escape sequences; elsewhere, and where
-/// TERM is dumb, a line every five seconds. Programs get `{"phase":"normals","done":123,"total":456,"seconds":0.5}`
-/// five times a second, and always the first and the last of a phase.
+/// Display of the progress of a run. A terminal gets a bar with rate and remaining time, ten times a second, without
+/// escape sequences. Anything else, and a terminal with TERM=dumb, gets a line every five seconds. Programs get
+/// `{"phase":"normals","done":123,"total":456,"seconds":0.5}` five times a second, and always the first and the last of
+/// a phase.
 class ProgressDisplay {
  public:
   using Clock = std::function<std::chrono::steady_clock::time_point()>;

@@ -31,7 +31,7 @@ struct POINTSWEEP_EXPORT FormatExtras {
   virtual ~FormatExtras() = default;
 };
 
-/// What a header says of the points, as it stands there and right or wrong: to be compared with them.
+/// Statements of a header about the points, as the file has them. They may be wrong.
 struct HeaderClaims {
   Box bounds;                              ///< the ends may be in any order, or NaN
   std::vector<std::uint64_t> returns = {};  ///< points of return number 1, 2, ...; empty: it does not count them

@@ -110,7 +110,8 @@ struct RunOptions {
   Observer* observer = nullptr;  ///< borrowed; null: none
 };
 
-/// Where results go: any of the first three, e.g. {.points = "out.ply"}, or tiles. A run without any is refused.
+/// Destinations of the results: any of the first three, e.g. {.points = "out.ply"}, or tiles. A run without a
+/// destination is refused.
 struct Outputs {
   /// Point file with the attributes of the input and the made ones; the extension says the format.
   std::filesystem::path points = {};

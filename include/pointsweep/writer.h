@@ -68,7 +68,7 @@ class POINTSWEEP_EXPORT Writer {
   virtual void finish() = 0;
 
   std::uint64_t bytes_written() const { return bytes_written_; }
-  /// What the format cannot hold, one sentence each; all are known when finish() has returned.
+  /// Sentences about values that the format cannot hold. The list is complete when finish() has returned.
   const std::vector<std::string>& warnings() const { return warnings_; }
   void add_warning(std::string warning) { warnings_.push_back(std::move(warning)); }
 

@@ -19,7 +19,7 @@ namespace pointsweep {
 template <class Record, class Less>
 class SortedRecords {
  public:
-  /// Of at most `count` records.
+  /// Makes a sorter for at most `count` records.
   SortedRecords(const MakeScratch& make_scratch, std::uint64_t memory_bytes, std::uint64_t count, Less less = {})
       : make_scratch_(make_scratch),
         most_(std::max<std::uint64_t>(kLeastRun, memory_bytes / sizeof(Record))),

@@ -12,8 +12,8 @@ namespace pointsweep {
 
 Crs crs_of_geotiff(GeoTiffKeys keys);
 
-/// What a text and keys, either of which may be empty, state together: that which counts is read, the other is kept
-/// beside it. Nothing if both are empty.
+/// Returns the coordinate reference system of a file with a text and keys, either of which may be empty. `wkt_counts`
+/// decides which of the two is read; the other is kept beside it. Returns none if both are empty.
 std::optional<Crs> crs_of_both(const std::string& wkt, GeoTiffKeys keys, bool wkt_counts);
 
 enum class CrsAgreement : std::uint8_t { same, different, undecided };

@@ -14,11 +14,11 @@ struct LasQuantization {
   Vec3 scale{1, 1, 1}, offset;
 };
 
-/// Whether LAS can store `value` on this grid within half a step.
+/// Returns whether LAS can store `value` on this grid to within half a step.
 bool las_grid_reaches(double value, double scale, double offset);
 
-/// Whether LAS can store `value` as a whole number of steps, so that it reads it again but for a few units in the last
-/// place of a double.
+/// Returns whether `value` is a whole number of steps of this grid, to within a few units in the last place of a
+/// double.
 bool is_on_las_grid(double value, double scale, double offset);
 
 /// Scale and offset of each axis for coordinates inside `bounds`: the scale is the smallest power of ten whose steps

@@ -30,7 +30,7 @@ class Crop final : public Operator {
   /// With the checksum of the file that was read.
   const CropOptions& options() const { return options_; }
   const std::vector<Polygon>& polygons() const { return polygons_; }
-  /// In x and y around the bounds, or around the polygons where there are no bounds; z is 0.
+  /// Returns the box of the bounds in x and y, or of the polygons if there are no bounds. z is 0.
   Box box() const;
 
  protected:

@@ -47,8 +47,8 @@ struct OptionDeclaration {
   std::string meaning;      ///< one line that begins in lower case
   double least = 0;
   double most = std::numeric_limits<double>::infinity();
-  /// Of a number, e.g. "length"; empty: it has none. The preset of a length is in metres and converted for clouds whose
-  /// unit is known to be another one.
+  /// Unit of a number, e.g. "length"; empty if the number has none. The preset of a length is in metres. It is
+  /// converted for clouds whose unit is known to be another one.
   std::string unit = {};
   std::vector<std::string> choices = {};
   bool required = false;    ///< it has to be given

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What a user means by the name of a single value: in conditions, assignments and options that name an attribute.
+/// Meaning of a name that a user writes for a single value: in conditions, assignments and options that name an
+/// attribute.
 #pragma once
 
 #include <cstddef>

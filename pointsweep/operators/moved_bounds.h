@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Where the points of a cloud are after all stages that move them.
+/// Bounds of the points of a cloud after all stages that move points.
 #pragma once
 
 #include <memory>

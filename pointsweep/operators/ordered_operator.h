@@ -51,7 +51,7 @@ struct OrderedSetup {
 class OrderedOperator : public Operator {
  public:
   virtual std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const = 0;
-  /// Whether places have z = 0, so that the points cannot come in order along z.
+  /// Returns whether the places of all points have z = 0. Such points cannot come in order along z.
   virtual bool in_plane() const { return false; }
   /// The name of the files of another cloud that it reads, as an input of a command names them; empty: it reads none.
   virtual std::string other_cloud() const { return {}; }

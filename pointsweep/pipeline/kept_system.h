@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Whether an output states a coordinate reference system in which its points may no longer be.
+/// Warning about outputs that keep the coordinate reference system of the input although a stage moves points.
 #pragma once
 
 #include <optional>

@@ -24,7 +24,8 @@ bool is_made_of_lengths(const Attribute& attribute) {
   return attribute.unit.find("length") != attribute.unit.npos && attribute.kind != Kind::position;
 }
 
-/// Whether the stage looks at distances: those of neighbours, those that an option names, or those that it makes.
+/// Returns whether the stage depends on distances: it searches neighbours, has an option that is a length, or makes an
+/// attribute that is a length.
 bool needs_lengths(const ChainStage& stage) {
   if (operator_of(stage) == nullptr) return false;
   const Contract contract = contract_of(stage);

@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// What stages may have to know of the cloud when they are made.
+/// Returns the facts about the cloud that the construction of stages depends on.
 Facts facts_of(const InputCloud& cloud);
 
 /// The declarations of options for a cloud whose unit is so many metres long: defaults that are lengths, which are
@@ -22,7 +22,7 @@ std::vector<OptionDeclaration> in_unit(std::vector<OptionDeclaration> options, d
 /// CloudOptions::ignore_crs allows it.
 void require_lengths(const InputCloud& cloud, const Chain& chain);
 
-/// One sentence about each stage with defaults that are not in metres in this cloud.
+/// Returns one sentence for each stage whose defaults are converted from metres to the unit of the cloud.
 std::vector<std::string> converted_defaults(const InputCloud& cloud, const Chain& chain);
 
 }  // namespace pointsweep

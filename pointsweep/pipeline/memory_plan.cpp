@@ -75,7 +75,8 @@ std::uint64_t most_listed(const SweepPlan& plan, const MemoryDemand& demand) {
 
 std::uint64_t neighbor_bytes(const MemoryDemand& demand) { return sizeof(NeighborRef) + demand.listed_edge_bytes; }
 
-/// Whether the search gathers points, and ends when it has as many lists as it may; else it finds those of a cell.
+/// Returns whether the search gathers points and finds lists for a part of a cell at a time. Otherwise it finds the
+/// lists of a whole cell at once.
 bool gathers(const SweepPlan& plan) { return plan.neighborhood.k > kMostInLanes; }
 
 /// Points around a leaf that a thread has gathered.
@@ -88,7 +89,8 @@ std::uint64_t lists_bytes(std::uint64_t budget, const MemoryDemand& demand) {
   return std::clamp(budget / 16 / std::max(1u, demand.threads), kLeastListBytes, kMostListBytes);
 }
 
-/// What one thread takes, and has in hand: a slab on its way into cells; a cell with its results, lists, and the point searched.
+/// Returns the memory of one thread: a slab that is being cut into cells, and a cell with its results, its lists and
+/// the point that is searched.
 std::uint64_t thread_bytes(const SweepPlan& plan, std::uint64_t slab_points, std::uint64_t budget,
                            const MemoryDemand& demand) {
   const std::uint64_t cell = std::min<std::uint64_t>(demand.points, demand.cell_points);

@@ -45,7 +45,7 @@ struct MemoryPlan {
   std::uint64_t needed_bytes = 0;    ///< the least budget that does, in whole MB, if this one does not; otherwise 0
 };
 
-/// What a run needs in addition to what grows with the cloud: code, chunks being read and written.
+/// Memory of a run that does not grow with the cloud: code and the chunks that are being read and written.
 inline constexpr std::uint64_t kFixedBytes = 24u << 20;
 
 /// Prefers memory, then spilling, then thinner slabs. A larger budget never fails where a smaller one does. Throws

@@ -29,7 +29,7 @@ void require_outputs(const Outputs& outputs);
 /// Throws UsageError for a request that only one output of all points can fulfil, if there are tiles.
 void require_tiles_possible(const Outputs& outputs, const EngineOptions& options);
 
-/// What these outputs ask of the plan of a chain.
+/// Returns the requirements of the outputs on the plan of a chain.
 OutputNeeds needs_of(const Outputs& outputs, const EngineOptions& options);
 
 /// What to call the output in a sentence: the point file, the folder of the first tile, or "the output".

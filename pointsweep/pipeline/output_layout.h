@@ -16,7 +16,7 @@
 
 namespace pointsweep {
 
-/// Whether a stage that makes these attributes moves points.
+/// Returns whether one of the made attributes is the position.
 bool moves_points(const std::vector<Attribute>& made);
 
 /// The numbers of successive records, for messages: `each` of them, or all from `first` on.

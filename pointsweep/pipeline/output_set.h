@@ -14,7 +14,7 @@
 
 namespace pointsweep {
 
-/// Where the points of an output are, as far as its format has to know before the first record.
+/// Bounds of the points of an output, for formats that need them before the first record.
 struct OutputPlace {
   std::optional<Box> bounds;                  ///< OutputPlan::bounds
   std::shared_ptr<const KnownValues> values;  ///< OutputPlan::values

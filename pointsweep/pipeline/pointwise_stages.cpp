@@ -27,7 +27,8 @@ void copy_positions(const Neighborhoods& in, std::byte* out) {
   }
 }
 
-/// What a stage that needs neighbours, or the order of all points, makes of points that have no place among these.
+/// Fills the results of a stage for points without a finite place, if the stage needs neighbours or the order of all
+/// points: their values stay unchanged.
 void leave_unchanged(const Stage& stage, const Batch& batch) {
   const Contract contract = stage.op->contract();
   for (std::size_t m = 0; m < stage.makes.size(); ++m) {

@@ -17,7 +17,7 @@ const std::vector<OperatorDeclaration>& all_operators();
 /// Null if no operator has this name.
 const OperatorDeclaration* declaration_of(std::string_view name);
 
-/// What to do here for what other programs call `word`, e.g. "reproject" or "merge"; empty for all other words.
+/// Returns advice for a word of other programs, e.g. "reproject" or "merge"; empty for all other words.
 std::string_view advice_for(std::string_view word);
 
 /// The operator that `stage` names. Throws UsageError naming the nearest known ones.

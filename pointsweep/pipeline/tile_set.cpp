@@ -86,7 +86,7 @@ std::shared_ptr<KnownValues> values_if_needed(const Format* format, InputCloud& 
   return std::make_shared<KnownValues>(format->values(cloud, [](std::uint64_t) { stop_if_cancelled(); }));
 }
 
-/// Whether a point of the tile, whose rows begin at `first` in the whole cloud, is elsewhere than in the input.
+/// Returns whether a point of the tile has moved. The rows of the tile begin at `first` in the whole cloud.
 bool has_moved_points(InputCloud& tile, const MovedPoints& moved, std::uint64_t first) {
   constexpr std::uint64_t kRows = 1 << 14;
   const std::size_t stride = tile.schema().stride, bytes = moved.rows->record_bytes();

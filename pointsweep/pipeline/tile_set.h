@@ -26,7 +26,7 @@ namespace pointsweep {
 
 struct Format;
 
-/// Where stages have moved the points of all tiles, for formats that store integers.
+/// Positions and bounds of the points of all tiles after stages that move points, for formats that store integers.
 struct MovedPoints {
   Box bounds;  ///< of all tiles
   /// The grid of the inputs, if there is one, so that all tiles with moved points and the merged cloud get the same.

@@ -16,14 +16,15 @@ inline constexpr int kMostDecimals = 9;
 /// fraction; absent if there are none.
 std::optional<int> decimals_of(double value);
 
-/// What the values of a field mean whose scale and bias are decimal fractions.
+/// Decimal numbers of a field whose scale and bias are decimal fractions: raw * scale + bias in float64 differs from
+/// them in the last digits.
 class GridDecimals {
  public:
   explicit GridDecimals(const Field& field);
   /// The float64 nearest to the decimal fraction on the grid if `value` is that but for a few units in its last place;
   /// else `value`.
   double of(double value) const;
-  /// Whether of() may change a value.
+  /// Returns whether of() may change a value.
   bool any() const { return decimals_[0] || decimals_[1]; }
 
  private:

@@ -47,11 +47,12 @@ void decode_positions(const PositionFields& fields, const std::byte* records, st
 /// least unsigned one that is wide enough.
 Type unpacked_type(const Field& field);
 
-/// Whether `value` stored in `field` is read again to half a step of it: not if it is NaN, infinite or out of range where
-/// the type has a range.
+/// Returns whether a reader of `field` gets `value` back to within half a step. False for NaN, infinite values and
+/// values out of range if the type has a range.
 bool holds(const Field& field, double value);
 
-/// Whether `field` holds every value that the type, scale and bits of `values` allow, whole numbers as whole numbers.
+/// Returns whether `field` holds every value that the type, scale and bits of `values` allow, whole numbers as whole
+/// numbers.
 bool holds_all_of(const Field& field, const Field& values);
 
 /// Copies records of one schema into records of another, field by field. A field whose storage is the same in both is

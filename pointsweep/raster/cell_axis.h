@@ -21,7 +21,7 @@ struct AxisRule {
 class BandedRows {
  public:
   explicit BandedRows(AxisRule rule) : rule_(rule) {}
-  /// Whether `number` would be the first of a band after the one in hand.
+  /// Returns whether `number` is the first of a new band.
   bool begins_band(double number) const;
   /// The place of a number in its band. `number` is at least that of the call before.
   std::uint64_t place_of(double number);

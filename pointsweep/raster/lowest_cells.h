@@ -61,7 +61,7 @@ class LowestCells {
   std::size_t most_columns_ = 0;
 };
 
-/// One band of the cells, which must outlive it.
+/// View of one band of the cells. The cells must outlive the view.
 class CellBand {
  public:
   CellBand(const LowestCells& cells, std::size_t number);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How far a cloud reaches across the pictures that may be made of it.
+/// Extents of a cloud along the axes of the pictures that may be made of it.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// Of a cloud, along the axes of a camera, relative to its origin.
+/// Extents of a cloud along the axes of a camera, relative to the origin of the camera.
 struct Extents {
   double lo_x = Box::kInf, hi_x = -Box::kInf, lo_y = Box::kInf, hi_y = -Box::kInf;
 };
@@ -22,7 +22,7 @@ class PossibleViews {
   /// `angles`, `up`: those that are given; else any that is chosen from the shape.
   PossibleViews(std::optional<Angles> angles, std::optional<Up> up);
   void include(Vec3 p);
-  /// Of a view that is possible, for a camera of that view.
+  /// Returns the extents for one of the possible views and a camera of that view.
   Extents extents(const View& view, const Camera& camera) const;
 
  private:

@@ -63,7 +63,7 @@ bool is_inside(Vec3 pixel, const Camera& camera) {
   return pixel.x >= 0 && pixel.x <= camera.width && pixel.y >= 0 && pixel.y <= camera.height;
 }
 
-/// What discs that cover the picture take to draw, about.
+/// Returns an estimate of the seconds for drawing discs that cover the whole picture.
 double fill_seconds(const RenderOptions& options, unsigned fineness) {
   return kSampleSeconds * options.width * options.height * fineness * fineness;
 }

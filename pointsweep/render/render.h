@@ -24,8 +24,8 @@ struct RenderOptions {
   std::string length_unit;  ///< of the coordinates, for the legend, e.g. "m"; empty: not known
   bool legend = true;       ///< whether the picture says what its colours mean, if it is large enough for that
   Rgb background{255, 255, 255};
-  /// What reading and drawing may take, about: beyond it, edges are coarser and every n-th stretch of rows is drawn
-  /// alone. 0: no limit.
+  /// Limit in seconds for reading and drawing, held approximately. Beyond the limit edges are coarser and only every
+  /// n-th stretch of rows is drawn. 0: no limit.
   double seconds = 0;
   /// Called after each block of points; may throw to end it. `phase` is "looking" or "drawing".
   std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)> progress;

@@ -21,8 +21,8 @@ struct RowStretches {
 
 RowStretches all_rows(const InputCloud& cloud);
 
-/// As many rows as can be looked at and drawn in about so many seconds: all, or every n-th stretch of them, which is a
-/// chunk where the file has chunks, else 256 rows. Reads a few stretches to find out how long one takes.
+/// Returns the rows that can be read and drawn in about `seconds`: all rows, or every n-th stretch of rows. A stretch
+/// is a chunk of the file, or 256 rows if the file has no chunks. Reads a few stretches to measure the time of one.
 RowStretches rows_within(InputCloud& cloud, double seconds);
 
 }  // namespace pointsweep

@@ -23,7 +23,7 @@ class Page {
   void table(const std::vector<std::pair<std::string, std::string>>& rows);
   /// An SVG as plot.h makes it.
   void plot(const std::string& svg);
-  /// Such a plot with a line below it. Figures stand side by side where there is room.
+  /// Adds a plot with a caption below it. Figures stand side by side where there is room.
   void figure(const std::string& svg, const std::string& caption);
   void picture(std::span<const std::byte> png, const std::string& caption);
 

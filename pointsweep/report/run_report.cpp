@@ -87,7 +87,7 @@ std::string joined(const std::vector<ValueSummary>& made) {
   return names;
 }
 
-/// What went in and came out.
+/// Returns the rows of the table of inputs and outputs.
 Rows rows_of_files(const RunSummary& summary) {
   const Statistics& s = summary.statistics;
   Rows rows = {{"input", summary.inputs},

@@ -25,9 +25,9 @@ struct RunSummary {
   std::vector<ValueSummary> made;    ///< of the result
 };
 
-/// One self-contained HTML page. First the result: what went in and came out, warnings, a picture, a histogram of each
-/// made number with its percentiles, counts. Then the time by phase. Then the engine: working set over the stream,
-/// distances of neighbours (if they were counted), all other statistics.
+/// Returns one self-contained HTML page. The result comes first: inputs and outputs, warnings, a picture, a histogram
+/// of each made number with its percentiles, counts. The time by phase follows. The engine comes last: working set over
+/// the stream, distances of neighbours (if they were counted), all other statistics.
 std::string report_of(const RunSummary& summary);
 
 }  // namespace pointsweep

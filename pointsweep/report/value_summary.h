@@ -23,8 +23,8 @@ struct ValueSummary {
   std::vector<double> edges = {}, counts = {};
 };
 
-/// Of one number a point: fields with several are left out. Bins are equally wide over the middle 99 % of the values;
-/// whole numbers get a bin each where these are few.
+/// Returns a summary of each field with one number a point; fields with several numbers are left out. Bins are equally
+/// wide over the middle 99 % of the values. Whole numbers get a bin each if there are few of them.
 std::vector<ValueSummary> value_summaries(const Schema& schema, std::span<const std::byte> records,
                                           std::span<const std::string> fields);
 

@@ -24,7 +24,7 @@ struct NeededPlace {
 
 /// The points to be collected, and how many at most.
 struct WantedPoints {
-  /// Of each ball the `nearest` nearest points, with all points as far as the last of them.
+  /// Balls of which only the `nearest` nearest points are wanted, with all points as far as the last of them.
   std::vector<Ball> balls = {};
   std::uint64_t nearest = 1;
   /// All points of these balls, and perhaps some more near them: much cheaper where many balls overlap.
@@ -40,7 +40,7 @@ struct CollectedPoints {
   std::vector<std::byte> records;
 };
 
-/// One reading of the stream. Superfluous points (see Frontier) are found by their places only.
+/// One reading of the stream for wanted points. Superfluous points (see Frontier) are found by their places only.
 class PointCollector {
  public:
   /// `frontier`: of a sweep that has come to its end, so that it holds every cell of the cloud but superfluous ones.
@@ -48,7 +48,7 @@ class PointCollector {
 
   /// Reads slabs in the order of the stream, `slabs_at_once` of them ahead. Returns false if too many points are found.
   bool run(std::size_t slabs_at_once);
-  /// By slab, ascending.
+  /// Returns the collected points by slab, ascending.
   std::vector<CollectedPoints> take() { return std::move(found_); }
   std::uint64_t slabs_read() const { return slabs_read_; }
 

@@ -23,8 +23,8 @@ constexpr std::uint64_t kFewPoints = 8192, kFewForNeighbor = 128;
 /// Times the radius of a ball, as far as a cover of it may reach.
 constexpr double kCoverReach = 5.2;
 
-/// What a ball takes while points are collected, its distances apart; and one of which all points are wanted, with the
-/// cells that it marks: most overlap.
+/// Memory of a ball while points are collected, without its distances; and of a whole ball with the cells that it
+/// marks, most of which it shares with other balls.
 constexpr std::uint64_t kBallBytes = 2 * sizeof(Ball) + sizeof(std::vector<double>) + 8 * 24;
 constexpr std::uint64_t kWholeBallBytes = 2 * sizeof(Ball) + 64;
 
@@ -92,8 +92,8 @@ void RecalledPoints::for_cells(const std::vector<std::uint32_t>& slots, Work wor
   });
 }
 
-/// Whether a ball that holds a neighbourhood may hold much else, or the surroundings of `widths` times its radius.
-/// Without a limit k all of it is wanted.
+/// Returns whether the cells within `widths` times the radius of the ball hold many more points than a neighbourhood.
+/// False without a limit k, since all points of the ball are neighbours then.
 bool RecalledPoints::may_hold_many(const Ball& ball, double widths) const {
   const std::uint64_t few = kFewPoints + kFewForNeighbor * plan_.neighborhood.k;
   return plan_.neighborhood.k != Neighborhood::kUnlimited &&
@@ -184,7 +184,7 @@ bool RecalledPoints::begin_next_level() {
   return (wanted.whole_balls.empty() && wanted.balls.empty()) || collect(std::move(wanted));
 }
 
-/// Of balls that may hold many points only the nearest points are wanted.
+/// Moves balls that may hold many points from `whole_balls` to `balls`, of which only the nearest points are collected.
 void RecalledPoints::separate_large(WantedPoints& wanted) const {
   std::vector<std::uint8_t> is_large(wanted.whole_balls.size());
   parallel_for(is_large.size(), [&](std::size_t i, unsigned) {
@@ -202,7 +202,8 @@ void RecalledPoints::separate_large(WantedPoints& wanted) const {
   wanted.whole_balls.resize(kept);
 }
 
-/// No neighbourhood reaches farther than that of the point among a part of the cloud.
+/// Lowers the bounds of pending points by a search among the points in memory: the neighbourhood among all points never
+/// reaches farther.
 void RecalledPoints::bound_by_what_is_here() {
   const std::vector<std::uint32_t> slots = cells_with([](const CellState& cell) { return !cell.pending.empty(); });
   for_cells(slots, [&](std::uint32_t slot, Worker& worker) {
@@ -228,7 +229,7 @@ std::size_t RecalledPoints::search(std::uint32_t slot, std::span<const std::uint
                        worker.neighbors);
 }
 
-/// Of the pending points.
+/// Finds the lists of the pending points of a cell.
 void RecalledPoints::find_lists(std::uint32_t slot, std::uint32_t level, Worker& worker) {
   const std::vector<std::uint32_t> points = std::move(cells_[slot].pending);
   cells_[slot].pending.clear();

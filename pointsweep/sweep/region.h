@@ -27,7 +27,7 @@ class Region {
   /// Adds the wanted points that are not there yet. Returns false if these are more than `wanted` allows.
   bool collect(WantedPoints wanted);
 
-  /// Whether the cells within sqrt(reach2) of `p` hold more than `count` points.
+  /// Returns whether the cells within sqrt(reach2) of `p` hold more than `count` points.
   bool touches_more_than(std::uint64_t count, Vec3 p, double reach2) const;
   /// A squared distance from `p` within which `count` points lie for certain; infinite if all cells hold fewer.
   double reach2_that_holds(Vec3 p, std::uint64_t count) const;

@@ -12,14 +12,15 @@
 
 namespace pointsweep {
 
-/// What a load needs in addition to its result.
+/// Buffers of a load.
 struct LoadScratch {
   std::vector<std::byte> records, cell_records;
   std::vector<CutPoint> points, sparse;
   std::vector<std::uint32_t> begin, sparse_begin;
 };
 
-/// One that no other load uses; as many as there are loads at once, so that the steady state allocates nothing.
+/// Exclusive use of a LoadScratch during a load. There are as many as loads at once, so that the steady state allocates
+/// nothing.
 class SlabLoader::OwnScratch {
  public:
   explicit OwnScratch(const SlabLoader& loader) : loader_(loader) {

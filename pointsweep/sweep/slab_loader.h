@@ -21,7 +21,8 @@ struct LoadedSlab {
   std::vector<std::byte> records;                  ///< kept only if asked for
 };
 
-/// The same slab gives the same cells every time, so that a resumed run finds what the sweep had. Thread-safe.
+/// Reads slabs and cuts them into cells. A slab gives equal cells every time, so that a resumed run finds the cells of
+/// the first one. Thread-safe.
 class SlabLoader {
  public:
   SlabLoader(const Stream& stream, const SweepPlan& plan, std::uint32_t cell_points);

@@ -57,8 +57,8 @@ class ChainValues {
   /// Results of the chosen points of `around`, which has rings() rings. Reads the input once more if an operator reads
   /// attributes of the file. `rows`: as for look_at_cloud().
   ChainResults evaluate(Surroundings around, RowSource& in, CloudRows& rows) const;
-  /// The same of points without a finite place, which have no neighbours: a stage that looks at its own point alone
-  /// makes of them what it makes of any other, and every other stage leaves them unchanged.
+  /// Evaluates the chain for points without a finite place, which have no neighbours. A stage that reads the point
+  /// alone treats such points as any other; every other stage leaves them unchanged.
   ChainResults evaluate_unplaced(std::span<const KnownPoint> points, RowSource& in) const;
   /// Bytes of memory for each point of the surroundings, in addition to its list.
   std::size_t bytes_per_point() const;

@@ -45,7 +45,7 @@ class CloudFormula {
   /// For each point the estimates of what the stage makes, as StageFormula::evaluate().
   virtual std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
                                                                 const CloudInput& in) = 0;
-  /// The same of a point without a finite place; none if the stage leaves such points unchanged.
+  /// Returns the values of a point without a finite place; none if the stage leaves such points unchanged.
   virtual std::optional<std::vector<formulas::Estimate>> unplaced(const CloudPoint& point) const {
     (void)point;
     return std::nullopt;

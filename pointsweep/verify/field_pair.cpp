@@ -33,7 +33,8 @@ std::uint64_t bits_at(const Field& field, const std::byte* record) {
   return bits;
 }
 
-/// What is read where `value` was stored; `value` itself where the field cannot hold it.
+/// Returns the value that a reader gets after `value` was stored in `field`; returns `value` itself if the field cannot
+/// hold it.
 double stored_and_read(Field field, double value) {
   if (!holds(field, value)) return value;
   std::byte bytes[sizeof(double)]{};

@@ -14,7 +14,7 @@ namespace pointsweep {
 /// Format::own_field of a format; null where it has no such fields.
 using OwnField = std::optional<double> (*)(std::string_view name);
 
-/// Of `names`, fields of `out`, those that are the format's own and hold its value for them in all rows.
+/// Returns the fields among `names` that belong to the format of `out` and hold its default value in all rows.
 std::vector<std::string> unfilled_fields(RowSource& out, const std::vector<std::string>& names, OwnField own_field);
 
 }  // namespace pointsweep

@@ -35,7 +35,7 @@ nb::object wkt_crs(const std::string& wkt) {
   return crs.name.empty() && crs.kind == CrsKind::unknown ? nb::none() : crs_value(crs);
 }
 
-/// What the contents of the records of a LAS file state.
+/// Returns the coordinate reference system that the contents of the records of a LAS file state.
 nb::object las_crs(const nb::bytes& wkt, const nb::bytes& directory, const nb::bytes& doubles, const nb::bytes& ascii,
                    bool wkt_counts) {
   GeoTiffKeys keys{elements<std::uint16_t>(directory), elements<double>(doubles), {ascii.c_str(), ascii.size()}};

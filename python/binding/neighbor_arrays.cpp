@@ -87,8 +87,7 @@ void NeighborArrays::write(const Neighborhoods& in) {
   }
 }
 
-/// Of the records it needs the number of neighbours alone: points that are not finite have none, and the operator
-/// never saw them.
+/// Writer that gives points without a finite place their number of neighbours, 0: the operator never sees these points.
 class NeighborArrays::EmptyRows final : public Writer {
  public:
   EmptyRows(NeighborArrays& arrays, const Schema& schema)

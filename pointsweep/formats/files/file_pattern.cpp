@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 bool has_wildcard(const std::string& name) { return name.find_first_of("*?[") != name.npos; }
 
-/// Whether the path has a wildcard in its last name, which no file or folder has as its own name.
+/// Returns whether the last name of the path has a wildcard and no file or folder has exactly this name.
 bool ends_with_pattern(const fs::path& path) {
   std::error_code error;
   return has_wildcard(path.filename().string()) && !fs::exists(fs::symlink_status(path, error));

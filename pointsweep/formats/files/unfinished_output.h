@@ -9,7 +9,7 @@ namespace pointsweep {
 
 /// The folder of a file; "." where the path names none.
 std::filesystem::path folder_of(const std::filesystem::path& file);
-/// What the link `destination` points to; without a link, `destination`.
+/// Returns the target of the link `destination`, or `destination` itself if it is no link.
 std::filesystem::path target_of(const std::filesystem::path& destination);
 /// `.<name>.<pid>.part` beside `target`: an output of this process until it is complete.
 std::filesystem::path part_of(const std::filesystem::path& target);

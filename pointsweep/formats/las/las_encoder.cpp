@@ -17,7 +17,7 @@ constexpr std::size_t kRowsAtOnce = 256;
 /// Byte 14 of a point that is return 1 of 1, in point formats 0 to 5 and 6 to 10.
 constexpr std::byte kOnlyLegacyReturn{0x09}, kOnlyReturn{0x11};
 
-/// Whether a coordinate lies so far from the grid that arithmetic in float64 alone does not explain it.
+/// Returns whether a coordinate is farther from the grid than rounding in float64 explains.
 bool is_beside_grid(double value, double scale, double offset) {
   const double steps = (value - offset) / scale;
   return std::abs(steps - std::nearbyint(steps)) > 1e-3 && !is_on_las_grid(value, scale, offset);

@@ -129,7 +129,8 @@ class Builder {
     return "";
   }
 
-  /// Whether an attribute beyond those of the input is one that a point format has: it is no extra bytes then.
+  /// Returns whether the run makes an attribute for which some point format has a field. Such an attribute is not
+  /// stored in extra bytes.
   bool makes_fields_of_formats() const {
     return std::ranges::any_of(las_names_in(plan_.schema),
                                [&](const std::string& name) { return !input_->schema.find(name); });

@@ -92,7 +92,7 @@ class Look {
   std::array<std::vector<double>, 3> xyz_;
 };
 
-/// Whether coordinates are float64 as they come from text, from arrays or from other formats.
+/// Returns whether all coordinates are float64, as those of text, of arrays and of other formats.
 bool are_double(const PositionFields& p) {
   const auto is_double = [](const Field& f) { return f.type == Type::f64 && f.is_plain(); };
   return is_double(p.x) && is_double(p.y) && is_double(p.z);

@@ -77,7 +77,7 @@ struct ChainGraph {
   bool has(NodeKind kind) const;
 };
 
-/// What an output asks of the plan of a chain.
+/// Requirements of an output on the plan of a chain.
 struct OutputNeeds {
   bool stream_order = false;  ///< its points are in stream order, so that the last Resort counts
   bool bounds = false;        ///< its format needs the box of moved points before the first record

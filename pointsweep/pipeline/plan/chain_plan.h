@@ -91,7 +91,7 @@ struct ChainPlan {
   bool by_moved_positions = false;
 
   bool selects() const { return graph.has(NodeKind::select); }
-  /// Whether the output can be opened only when all passes have ended.
+  /// Returns whether the output can be opened only after all passes.
   bool opens_late() const { return selects() || graph.moved_bounds.has_value(); }
   /// Whether what pass `p` makes becomes the rows of another pass, or of the reordering, and not the output at once.
   bool leaves_rows(std::size_t p) const;

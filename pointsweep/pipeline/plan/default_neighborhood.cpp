@@ -8,7 +8,7 @@
 namespace pointsweep {
 namespace {
 
-/// As many as the operator wants that wants most, of those that the neighbourhood of stage `first` is for.
+/// Returns the largest default number of neighbours among the operators that use the neighbourhood of stage `first`.
 std::size_t wanted_k(const std::vector<ChainStage>& stages, std::size_t first) {
   std::size_t k = 0;
   for (std::size_t s = first; s < stages.size(); ++s) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How many neighbours the points of a chain have where nobody says it.
+/// Number of neighbours of a chain whose author gives none.
 #pragma once
 
 #include <cstddef>

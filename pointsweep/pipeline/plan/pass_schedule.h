@@ -18,7 +18,7 @@ enum class PassKind : std::uint8_t {
   order,  ///< puts the points in order, by position or by place, for a Thinning or an OrderedWork
 };
 
-/// Whether the operator looks at its own point alone: at no neighbour, and at no other point that comes in order.
+/// Returns whether the operator reads only the point itself: no neighbour, and no other point in an order.
 bool is_pointwise(const Operator& op);
 
 /// A pass of which only the nodes are known.

@@ -66,7 +66,7 @@ bool make_on_demand(RunState& run, const PointsInOrder& how) {
   return false;
 }
 
-/// Whether the pass connects points.
+/// Returns whether the pass connects points.
 bool needs_buckets(const RunState& run) {
   return *run.pass < run.plan.passes.size() && run.plan.passes[*run.pass].connecting_stage() != nullptr;
 }

@@ -34,7 +34,8 @@ RunRecord said_of(const RunState& run) {
           .drops_nonfinite = run.statistics.dropped > 0};
 }
 
-/// What the format of an output has to know of all values before the first record.
+/// Returns the facts about all values that the format of an output needs before the first record; null if it needs
+/// none.
 std::shared_ptr<const KnownValues> values_if_needed(RunState& run, const Format* format) {
   if (format == nullptr || format->values == nullptr) return nullptr;
   const auto report = [&run](std::uint64_t rows) { run.report("ordering", rows, 0); };
@@ -48,7 +49,8 @@ std::optional<Box> bounds_if_known(const RunState& run) {
   return run.survey.exact && !run.survey.bounds.empty() ? std::optional(run.survey.bounds) : std::nullopt;
 }
 
-/// Where the points of tiles are that stages have moved. `run.rows` has what the last pass has left.
+/// Returns the positions of the points of tiles after the last stage, from the rows that the last pass leaves; none if
+/// no stage moves points.
 std::optional<MovedPoints> moved_points(RunState& run) {
   const std::optional<Box> bounds = run.moved_bounds();
   if (!bounds) return std::nullopt;

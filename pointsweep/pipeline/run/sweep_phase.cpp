@@ -75,7 +75,7 @@ SweepStatistics sweep_by_reference(RunState& run, std::size_t p) {
                        *run.statistics.reference);
 }
 
-/// What is made of points that are in no slab. They come last in the order of the stream.
+/// Stores the results of points that are in no slab. They come last in the order of the stream.
 void put_nonfinite(RunState& run, std::size_t p) {
   const PlannedPass& pass = run.plan.passes[p];
   const OutputLayout* layout = layout_of_results(run, p);
