@@ -28,7 +28,7 @@ int printing_error();
 /// information about what was done.
 enum class Severity : std::uint8_t { error, warning, note };
 
-/// "warning: a.las: ...": a line of its own, as all sentences on standard error.
+/// Returns the line on standard error for a sentence: "warning: a.las: ..." and a line break.
 std::string message_line(Severity severity, std::string_view sentence);
 
 /// Writes a sentence to standard error, if that can be written.

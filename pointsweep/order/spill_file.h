@@ -46,9 +46,9 @@ class SpillFile {
   /// Throws Error that says what to do when no space is left.
   void write(std::uint64_t offset, std::span<const std::byte> bytes);
   void read(std::uint64_t offset, std::span<std::byte> bytes) const;
-  /// Reads will be of scattered pieces: the system need not read on behind each of them, which nothing asks for.
+  /// Turns the read-ahead of the system off, for files that are read in scattered pieces.
   void expect_scattered_reads() const;
-  /// A piece will be read soon: the disk may begin with it while others are read.
+  /// Lets the system begin to read a piece that read() will ask for soon.
   void will_read(std::uint64_t offset, std::uint64_t bytes) const;
 
   /// The bytes reserved so far: as much of the file as is in use.

@@ -6,8 +6,8 @@
 namespace pointsweep {
 namespace {
 
-/// The numbers of the cells between two ends of a ball, which is less than two cells wide. Where the grid is finer than
-/// doubles, cells between two adjacent doubles hold no point.
+/// Numbers of the cells from one end of a ball to the other. The ball is less than two cells wide. If the grid is finer
+/// than doubles are apart, cells between two adjacent doubles hold no point and are left out.
 struct CellNumbers {
   std::array<double, 4> number;
   std::size_t count = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The space that many balls cover together, in cells of grids.
+/// Union of many balls, in cells of grids.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ class BallCover {
  public:
   explicit BallCover(std::span<const Ball> balls);
 
-  /// True for every point of a ball, and for some points that are no farther from a ball than its width along each axis.
+  /// Returns true for every point of a ball, and for some points that are no farther from a ball than its width along each axis.
   bool covers(Vec3 p) const;
 
  private:

@@ -13,13 +13,13 @@
 
 namespace pointsweep {
 
-/// All points within sqrt(reach2) of a place, by distance2() in double.
+/// Set of the points within sqrt(reach2) of a place, by distance2() in double.
 struct Ball {
   Vec3 center;
   double reach2;
 };
 
-/// A radius that no distance of the ball exceeds along an axis, whatever rounding did to its square.
+/// Returns a radius that no point of the ball exceeds along an axis, in spite of the rounding of squares.
 inline double safe_radius(double reach2) { return std::sqrt(reach2) * (1 + 1e-12) + 1e-150; }
 
 /// Balls with a larger radius belong to no grid.
@@ -30,9 +30,10 @@ struct BallGrid {
   double scale;  ///< 2^-exponent
   Box bounds;    ///< of the balls
 
-  /// A whole number in double. Where the grid is finer than doubles, adjacent numbers are adjacent doubles.
+  /// Returns the number of a cell along an axis. If the grid is finer than doubles are apart, numbers of adjacent doubles
+  /// are adjacent doubles.
   double cell_of(double coordinate) const { return std::floor(coordinate * scale); }
-  /// Names a cell, never by 0. Two cells may share a key.
+  /// Returns the key of a cell, which is never 0. Two cells may share a key.
   std::uint64_t key_of(double x, double y, double z) const {
     const auto bits = [](double c) { return std::bit_cast<std::uint64_t>(c + 0.0); };  // -0 is 0
     return mix(bits(x) * 0x9e3779b97f4a7c15u + bits(y) * 0xc2b2ae3d27d4eb4fu + bits(z) * 0x165667b19e3779f9u +
@@ -42,7 +43,7 @@ struct BallGrid {
   std::uint64_t key_at(Vec3 p) const { return key_of(cell_of(p.x), cell_of(p.y), cell_of(p.z)); }
 };
 
-/// The grid of that exponent, which is made if it is missing.
+/// Returns the grid of that exponent, and makes it if it is missing.
 inline BallGrid& grid_with(int exponent, std::vector<BallGrid>& grids) {
   for (BallGrid& grid : grids)
     if (grid.exponent == exponent) return grid;

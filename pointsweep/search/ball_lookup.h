@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which of some balls hold a point, for clouds of points and balls of very different sizes.
+/// Look-up of the balls that hold a point, for balls of very different sizes.
 #pragma once
 
 #include <cstddef>

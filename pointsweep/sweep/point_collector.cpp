@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kCollectedAtOnce = 1024;  ///< points that one thread looks at in one go
+constexpr std::size_t kCollectedAtOnce = 1024;  ///< points that a thread tests at a time
 
 std::span<const NeededPlace> places_of(std::uint32_t slab, std::span<const NeededPlace> places) {
   const auto here = std::ranges::equal_range(places, slab, {}, &NeededPlace::slab);
@@ -83,7 +83,7 @@ bool PointCollector::is_needed(std::uint32_t slab) const {
          std::ranges::any_of(wanted_.whole_balls, touches_slab);
 }
 
-/// Takes note of a point inside a ball: the radius is never more than the distance of as many points as are wanted.
+/// Notes a point inside a ball. The ball shrinks to the distance of the last of the nearest points that are wanted.
 void PointCollector::shrink(std::uint32_t ball, double d2) {
   const std::scoped_lock lock(mutexes_[ball % mutexes_.size()]);
   std::vector<double>& nearest = distances2_[ball];
@@ -101,7 +101,7 @@ bool PointCollector::is_superfluous(Vec3 p, const std::byte* record) const {
   return frontier_.is_superfluous({p, p}, row_of(stream_.record_schema(), record));
 }
 
-/// The numbers of the records for which is_inside(point, record) is true, ascending.
+/// Returns the numbers of the records for which is_inside(point, record) is true, ascending.
 template <class IsInside>
 std::vector<std::uint32_t> PointCollector::numbers_of(std::span<const std::byte> records,
                                                       const IsInside& is_inside) const {
@@ -114,15 +114,16 @@ std::vector<std::uint32_t> PointCollector::numbers_of(std::span<const std::byte>
     const std::byte* const begin = records.data() + first * stride;
     decode_positions(position_, begin, stride, size, x.data(), y.data(), z.data());
     for (std::size_t i = 0; i < size; ++i)
-      if (is_inside(Vec3{x[i], y[i], z[i]}, begin + i * stride)) inside[part].push_back(static_cast<std::uint32_t>(first + i));
+      if (is_inside(Vec3{x[i], y[i], z[i]}, begin + i * stride))
+        inside[part].push_back(static_cast<std::uint32_t>(first + i));
   });
   std::vector<std::uint32_t> numbers;
   for (const auto& part : inside) numbers.insert(numbers.end(), part.begin(), part.end());
   return numbers;
 }
 
-/// The numbers of the records whose points lie inside a ball, ascending. Balls shrink by points that are met for the
-/// first time.
+/// Returns the numbers of the records whose points lie inside a ball, ascending. `shrinks`: the points are met for the
+/// first time, so balls shrink.
 std::vector<std::uint32_t> PointCollector::numbers_inside(std::uint32_t slab, std::span<const std::byte> records,
                                                           bool shrinks) {
   std::vector<std::uint32_t> numbers;
@@ -159,27 +160,19 @@ CollectedPoints PointCollector::search(std::uint32_t slab, std::span<const std::
   return found;
 }
 
-/// Points that came in before the balls had shrunk.
+/// Drops points that came in before the balls had shrunk.
 void PointCollector::drop_points_outside() {
   if (wanted_.balls.empty()) return;
-  const std::size_t stride = stream_.record_schema().stride;
   points_ = 0;
   for (CollectedPoints& found : found_) {
     const std::vector<std::uint32_t> inside = numbers_inside(found.slab, found.records, false);
     const std::span<const NeededPlace> places = places_of(found.slab, wanted_.places);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < found.index_in_slab.size(); ++i) {
-      const std::uint32_t index = found.index_in_slab[i];
-      if (!std::ranges::binary_search(inside, static_cast<std::uint32_t>(i)) &&
-          !std::ranges::binary_search(places, index, {}, &NeededPlace::index_in_slab))
-        continue;
-      found.index_in_slab[kept] = index;
-      std::memmove(found.records.data() + kept++ * stride, found.records.data() + i * stride, stride);
-    }
-    found.index_in_slab.resize(kept);
-    found.records.resize(kept * stride);
+    found.keep_only([&](std::uint32_t i) {
+      return std::ranges::binary_search(inside, i) ||
+             std::ranges::binary_search(places, found.index_in_slab[i], {}, &NeededPlace::index_in_slab);
+    });
     found.records.shrink_to_fit();
-    points_ += kept;
+    points_ += found.index_in_slab.size();
   }
 }
 

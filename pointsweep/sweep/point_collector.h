@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -16,7 +17,7 @@
 
 namespace pointsweep {
 
-/// A place in the stream that must be in memory, even if it holds a superfluous copy of a point.
+/// Place in the stream of a point that is wanted in any case, also if it is a superfluous copy of another point.
 struct NeededPlace {
   std::uint32_t slab, index_in_slab;
   auto operator<=>(const NeededPlace&) const = default;
@@ -27,10 +28,11 @@ struct WantedPoints {
   /// Balls of which only the `nearest` nearest points are wanted, with all points as far as the last of them.
   std::vector<Ball> balls = {};
   std::uint64_t nearest = 1;
-  /// All points of these balls, and perhaps some more near them: much cheaper where many balls overlap.
+  /// Balls of which all points are wanted. Some points near the balls come in, too. Much cheaper than `balls` if many
+  /// of them overlap.
   std::vector<Ball> whole_balls = {};
   std::vector<NeededPlace> places = {};  ///< ascending
-  std::uint64_t most_points = 0;    ///< where more are found, the search ends
+  std::uint64_t most_points = 0;         ///< the search ends if it finds more
 };
 
 /// Points of one slab and their working records.
@@ -38,12 +40,27 @@ struct CollectedPoints {
   std::uint32_t slab;
   std::vector<std::uint32_t> index_in_slab;  ///< ascending
   std::vector<std::byte> records;
+
+  /// Drops the points for which is_kept(number) is false; numbers count the points from 0.
+  template <class IsKept>
+  void keep_only(const IsKept& is_kept) {
+    if (index_in_slab.empty()) return;
+    const std::size_t stride = records.size() / index_in_slab.size();
+    std::size_t kept = 0;
+    for (std::uint32_t i = 0; i < index_in_slab.size(); ++i) {
+      if (!is_kept(i)) continue;
+      index_in_slab[kept] = index_in_slab[i];
+      std::memmove(records.data() + kept++ * stride, records.data() + i * stride, stride);
+    }
+    index_in_slab.resize(kept);
+    records.resize(kept * stride);
+  }
 };
 
 /// One reading of the stream for wanted points. Superfluous points (see Frontier) are found by their places only.
 class PointCollector {
  public:
-  /// `frontier`: of a sweep that has come to its end, so that it holds every cell of the cloud but superfluous ones.
+  /// `frontier` is that of a sweep that has ended: it holds the boxes of all cells but superfluous ones.
   PointCollector(const Stream& stream, const Frontier& frontier, WantedPoints wanted);
 
   /// Reads slabs in the order of the stream, `slabs_at_once` of them ahead. Returns false if too many points are found.
@@ -70,10 +87,10 @@ class PointCollector {
   const Frontier& frontier_;
   WantedPoints wanted_;
   PositionFields position_;
-  std::unique_ptr<std::atomic<double>[]> reach2_;  ///< by ball: as it is now
-  std::vector<std::vector<double>> distances2_;   ///< by ball: a heap of the nearest ones seen
+  std::unique_ptr<std::atomic<double>[]> reach2_;  ///< by ball: its present squared radius
+  std::vector<std::vector<double>> distances2_;    ///< by ball: a heap of the squared distances of the nearest points
   BallCover cover_;
-  std::array<std::mutex, 64> mutexes_;           ///< of the heaps of every 64th ball
+  std::array<std::mutex, 64> mutexes_;  ///< of the heaps of every 64th ball
   std::vector<CollectedPoints> found_;
   std::uint64_t points_ = 0, slabs_read_ = 0;
 };

@@ -4,7 +4,8 @@
 /// The paper has no such thing: its neighbourhoods are approximate there (Section 8). A recall collects the points
 /// around some deferred points in a region, finds the neighbourhoods of these points, of their neighbours, and so on for
 /// each step of the chain, and takes them all through the steps: by the same search and stages as the sweep, cell by
-/// cell, on all threads, each point at most once in each step. It reads the stream at most once for each step.
+/// cell, on all threads. It evaluates each point at most once in each step, and reads each slab that the points touch
+/// once for each step.
 #pragma once
 
 #include <cstdint>

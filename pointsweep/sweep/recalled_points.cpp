@@ -18,9 +18,9 @@ namespace {
 /// Values of CellState::reached.
 constexpr std::uint8_t kReachedNow = 1, kInLevel = 2;
 
-/// A ball is large if it may hold more points, and for each of its neighbours so many more.
+/// A ball may hold many points if the cells that it touches hold more than kFewPoints + k * kFewForNeighbor.
 constexpr std::uint64_t kFewPoints = 8192, kFewForNeighbor = 128;
-/// Times the radius of a ball, as far as a cover of it may reach.
+/// Reach of a BallCover in multiples of the radius of a ball: three radii along each axis.
 constexpr double kCoverReach = 5.2;
 
 /// Memory of a ball while points are collected, without its distances; and of a whole ball with the cells that it
@@ -29,7 +29,7 @@ constexpr std::uint64_t kBallBytes = 2 * sizeof(Ball) + sizeof(std::vector<doubl
 constexpr std::uint64_t kWholeBallBytes = 2 * sizeof(Ball) + 64;
 
 double sum_of_roots_squared(double a2, double b2) {
-  const double sum = (std::sqrt(a2) + std::sqrt(b2)) * (1 + 1e-12);  // an upper bound, rounded as it may be
+  const double sum = (std::sqrt(a2) + std::sqrt(b2)) * (1 + 1e-12);  // an upper bound in spite of rounding
   return sum * sum;
 }
 
@@ -40,7 +40,7 @@ void lower_to(double& bound, double value) {
   }
 }
 
-/// Leaves those of the lists whose numbers `kept` names, which ascend.
+/// Drops all lists but those with the numbers `kept`, which ascend.
 void keep_lists_of(const std::vector<std::uint32_t>& kept, CellNeighbors& lists) {
   std::uint32_t end = 0;
   for (std::uint32_t n = 0; n < kept.size(); ++n) {
@@ -100,13 +100,13 @@ bool RecalledPoints::may_hold_many(const Ball& ball, double widths) const {
          region_.touches_more_than(few, ball.center, widths * widths * ball.reach2);
 }
 
-/// The ball, or a smaller one that whole cells fill with as many points as are needed: the point itself is one of them.
+/// Returns the ball, or a smaller one in which whole cells hold enough points: k and the point itself.
 Ball RecalledPoints::smaller(const Ball& ball) const {
   const double reach2 = region_.reach2_that_holds(ball.center, std::uint64_t{plan_.neighborhood.k} + 1);
   return {ball.center, std::min(ball.reach2, reach2)};
 }
 
-/// The deferred points and their neighbourhoods.
+/// Collects the deferred points and their neighbourhoods.
 bool RecalledPoints::collect_deferred(std::span<const DeferredPoint> points) {
   WantedPoints wanted;
   for (const DeferredPoint& p : points) wanted.places.push_back({p.slab, p.index_in_slab});
@@ -163,8 +163,8 @@ void RecalledPoints::place(std::span<const DeferredPoint> points, std::span<cons
   if (placed != points.size()) throw std::logic_error("a deferred point is not where the sweep has found it");
 }
 
-/// Points that the lists of a level name and that are in no level yet come into the one before it, and what their
-/// searches need comes into the region.
+/// Takes the points that the lists name and that are in no level yet into the level before, and collects the points that
+/// their searches need.
 bool RecalledPoints::begin_next_level() {
   for (std::uint32_t slot = 0; slot < cells_.size(); ++slot) {
     CellState& cell = cells_[slot];
@@ -175,7 +175,7 @@ bool RecalledPoints::begin_next_level() {
       cell.pending.push_back(i);
     }
   }
-  bound_by_what_is_here();
+  bound_by_points_in_memory();
   WantedPoints wanted;
   for (std::uint32_t slot = 0; slot < cells_.size(); ++slot)
     for (const std::uint32_t i : cells_[slot].pending)
@@ -204,7 +204,7 @@ void RecalledPoints::separate_large(WantedPoints& wanted) const {
 
 /// Lowers the bounds of pending points by a search among the points in memory: the neighbourhood among all points never
 /// reaches farther.
-void RecalledPoints::bound_by_what_is_here() {
+void RecalledPoints::bound_by_points_in_memory() {
   const std::vector<std::uint32_t> slots = cells_with([](const CellState& cell) { return !cell.pending.empty(); });
   for_cells(slots, [&](std::uint32_t slot, Worker& worker) {
     CellState& cell = cells_[slot];
@@ -222,7 +222,7 @@ void RecalledPoints::find_level(std::uint32_t level) {
   for_cells(slots, [&](std::uint32_t slot, Worker& worker) { find_lists(slot, level, worker); });
 }
 
-/// Lists of the first of `points`, in worker.neighbors. Returns how many.
+/// Finds the lists of the first of `points`, in worker.neighbors. Returns their number.
 std::size_t RecalledPoints::search(std::uint32_t slot, std::span<const std::uint32_t> points, Worker& worker) {
   const Stopwatch watch(worker.search_seconds);
   return search_chosen(region_.directory(), slot, points, most_listed(), plan_.neighborhood, worker.search,
@@ -242,7 +242,8 @@ void RecalledPoints::find_lists(std::uint32_t slot, std::uint32_t level, Worker&
   }
 }
 
-/// A neighbourhood that ends within its bound is complete, because the region holds everything within it.
+/// Throws if a neighbourhood reaches beyond its bound. Within the bound it is complete, because the region holds all
+/// points within the bound.
 void RecalledPoints::expect_complete(std::uint32_t slot, std::span<const std::uint32_t> points,
                                      const CellNeighbors& lists) const {
   const Cell& cell = region_.at(slot).cell;

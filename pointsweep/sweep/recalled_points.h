@@ -18,10 +18,11 @@ namespace pointsweep {
 /// the points of the next one and their neighbours. Lists are found from the last level to the first, values from the
 /// first step to the last.
 ///
-/// A bound of the neighbourhood of each point is known before its list is found. For a deferred point it is what the
-/// sweep has found, or what the sizes of cells tell. For a neighbour q of p it is |q - p| + r, where r is the radius of
-/// the neighbourhood of p, since that ball holds p and all neighbours of p; or less, where the points in memory say so.
-/// So one reading of the stream for each level brings all that its searches need.
+/// A bound of the neighbourhood of each point is known before its list is found. The bound of a deferred point is the
+/// reach that the sweep found, or a shorter one within which whole cells hold enough points. The bound of a neighbour q
+/// of p is |q - p| + r, where r is the radius of the neighbourhood of p, because that ball holds p and all neighbours
+/// of p; a search among the points in memory may give a shorter one. So one reading of the stream for each level brings
+/// all points that the searches of the level need.
 class RecalledPoints {
  public:
   RecalledPoints(const Stream& stream, const SweepPlan& plan, const SlabLoader& loader, const Frontier& frontier,
@@ -33,34 +34,34 @@ class RecalledPoints {
         point_bytes_(window_point_bytes(plan) + kStateBytes),
         record_bytes_(stream.record_schema().stride + sizeof(std::uint32_t)) {}
 
-  /// Loads the surroundings of `points` and finds all lists. False if they take more memory than allowed; one point is
-  /// always taken.
+  /// Collects the surroundings of `points` and finds all lists. Returns false if these take more memory than allowed; a
+  /// single point is always taken.
   bool gather(std::span<const DeferredPoint> points);
   /// Takes everything through the steps and hands the deferred points over.
   void finish(Sink& sink);
 
   std::uint64_t slabs_read() const { return region_.slabs_read(); }
-  /// What it takes while the last lists are being found.
+  /// Memory of points and lists, as long as the last lists are being found.
   std::uint64_t bytes() const {
     return region_.points() * point_bytes_ + region_.size() * sizeof(WindowCell) + list_bytes_ + pending_bytes_;
   }
 
  private:
-  /// Points of one cell that came into a level together. Lists for which there is no memory are found again when they
-  /// are used; there are none here then.
+  /// Points of one cell that came into a level together, with their lists if there is memory for them. Otherwise the
+  /// lists are found again when they are used.
   struct Listed {
     std::uint32_t level;
     std::vector<std::uint32_t> points;  ///< by index in the cell, ascending
     CellNeighbors lists;
     bool has_lists;
   };
-  /// What is known of a cell of the region.
+  /// Knowledge about a cell of the region.
   struct CellState {
     std::vector<std::uint8_t> reached;  ///< by point: whether it is in a level, or is to come into the next one
     std::vector<double> bound2;         ///< by point reached: a squared distance within which its neighbourhood lies
     std::vector<std::uint32_t> pending;  ///< points whose lists are to be found, ascending
     std::vector<Listed> listed;
-    /// Of its deferred points, ascending: the point and the first step whose degenerate results count.
+    /// The deferred points, ascending, each with the first step whose degenerate results count.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> counted_from;
   };
 
@@ -74,7 +75,7 @@ class RecalledPoints {
   void place(std::span<const DeferredPoint> points, std::span<const Ball> balls);
   void find_level(std::uint32_t level);
   bool begin_next_level();
-  void bound_by_what_is_here();
+  void bound_by_points_in_memory();
   void separate_large(WantedPoints& wanted) const;
   template <class Has>
   std::vector<std::uint32_t> cells_with(Has has) const;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <utility>
 
 #include "pointsweep/threads.h"
@@ -19,7 +18,7 @@ double farthest_distance2(const Box& b, Vec3 p) {
   return (dx * dx + dy * dy) + dz * dz;
 }
 
-/// The least distance from a place within which whole cells hold `count` points together.
+/// Finds the least distance from a place within which whole cells hold `count` points.
 struct WholeCells {
   Vec3 place;
   std::uint64_t count;
@@ -48,7 +47,8 @@ bool Region::collect(WantedPoints wanted) {
   std::vector<CollectedPoints> found = collector.take();
   std::vector<std::vector<std::unique_ptr<WindowCell>>> cells(found.size());
   parallel_for(found.size(), [&](std::size_t i, unsigned) {
-    leave_out_held(found[i]);
+    const std::vector<std::uint32_t>& held = held_[found[i].slab];
+    found[i].keep_only([&](std::uint32_t n) { return !std::ranges::binary_search(held, found[i].index_in_slab[n]); });
     cells[i] = loader_.cells_of(found[i].slab, found[i].index_in_slab, found[i].records);
     found[i].records = {};
   });
@@ -59,19 +59,6 @@ bool Region::collect(WantedPoints wanted) {
     std::inplace_merge(held.begin(), middle, held.end());
   }
   return true;
-}
-
-void Region::leave_out_held(CollectedPoints& found) const {
-  const std::vector<std::uint32_t>& held = held_[found.slab];
-  const std::size_t stride = stream_.record_schema().stride;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < found.index_in_slab.size(); ++i) {
-    if (std::ranges::binary_search(held, found.index_in_slab[i])) continue;
-    found.index_in_slab[kept] = found.index_in_slab[i];
-    std::memmove(found.records.data() + kept++ * stride, found.records.data() + i * stride, stride);
-  }
-  found.index_in_slab.resize(kept);
-  found.records.resize(kept * stride);
 }
 
 void Region::admit(std::unique_ptr<WindowCell> cell) {
@@ -91,7 +78,7 @@ bool Region::touches_more_than(std::uint64_t count, Vec3 p, double reach2) const
   return false;
 }
 
-/// The nearest slab first: what it gives leaves few other slabs to look at.
+/// Takes the nearest slab first, so that few other slabs have to be looked at.
 double Region::reach2_that_holds(Vec3 p, std::uint64_t count) const {
   const std::vector<Slab>& slabs = stream_.slabs();
   WholeCells found{p, count, Box::kInf, {}};

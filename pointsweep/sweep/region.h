@@ -16,7 +16,7 @@ namespace pointsweep {
 /// changes the region, all else is thread-safe.
 class Region {
  public:
-  /// `frontier`: of a sweep that has come to its end, so that it holds every cell of the cloud but superfluous ones.
+  /// `frontier` is that of a sweep that has ended: it holds the boxes of all cells but superfluous ones.
   Region(const Stream& stream, const SlabLoader& loader, const Frontier& frontier, std::size_t slabs_at_once)
       : stream_(stream),
         loader_(loader),
@@ -41,7 +41,6 @@ class Region {
   std::uint64_t slabs_read() const { return slabs_read_; }
 
  private:
-  void leave_out_held(CollectedPoints& found) const;
   void admit(std::unique_ptr<WindowCell> cell);
 
   const Stream& stream_;

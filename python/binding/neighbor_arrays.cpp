@@ -12,6 +12,8 @@
 
 #include "pointsweep/fail.h"
 
+#include "python/binding/neighbor_sink.h"
+
 namespace nb = nanobind;
 
 namespace pointsweep {
@@ -43,25 +45,9 @@ NeighborArrays::NeighborArrays(std::size_t k, std::uint64_t points)
       rows_(points * k * size_of(row_type_)),
       distances_(points * k * sizeof(double)) {}
 
-/// Keeps nothing itself: what a batch has goes to the arrays of the run.
-class NeighborArrays::WriteNeighbors final : public Operator {
- public:
-  explicit WriteNeighbors(NeighborArrays& arrays) : arrays_(arrays) {}
-  std::string name() const override { return "neighbor_arrays"; }
-  Contract contract() const override {
-    return {.makes = {scalar("neighbor_count", Type::u32, "1", "number of neighbours")}};
-  }
-  void apply(const Neighborhoods& in, Columns& out) const override {
-    const auto counts = out.column<std::uint32_t>(0);
-    for (std::size_t i = 0; i < in.size(); ++i) counts[i] = static_cast<std::uint32_t>(in.count(i));
-    arrays_.write(in);
-  }
-
- private:
-  NeighborArrays& arrays_;
-};
-
-std::shared_ptr<const Operator> NeighborArrays::op() { return std::make_shared<WriteNeighbors>(*this); }
+std::shared_ptr<const Operator> NeighborArrays::op() {
+  return std::make_shared<NeighborSink>("neighbor_arrays", [this](const Neighborhoods& in) { write(in); });
+}
 
 template <class Row>
 void NeighborArrays::write(const Neighborhoods& in, Row* rows, double* distances) const {

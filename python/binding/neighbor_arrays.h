@@ -30,7 +30,6 @@ class NeighborArrays {
 
  private:
   class EmptyRows;
-  class WriteNeighbors;
   void write(const Neighborhoods& in);
   template <class Row>
   void write(const Neighborhoods& in, Row* rows, double* distances) const;

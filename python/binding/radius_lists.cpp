@@ -6,48 +6,33 @@
 #include <limits>
 #include <utility>
 
+#include "python/binding/neighbor_sink.h"
 #include "python/binding/result_arrays.h"
 
 namespace nb = nanobind;
 
 namespace pointsweep {
 
-/// Keeps nothing itself: what a batch has goes to the lists of the run.
-class RadiusLists::ListNeighbors final : public Operator {
- public:
-  explicit ListNeighbors(RadiusLists& lists) : lists_(lists) {}
-  std::string name() const override { return "radius_lists"; }
-  Contract contract() const override {
-    return {.makes = {scalar("neighbor_count", Type::u32, "1", "number of neighbours")}};
-  }
-  void apply(const Neighborhoods& in, Columns& out) const override {
-    const auto counts = out.column<std::uint32_t>(0);
-    for (std::size_t i = 0; i < in.size(); ++i) counts[i] = static_cast<std::uint32_t>(in.count(i));
-    lists_.add(lists_of(in));
-  }
+std::shared_ptr<const Operator> RadiusLists::op() {
+  return std::make_shared<NeighborSink>("radius_lists", [this](const Neighborhoods& in) { add(lists_of(in)); });
+}
 
- private:
-  static std::unique_ptr<Batch> lists_of(const Neighborhoods& in) {
-    auto batch = std::make_unique<Batch>();
-    std::size_t all = 0;
-    for (std::size_t i = 0; i < in.size(); ++i) all += in.count(i);
-    batch->rows.reserve(all);
-    batch->distances.reserve(all);
-    for (std::size_t i = 0; i < in.size(); ++i) {
-      batch->points.push_back(in.row(i));
-      batch->counts.push_back(static_cast<std::uint32_t>(in.count(i)));
-      for (std::size_t j = 0; j < in.count(i); ++j) {
-        batch->rows.push_back(in.neighbor_row(i, j));
-        batch->distances.push_back(std::sqrt(in.distance2(i, j)));
-      }
+std::unique_ptr<RadiusLists::Batch> RadiusLists::lists_of(const Neighborhoods& in) {
+  auto batch = std::make_unique<Batch>();
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < in.size(); ++i) all += in.count(i);
+  batch->rows.reserve(all);
+  batch->distances.reserve(all);
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    batch->points.push_back(in.row(i));
+    batch->counts.push_back(static_cast<std::uint32_t>(in.count(i)));
+    for (std::size_t j = 0; j < in.count(i); ++j) {
+      batch->rows.push_back(in.neighbor_row(i, j));
+      batch->distances.push_back(std::sqrt(in.distance2(i, j)));
     }
-    return batch;
   }
-
-  RadiusLists& lists_;
-};
-
-std::shared_ptr<const Operator> RadiusLists::op() { return std::make_shared<ListNeighbors>(*this); }
+  return batch;
+}
 
 RadiusLists::~RadiusLists() {
   for (std::unique_ptr<Batch> batch(newest_.load()); batch;) batch = std::move(batch->next);

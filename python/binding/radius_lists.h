@@ -29,7 +29,6 @@ class RadiusLists {
   nanobind::tuple arrays(std::uint64_t points);
 
  private:
-  class ListNeighbors;
   /// The lists of a batch, one after another.
   struct Batch {
     std::vector<std::uint64_t> points;
@@ -38,6 +37,7 @@ class RadiusLists {
     std::vector<double> distances;
     std::unique_ptr<Batch> next;
   };
+  static std::unique_ptr<Batch> lists_of(const Neighborhoods& in);
   /// Called by any number of threads at once, none of which waits. A point may come twice, with the same list.
   void add(std::unique_ptr<Batch> batch);
   template <class Row>

@@ -2,10 +2,7 @@
 /// The law of --memory: every operator, in the least memory that it accepts, stays below it, with many threads.
 #include <nlohmann/json.hpp>
 
-#include "pointsweep/points/schema.h"
-#include "pointsweep/writer.h"
 #include "tests/cli/tool.h"
-#include "tests/formats/point_files.h"
 #include "tests/support/examples.h"
 
 namespace pointsweep {
@@ -14,14 +11,8 @@ namespace {
 class MemoryLaw : public Tool, public testing::WithParamInterface<std::string> {
  protected:
   MemoryLaw() {
-    write_points("in.ply", cloud_for_examples(100000, 1));
-    write_points("other.ply", cloud_for_examples(20000, 2));
-  }
-
-  void write_points(const std::string& name, const std::vector<Vec3>& points) const {
-    Schema schema;
-    for (const char* field : {"x", "y", "z"}) schema.append(field, Type::f64);
-    write_all(plan_for(folder_ / name, points.size(), schema), std::as_bytes(std::span(points)));
+    write_points(folder_ / "in.ply", cloud_for_examples(100000, 1));
+    write_points(folder_ / "other.ply", cloud_for_examples(20000, 2));
   }
 
   /// The command of the example in so many MB.

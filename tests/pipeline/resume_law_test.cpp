@@ -11,7 +11,6 @@
 #include "pointsweep/error.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/engine_run.h"
-#include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/support/examples.h"
 #include "tests/support/watching.h"
@@ -22,14 +21,8 @@ namespace {
 class ResumeLaw : public testing::Test {
  protected:
   ResumeLaw() {
-    write("in.ply", cloud_for_examples(20000, 1));
-    write("other.ply", cloud_for_examples(5000, 2));
-  }
-
-  void write(const std::string& name, const std::vector<Vec3>& points) const {
-    Schema schema;
-    for (const char* field : {"x", "y", "z"}) schema.append(field, Type::f64);
-    write_all(plan_for(folder_ / name, points.size(), schema), std::as_bytes(std::span(points)));
+    write_points(folder_ / "in.ply", cloud_for_examples(20000, 1));
+    write_points(folder_ / "other.ply", cloud_for_examples(5000, 2));
   }
 
   EngineOptions options(const std::string& output, std::uint64_t memory) const {

@@ -5,13 +5,17 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <random>
 #include <regex>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "pointsweep/geometry.h"
 #include "pointsweep/pipeline/registry.h"
+#include "pointsweep/points/schema.h"
+#include "tests/formats/point_files.h"
 
 namespace pointsweep {
 
@@ -45,6 +49,13 @@ inline std::vector<Vec3> cloud_for_examples(std::size_t n, std::uint64_t seed) {
                             : Vec3{u, v, 2 * std::sin(0.2 * u) * std::cos(0.3 * v) + 0.05 * uniform(random)};
   }
   return points;
+}
+
+/// Writes a file of float64 coordinates.
+inline void write_points(const std::filesystem::path& path, const std::vector<Vec3>& points) {
+  Schema schema;
+  for (const char* field : {"x", "y", "z"}) schema.append(field, Type::f64);
+  write_all(plan_for(path, points.size(), schema), std::as_bytes(std::span(points)));
 }
 
 }  // namespace pointsweep
