@@ -82,7 +82,7 @@ ReadRows placing(ReadRows read, std::shared_ptr<const Placement> placement) {
   };
 }
 
-/// What a Thinning or an OrderedWork takes, out of working records.
+/// Makes the arguments of a Thinning or an OrderedWork out of working records.
 class OrderedBatch {
  public:
   OrderedBatch(const Schema& record, const PlannedPass& pass)
@@ -94,7 +94,8 @@ class OrderedBatch {
     for (const std::uint16_t column : pass.plan.stages.front().reads)
       for (std::size_t c = 0; c < pass.file_fields.size(); ++c)
         if (pass.plan.file_columns[c].column == column)
-          for (const std::string& name : pass.file_fields[c]) values_of_.push_back(record.fields[*record.find(name)]);
+          for (const std::string& name : pass.file_fields[c])
+            values_of_.push_back({record.fields[*record.find(name)], {.name = "", .type = pass.plan.file_columns[c].type}});
   }
 
   /// Those of `n` records that have a place.
@@ -107,19 +108,29 @@ class OrderedBatch {
       places_.push_back(place);
       positions_.push_back(vector_at(position_, record));
       rows_.push_back(row_of(schema_, record));
-      for (const Field& field : values_of_) values_.push_back(value_of(field, record));
+      for (const Value& value : values_of_) values_.push_back(promised(value, record));
     }
     return {places_, positions_, rows_, values_};
   }
 
  private:
+  struct Value {
+    Field stored, wanted;  ///< as the record has it, and as the contract of the stage names its type
+  };
+  static double promised(const Value& value, const std::byte* record) {
+    const double number = value_of(value.stored, record);
+    if (value.stored.type == value.wanted.type) return number;
+    std::byte bytes[sizeof(double)];
+    set_value(value.wanted, bytes, number);
+    return value_of(value.wanted, bytes);
+  }
   static Vec3 vector_at(const PositionFields& fields, const std::byte* record) {
     return {value_of(fields.x, record), value_of(fields.y, record), value_of(fields.z, record)};
   }
 
   const Schema& schema_;
   PositionFields place_, position_;
-  std::vector<Field> values_of_;
+  std::vector<Value> values_of_;
   std::vector<Vec3> places_, positions_;
   std::vector<std::uint64_t> rows_;
   std::vector<double> values_;

@@ -236,8 +236,10 @@ class Verification {
     judge_suspects();
   }
 
+  /// Where a made attribute was not written, a field of its name in the output is the input's.
   OutputColumns columns_of_output() const {
     return [this](const Attribute& made) -> std::optional<std::vector<FieldPair>> {
+      if (std::ranges::find(chain_.made(), made.name, &Attribute::name) == chain_.made().end()) return std::nullopt;
       const Schema schema = schema_of_made({made}, options_.prefix);
       std::vector<FieldPair> pairs;
       for (std::size_t f = 0; f < schema.fields.size(); ++f) {

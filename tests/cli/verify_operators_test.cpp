@@ -156,6 +156,31 @@ TEST_F(VerifyOperators, SegmentsOfNormalsOfTheInputAndOfNormalsThatWereMade) {
   checks("knn(k=5) | normals | segments(angle=10)", {"segment", "segment_size", "segment_residual"});
 }
 
+/// The output then has the normals of the input, which the segments are not made of.
+TEST_F(VerifyOperators, NormalsThatWereMadeAndNotWrittenAreNotThoseOfTheInput) {
+  write_hostile(hostile_shapes()[0].second);
+  const std::string orient = "knn(k=8) | normals | orient", segments = " | segments(angle=20)";
+  for (const auto& [pipeline, keep] : {std::pair("knn(k=8) | normals" + segments, "segment_size"),
+                                       std::pair(orient + segments, "segment"), std::pair(orient, "normal_turned")}) {
+    run(pipeline, std::string("--keep ") + keep);
+    const Result result = tool("verify out.ply");
+    EXPECT_EQ(result.status, 3) << pipeline << "\n" << result.out;
+    EXPECT_NE(result.out.find("what it reads is not in the output\n"), std::string::npos) << result.out;
+  }
+}
+
+TEST_F(VerifyOperators, NormalsOfDoublesInText) {
+  write_hostile(hostile_shapes()[0].second);
+  made("convert in.ply in.csv --quiet");
+  std::string text = contents(folder_ / "in.csv");
+  text = std::regex_replace(text, std::regex("0\\.8,"), "0.8000000123,");
+  write("in.csv", text);
+  for (const std::string pipeline : {"m3c2(other.ply, cylinder=0.61, depth=0.93)", "knn(k=8) | segments(angle=20)"}) {
+    made("run in.csv out.ply --force --quiet --pipeline '" + pipeline + "'");
+    same("out.ply", pipeline);
+  }
+}
+
 TEST_F(VerifyOperators, SignsOfNormals) {
   checks("knn(k=5) | orient", {"normal_turned"});
   checks("knn(k=8) | normals | segments | orient", {"normal_turned", "nx", "segment"});
