@@ -155,6 +155,7 @@ class RunDisplay final : public Observer {
   explicit RunDisplay(ProgressDisplay& display) : display_(display) {}
   void on_progress(const Progress& p) override { display_.report(p.phase, p.done, p.total); }
   void on_warning(const std::string& sentence) override { display_.say(Severity::warning, sentence); }
+  void on_note(const std::string& sentence) override { display_.say(Severity::note, sentence); }
   const CancellationToken& token() const noexcept override { return interrupt_token(); }
 
  private:

@@ -61,9 +61,13 @@ class POINTSWEEP_EXPORT Observer {
   virtual ~Observer();
   /// Called from one thread at a time, a few times a second at most on average.
   virtual void on_progress(const Progress& progress);
-  /// Called with each sentence about the input, the request or the output as soon as it is known, and with estimates of
-  /// long runs while there is time to stop. Statistics::warnings has all but the estimates.
+  /// Called with each sentence about the input, the request or the output that may have an unexpected result, as soon
+  /// as the sentence is known.
   virtual void on_warning(const std::string& sentence);
+  /// Called with each sentence about what the run does by itself: defaults in another unit, an earlier process that is
+  /// continued, and the estimate of a long run while there is time to stop. Calls on_warning() unless overridden.
+  /// Statistics::warnings has the sentences of both functions, except estimates.
+  virtual void on_note(const std::string& sentence);
 
   void cancel() noexcept { own_.cancel(); }
   /// What the run asks whether to stop: a token of the observer's own, or one that several share. It must outlive the

@@ -74,7 +74,7 @@ struct Statistics {
   std::vector<DistanceBin> neighbor_distances;
   unsigned threads = 1;
   std::string machine;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings;  ///< sentences of Observer::on_warning() and, except estimates, on_note()
 };
 
 /// One JSON object; the series thinned to at most 1,000 rows.

@@ -69,7 +69,7 @@ TEST_F(Units, DefaultsThatAreLengthsAreThoseOfMetresInFeet) {
   EXPECT_EQ(tool("ground metres.las m.las").err.find("converted"), std::string::npos);
   const Result run = tool("ground feet.las f.las");
   ASSERT_EQ(run.status, 0) << run.err;
-  EXPECT_NE(run.err.find("ground: the unit of the cloud is ft, so these defaults are converted: cell=3.281 (1 m), "
+  EXPECT_NE(run.err.find("note: ground: the unit of the cloud is ft, so these defaults are converted: cell=3.281 (1 m), "
                          "window=59.06 (18 m), threshold=1.64 (0.5 m), scalar=4.101 (1.25 m)."),
             std::string::npos)
       << run.err;

@@ -28,7 +28,7 @@ void open_checkpoints(RunState& run) {
   take_counts(run.statistics, run.checkpoints->last().counts);
   if (run.options.resources.memory_bytes == 0)
     run.statistics.memory_budget_bytes = run.checkpoints->last().memory_bytes;
-  run.warn("Went on where an earlier process had ended: times and series are of this one alone.");
+  run.note("Went on where an earlier process had ended: times and series are of this one alone.");
 }
 
 void restore_rows(RunState& run) {

@@ -72,7 +72,8 @@ RunState::RunState(InputCloud& read, const Outputs& written, const EngineOptions
       statistics(first_counts(read, input, written, plan, given)) {
   if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
   if (cloud.count() == 0) fail("{}: has no points, so there is nothing to do.", name_of_cloud());
-  for (const std::string& sentence : statistics.warnings) tell(sentence);
+  if (options.observer != nullptr)
+    for (const std::string& sentence : statistics.warnings) options.observer->on_warning(sentence);
   warn(input.warning());
 }
 
@@ -98,11 +99,12 @@ PointSource RunState::cloud_source() {
 void RunState::warn(const std::string& sentence) {
   if (sentence.empty()) return;
   statistics.warnings.push_back(sentence);
-  tell(sentence);
+  if (options.observer != nullptr) options.observer->on_warning(sentence);
 }
 
-void RunState::tell(const std::string& sentence) const {
-  if (options.observer != nullptr) options.observer->on_warning(sentence);
+void RunState::note(const std::string& sentence) {
+  statistics.warnings.push_back(sentence);
+  if (options.observer != nullptr) options.observer->on_note(sentence);
 }
 
 void RunState::report(const char* phase, std::uint64_t done, std::uint64_t active) const {

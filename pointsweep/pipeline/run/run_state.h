@@ -75,10 +75,10 @@ struct RunState {
   /// What a stream, "results", "rows" or "mask" of a pass are spilled to.
   SpillPlace place(const char* kind, std::size_t p, bool spills) const;
   PointSource cloud_source();
-  /// Adds the sentence to the warnings, unless it is empty, and tells the observer.
+  /// Adds the sentence to Statistics::warnings, unless it is empty, and tells the observer of it as a warning.
   void warn(const std::string& sentence);
-  /// Tells the observer alone.
-  void tell(const std::string& sentence) const;
+  /// Adds the sentence to Statistics::warnings and tells the observer of it as a note.
+  void note(const std::string& sentence);
   void report(const char* phase, std::uint64_t done, std::uint64_t active) const;
   /// Numbers of rows of the cloud before any select.
   std::vector<std::uint64_t> rows_of_cloud(std::vector<std::uint64_t> of_rows) const;

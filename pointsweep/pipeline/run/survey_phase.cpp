@@ -17,9 +17,9 @@ void give_notice(const RunState& run) {
     neighbors = std::max(neighbors, effort.neighbors_per_point);
   }
   constexpr double kWorthSaying = 60;
-  if (seconds >= kWorthSaying)
-    run.tell(fmt::format("The radius means {}; a smaller one, or k beside it, takes less.",
-                         effort_text(neighbors, seconds)));
+  if (seconds >= kWorthSaying && run.options.observer != nullptr)
+    run.options.observer->on_note(fmt::format("The radius means {}; a smaller one, or k beside it, takes less.",
+                                              effort_text(neighbors, seconds)));
 }
 
 bool needs_exact_survey(const RunState& run) {
