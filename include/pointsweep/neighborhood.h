@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -74,6 +75,9 @@ struct PointColumns {
   const std::byte* const* columns = nullptr;  ///< by column number of the plan
 };
 
+/// Throws UsageError: an operator has asked for `asked` bytes of a value that has `bytes`.
+[[noreturn]] POINTSWEEP_EXPORT void refuse_value_size(std::size_t bytes, std::size_t asked);
+
 /// A batch of at most kCellCapacity points, each with its neighbours, the point itself excluded. Valid only during
 /// Operator::apply.
 ///
@@ -87,9 +91,11 @@ class Neighborhoods {
  public:
   /// The engine makes batches. `position_column`: the column of moved positions to be seen instead of those of the
   /// search; negative: none. `moved`: the positions in `own` and `slots` are themselves no longer those of the search.
+  /// `column_bytes`: of values, by column number; null: types are not checked.
   Neighborhoods(const PointColumns& own, std::size_t size, const PointColumns* slots, const std::uint32_t* begin,
                 const NeighborRef* refs, std::span<const std::uint16_t> reads,
-                std::span<const std::uint16_t> reads_neighbors, int position_column = -1, bool moved = false)
+                std::span<const std::uint16_t> reads_neighbors, int position_column = -1, bool moved = false,
+                const std::uint32_t* column_bytes = nullptr)
       : own_(own),
         size_(size),
         slots_(slots),
@@ -97,6 +103,7 @@ class Neighborhoods {
         refs_(refs),
         reads_(reads),
         reads_neighbors_(reads_neighbors),
+        column_bytes_(column_bytes),
         position_column_(position_column),
         sorted_by_distance_(position_column < 0 && !moved) {}
 
@@ -137,14 +144,17 @@ class Neighborhoods {
     return slots_[slot_of(ref)].row[index_of(ref)];
   }
 
-  /// Attribute `a` of the operator's contract().reads at point i. T is the whole value, e.g. std::array<float, 3>.
+  /// Attribute `a` of the operator's contract().reads at point i. T is the whole value, e.g. std::array<float, 3>; in
+  /// what the engine makes, a type of another size throws UsageError.
   template <class T>
   T value(std::size_t a, std::size_t i) const {
+    require_size<T>(reads_[a]);
     return load<T>(own_.columns[reads_[a]], i);
   }
-  /// The same of all points of the batch, one after the other.
+  /// The same of all points of the batch, one after the other; as std::byte whatever the type.
   template <class T>
   const T* values(std::size_t a) const {
+    if constexpr (!std::is_same_v<T, std::byte>) require_size<T>(reads_[a]);
     return reinterpret_cast<const T*>(own_.columns[reads_[a]]);
   }
   /// Attribute `a` of the operator's contract().reads_neighbors at the j-th neighbour of point i.
@@ -155,15 +165,25 @@ class Neighborhoods {
   /// The same of any neighbour of the batch.
   template <class T>
   T value_of(std::size_t a, NeighborRef ref) const {
+    require_size<T>(reads_neighbors_[a]);
     return load<T>(slots_[slot_of(ref)].columns[reads_neighbors_[a]], index_of(ref));
   }
   /// Attributes of three floats as a vector, of a point and of any neighbour.
-  Vec3 vector(std::size_t a, std::size_t i) const { return load_vector(own_.columns[reads_[a]], i); }
+  Vec3 vector(std::size_t a, std::size_t i) const {
+    require_size<std::array<float, 3>>(reads_[a]);
+    return load_vector(own_.columns[reads_[a]], i);
+  }
   Vec3 vector_of(std::size_t a, NeighborRef ref) const {
+    require_size<std::array<float, 3>>(reads_neighbors_[a]);
     return load_vector(slots_[slot_of(ref)].columns[reads_neighbors_[a]], index_of(ref));
   }
 
  private:
+  template <class T>
+  void require_size(std::uint16_t column) const {
+    if (column_bytes_ != nullptr && column_bytes_[column] != sizeof(T)) [[unlikely]]
+      refuse_value_size(column_bytes_[column], sizeof(T));
+  }
   Vec3 position_in(const PointColumns& c, std::size_t i) const {
     if (position_column_ < 0) return {c.x[i], c.y[i], c.z[i]};
     const auto p = load<std::array<double, 3>>(c.columns[position_column_], i);
@@ -187,6 +207,7 @@ class Neighborhoods {
   const std::uint32_t* begin_;
   const NeighborRef* refs_;
   std::span<const std::uint16_t> reads_, reads_neighbors_;
+  const std::uint32_t* column_bytes_;
   int position_column_;
   bool sorted_by_distance_;
 };

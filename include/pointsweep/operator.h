@@ -20,6 +20,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -128,18 +129,26 @@ inline Attribute selection_attribute() {
 class POINTSWEEP_EXPORT Columns {
  public:
   /// `degenerate` gets the points that are marked. `unwanted`: by number, the columns that are never read; may be
-  /// shorter.
+  /// shorter. `bytes`: of a value, by number; empty: types are not checked.
   Columns(std::span<std::byte* const> made, std::size_t size, DegeneratePoints& degenerate,
-          std::vector<bool> unwanted = {})
-      : made_(made), size_(size), degenerate_(&degenerate), unwanted_(std::move(unwanted)) {}
+          std::vector<bool> unwanted = {}, std::vector<std::size_t> bytes = {})
+      : made_(made),
+        size_(size),
+        degenerate_(&degenerate),
+        unwanted_(std::move(unwanted)),
+        bytes_(std::move(bytes)) {}
 
   /// Points in the batch.
   std::size_t size() const { return size_; }
   /// Column `m` of contract().makes, 0 before the operator runs; T is the whole value, e.g. std::array<float, 3> or
-  /// float, of Attribute::bytes() bytes.
+  /// float, of Attribute::bytes() bytes: in what the engine makes, a type of another size throws UsageError, except
+  /// std::byte.
   template <class T>
   std::span<T> column(std::size_t m) {
     assert(m < made_.size());
+    if constexpr (!std::is_same_v<T, std::byte>)
+      if (!bytes_.empty() && bytes_[m] != sizeof(T)) [[unlikely]]
+        refuse_value_size(bytes_[m], sizeof(T));
     return {reinterpret_cast<T*>(made_[m]), size_};
   }
   /// False if column `m` is never read. An operator may then skip the work and leave the column unchanged.
@@ -154,6 +163,7 @@ class POINTSWEEP_EXPORT Columns {
   std::size_t size_;
   DegeneratePoints* degenerate_;
   std::vector<bool> unwanted_;
+  std::vector<std::size_t> bytes_;
 };
 
 /// A pure function of a point and its neighbourhood: the same input gives the same bytes, on any thread, at any time,

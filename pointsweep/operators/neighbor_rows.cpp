@@ -114,12 +114,13 @@ void NeighborRows::write(const Neighborhoods& in, Row* row, double* distance) co
 }
 
 void NeighborRows::apply(const Neighborhoods& in, Columns& out) const {
-  // A column's values are k wide, so only its first byte is taken from the span.
-  double* distance = distances_ ? out.column<double>(1).data() : nullptr;
+  // The values of a column are k wide.
+  auto* const distance = distances_ ? reinterpret_cast<double*>(out.column<std::byte>(1).data()) : nullptr;
+  std::byte* const rows = out.column<std::byte>(0).data();
   if (wide_) {
-    write(in, out.column<std::uint64_t>(0).data(), distance);
+    write(in, reinterpret_cast<std::uint64_t*>(rows), distance);
   } else {
-    write(in, out.column<std::uint32_t>(0).data(), distance);
+    write(in, reinterpret_cast<std::uint32_t*>(rows), distance);
   }
 }
 

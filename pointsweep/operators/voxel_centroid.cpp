@@ -196,7 +196,7 @@ std::shared_ptr<const Operator> TakeVoxelMeans::bound(const Schema& input, std::
 /// A row without means keeps its values: it is left out, or its point has no finite place.
 void TakeVoxelMeans::apply(const Neighborhoods& in, Columns& out) const {
   const std::size_t stride = kBesidesMeans + means_of(averaged_);
-  const double* const all = in.values<double>(0);
+  const auto* const all = reinterpret_cast<const double*>(in.values<std::byte>(0));
   const auto position = out.column<std::array<double, 3>>(0);
   for (std::size_t i = 0; i < in.size(); ++i) {
     const double* mean = all + i * stride;
@@ -208,7 +208,7 @@ void TakeVoxelMeans::apply(const Neighborhoods& in, Columns& out) const {
     const AveragedAttribute& attribute = averaged_[m];
     const std::size_t width = attribute.made.fields.size();
     with_type(attribute.made.type, [&]<class T>() {
-      T* to = out.column<T>(1 + m).data();
+      T* to = reinterpret_cast<T*>(out.column<std::byte>(1 + m).data());
       std::vector<double> values(width);
       for (std::size_t i = 0; i < in.size(); ++i) {
         const double* mean = all + i * stride;
@@ -238,7 +238,7 @@ std::shared_ptr<const Operator> KeepVoxelMeans::bound(const Schema&, std::span<c
 
 void KeepVoxelMeans::apply(const Neighborhoods& in, Columns& out) const {
   const std::size_t stride = reads_.front().fields.size();
-  const double* const means = in.values<double>(0);
+  const auto* const means = reinterpret_cast<const double*>(in.values<std::byte>(0));
   const auto kept = out.column<std::uint8_t>(0);
   for (std::size_t i = 0; i < in.size(); ++i) kept[i] = means[i * stride] != 0 || !is_finite(in.position(i));
 }

@@ -40,14 +40,16 @@ void run_stage(const SweepPlan& plan, std::size_t s, const Batch& batch, StageTa
   const Stage& stage = plan.stages[s];
   std::vector<std::byte*> made;
   std::vector<bool> unwanted;
+  std::vector<std::size_t> bytes;
   for (const std::uint16_t column : stage.makes) {
     made.push_back(batch.made[column]);
     unwanted.push_back(plan.lifetimes[column] == Lifetime::none);
+    bytes.push_back(plan.column_bytes[column]);
   }
   const Neighborhoods in(batch.own, batch.size, batch.slots, batch.begin, batch.refs, stage.reads,
-                         stage.reads_neighbors, stage.position);
+                         stage.reads_neighbors, stage.position, false, plan.column_bytes.data());
   tally.marked[s] = {};
-  Columns out(made, batch.size, tally.marked[s], std::move(unwanted));
+  Columns out(made, batch.size, tally.marked[s], std::move(unwanted), std::move(bytes));
   if (stage.connects == nullptr)
     apply(stage, in, out, tally.refused);
   else if (tally.edges)

@@ -162,6 +162,9 @@ MUTANTS = [
     Mutant("a folder whose name looks like a pattern is one within a pattern", "cli",
            "pointsweep/formats/files/file_pattern.cpp", "if (!ends_with_pattern(folder / name))", "if (!has_wildcard(name))",
            ("cli:FolderInputs.*",)),
+    Mutant("an operator reads a value as another type", "runs", "include/pointsweep/neighborhood.h",
+           "column_bytes_ != nullptr && column_bytes_[column] != sizeof(T)",
+           "column_bytes_ != nullptr && column_bytes_[column] < sizeof(T)", ("pipeline:Run.*",)),
 
     # Selects
     Mutant("a second select counts the rows that the first left", "selects", PIPELINE + "row_mask.cpp",

@@ -50,6 +50,31 @@ TEST(Run, WithoutAnOutputIsRefused) {
   EXPECT_THROW(run(cloud, graph_within(1, 2), Outputs{}, EngineOptions{}), UsageError);
 }
 
+/// Reads a normal and makes a number, each as another type than it is.
+class WrongTypes final : public Operator {
+ public:
+  explicit WrongTypes(bool makes_wrong) : makes_wrong_(makes_wrong) {}
+  std::string name() const override { return "wrong_types"; }
+  Contract contract() const override { return {{normal_attribute()}, {}, {scalar("sum", Type::f32, "1", "")}}; }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    if (makes_wrong_)
+      out.column<double>(0)[0] = 1;
+    else
+      out.column<float>(0)[0] = in.value<float>(0, 0);
+  }
+
+ private:
+  bool makes_wrong_;
+};
+
+TEST(Run, AnOperatorThatMistakesATypeIsRefused) {
+  const std::vector<Vec3> points = make_cloud(hostile_shapes().front().second, 100, 15);
+  for (const bool makes_wrong : {false, true}) {
+    const Chain chain{{.k = 4}, {std::make_shared<Normals>(), std::make_shared<WrongTypes>(makes_wrong)}};
+    EXPECT_THROW(run_in_memory(points, chain, small_slabs(80, 16)), UsageError);
+  }
+}
+
 TEST(Run, NeighborsEqualBruteForceWhateverTheSlabsAndCells) {
   for (const auto& [name, shape] : hostile_shapes()) {
     const std::vector<Vec3> points = make_cloud(shape, sized(2000), 5);
