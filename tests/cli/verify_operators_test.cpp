@@ -171,7 +171,7 @@ TEST_F(VerifyOperators, NormalsThatWereMadeAndNotWrittenAreNotThoseOfTheInput) {
 
 TEST_F(VerifyOperators, NormalsOfDoublesInText) {
   write_hostile(hostile_shapes()[0].second);
-  made("convert in.ply in.csv --quiet");
+  made("run in.ply in.csv --quiet --pipeline 'where(x > -1e9)'");
   std::string text = contents(folder_ / "in.csv");
   text = std::regex_replace(text, std::regex("0\\.8,"), "0.8000000123,");
   write("in.csv", text);
