@@ -28,7 +28,7 @@ def arguments():
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
-    parser.add_argument("--table", nargs="+", type=pathlib.Path, metavar="RESULT", help="only write docs/performance.md's table from these results")
+    parser.add_argument("--table", nargs="+", type=pathlib.Path, metavar="RESULT", help="only write bench/log.md's table from these results")
     parser.add_argument("--output", type=pathlib.Path, help="result file (default: bench/results/<date>-<commit>-binding.json)")
     return parser.parse_args()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Results that are committed, and the tables that docs/performance.md has of them."""
+"""Results that are committed, and the tables that docs/performance.md and bench/log.md have of them."""
 import datetime
 import json
 import statistics
@@ -40,8 +40,8 @@ def names(paths):
 
 
 def write_table(kind, text):
-    """Between the comments of docs/performance.md that begin and end the tables of script/bench KIND."""
-    page = ROOT / "docs/performance.md"
+    """Replaces the tables of script/bench KIND in docs/performance.md or bench/log.md, between the comments that begin and end them."""
     begin, end = f"<!-- {kind}: made by script/bench {kind} --table from committed results -->\n", f"<!-- end of {kind} -->"
+    page = next(page for page in (ROOT / "docs/performance.md", ROOT / "bench/log.md") if begin in page.read_text())
     head, rest = page.read_text().split(begin)
     page.write_text(head + begin + text + end + rest.split(end)[1])

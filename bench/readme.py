@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Writes the tables of README.md from committed results: bench/readme.py RESULT.json...
+"""Writes tables from committed results: bench/readme.py RESULT.json...
 
-Results of script/compare make the comparison with other tools, all others the table against nanoflann; a table that no
-result is named for stays."""
+Results of script/compare make the comparison with other programs in docs/performance.md. All others make the table against
+nanoflann there, of all clouds, and that of README.md, of the largest clouds. A table that no result is named for stays."""
 import json
 import pathlib
 import sys
@@ -47,47 +47,52 @@ def comparison(results, names):
     yield f" Made by `script/compare`; runs in {', '.join(f'`{name}`' for name in names)}.\n"
 
 
-def table(results, names):
+def caption(results):
     first = results[0]
-    counts = [len(row['runs']) for result in results for row in result['rows']]
+    counts = [len(row["runs"]) for result in results for row in result["rows"]]
     runs = "single runs" if max(counts) == 1 else f"medians of {'' if min(counts) == max(counts) else 'up to '}{max(counts)} runs"
-    yield (f"Normals, k = 8, whole processes from file to file, points in random file order, {first['threads']} threads, {runs}; "
-           f"{of_machine(first)} "
-           "Answers compared before times count.\n\n")
-    small = next(r["program"] for r in first["rows"] if r["program"].startswith("pointsweep --memory"))
-    yield (f"| cloud | wall s | CPU s | peak MB | `{small.removeprefix('pointsweep ')}`: CPU s | peak MB | nanoflann, points permuted: CPU | "
-           "nanoflann, file order: CPU |\n|---|---|---|---|---|---|---|---|\n")
+    return (f"Normals, k = 8, whole processes from file to file, points in random file order, {first['threads']} threads, {runs};\n"
+            f"{of_machine(first)} Answers are compared before times count.\n\n")
+
+
+def table(results, names, smallest=0):
+    """One row for each cloud of at least `smallest` points."""
+    program = next(r["program"] for r in results[0]["rows"] if r["program"].startswith("pointsweep --memory"))
+    little = f"`{program.removeprefix('pointsweep ')}`"
+    yield (f"| cloud | wall s | CPU s | peak MB | {little}: CPU s | peak MB | nanoflann, points permuted: CPU | in file order |\n"
+           "|---|---|---|---|---|---|---|---|\n")
+    clouds = {}
     for result in results:
-        clouds = {}
         for row in result["rows"]:
-            if (row.get("order", "random"), row.get("format", "ply"), row.get("k", 8)) != ("random", "ply", 8):
-                continue
-            clouds.setdefault(f"{row['shape']} {row['points'] / 1e6:g}M", {})[row["program"]] = row["median"]
-        for cloud, programs in clouds.items():
-            ours, in_little = programs["pointsweep"], programs[small]
-            over = [times(programs[name]["cpu_seconds"], ours["cpu_seconds"]) for name in ("nanoflann permuted", "nanoflann")]
-            yield (f"| {cloud} | {ours['wall_seconds']:.2f} | {ours['cpu_seconds']:.2f} | {ours['peak_rss_bytes'] / 1e6:.0f} | "
-                   f"{in_little['cpu_seconds']:.2f} | {in_little['peak_rss_bytes'] / 1e6:.0f} | {' | '.join(over)} |\n")
+            if (row.get("order", "random"), row.get("format", "ply"), row.get("k", 8)) == ("random", "ply", 8) and row["points"] >= smallest:
+                clouds.setdefault(f"{row['shape']} {row['points'] / 1e6:g}M", {})[row["program"]] = row["median"]
+    for cloud, programs in clouds.items():
+        ours, in_little = programs["pointsweep"], programs[program]
+        over = [times(programs[name]["cpu_seconds"], ours["cpu_seconds"]) for name in ("nanoflann permuted", "nanoflann")]
+        yield (f"| {cloud} | {ours['wall_seconds']:.2f} | {ours['cpu_seconds']:.2f} | {ours['peak_rss_bytes'] / 1e6:.0f} | "
+               f"{in_little['cpu_seconds']:.2f} | {in_little['peak_rss_bytes'] / 1e6:.0f} | {' | '.join(over)} |\n")
     yield f"\nMade by `script/bench`; runs in {', '.join(f'`{name}`' for name in names)}.\n"
 
 
-def replaced(text, section, lines):
+def replace(path, section, lines):
+    page = ROOT / path
     begin, end = f"<!-- {section}{NOTE}", f"<!-- end of {section} -->"
-    head, rest = text.split(begin)
-    return head + begin + lines + end + rest.split(end)[1]
+    head, rest = page.read_text().split(begin)
+    page.write_text(head + begin + "".join(lines) + end + rest.split(end)[1])
 
 
 def main():
     results = {name: json.loads((ROOT / name).read_text()) for name in sys.argv[1:]}
     compared = [name for name, result in results.items() if result.get("kind") == "compare"]
     benched = [name for name in results if name not in compared]
-    readme = ROOT / "README.md"
-    text = readme.read_text()
     if compared:
-        text = replaced(text, "comparison", "".join(comparison([results[name] for name in compared], compared)))
+        replace("docs/performance.md", "comparison", comparison([results[name] for name in compared], compared))
     if benched:
-        text = replaced(text, "numbers", "".join(table([results[name] for name in benched], benched)))
-    readme.write_text(text)
+        of = [results[name] for name in benched]
+        largest = max(row["points"] for result in of for row in result["rows"])
+        with_largest = [name for name in benched if any(row["points"] == largest for row in results[name]["rows"])]
+        replace("docs/performance.md", "numbers", [caption(of), *table(of, benched)])
+        replace("README.md", "numbers", [caption([results[name] for name in with_largest]), *table(of, with_largest, largest)])
 
 
 if __name__ == "__main__":

@@ -34,6 +34,18 @@ def test_the_blocks_of_the_documentation_run(tmp_path, monkeypatch):
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["0.laz", "1.laz"]
 
 
+def test_the_block_of_the_first_page_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "tiles").mkdir()
+    try:
+        ps.generate("volume", 3000, tmp_path / "tiles/0.laz")
+    except ps.Error as error:
+        pytest.skip(str(error))
+    (block,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    exec(compile(block, "README.md", "exec"), {})
+    assert "roughness" in ps.open(tmp_path / "out/0.laz").attributes
+
+
 def test_the_example_on_arrays_runs(capsys):
     runpy.run_path(str(ROOT / "python/examples/arrays.py"))
     assert "no outliers" in capsys.readouterr().out

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""Checks README.md and the pages of docs/.
+
+    pages.py commands TOOL [--write]   runs the commands of the pages below and compares what they print with the page; --write puts it there
+    pages.py paths                     every path in backticks exists, every fenced block has a kind that is run or is text, README.md is short
+
+Commands are the blocks ```sh. A block ```text right after one is what its commands print. Seconds, rates and amounts of memory differ from
+run to run and are not compared."""
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGES_WITH_COMMANDS = ["README.md", "docs/index.md", "docs/cookbook.md"]
+# Lines of blocks that set a machine up: script/ and pip are tested by themselves.
+SETS_UP = re.compile(r"(script/|pip )")
+# README.md generates a cloud that takes seconds; a smaller one shows the same.
+SMALLER = ("-n 500k", "-n 50k")
+BLOCK = re.compile(r"^```sh\n(?P<commands>.*?)^```\n(?P<shown>\n?```text\n(?P<text>.*?)^```\n)?", re.MULTILINE | re.DOTALL)
+VARYING = re.compile(r"\d[\d.,]*(?=( s\b|[KM]?/s\b|[KMG]\b of memory| [KMG]B\b))|(?<=commit )\w+")
+KINDS_THAT_RUN = {"sh", "python", "cpp", "cmake", "json"}
+
+
+class Workshop:
+    """A folder with the inputs that the pages name, and the tool under its name."""
+
+    def __init__(self, tool):
+        self.folder = tempfile.TemporaryDirectory()
+        self.path = pathlib.Path(self.folder.name)
+        (self.path / "bin").mkdir()
+        (self.path / "bin/pointsweep").symlink_to(pathlib.Path(tool).resolve())
+
+    def run(self, commands):
+        done = subprocess.run(["bash", "-euo", "pipefail", "-c", commands], cwd=self.path, capture_output=True, text=True, stdin=subprocess.DEVNULL,
+                              env={"PATH": f"{self.path}/bin:/usr/bin:/bin", "LANG": "C.UTF-8", "HOME": self.folder.name, "TERM": "dumb"})
+        if done.returncode != 0:
+            sys.exit(f"{commands}\nends with status {done.returncode}:\n{done.stdout}{done.stderr}")
+        return done.stdout + done.stderr
+
+    def make_inputs(self):
+        self.run("pointsweep generate terrain scan.laz -n 20000 --noise 0.05; mkdir tiles; pointsweep sort scan.laz before.laz\n"
+                 "pointsweep run scan.laz tiles/west.laz --pipeline 'where(x < 500)'; pointsweep run scan.laz tiles/east.laz --pipeline 'where(x >= 500)'\n"
+                 "pointsweep generate terrain after.laz -n 20000 --noise 0.05 --seed 2")
+        polygon = '{"type": "Polygon", "coordinates": [[[100, 100], [700, 100], [400, 800], [100, 100]]]}'
+        (self.path / "site.geojson").write_text(polygon)
+
+
+def commands_of(block):
+    return "".join(line + "\n" for line in block.splitlines() if not SETS_UP.match(line))
+
+
+def check_commands(tool, write):
+    codecs = subprocess.run([tool, "generate", "statue", "/dev/null", "--output-format", "laz"], capture_output=True, text=True).stderr
+    if "built without" in codecs:
+        print("skipped: this build cannot write LAZ")
+        sys.exit(77)
+    for page in PAGES_WITH_COMMANDS:
+        workshop = Workshop(tool)
+        workshop.make_inputs()
+        text = (ROOT / page).read_text()
+        if page == "README.md" or page == "docs/index.md":
+            (workshop.path / "scan.laz").unlink()
+        count = 0
+
+        def printed(match):
+            nonlocal count
+            commands = commands_of(match["commands"])
+            count += commands.count("\n")
+            if page == "README.md":
+                commands = commands.replace(*SMALLER)
+            output = workshop.run(commands) if commands else ""
+            if match["text"] is None:
+                return match[0]
+            if not write and VARYING.sub("#", output) != VARYING.sub("#", match["text"]):
+                sys.exit(f"{page} shows another output than these commands print; script/docs --outputs puts it there.\n{commands}\n{output}")
+            begin, end = (place - match.start() for place in match.span("text"))
+            return match[0][:begin] + output + match[0][end:]
+
+        made = BLOCK.sub(printed, text)
+        if count < 5:
+            sys.exit(f"{page}: only {count} commands are found")
+        if write:
+            (ROOT / page).write_text(made)
+
+
+def check_paths():
+    wrong = []
+    pages = [ROOT / name for name in ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md")] + sorted((ROOT / "docs").rglob("*.md"))
+    folders = sorted(path.name for path in (ROOT / "pointsweep").iterdir() if path.is_dir())
+    starts = [path.name for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith(".") and path.name != "build"] + folders
+    for page in pages:
+        name, text = page.relative_to(ROOT), page.read_text()
+        for kind in re.findall(r"^```(\w*)\n.*?^```", text, re.MULTILINE | re.DOTALL):
+            if kind not in KINDS_THAT_RUN | {"text"}:
+                wrong.append(f"{name}: a fenced block of the kind '{kind}' is neither run nor marked text")
+        for code in re.findall(r"`([^`\n]+)`", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)):
+            path = code.split(" ")[0].rstrip("/")
+            if not re.fullmatch(r"[\w./*{},-]+", path) or path.split("/")[0] not in starts or "/" not in path:
+                continue
+            bases = [ROOT, ROOT / "pointsweep", ROOT / "include/pointsweep"]
+            if not any(list(base.glob(found)) for base in bases for one in braces(path) for found in (one, one + ".*", one + "-*")):
+                wrong.append(f"{name}: there is no {path}")
+    readme = (ROOT / "README.md").read_text().splitlines()
+    if len(readme) > 95 or max(map(len, readme)) > 160:
+        wrong.append("README.md has more than 95 lines, or a line of more than 160 characters")
+    sys.exit("\n".join(wrong) or 0)
+
+
+def braces(path):
+    """`a/{b,c}` as a/b and a/c."""
+    match = re.match(r"(.*)\{([^{}]*)\}(.*)", path)
+    return [path] if match is None else [match[1] + one + match[3] for one in match[2].split(",")]
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "paths":
+        check_paths()
+    else:
+        check_commands(sys.argv[2], "--write" in sys.argv)
