@@ -32,7 +32,7 @@ OrderedJson json_of(const OptionDeclaration& option) {
                       {"required", option.required},
                       {"meaning", option.meaning}};
   if (option.kind == OptionKind::whole || option.kind == OptionKind::number)
-    json["range"] = {json_of_limit(option.least), json_of_limit(option.most)};
+    json.update({{"range", {json_of_limit(option.least), json_of_limit(option.most)}}, {"allowed", option.allowed()}});
   if (!option.choices.empty()) json["choices"] = option.choices;
   if (!option.unit.empty()) json["unit"] = option.unit;
   return json;

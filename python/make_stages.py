@@ -15,12 +15,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-from ._stage import Stage, made_stage
-
-if TYPE_CHECKING:
-    from ._files import Cloud
+from ._files import Cloud
+from ._stage import Stage, made_stage, makes_stage
 
 __all__ = [{names}]  # fmt: skip
 '''
@@ -31,6 +29,7 @@ TYPES = {
     "attributes": "str | Sequence[str]", "assignments": "str",
 }  # fmt: skip
 WIDTH = 116
+FUNCTIONS = {"set": "assign"}  # of operators whose names are those of builtins
 
 
 def variable(option):
@@ -68,6 +67,16 @@ def type_of(option):
     return TYPES[option["kind"]]
 
 
+def function_name(operator):
+    return FUNCTIONS.get(operator["name"], operator["name"])
+
+
+def neighborhood(operator):
+    """The parts of `knn` that the function takes, too: those of what looks at neighbours and has no option of this name."""
+    taken = {option["name"] for option in operator["options"]}
+    return [name for name in ("k", "radius") if operator["default_k"] and name not in taken]
+
+
 def has_own_default(operator, option):
     """Of a neighbourhood, what is not given follows from what is."""
     return option["default"] is not None and operator["name"] not in ("knn", "reneighbor")
@@ -87,27 +96,28 @@ def literal(value):
     return json.dumps(value)
 
 
-def allowed(option):
-    least, most = option.get("range", (None, None))
-    begin = "more than 0" if least == sys.float_info.min else f"{literal(least)} or more"
-    if most is None:
-        return begin if least is not None else ""
-    return f"{begin}, at most {literal(most)}" if least == sys.float_info.min else f"{literal(least)} to {literal(most)}"
-
-
 def sentence(text):
     text = text[:1].upper() + text[1:]
     return text if text.endswith((".", "!")) else text + "."
 
 
 def about_option(operator, option):
-    facts = [option["meaning"], allowed(option)]
+    facts = [option["meaning"], option.get("allowed")]
     if option.get("unit"):
         facts.append(f"unit: {option['unit']}")
     if option["default"] is not None and not has_own_default(operator, option):
         facts.append(f"default: {literal(option['default'])}")
     text = f"{variable(option)} : " + "; ".join(fact for fact in facts if fact) + "."
     return textwrap.wrap(text, WIDTH - 4, subsequent_indent="    ")
+
+
+def about_neighborhood(operator):
+    if not neighborhood(operator):
+        return []
+    which = " and ".join(neighborhood(operator))
+    default = f"{operator['default_k']} neighbours" + (" where neither is given" if which != "k" else "")
+    return textwrap.wrap(f"{', '.join(neighborhood(operator))} : {which} of a knn before the stage, which begins the pipeline; "
+                         f"default: {default}.", WIDTH - 4, subsequent_indent="    ")
 
 
 def about_made(made):
@@ -126,7 +136,8 @@ def docstring(operator):
     wrap = lambda text: textwrap.wrap(text, WIDTH - 4)
     wrap_indented = lambda text: textwrap.wrap(text, WIDTH - 4, subsequent_indent="  ")
     lines = wrap(sentence(operator["meaning"]))
-    lines += section("Parameters", [line for option in operator["options"] for line in about_option(operator, option)])
+    lines += section("Parameters", [line for option in operator["options"] for line in about_option(operator, option)]
+                      + about_neighborhood(operator))
     lines += section("Makes", [line for made in operator["makes"] for line in about_made(made)])
     reads = [read["name"] for read in operator["reads"]]
     reads += [f"{read['name']} of neighbours" for read in operator["reads_neighbors"]]
@@ -149,21 +160,25 @@ def function(operator):
     leading = required or options[:1]
     others = [o for o in options if o not in leading]
     parameters = [parameter(operator, o) for o in leading]
+    others = [parameter(operator, o) for o in others]
+    others += [{"k": "k: int | None = None", "radius": "radius: float | None = None"}[n] for n in neighborhood(operator)]
     if others:
-        parameters += ["*", *(parameter(operator, o) for o in others)]
-    signature = f"def {operator['name']}({', '.join(parameters)}) -> Stage:"
+        parameters += ["*", *others]
+    signature = f"def {function_name(operator)}({', '.join(parameters)}) -> Stage:"
     if len(signature) > 120:
-        signature = f"def {operator['name']}(\n" + "".join(f"    {p},\n" for p in parameters) + ") -> Stage:"
+        signature = f"def {function_name(operator)}(\n" + "".join(f"    {p},\n" for p in parameters) + ") -> Stage:"
     given = "".join(
         f'\n        ("{o["name"]}", "{kind_of(o)}", {variable(o)}, {default_of(operator, o)}),'
         for o in options
     )
-    body = f'    return made_stage("{operator["name"]}", [{given}\n    ])' if options else f'    return made_stage("{operator["name"]}", [])'
-    return f"\n\n{signature}\n    {docstring(operator)}\n{body}\n"
+    given += "\n    " * bool(options)
+    neighbors = "".join(f", {name}" for name in neighborhood(operator))
+    body = f'    return made_stage("{operator["name"]}", [{given}]{neighbors})'
+    return f"\n\n@makes_stage\n{signature}\n    {docstring(operator)}\n{body}\n"
 
 
 def module(operators):
-    exported = sorted({o["name"] for o in operators} - {"normals"})  # which the package itself makes more of
+    exported = sorted({function_name(o) for o in operators} - {"normals"})  # which the package itself makes more of
     names = ", ".join(f'"{name}"' for name in exported)
     names = "\n    " + "\n    ".join(textwrap.wrap(names, WIDTH - 4)) + ",\n"
     return HEAD.replace("{names}", names) + "".join(function(o) for o in operators)

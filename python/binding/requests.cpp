@@ -92,6 +92,11 @@ RunOptions run_options(const nb::dict& given) {
   options.overwrite = option<bool>(given, "overwrite");
   options.replace = option<std::vector<std::string>>(given, "replace");
   options.prefix = option<std::string>(given, "prefix");
+  const auto positions = option<std::string>(given, "positions");
+  if (!positions.empty()) options.positions = positions == "float32" ? Type::f32 : Type::f64;
+  const auto provenance = option<std::string>(given, "provenance");
+  options.provenance = !provenance.empty();
+  options.input_paths = provenance == "paths";
   options.resources.memory_bytes = option<std::uint64_t>(given, "memory");
   options.resources.threads = option<unsigned>(given, "threads");
   options.resources.temp_folder = option<std::filesystem::path>(given, "temp_folder");

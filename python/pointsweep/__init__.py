@@ -4,6 +4,7 @@
 >>> import pointsweep as ps
 >>> n = ps.normals(xyz, k=8)                                    # an (n, 3) array
 >>> t = ps.run(xyz, "knn(k=16) | normals | sor", keep=["normal", "outlier"])
+>>> planarity = ps.features(k=16)(xyz)["planarity"]             # every stage and pipeline can be called on points
 >>> ps.open("tiles/*.laz").run("knn(k=8) | normals", to="out/", memory="2G")
 
 `run` is the heart: points in arrays or files, through a pipeline, to arrays or files; `chunks` gives its results block by
@@ -17,21 +18,25 @@ from ._check import Check, check
 from ._chunks import Chunks, chunks
 from ._crs import Crs
 from ._errors import Error, PointsweepWarning, UsageError
-from ._files import Cloud, open
+from ._files import Cloud
+from ._files import open as open
 from ._generate import generate
 from ._operator import Operator, PointNeighbors, Points, Select, operator, select
 from ._pipeline import Pipeline
 from ._plan import Plan, plan
 from ._reduce import Reduction, reduce
 from ._results import Arrays, Neighbors, RadiusNeighbors, Report
-from ._runs import neighbors, normals, run
+from ._renamed import set as set
+from ._runs import run
+from ._short_forms import neighbors, normals
 from ._stage import Stage
 from ._stages import *  # noqa: F403
 
 __version__: str = _core.version
+# Without `open` and `set`, so that `from pointsweep import *` leaves the builtins of these names.
 __all__ = [
     "Arrays", "Check", "Chunks", "Cloud", "Crs", "Error", "Neighbors", "Operator", "Pipeline", "Plan", "PointNeighbors",
     "Points", "PointsweepWarning", "RadiusNeighbors", "Reduction", "Report", "Select", "Stage", "UsageError", "check",
-    "chunks", "generate", "neighbors", "normals", "open", "operator", "plan", "reduce", "run", "select",
+    "chunks", "generate", "neighbors", "normals", "operator", "plan", "reduce", "run", "select",
 ]  # fmt: skip
 __all__ += _stages.__all__

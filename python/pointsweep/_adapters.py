@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,22 @@ import numpy as np
 from ._crs import Crs, crs_of, las_crs
 from ._errors import UsageError
 from ._results import Arrays
+from ._types import Files
 
 _SCAN_ANGLE_STEP = 0.006  # degrees, from point format 6 on
 _CPU_DEVICES = (1, 3, 11)  # of DLPack: plain memory, and memory that CUDA or ROCm has pinned
+
+
+_OF_CLOUDS = ("chunk_iterator", "column_names", "columns", "geometry", "has_normals", "point", "point_format")
+
+
+def are_points(value: Any) -> bool:
+    """Whether the value is a cloud in memory or opened files, and no option of a stage such as a name or three numbers."""
+    if isinstance(value, (Mapping, Files, Iterator)) or any(hasattr(value, name) for name in _OF_CLOUDS):
+        return True
+    if isinstance(value, (list, tuple)):
+        return any(isinstance(row, (list, tuple, np.ndarray)) for row in value)
+    return getattr(value, "ndim", 0) >= 2 or bool(getattr(getattr(value, "dtype", None), "names", None))
 
 
 def arrays_by_name(points: Any) -> dict[str, Any]:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Iterator
 from typing import IO, Any
 
@@ -17,6 +16,8 @@ class _Column:
     """The blocks of one attribute, one after another, in a file without a name."""
 
     def __init__(self, name: str, first: np.ndarray, folder: str | None) -> None:
+        import tempfile
+
         self.name = name
         self._dtype = first.dtype
         self._shape = first.shape[1:]
@@ -75,6 +76,8 @@ def spilled(
             raise UsageError("the iterator gave no block; without one the attributes are not known.")
         return {name: column.array() for name, column in columns.items()}, crs
     except OSError as error:
+        import tempfile
+
         where = folder or tempfile.gettempdir()
         raise Error(f"cannot write to the temporary folder '{where}': {error.strerror}; name another with temp_folder.") from error
     finally:

@@ -11,8 +11,11 @@ import numpy as np
 from ._errors import UsageError
 from ._generate import generate
 from ._operator import Operator, Select
-from ._pipeline import Pipeline, PipelineLike
+from ._options import run_options
+from ._pipeline import Pipeline
 from ._runs import run
+from ._sources import source_of
+from ._types import PipelineLike
 
 
 class Difference(NamedTuple):
@@ -96,9 +99,6 @@ def check(
 
 
 def _has_rows(points: Any) -> bool:
-    from ._options import run_options
-    from ._sources import source_of
-
     return not source_of(points, None, None, run_options()).is_files
 
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,11 +12,15 @@ from . import _core
 from ._crs import Crs
 from ._errors import UsageError, warn
 from ._operator import Operator, Points, operator
-from ._options import names, run_options, whole
-from ._pipeline import PipelineLike, stages_of
-from ._progress import ProgressCallback, called
+from ._options import names, refuse_options_of_files, run_options, whole, with_run_options
+from ._progress import called
 from ._results import Arrays, Report, arrays_of
 from ._sources import source_of
+from ._stage_list import stages_of
+from ._types import FunctionStage, PipelineLike, ProgressCallback, RunOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 def _row() -> Operator:
@@ -69,6 +73,7 @@ class Chunks(Iterator[Arrays]):
         self.close()
 
 
+@with_run_options
 def chunks(
     points: Any,
     rows: int,
@@ -78,7 +83,7 @@ def chunks(
     attributes: Mapping[str, Any] | None = None,
     crs: Any = None,
     progress: ProgressCallback | bool | None = None,
-    **options: Any,
+    **options: Unpack[RunOptions],
 ) -> Chunks:
     """Runs a pipeline and gives its results as blocks of `rows` rows, in the order of the input.
 
@@ -99,11 +104,9 @@ def chunks(
         raise UsageError(f"rows: {count} is not a number of rows; choose 1 or more.")
     kept = names("keep", keep)
     checked = run_options(**options)
-    for option in ("prefix", "resume"):
-        if checked[option]:
-            raise UsageError(f"{option}: is for outputs in files; leave the option out.")
+    refuse_options_of_files(checked, "leave the option out")
     source = source_of(points, attributes, crs, checked)
-    stages = [_row()] if pipeline is None else stages_of(pipeline)
+    stages: list[str | FunctionStage] = [_row()] if pipeline is None else stages_of(pipeline)
     if pipeline is None and not kept:
         kept = _all_names(source.field_names(), source.groups)
     given = {**checked, **source.options}

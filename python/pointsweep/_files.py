@@ -3,33 +3,26 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from . import _core
+from ._chunks import Chunks, chunks
 from ._crs import Crs
-from ._errors import UsageError, warn
-from ._options import path
+from ._options import with_run_options
 from ._results import Arrays, Report
+from ._runs import performed
+from ._sources import opened
 from ._tables import html_table
+from ._types import Files, Path, PipelineLike, ProgressCallback, RunOptions
 
 if TYPE_CHECKING:
-    from ._chunks import Chunks
-
-Path = str | os.PathLike[str]
+    from typing_extensions import Unpack
 
 
-class Cloud:
+class Cloud(Files):
     """Point files as one cloud; made with `open`. Headers are read, and points only by `run`."""
-
-    def __init__(self, files: list[str], names: list[str], options: dict[str, Any]) -> None:
-        self.files = files  #: paths, in the order of the rows
-        self._names = names  # in a folder of outputs
-        self._options = options
-        self._known = _core.describe(files, options)
 
     def __len__(self) -> int:
         return int(self._known["count"])
@@ -63,21 +56,58 @@ class Cloud:
         """The positions, (n, 3): all points are read. ``cloud.chunks`` reads files larger than memory."""
         if copy is False:
             raise ValueError("the points of files are in no array before they are read; leave copy=False out.")
-        xyz: np.ndarray = self.run("decimate(1)", keep=["xyz"])["xyz"]  # type: ignore[index]
+        xyz: np.ndarray = self.run("decimate(1)", keep=["xyz"])["xyz"]
         return xyz if dtype is None else xyz.astype(dtype, copy=False)
 
-    def run(self, pipeline: Any, **options: Any) -> Arrays | Report:
+    @overload
+    def run(
+        self,
+        pipeline: PipelineLike,
+        *,
+        to: None = None,
+        keep: Sequence[str] | str | None = None,
+        out: Mapping[str, np.ndarray] | None = None,
+        progress: ProgressCallback | bool | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Arrays: ...
+
+    @overload
+    def run(
+        self,
+        pipeline: PipelineLike,
+        *,
+        to: Path | Sequence[Path],
+        keep: Sequence[str] | str | None = None,
+        progress: ProgressCallback | bool | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Report: ...
+
+    @with_run_options
+    def run(
+        self,
+        pipeline: PipelineLike,
+        *,
+        to: Path | Sequence[Path] | None = None,
+        keep: Sequence[str] | str | None = None,
+        out: Mapping[str, np.ndarray] | None = None,
+        progress: ProgressCallback | bool | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Arrays | Report:
         """`pointsweep.run` on these files: with ``to=`` it writes files, otherwise it returns arrays."""
-        from ._runs import run
+        return performed(self, pipeline, to, keep, out, None, None, progress, options)
 
-        result: Arrays | Report = run(self, pipeline, **options)
-        return result
-
-    def chunks(self, rows: int, pipeline: Any = None, **options: Any) -> Chunks:
+    @with_run_options
+    def chunks(
+        self,
+        rows: int,
+        pipeline: PipelineLike | None = None,
+        *,
+        keep: Sequence[str] | str | None = None,
+        progress: ProgressCallback | bool | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Chunks:
         """`pointsweep.chunks` of these files: the results of a run, block by block."""
-        from ._chunks import chunks
-
-        return chunks(self, rows, pipeline, **options)
+        return chunks(self, rows, pipeline, keep=keep, progress=progress, **options)
 
     def __repr__(self) -> str:
         files = self.files[0] if len(self.files) == 1 else f"{len(self.files)} files"
@@ -115,37 +145,4 @@ def open(
     ignore_crs : take coordinates as they are: merge files of different coordinate reference systems without a
         transformation, take degrees for lengths, do not convert defaults to feet.
     """
-    named = [files] if isinstance(files, (str, os.PathLike)) else list(files)
-    if not named:
-        raise UsageError("open: name at least one point file.")
-    for file in named:
-        if not isinstance(file, (str, os.PathLike)):
-            raise UsageError(f"open: {file!r} is not a path; arrays go to pointsweep.run at once.")
-    listed, notices = _core.list_files([path("open", file) for file in named], recursive, format)
-    for notice in notices:
-        warn(notice)
-    options = {"ignore_crs": bool(ignore_crs), "format": format}
-    return Cloud([file for file, _ in listed], [name for _, name in listed], options)
-
-
-def outputs_of(to: Path | Sequence[Path], source: Any, points: Any) -> str | list[str]:
-    """The file to write, or a list with a file for each input."""
-    if not isinstance(to, (str, os.PathLike)):
-        files = [path("to", file) for file in to]
-        if not files:
-            raise UsageError("to: the list is empty; name a file, a folder, or a file for each input.")
-        return files
-    named = path("to", to)
-    if not (named.endswith(os.sep) or os.path.isdir(named)):
-        return named
-    if not source.is_files:
-        raise UsageError(f"to: {named} is a folder, which gets a file for each input file; name a file for arrays.")
-    cloud = points if isinstance(points, Cloud) else open(points)
-    return [os.path.join(named, _tile_name(name)) for name in cloud._names]
-
-
-def _tile_name(name: str) -> str:
-    """A COPC file is written as LAZ, and programs tell COPC by the name."""
-    stem, extension = os.path.splitext(name)
-    inner, copc = os.path.splitext(stem)
-    return inner + extension if (copc.lower(), extension.lower()) == (".copc", ".laz") else name
+    return opened(Cloud, files, recursive=recursive, format=format, ignore_crs=ignore_crs)

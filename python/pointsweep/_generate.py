@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from typing import overload
 
@@ -11,8 +10,9 @@ from . import _core, _options
 from ._errors import UsageError, warn
 from ._files import Cloud, open
 from ._options import number, run_options, whole
-from ._progress import ProgressCallback, called
+from ._progress import called
 from ._results import Arrays, arrays_of
+from ._types import Path, ProgressCallback
 
 
 @overload
@@ -37,7 +37,7 @@ def generate(
 def generate(
     shape: str,
     n: int,
-    path: str | os.PathLike[str],
+    path: Path,
     *,
     seed: int = ...,
     noise: float = ...,
@@ -54,7 +54,7 @@ def generate(
 def generate(
     shape: str,
     n: int,
-    path: str | os.PathLike[str] | None = None,
+    path: Path | None = None,
     *,
     seed: int = 1,
     noise: float = 0,

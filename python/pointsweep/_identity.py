@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import builtins
 import copyreg
-import hashlib
 import sys
 import types
 from collections.abc import Callable, Iterable, Iterator
@@ -126,6 +125,8 @@ class _Digests:
                 yield _joined(name, self.of(f"{kind.__name__}.{name}", value))
 
     def _of_array(self, name: str, value: Any) -> list[bytes]:
+        import hashlib
+
         array = np.asarray(value.detach() if hasattr(value, "detach") else value)  # of PyTorch
         if self._in_foreign and array.dtype.kind in "uiSV" and array.dtype.itemsize == 1:
             raise TypeError("an image of memory, as SciPy's trees have it, holds addresses")
@@ -159,6 +160,8 @@ class _Digests:
 
 
 def _joined(kind: str, *parts: bytes) -> bytes:
+    import hashlib
+
     lengths = ",".join(str(len(part)) for part in parts)
     return hashlib.sha256(b"".join([f"{kind} {lengths};".encode(), *parts])).digest()
 

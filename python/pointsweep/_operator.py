@@ -3,16 +3,17 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ._errors import UsageError
-from ._joinable import Joinable, MadeOfFunction
-
-if TYPE_CHECKING:
-    from ._identity import Identity
+from ._function import MadeOfFunction
+from ._identity import Identity, identity_of
+from ._pipeline import Joinable
+from ._types import FunctionStage
 
 _TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64")
 
@@ -127,13 +128,12 @@ class Points:
         return f"<pointsweep.Points: {len(self)} points, up to {self._batch.width} neighbours>"
 
 
-class Operator(MadeOfFunction, Joinable):
-    """A function of Python as a stage of pipelines; made with `pointsweep.operator`."""
+class Operator(MadeOfFunction, Joinable, FunctionStage):
+    """A function of Python as a stage of pipelines; made with `pointsweep.operator`. Called on points it runs; called on
+    a batch, `Points`, it calls the function."""
 
     #: places in the padded lists of a batch; one point may have more
     _most_places = 1 << 18
-    #: of the function, in records of files and checkpoints; of a copy that such a run has
-    _digest = ""
 
     def __init__(
         self,
@@ -156,8 +156,10 @@ class Operator(MadeOfFunction, Joinable):
         self.makes = {made: _made_type(made, kind) for made, kind in makes.items()}
         self._makes = [(made, t.base.name, t.shape[0] if t.shape else 0) for made, t in self.makes.items()]
 
-    def __call__(self, points: Points) -> Any:
-        return self.function(points)
+    def __call__(self, points: Any, **options: Any) -> Any:
+        return self.function(points) if isinstance(points, Points) else super().__call__(points, **options)
+
+    __call__.__signature__ = inspect.signature(Joinable.__call__)  # type: ignore[attr-defined]
 
     def __repr__(self) -> str:
         read = ", ".join(self.reads + [f"{name} of neighbours" for name in self.reads_neighbors])
@@ -165,8 +167,6 @@ class Operator(MadeOfFunction, Joinable):
         return f"<pointsweep.Operator {self.name}: {read or 'positions'} -> {made}>"
 
     def _identity(self) -> Identity:
-        from ._identity import identity_of
-
         return identity_of(self.function, self.reads, self.reads_neighbors, self._makes, self.sees_neighbors)
 
     def _call(self, batch: Any) -> list[np.ndarray]:

@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import operator
 import os
 import re
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
 from ._errors import UsageError
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 _POWERS = {"": 0, "K": 1, "M": 2, "G": 3, "T": 4}
 
@@ -64,6 +68,13 @@ def _axis(axis: int | str | None) -> int | None:
     return "xyz".index(choice("axis", axis, ("x", "y", "z")))
 
 
+def _provenance(provenance: str | bool) -> str:
+    """What the processing record names inputs by; empty: outputs get no record."""
+    if isinstance(provenance, bool):
+        return "names" if provenance else ""
+    return choice("provenance", provenance, ("names", "paths"))
+
+
 def path(option: str, value: Any) -> str:
     """`value` as the path of a file or folder."""
     try:
@@ -96,11 +107,14 @@ def run_options(
     resume: str | os.PathLike[str] | None = None,
     nonfinite: str | None = None,
     overwrite: bool = False,
-    replace: str | list[str] | None = None,
+    replace: Sequence[str] | str | None = None,
     prefix: str = "",
+    positions: str | None = None,
+    provenance: str | bool = True,
     ignore_crs: bool = False,
 ) -> dict[str, Any]:
-    """The options of `pointsweep.run` that have the same meaning for all kinds of input and output."""
+    """The options of `pointsweep.run` that have the same meaning for all kinds of input and output, checked. Their types
+    are those of `RunOptions`."""
     count = 0 if threads is None else whole("threads", threads)
     if threads is not None and not 1 <= count <= 4096:
         raise UsageError(f"threads: {threads} is not a number of threads from 1 to 4096.")
@@ -115,5 +129,23 @@ def run_options(
         "overwrite": bool(overwrite),
         "replace": names("replace", replace),
         "prefix": str(prefix),
+        "positions": "" if positions is None else choice("positions", positions, ("float32", "float64")),
+        "provenance": _provenance(provenance),
         "ignore_crs": bool(ignore_crs),
     }
+
+
+def refuse_options_of_files(given: dict[str, Any], remedy: str) -> None:
+    """Raises UsageError for a checked option that only outputs in files have."""
+    for option, plain in (("prefix", ""), ("resume", ""), ("provenance", "names")):
+        if given[option] != plain:
+            raise UsageError(f"{option}: is for outputs in files; {remedy}.")
+
+
+def with_run_options(function: _Function) -> _Function:
+    """The function, whose signature names the options of `run_options` in place of ``**options``."""
+    signature = inspect.signature(function)
+    own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
+    options = inspect.signature(run_options).parameters.values()
+    function.__signature__ = signature.replace(parameters=[*own, *options])  # type: ignore[attr-defined]
+    return function

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Arrays of the caller that results are written to."""
+"""Files and arrays of the caller that results are written to."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ._errors import UsageError
+from ._options import path
+from ._sources import Source
+from ._types import Path
 
 
 def outputs_to(out: Mapping[str, np.ndarray] | None) -> dict[str, np.ndarray]:
@@ -29,3 +33,25 @@ def _writable(name: str, array: np.ndarray) -> np.ndarray:
     if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8 or not array.dtype.isnative or array.ndim not in (1, 2):
         raise UsageError(f"out: '{name}' is {array.dtype} of the shape {array.shape}, which no result is.")
     return array.reshape(len(array), -1) if len(array) else array.reshape(0, array.shape[1] if array.ndim == 2 else 1)
+
+
+def outputs_of(to: Path | Sequence[Path], source: Source) -> str | list[str]:
+    """The file to write, or a list with a file for each input."""
+    if not isinstance(to, (str, os.PathLike)):
+        files = [path("to", file) for file in to]
+        if not files:
+            raise UsageError("to: the list is empty; name a file, a folder, or a file for each input.")
+        return files
+    named = path("to", to)
+    if not (named.endswith(os.sep) or os.path.isdir(named)):
+        return named
+    if not source.is_files:
+        raise UsageError(f"to: {named} is a folder, which gets a file for each input file; name a file for arrays.")
+    return [os.path.join(named, _tile_name(name)) for name in source.names]
+
+
+def _tile_name(name: str) -> str:
+    """A COPC file is written as LAZ, and programs tell COPC by the name."""
+    stem, extension = os.path.splitext(name)
+    inner, copc = os.path.splitext(stem)
+    return inner + extension if (copc.lower(), extension.lower()) == (".copc", ".laz") else name

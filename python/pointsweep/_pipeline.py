@@ -1,89 +1,98 @@
 # SPDX-License-Identifier: MIT
-"""Pipelines: texts and operators of Python, one after another."""
+"""Pipelines: stages that are joined, compared and called on points."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Sequence
-from typing import Any, Union
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, overload
 
-from . import _core
-from ._errors import Error, UsageError
-from ._joinable import Joinable
-from ._operator import Operator
-from ._stage import Stage
+import numpy as np
 
-#: What `pointsweep.run` takes as a pipeline.
-PipelineLike = Union[str, Joinable, os.PathLike[str], Sequence[Any]]
+from ._options import with_run_options
+from ._results import Arrays, Report
+from ._runs import performed
+from ._stage_list import canonical_stages, stages_of
+from ._types import FunctionStage, Path, PipelineLike, ProgressCallback, RunOptions, Stages
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class Joinable(Stages):
+    """Stages that are joined by ``|`` and called on points. Equal are those that stand for the same stages with the same
+    options."""
+
+    @overload
+    def __call__(
+        self,
+        points: Any,
+        *,
+        to: None = None,
+        keep: Sequence[str] | str | None = None,
+        out: Mapping[str, np.ndarray] | None = None,
+        attributes: Mapping[str, Any] | None = None,
+        crs: Any = None,
+        progress: ProgressCallback | bool | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Arrays: ...
+
+    @overload
+    def __call__(
+        self,
+        points: Any,
+        *,
+        to: Path | Sequence[Path],
+        keep: Sequence[str] | str | None = None,
+        attributes: Mapping[str, Any] | None = None,
+        crs: Any = None,
+        progress: ProgressCallback | bool | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Report: ...
+
+    @with_run_options
+    def __call__(
+        self,
+        points: Any,
+        *,
+        to: Path | Sequence[Path] | None = None,
+        keep: Sequence[str] | str | None = None,
+        out: Mapping[str, np.ndarray] | None = None,
+        attributes: Mapping[str, Any] | None = None,
+        crs: Any = None,
+        progress: ProgressCallback | bool | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Arrays | Report:
+        """`pointsweep.run` of these stages over points, in arrays or files, with its options."""
+        return performed(points, self, to, keep, out, attributes, crs, progress, options)
+
+    def __or__(self, other: PipelineLike) -> Pipeline:
+        return Pipeline(self, other)
+
+    def __ror__(self, other: PipelineLike) -> Pipeline:
+        return Pipeline(other, self)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Joinable):
+            return NotImplemented
+        return self is other or canonical_stages(self) == canonical_stages(other)
+
+    def __hash__(self) -> int:
+        return hash(canonical_stages(self))
 
 
 class Pipeline(Joinable):
     """Stages in order, made with ``|``: ``ps.knn(16) | ps.normals() | roughness | "where(roughness < 0.1)"``.
 
     At least one side of each ``|`` has to be a stage, an operator or a pipeline. Texts are in the language of
-    docs/pipelines.md; docs/operators.md lists the operators with their options. Pipelines are equal if their stages are,
-    and can be pickled.
+    docs/pipelines.md; docs/operators.md lists the operators with their options. Call a pipeline on points to run it.
+    Pipelines are equal if their stages are, and can be pickled.
     """
 
     def __init__(self, *stages: PipelineLike) -> None:
-        self.stages: tuple[str | Operator, ...] = tuple(stages_of(stages))
+        self.stages: tuple[str | FunctionStage, ...] = tuple(stages_of(stages))
+
+    def _stages(self) -> list[str | FunctionStage]:
+        return list(self.stages)
 
     def __repr__(self) -> str:
         return f"<pointsweep.Pipeline: {' | '.join(s if isinstance(s, str) else s.name for s in self.stages)}>"
-
-
-def stages_of(pipeline: PipelineLike) -> list[str | Operator]:
-    """Texts and operators; the content of a file for its path."""
-    if isinstance(pipeline, (str, Operator)):
-        return [pipeline]
-    if isinstance(pipeline, Stage):
-        return [str(pipeline)]
-    if isinstance(pipeline, Pipeline):
-        return list(pipeline.stages)
-    if isinstance(pipeline, os.PathLike):
-        with open(pipeline, encoding="utf-8") as file:
-            return [file.read()]
-    if isinstance(pipeline, (list, tuple)):
-        if not pipeline:
-            raise UsageError("pipeline: is empty; give one such as 'knn(k=8) | normals'.")
-        return [stage for part in pipeline for stage in stages_of(part)]
-    name = getattr(pipeline, "__name__", None)
-    if callable(pipeline) and name is not None:
-        raise UsageError(f"pipeline: {name} is a function; write {name}(), or make it an operator with @pointsweep.operator.")
-    raise UsageError(
-        f"pipeline: {pipeline!r} is neither a text, nor a stage (made with pointsweep.knn() or the like), nor an operator "
-        "(made with @pointsweep.operator), nor a list of these."
-    )
-
-
-def canonical_stages(pipeline: PipelineLike) -> tuple[str, ...]:
-    """Texts that are equal if the stages are, however they were written; as they were written where they are wrong."""
-    stages: list[str | Operator] = []
-    for stage in stages_of(pipeline):
-        if isinstance(stage, Operator):
-            digest, unknown = stage._identity()
-            stage = stage.__copy__()
-            stage._digest = digest + (f" {id(stage.function)}" if unknown else "")
-        stages.append(stage)
-    try:
-        return tuple(_core.canonical_stages(stages))
-    except Error:
-        return tuple(stage if isinstance(stage, str) else f"{stage.name}({stage._digest})" for stage in stages)
-
-
-def identified(stages: list[str | Operator], resumed: bool) -> list[str | Operator]:
-    """The stages with the digests of functions. A run to be `resumed` is refused where a function uses what cannot be
-    compared with what it used before."""
-    result: list[str | Operator] = []
-    for stage in stages:
-        if isinstance(stage, Operator):
-            digest, unknown = stage._identity()
-            if resumed and unknown:
-                raise UsageError(
-                    f"resume: operator '{stage.name}' uses {unknown[0]}, which cannot be compared with that of the run that "
-                    "is resumed; make it inside of the function, pass numbers or arrays instead, or leave resume out."
-                )
-            stage = stage.__copy__()
-            stage._digest = digest
-        result.append(stage)
-    return result

@@ -5,13 +5,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import _core
 from ._errors import UsageError
-from ._options import names, path, run_options
-from ._pipeline import PipelineLike, stages_of
+from ._options import names, path, run_options, with_run_options
 from ._sources import source_of
+from ._stage_list import stages_of
+from ._types import Path, PipelineLike, RunOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class Plan(str):
@@ -26,15 +30,16 @@ class Plan(str):
         return f"<pre>{html.escape(self)}</pre>"
 
 
+@with_run_options
 def plan(
     points: Any,
     pipeline: PipelineLike,
     *,
-    to: str | os.PathLike[str] | None = None,
+    to: Path | None = None,
     keep: Sequence[str] | str | None = None,
     attributes: Mapping[str, Any] | None = None,
     crs: Any = None,
-    **options: Any,
+    **options: Unpack[RunOptions],
 ) -> Plan:
     """What `run` would do with the same arguments: passes, stages with their buffers, columns, slabs and memory.
 

@@ -4,14 +4,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from ._errors import UsageError
-
-#: (phase, points done, points in all)
-ProgressCallback = Callable[[str, int, int], Any]
+from ._types import ProgressCallback
 
 
 @contextmanager

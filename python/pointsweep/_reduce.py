@@ -8,9 +8,9 @@ from collections.abc import Callable
 from typing import Any
 
 from ._chunks import chunks
-from ._joinable import MadeOfFunction
-from ._pipeline import PipelineLike
+from ._function import MadeOfFunction
 from ._results import Arrays
+from ._types import PipelineLike
 
 
 class Reduction(MadeOfFunction):

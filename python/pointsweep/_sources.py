@@ -4,17 +4,23 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from . import _core
 from ._adapters import arrays_by_name, crs_stated_by, from_dlpack
+from ._blocks import spilled
 from ._crs import Crs, given_or_stated
-from ._errors import UsageError
+from ._errors import UsageError, warn
+from ._options import path
+from ._types import Files, Path
 
 _AXES = ("x", "y", "z")
 _LAS_BLOCK = 1 << 20  # points that laspy reads at once
+
+_Files = TypeVar("_Files", bound=Files)
 
 
 class Source(NamedTuple):
@@ -25,13 +31,12 @@ class Source(NamedTuple):
     is_files: bool
     options: dict[str, Any]  #: of opening files, and the coordinate system of arrays
     crs: Crs | None
+    names: list[str] = []  #: of files, in a folder of outputs
 
     def field_names(self) -> list[str]:
         """Names of the components that the points have."""
         if not self.is_files:
             return [name for fields, _ in self.inputs for name in fields]
-        from . import _core
-
         return [name for name, _, _ in _core.describe(self.inputs, self.options)["attributes"]]
 
 
@@ -40,24 +45,22 @@ def source_of(
 ) -> Source:
     """`points` as `pointsweep.run` takes it; `attributes`: more arrays, by name; `crs`: the system that these points are
     in; `options`: those of the run. An iterator is spilled."""
-    from ._files import Cloud, open
-
     if isinstance(points, (str, os.PathLike)) or _is_list_of_paths(points):
-        points = open(points, ignore_crs=options["ignore_crs"])
-    if isinstance(points, Cloud):
+        points = opened(Files, points, ignore_crs=options["ignore_crs"])
+    if isinstance(points, Files):
         if attributes:
             raise UsageError("attributes: arrays cannot be added to the points of files; run on arrays instead.")
         if crs is not None:
             raise UsageError("crs: is for points in arrays; files state theirs.")
         groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]
         ignores = {"ignore_crs": options["ignore_crs"] or points._options["ignore_crs"]}
-        return Source(list(points.files), groups, True, {**points._options, **ignores}, points.crs)
+        crs_of_files = points._known["crs"]
+        stated = None if crs_of_files is None else Crs(crs_of_files)
+        return Source(list(points.files), groups, True, {**points._options, **ignores}, stated, points._names)
     if hasattr(points, "chunk_iterator"):  # of laspy
         points = points.chunk_iterator(_LAS_BLOCK)
     stated = crs_stated_by(points)
     if isinstance(points, Iterator):
-        from ._blocks import spilled
-
         columns, of_blocks = spilled(points, _checked_arrays, crs_stated_by, options["temp_folder"] or None)
         stated = stated or of_blocks
     else:
@@ -67,6 +70,29 @@ def source_of(
             raise UsageError(f"attributes: '{name}' is among the points, too; give it once.")
         columns[name] = values
     return _source_of_arrays(columns, given_or_stated(crs, stated))
+
+
+def opened(
+    kind: type[_Files],
+    files: Path | Sequence[Path],
+    *,
+    recursive: bool = False,
+    format: str = "",
+    ignore_crs: bool = False,
+) -> _Files:
+    """The point files that `files` stands for, of which headers are read; the options are those of `pointsweep.open`."""
+    named = [files] if isinstance(files, (str, os.PathLike)) else list(files)
+    if not named:
+        raise UsageError("open: name at least one point file.")
+    for file in named:
+        if not isinstance(file, (str, os.PathLike)):
+            raise UsageError(f"open: {file!r} is not a path; arrays go to pointsweep.run at once.")
+    listed, notices = _core.list_files([path("open", file) for file in named], recursive, format)
+    for notice in notices:
+        warn(notice)
+    options = {"ignore_crs": bool(ignore_crs), "format": format}
+    paths = [file for file, _ in listed]
+    return kind(paths, [name for _, name in listed], options, _core.describe(paths, options))
 
 
 def _is_list_of_paths(points: Any) -> bool:

@@ -3,50 +3,92 @@
 
 from __future__ import annotations
 
+import functools
+import itertools
 import re
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeVar
 
+from ._adapters import are_points
 from ._errors import UsageError
-from ._joinable import Joinable
 from ._options import number, path, whole
+from ._pipeline import Joinable
+from ._types import Files, FunctionStage
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 class Stage(Joinable):
     """A built-in operator with its options: ``ps.knn(16)``, ``ps.normals(orient="up")``.
 
-    Stages, operators of your own and texts are joined by ``|``. `str` gives the stage in the language of
-    docs/pipelines.md. Stages are equal if they are the same with all defaults written out, and can be pickled.
+    Stages, operators of your own and texts are joined by ``|``. Call a stage on points to run it:
+    ``ps.features(k=16)(xyz)``. `str` gives the stage in the language of docs/pipelines.md. Stages are equal if they are
+    the same with all defaults written out, and can be pickled.
     """
 
-    def __init__(self, name: str, options: Sequence[tuple[str, str]]) -> None:
+    def __init__(self, name: str, options: Mapping[str, str], neighborhood: Mapping[str, str]) -> None:
         self.name = name
         self.options = dict(options)  #: as text, by name; those that are not given have their defaults
+        self.neighborhood = dict(neighborhood)  #: k and radius, as text; empty: those of the pipeline
+
+    def _stages(self) -> list[str | FunctionStage]:
+        return [str(self)]
 
     def __str__(self) -> str:
-        if not self.options:
-            return self.name
-        return f"{self.name}({', '.join(f'{name}={text}' for name, text in self.options.items())})"
+        stage = _text_of_stage(self.name, self.options)
+        return f"{_text_of_stage('knn', self.neighborhood)} | {stage}" if self.neighborhood else stage
 
     def __repr__(self) -> str:
         return f"<pointsweep.Stage: {self}>"
 
 
-def made_stage(name: str, options: Iterable[tuple[str, str, Any, Any]]) -> Stage:
-    """Of (name, kind, value, default) of each option; kinds are those of the declarations."""
-    given = [
-        (option, kind, value)
-        for option, kind, value, default in options
+def _text_of_stage(name: str, options: Mapping[str, str]) -> str:
+    return f"{name}({', '.join(f'{option}={text}' for option, text in options.items())})" if options else name
+
+
+def made_stage(
+    name: str, options: Iterable[tuple[str, str, Any, Any]], k: int | None = None, radius: float | None = None
+) -> Stage:
+    """The stage with (name, kind, value, default) of each option; kinds are those of the declarations. `k` and `radius`
+    are the neighbourhood that begins a pipeline."""
+    neighborhood = [("k", "whole", k, None), ("radius", "number", radius, None)]
+    return Stage(name, _texts_of(name, options), _texts_of(name, neighborhood))
+
+
+def makes_stage(function: _Function) -> _Function:
+    """The function that makes a stage, which refuses points as an argument."""
+    takes_files = {name for name, kind in function.__annotations__.items() if "PathLike" in kind}
+    positional = function.__code__.co_varnames[: function.__code__.co_argcount]
+
+    called = f"pointsweep.{function.__name__} makes a stage, which is then called on points: pointsweep.{function.__name__}(...)(points)."
+
+    @functools.wraps(function)
+    def checked(*arguments: Any, **options: Any) -> Any:
+        for name, value in [*itertools.zip_longest(positional[: len(arguments)], arguments), *options.items()]:
+            if name in takes_files and not isinstance(value, Files) and are_points(value):
+                raise UsageError(f"{name}: {type(value).__name__} is not a path; write these points to a file. {called}")
+            if name not in takes_files and are_points(value):
+                raise UsageError(f"{type(value).__name__} is no option. {called}")
+        return function(*arguments, **options)
+
+    return checked  # type: ignore[return-value]
+
+
+def _texts_of(stage: str, options: Iterable[tuple[str, str, Any, Any]]) -> dict[str, str]:
+    """The options that are given, and not their defaults."""
+    return {
+        name: _text_of(f"{stage}: {name}", kind, value)
+        for name, kind, value, default in options
         if value is not None and (default is None or value != default)
-    ]
-    return Stage(name, [(option, _text_of(f"{name}: {option}", kind, value)) for option, kind, value in given])
+    }
 
 
 def _path_of(where: str, value: Any) -> str:
-    files = getattr(value, "files", None)  # of a Cloud
-    if files is not None and len(files) != 1:
-        raise UsageError(f"{where}: is a cloud of {len(files)} files; give their folder or a pattern instead.")
-    return path(where, files[0] if files else value)
+    if isinstance(value, Files):
+        if len(value.files) > 1:
+            raise UsageError(f"{where}: is a cloud of {len(value.files)} files; give their folder or a pattern instead.")
+        return path(where, value.files[0])
+    return path(where, value)
 
 
 def _text_of(where: str, kind: str, value: Any) -> str:

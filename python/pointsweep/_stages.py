@@ -6,20 +6,19 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-from ._stage import Stage, made_stage
-
-if TYPE_CHECKING:
-    from ._files import Cloud
+from ._files import Cloud
+from ._stage import Stage, made_stage, makes_stage
 
 __all__ = [
-    "color", "components", "crop", "curvature", "dbscan", "decimate", "density", "distance_to", "drop", "fair",
-    "features", "ground", "height", "knn", "lof", "m3c2", "neighborhood_size", "orient", "poisson", "reneighbor",
-    "resort", "ror", "segments", "set", "simplify", "sor", "splats", "unique", "voxel", "where",
+    "assign", "color", "components", "crop", "curvature", "dbscan", "decimate", "density", "distance_to", "drop",
+    "fair", "features", "ground", "height", "knn", "lof", "m3c2", "neighborhood_size", "orient", "poisson",
+    "reneighbor", "resort", "ror", "segments", "simplify", "sor", "splats", "unique", "voxel", "where",
 ]  # fmt: skip
 
 
+@makes_stage
 def knn(
     k: int | None = None,
     *,
@@ -77,10 +76,13 @@ def knn(
     ])
 
 
+@makes_stage
 def normals(
     orient: Literal["none", "up", "viewpoint", "input"] = "none",
     *,
     viewpoint: Sequence[float] | None = None,
+    k: int | None = None,
+    radius: float | None = None,
 ) -> Stage:
     """Unit normals, from the weighted covariance of the neighbours (Equation 1 of the paper).
 
@@ -89,6 +91,8 @@ def normals(
     orient : how to orient normals: none, up (towards +z), towards the viewpoint, or to the side of the normals in
         the input.
     viewpoint : position of the scanner for orient=viewpoint, in the coordinates of the cloud; unit: length.
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 16 neighbours where
+        neither is given.
 
     Makes
     -----
@@ -126,11 +130,17 @@ def normals(
     return made_stage("normals", [
         ("orient", "choice", orient, "none"),
         ("viewpoint", "point", viewpoint, None),
-    ])
+    ], k, radius)
 
 
-def curvature() -> Stage:
+@makes_stage
+def curvature(*, k: int | None = None, radius: float | None = None) -> Stage:
     """Principal curvatures and derived curvatures, from the covariance of the neighbours' normals (Equation 2).
+
+    Parameters
+    ----------
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 32 neighbours where
+        neither is given.
 
     Makes
     -----
@@ -178,16 +188,24 @@ def curvature() -> Stage:
     ---------
     knn(k=64) | normals | curvature
     """
-    return made_stage("curvature", [])
+    return made_stage("curvature", [], k, radius)
 
 
-def splats(axes: Literal["auto", "positions", "curvature"] = "auto") -> Stage:
+@makes_stage
+def splats(
+    axes: Literal["auto", "positions", "curvature"] = "auto",
+    *,
+    k: int | None = None,
+    radius: float | None = None,
+) -> Stage:
     """Elliptical splats that together cover the surface.
 
     Parameters
     ----------
     axes : derive direction and ratio of the ellipses from curvature or from positions; auto takes curvature if an
         earlier stage computes it.
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 16 neighbours where
+        neither is given.
 
     Makes
     -----
@@ -229,10 +247,11 @@ def splats(axes: Literal["auto", "positions", "curvature"] = "auto") -> Stage:
     """
     return made_stage("splats", [
         ("axes", "choice", axes, "auto"),
-    ])
+    ], k, radius)
 
 
-def fair(f: float = 0.5, *, g: float = 0.5) -> Stage:
+@makes_stage
+def fair(f: float = 0.5, *, g: float = 0.5, k: int | None = None, radius: float | None = None) -> Stage:
     """Edge-preserving smoothing: moves points towards the tangent planes of their neighbours (Equation 3).
 
     Parameters
@@ -242,6 +261,8 @@ def fair(f: float = 0.5, *, g: float = 0.5) -> Stage:
     g : height of the bumps that go: standard deviation of the Gaussian weight of the distance to the tangent plane
         of a neighbour, in % of the diagonal of the bounding box of the input; 1e-06 to 100; unit: % of the
         diagonal.
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 64 neighbours where
+        neither is given.
 
     Makes
     -----
@@ -281,14 +302,17 @@ def fair(f: float = 0.5, *, g: float = 0.5) -> Stage:
     return made_stage("fair", [
         ("f", "number", f, 0.5),
         ("g", "number", g, 0.5),
-    ])
+    ], k, radius)
 
 
+@makes_stage
 def features(
     names: Sequence[Literal["linearity", "planarity", "sphericity", "omnivariance", "anisotropy", "eigenentropy", "eigenvalue_sum", "surface_variation", "verticality", "moment1_axis1", "moment1_axis2", "moment2_axis1", "moment2_axis2", "height_range", "number_of_neighbors"]] | None = None,
     *,
     eigenvalues: Literal["raw", "sqrt", "normalized"] = "raw",
     with_point: bool = True,
+    k: int | None = None,
+    radius: float | None = None,
 ) -> Stage:
     """Features of the shape of neighbourhoods, from the eigenvalues of their covariance: like a line, a plane or a
     volume.
@@ -298,6 +322,8 @@ def features(
     names : features to compute, as in [linearity,planarity]; without this option, all of them.
     eigenvalues : scale of the eigenvalues: as they are, their square roots, or divided by their sum.
     with_point : count the point itself among the points of its neighbourhood.
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 32 neighbours where
+        neither is given.
 
     Makes
     -----
@@ -358,11 +384,17 @@ def features(
         ("names", "names", names, None),
         ("eigenvalues", "choice", eigenvalues, "raw"),
         ("with_point", "no|yes", with_point, True),
-    ])
+    ], k, radius)
 
 
-def neighborhood_size() -> Stage:
+@makes_stage
+def neighborhood_size(*, k: int | None = None, radius: float | None = None) -> Stage:
     """Number of neighbours and distance of the farthest.
+
+    Parameters
+    ----------
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 8 neighbours where
+        neither is given.
 
     Makes
     -----
@@ -385,9 +417,10 @@ def neighborhood_size() -> Stage:
     ---------
     knn(radius=0.1) | neighborhood_size
     """
-    return made_stage("neighborhood_size", [])
+    return made_stage("neighborhood_size", [], k, radius)
 
 
+@makes_stage
 def where(condition: str) -> Stage:
     """Keeps the points for which a condition on attributes holds; later stages see neighbours among these.
 
@@ -413,6 +446,7 @@ def where(condition: str) -> Stage:
     ])
 
 
+@makes_stage
 def crop(
     bounds: Sequence[float] | None = None,
     *,
@@ -462,7 +496,8 @@ def crop(
     ])
 
 
-def set(
+@makes_stage
+def assign(
     assign: str,
     *,
     as_: Literal["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"] | None = None,
@@ -502,6 +537,7 @@ def set(
     ])
 
 
+@makes_stage
 def drop(attributes: str | Sequence[str]) -> Stage:
     """Leaves attributes out of the output; later stages cannot read them.
 
@@ -526,10 +562,13 @@ def drop(attributes: str | Sequence[str]) -> Stage:
     ])
 
 
+@makes_stage
 def sor(
     multiplier: float = 2,
     *,
     definition: Literal["pointsweep", "pdal", "pcl", "open3d", "cloudcompare"] = "pointsweep",
+    k: int | None = None,
+    radius: float | None = None,
 ) -> Stage:
     """Statistical outliers: points whose mean distance to their neighbours exceeds mean + multiplier * deviation of
     the cloud.
@@ -538,6 +577,8 @@ def sor(
     ----------
     multiplier : a mean distance this many standard deviations above that of the cloud makes an outlier; 0 or more.
     definition : use the rule of this program; the formula shows the differences.
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 8 neighbours where
+        neither is given.
 
     Makes
     -----
@@ -580,10 +621,11 @@ def sor(
     return made_stage("sor", [
         ("multiplier", "number", multiplier, 2),
         ("definition", "choice", definition, "pointsweep"),
-    ])
+    ], k, radius)
 
 
-def ror(radius: float, *, min_neighbors: int = 2) -> Stage:
+@makes_stage
+def ror(radius: float, *, min_neighbors: int = 2, k: int | None = None) -> Stage:
     """Radius outliers: points with fewer than min_neighbors neighbours within a radius.
 
     Parameters
@@ -591,6 +633,7 @@ def ror(radius: float, *, min_neighbors: int = 2) -> Stage:
     radius : the distance within which neighbours count, inclusive; above 0; 0 or more; unit: length.
     min_neighbors : number of neighbours that a point needs, without the point itself; knn needs k of at least this;
         1 or more.
+    k : k of a knn before the stage, which begins the pipeline; default: 2 neighbours.
 
     Makes
     -----
@@ -623,11 +666,17 @@ def ror(radius: float, *, min_neighbors: int = 2) -> Stage:
     return made_stage("ror", [
         ("radius", "number", radius, None),
         ("min_neighbors", "whole", min_neighbors, 2),
-    ])
+    ], k)
 
 
-def lof() -> Stage:
+@makes_stage
+def lof(*, k: int | None = None, radius: float | None = None) -> Stage:
     """Local outlier factor: how many times sparser a point lies than its neighbours do; about 1 inside a cloud.
+
+    Parameters
+    ----------
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 32 neighbours where
+        neither is given.
 
     Makes
     -----
@@ -664,16 +713,18 @@ def lof() -> Stage:
     ---------
     knn(k=20) | lof | where(lof < 1.5)
     """
-    return made_stage("lof", [])
+    return made_stage("lof", [], k, radius)
 
 
-def density(radius: float | None = None) -> Stage:
+@makes_stage
+def density(radius: float | None = None, *, k: int | None = None) -> Stage:
     """Points for each unit of area and of volume around a point.
 
     Parameters
     ----------
     radius : radius of the ball in which points are counted, above 0; without this option, the distance to the
         farthest neighbour; 0 or more; unit: length.
+    k : k of a knn before the stage, which begins the pipeline; default: 32 neighbours.
 
     Makes
     -----
@@ -707,9 +758,10 @@ def density(radius: float | None = None) -> Stage:
     """
     return made_stage("density", [
         ("radius", "number", radius, None),
-    ])
+    ], k)
 
 
+@makes_stage
 def unique() -> Stage:
     """Keeps the first of points with equal coordinates; later stages see neighbours among those kept.
 
@@ -728,6 +780,7 @@ def unique() -> Stage:
     return made_stage("unique", [])
 
 
+@makes_stage
 def decimate(share: float, *, seed: int = 0) -> Stage:
     """Keeps a share of the points, chosen by a hash of their coordinates.
 
@@ -766,12 +819,13 @@ def decimate(share: float, *, seed: int = 0) -> Stage:
     ])
 
 
+@makes_stage
 def voxel(size: float, *, keep: Literal["center", "hash", "centroid"] = "center") -> Stage:
     """Keeps one point in each cube of a grid; later stages see neighbours among those kept.
 
     Parameters
     ----------
-    size : edge length of the cubes, whose faces lie at multiples of it; 5e-324 or more; unit: length.
+    size : edge length of the cubes, whose faces lie at multiples of it; above 0; unit: length.
     keep : point that a cube keeps: the one nearest to its centre, one chosen by a hash, or the one nearest to its
         centre with the means of the cube.
 
@@ -808,12 +862,13 @@ def voxel(size: float, *, keep: Literal["center", "hash", "centroid"] = "center"
     ])
 
 
+@makes_stage
 def poisson(radius: float, *, radius_from: str | None = None) -> Stage:
     """Keeps points that are farther than a radius from each other and leave no gap wider than it.
 
     Parameters
     ----------
-    radius : minimum distance between kept points; with radius_from, its upper limit; 5e-324 or more; unit: length.
+    radius : minimum distance between kept points; with radius_from, its upper limit; above 0; unit: length.
     radius_from : attribute of the input, or made before, that holds the minimum distance from each point to the
         kept ones.
 
@@ -848,15 +903,16 @@ def poisson(radius: float, *, radius_from: str | None = None) -> Stage:
     ])
 
 
+@makes_stage
 def simplify(error: float, *, most: float | None = None, least: float = 0) -> Stage:
     """Keeps few points on flat parts and many on curved ones: poisson with a radius from the curvature.
 
     Parameters
     ----------
-    error : largest distance from a point that is left out to the tangent plane of a kept one; 5e-324 or more; unit:
+    error : largest distance from a point that is left out to the tangent plane of a kept one; above 0; unit:
         length.
-    most : maximum distance between kept points, on flat parts; without this option, 32 times error; 5e-324 or more;
-        unit: length.
+    most : maximum distance between kept points, on flat parts; without this option, 32 times error; above 0; unit:
+        length.
     least : minimum distance between kept points, where noise looks like curvature; at most `most`; 0 or more; unit:
         length.
 
@@ -892,6 +948,7 @@ def simplify(error: float, *, most: float | None = None, least: float = 0) -> St
     ])
 
 
+@makes_stage
 def ground(
     method: Literal["smrf"] = "smrf",
     *,
@@ -908,7 +965,7 @@ def ground(
     Parameters
     ----------
     method : filter that finds the ground; there is only this one.
-    cell : edge length of the cells of the raster, whose lines lie at multiples of it; 5e-324 or more; unit: length.
+    cell : edge length of the cells of the raster, whose lines lie at multiples of it; above 0; unit: length.
     slope : steepest slope of the ground, rise over run; steeper shapes are objects; 0 or more.
     window : about half the width of the widest object, such as a building; 0 or more; unit: length.
     threshold : largest distance from a point of the ground to the surface, where that is level; 0 or more; unit:
@@ -969,6 +1026,7 @@ def ground(
     ])
 
 
+@makes_stage
 def height(from_: Literal["ground"] = "ground", *, k: int = 1) -> Stage:
     """Measures the height above the nearest points of the ground, in the plane of x and y.
 
@@ -1015,6 +1073,7 @@ def height(from_: Literal["ground"] = "ground", *, k: int = 1) -> Stage:
     ])
 
 
+@makes_stage
 def color(
     by: str,
     *,
@@ -1067,14 +1126,15 @@ def color(
     ])
 
 
+@makes_stage
 def distance_to(cloud: str | os.PathLike[str] | Cloud, *, most: float | None = None) -> Stage:
     """Measures the distance to the nearest point of another cloud.
 
     Parameters
     ----------
     cloud : the other cloud: a point file, a folder of them or a pattern.
-    most : maximum distance at which the nearest point is looked for; without this option there is no limit; 5e-324
-        or more; unit: length.
+    most : maximum distance at which the nearest point is looked for; without this option there is no limit; above
+        0; unit: length.
 
     Makes
     -----
@@ -1108,14 +1168,15 @@ def distance_to(cloud: str | os.PathLike[str] | Cloud, *, most: float | None = N
     ])
 
 
+@makes_stage
 def m3c2(cloud: str | os.PathLike[str] | Cloud, cylinder: float, depth: float, *, registration: float = 0) -> Stage:
     """Measures the change to another cloud along the normals, with its level of detection (M3C2).
 
     Parameters
     ----------
     cloud : the other cloud, measured later: a point file, a folder of them or a pattern.
-    cylinder : diameter of the cylinder along the normal (projection scale); 5e-324 or more; unit: length.
-    depth : how far the cylinder reaches to each side of the point; 5e-324 or more; unit: length.
+    cylinder : diameter of the cylinder along the normal (projection scale); above 0; unit: length.
+    depth : how far the cylinder reaches to each side of the point; above 0; unit: length.
     registration : error of the registration of the two clouds; 0 or more; unit: length.
 
     Makes
@@ -1167,13 +1228,16 @@ def m3c2(cloud: str | os.PathLike[str] | Cloud, cylinder: float, depth: float, *
     ])
 
 
-def components(distance: float | None = None) -> Stage:
+@makes_stage
+def components(distance: float | None = None, *, k: int | None = None, radius: float | None = None) -> Stage:
     """Connected components of the graph of neighbours, with their sizes.
 
     Parameters
     ----------
     distance : points farther from each other are not joined; needs knn(radius=...) of at least it; 0 or more; unit:
         length.
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 8 neighbours where
+        neither is given.
 
     Makes
     -----
@@ -1207,10 +1271,11 @@ def components(distance: float | None = None) -> Stage:
     """
     return made_stage("components", [
         ("distance", "number", distance, None),
-    ])
+    ], k, radius)
 
 
-def dbscan(eps: float, *, min_points: int = 5) -> Stage:
+@makes_stage
+def dbscan(eps: float, *, min_points: int = 5, k: int | None = None, radius: float | None = None) -> Stage:
     """Density-based clusters (DBSCAN): points around core points, which have many neighbours.
 
     Parameters
@@ -1218,6 +1283,8 @@ def dbscan(eps: float, *, min_points: int = 5) -> Stage:
     eps : the distance within which points are neighbours, inclusive; needs knn(radius=...) of at least it; 0 or
         more; unit: length.
     min_points : number of points within eps that make a core point, itself included; 1 or more.
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 8 neighbours where
+        neither is given.
 
     Makes
     -----
@@ -1258,10 +1325,17 @@ def dbscan(eps: float, *, min_points: int = 5) -> Stage:
     return made_stage("dbscan", [
         ("eps", "number", eps, None),
         ("min_points", "whole", min_points, 5),
-    ])
+    ], k, radius)
 
 
-def segments(angle: float = 5, *, distance: float | None = None) -> Stage:
+@makes_stage
+def segments(
+    angle: float = 5,
+    *,
+    distance: float | None = None,
+    k: int | None = None,
+    radius: float | None = None,
+) -> Stage:
     """Smooth segments: neighbours whose normals differ by less than an angle, with sizes and flatness.
 
     Parameters
@@ -1269,6 +1343,8 @@ def segments(angle: float = 5, *, distance: float | None = None) -> Stage:
     angle : maximum angle between the normals of neighbours in one segment, in degrees, above 0; 0 to 90; unit:
         degrees.
     distance : points farther from each other are not joined; 0 or more; unit: length.
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 16 neighbours where
+        neither is given.
 
     Makes
     -----
@@ -1316,15 +1392,18 @@ def segments(angle: float = 5, *, distance: float | None = None) -> Stage:
     return made_stage("segments", [
         ("angle", "number", angle, 5),
         ("distance", "number", distance, None),
-    ])
+    ], k, radius)
 
 
+@makes_stage
 def orient(
     method: Literal["mst", "trajectory"] = "mst",
     *,
     viewpoint: Sequence[float] | None = None,
     trajectory: str | os.PathLike[str] | Cloud | None = None,
     checksum: str | None = None,
+    k: int | None = None,
+    radius: float | None = None,
 ) -> Stage:
     """Gives the normals of each connected surface consistent signs, by a minimum spanning forest.
 
@@ -1336,6 +1415,8 @@ def orient(
     trajectory : file with the path of the sensor as lines of time, x, y, z, in the coordinates of the cloud and the
         times of gps_time.
     checksum : checksum of the trajectory, as a processing record holds it; a file with other content is refused.
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 16 neighbours where
+        neither is given.
 
     Makes
     -----
@@ -1385,9 +1466,10 @@ def orient(
         ("viewpoint", "point", viewpoint, None),
         ("trajectory", "file", trajectory, None),
         ("checksum", "word", checksum, None),
-    ])
+    ], k, radius)
 
 
+@makes_stage
 def reneighbor(
     k: int | None = None,
     *,
@@ -1443,6 +1525,7 @@ def reneighbor(
     ])
 
 
+@makes_stage
 def resort() -> Stage:
     """Makes --order sweep write the points in the order of the moved positions; changes no value.
 

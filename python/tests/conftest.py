@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Clouds of the tests, and the command-line tool that results are compared with."""
 
+import json
+import keyword
 import os
 import shutil
 import subprocess
@@ -8,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+from pointsweep import _stages
 
 
 @pytest.fixture(scope="session")
@@ -39,3 +43,37 @@ def run_tool(tool, tmp_path):
         return tmp_path
 
     return run
+
+
+@pytest.fixture(scope="session")
+def declarations(tool):
+    """The declarations of all operators in the registry."""
+    return json.loads(subprocess.run([tool, "operators", "--json"], check=True, capture_output=True, text=True).stdout)
+
+
+VALUES = {
+    "condition": "x > 1", "assignments": "a = x + 1", "attributes": ["a", "b"], "numbers": [0, 0, 1, 1], "point": (1, 2, 3.5),
+    "file": "other.ply",
+}  # fmt: skip
+
+
+def samples(option):
+    """Values of an option, by its declaration alone."""
+    kind, choices = option["kind"], option.get("choices")
+    least, most = option.get("range") or (0, None)
+    if kind == "names":
+        return [choices, choices[:1]]
+    if kind == "choice":
+        return [choice in ("yes", "true") for choice in choices] if set(choices) <= {"no", "yes", "false", "true"} else choices
+    if kind == "whole":
+        return [int(least) + 1, int(least) + 2]
+    if kind == "number":
+        return [least + 0.75, least + 1.5] if most is None else [(least + most) / 2, most]
+    return [VALUES.get(kind, "word")]
+
+
+def made_by(operator):
+    """Of a declaration: the function, values of its required options, and the declarations of all its options."""
+    make = getattr(_stages, {"set": "assign"}.get(operator["name"], operator["name"]))
+    options = {o["name"] + "_" * keyword.iskeyword(o["name"]): o for o in operator["options"]}
+    return make, {name: samples(option)[0] for name, option in options.items() if option["required"]}, options

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pointsweep as ps
-from pointsweep import _files
+from pointsweep import _outputs
 
 
 @pytest.fixture
@@ -51,8 +51,8 @@ def test_a_folder_gets_a_file_for_each_input(tiles, run_tool, tmp_path):
 
 
 def test_a_copc_file_is_written_as_a_laz_file():
-    assert _files._tile_name("north/1.copc.laz") == "north/1.laz"
-    assert _files._tile_name("1.COPC.LAZ") == "1.LAZ" and _files._tile_name("1.copc.ply") == "1.copc.ply"
+    assert _outputs._tile_name("north/1.copc.laz") == "north/1.laz"
+    assert _outputs._tile_name("1.COPC.LAZ") == "1.LAZ" and _outputs._tile_name("1.copc.ply") == "1.copc.ply"
 
 
 def test_a_name_of_a_copc_file_is_refused_for_outputs(tiles, tmp_path):

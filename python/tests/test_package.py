@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The package as a whole: what importing it costs, processes, notebooks."""
 
+import ast
 import html
 import multiprocessing
 import os
@@ -9,6 +10,7 @@ import sys
 import sysconfig
 import threading
 import types
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,6 +30,44 @@ print(*sorted(m for m in set(sys.modules) - before if not m.startswith("pointswe
 """
     run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert set(run.stdout.split()) <= {"__future__", "atexit", "copy"}, "import these where they are needed"
+
+
+MODULES = sorted(path.stem for path in Path(ps.__file__).parent.glob("*.py"))
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_each_module_is_imported_alone(module):
+    """The package's own __init__ is replaced by an empty module, so that no other module is there before this one."""
+    code = f"""
+import sys, types
+package = types.ModuleType("pointsweep")
+package.__path__ = [{os.path.dirname(ps.__file__)!r}]
+sys.modules["pointsweep"] = package
+import pointsweep.{module}
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def internal_imports(module):
+    """Modules of the package that a module imports anywhere in its text, also for types alone."""
+    tree = ast.parse((Path(ps.__file__).parent / f"{module}.py").read_text())
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level == 1]
+    return {name for node in nodes for name in ([node.module] if node.module else [a.name for a in node.names])} - {"_core"}
+
+
+def test_modules_import_each_other_in_one_direction():
+    above = {module: internal_imports(module) for module in MODULES}
+    while ready := [module for module, below in above.items() if not below]:
+        above = {module: below - set(ready) for module, below in above.items() if module not in ready}
+    assert not above, f"these import each other: {above}"
+
+
+def test_no_module_of_the_package_is_imported_inside_of_a_function():
+    for module in MODULES:
+        tree = ast.parse((Path(ps.__file__).parent / f"{module}.py").read_text())
+        functions = [node for node in ast.walk(tree) if isinstance(node, (ast.FunctionDef, ast.Lambda))]
+        inner = [n for f in functions for n in ast.walk(f) if isinstance(n, ast.ImportFrom) and n.level == 1]
+        assert not inner, module
 
 
 def test_it_leaves_the_interpreter_lock_off():

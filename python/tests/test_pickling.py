@@ -2,23 +2,17 @@
 """What other processes get: stages, pipelines, operators and results, pickled and compared."""
 
 import copy
-import json
-import keyword
 import pickle
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from conftest import made_by, samples
 
 import pointsweep as ps
-from pointsweep import _stages
 
 FACTOR = 2.0
-VALUES = {
-    "condition": "x > 1", "assignments": "a = x + 1", "attributes": ["a", "b"], "numbers": [0, 0, 1, 1], "point": (1, 2, 3.5),
-    "file": "other.ply",
-}  # fmt: skip
 
 
 @ps.operator(makes={"double": "f8"}, neighbors=False)
@@ -49,30 +43,12 @@ def back(value):
     return pickles[-1]
 
 
-def samples(option):
-    """Values of an option, by its declaration alone."""
-    kind, choices = option["kind"], option.get("choices")
-    least, most = option.get("range") or (0, None)
-    if kind == "names":
-        return [choices, choices[:1]]
-    if kind == "choice":
-        return [choice in ("yes", "true") for choice in choices] if set(choices) <= {"no", "yes", "false", "true"} else choices
-    if kind == "whole":
-        return [int(least) + 1, int(least) + 2]
-    if kind == "number":
-        return [least + 0.75, least + 1.5] if most is None else [(least + most) / 2, most]
-    return [VALUES.get(kind, "word")]
-
-
 @pytest.fixture(scope="module")
-def stages(tool):
+def stages(declarations):
     """Stages of every operator in the registry: with what is required, and with each value of each option."""
     found = []
-    run = subprocess.run([tool, "operators", "--json"], check=True, capture_output=True, text=True)
-    for operator in json.loads(run.stdout):
-        make = getattr(_stages, operator["name"])
-        options = {o["name"] + "_" * keyword.iskeyword(o["name"]): o for o in operator["options"]}
-        required = {name: samples(option)[0] for name, option in options.items() if option["required"]}
+    for operator in declarations:
+        make, required, options = made_by(operator)
         found.append(make(**required))
         found += [make(**{**required, name: value}) for name, option in options.items() for value in samples(option)]
     return found

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Pipelines as objects, made of the declarations of the operators."""
 
+import builtins
 import inspect
 import json
 import keyword
@@ -16,19 +17,14 @@ import pointsweep as ps
 PYTHON = Path(__file__).resolve().parents[1]
 
 
-@pytest.fixture(scope="module")
-def declarations(tool):
-    return subprocess.run([tool, "operators", "--json"], check=True, capture_output=True, text=True).stdout
-
-
 def test_the_functions_are_those_of_the_declarations(declarations):
     command = [sys.executable, PYTHON / "make_stages.py"]
-    made = subprocess.run(command, input=declarations, check=True, capture_output=True, text=True).stdout
+    made = subprocess.run(command, input=json.dumps(declarations), check=True, capture_output=True, text=True).stdout
     assert (PYTHON / "pointsweep/_stages.py").read_text() == made, "run script/docs"
 
 
 def test_every_operator_is_a_function_that_says_what_it_is(declarations):
-    for operator in json.loads(declarations):
+    for operator in declarations:
         function = getattr(ps, operator["name"])
         for text in (operator["formula"].splitlines() or [""])[:1] + [m["name"] for m in operator["makes"]]:
             assert " ".join(text.split()) in " ".join(function.__doc__.split()), operator["name"]
@@ -50,7 +46,7 @@ def test_stages_are_texts():
     assert str(ps.features(["planarity", "linearity"])) == "features(names=[planarity,linearity])"
     assert str(ps.where("z > 1 && nx < 2")) == 'where(condition="z > 1 && nx < 2")'
     assert str(ps.drop(["intensity", "gps_time"])) == "drop(attributes=[intensity,gps_time])"
-    assert str(ps.set("a = 1 where z > 2", as_="uint8")) == 'set(assign="a = 1 where z > 2", as=uint8)'
+    assert str(ps.assign("a = 1 where z > 2", as_="uint8")) == 'set(assign="a = 1 where z > 2", as=uint8)'
     assert str(ps.crop([0, 0, 2.5, 1], outside=True)) == "crop(bounds=[0.0,0.0,2.5,1.0], outside=true)"
     assert str(ps.features(with_point=False)) == "features(with_point=no)" and str(ps.ground(noise=False)) == "ground"
     assert str(ps.crop(polygon=PYTHON / "a b.geojson")).endswith('a b.geojson")')
@@ -100,7 +96,7 @@ def test_conditions_with_names_of_any_spelling(surface):
     scan = {"xyz": surface, "return_number": (np.arange(3000) % 3).astype("u1")}
     for stage in (ps.where("ReturnNumber == 1"), ps.where("scalar_returnnumber == 1")):
         assert list(ps.run(scan, stage)["row"]) == list(range(1, 3000, 3))
-    t = ps.run(scan, ps.set("ReturnNumber = 5 where Return_Number == 1"))
+    t = ps.run(scan, ps.assign("ReturnNumber = 5 where Return_Number == 1"))
     assert list(t["return_number"][:4]) == [0, 5, 2, 0]
 
 
@@ -110,7 +106,7 @@ def test_conditions_with_names_of_any_spelling(surface):
         (lambda: ps.knn("many"), "knn: k: 'many' is not a whole number"),
         (lambda: ps.voxel(float("nan")), "voxel: size: .* not finite"),
         (lambda: ps.normals(orient="down"), "orient: 'down'"),
-        (lambda: ps.normals(k=3), "give k and radius to knn"),
+        (lambda: ps.normals(memory="1G"), "without points it is a stage, which has no memory"),
         (lambda: ps.where(3), "not a text"),
         (lambda: ps.crop("0,0,1,1"), "a list of numbers"),
         (lambda: ps.crop([0, 0, 1, 1], outside="yes"), "neither True nor False"),
@@ -128,3 +124,23 @@ def test_missing_and_unknown_options_are_type_errors():
         ps.voxel()
     with pytest.raises(TypeError):
         ps.knn(kk=8)
+
+
+def test_no_exported_name_is_that_of_a_builtin():
+    assert not set(ps.__all__) & set(dir(builtins))
+    code = "import builtins; from pointsweep import *; assert open is builtins.open and set is builtins.set and knn"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_former_names_work_and_say_the_new_one(tmp_path):
+    with pytest.warns(DeprecationWarning, match=r"pointsweep\.set is now called pointsweep\.assign") as noted:
+        stage = ps.set("a = 1 where z > 2", as_="uint8")
+    assert stage == ps.assign("a = 1 where z > 2", as_="uint8") and noted[0].filename == __file__
+    assert len(ps.open(ps.generate("plane", 50, tmp_path / "a.ply").files)) == 50
+
+
+def test_no_docstring_has_the_least_number(declarations):
+    for name in ps._stages.__all__:
+        assert "5e-324" not in getattr(ps, name).__doc__
+    allowed = {option["name"]: option["allowed"] for o in declarations if o["name"] == "voxel" for option in o["options"] if "allowed" in option}
+    assert allowed["size"] == "above 0" and "; above 0;" in ps.voxel.__doc__

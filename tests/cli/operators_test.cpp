@@ -38,6 +38,7 @@ TEST_F(OperatorListing, JsonHoldsEveryOptionWithTypeDefaultAndRange) {
   EXPECT_EQ(listed[0]["name"], "knn");
   EXPECT_EQ(listed[0]["options"][0]["default"], nullptr) << "it is that of the operators";
   EXPECT_EQ(listed[0]["options"][0]["range"], nlohmann::json({1, nullptr}));
+  EXPECT_EQ(listed[0]["options"][0]["allowed"], "1 or more");
   for (std::size_t i = 0; i < all_operators().size(); ++i) {
     const OperatorDeclaration& declaration = all_operators()[i];
     const auto& json = listed[i + 1];

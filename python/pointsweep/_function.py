@@ -1,40 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""What stages, operators and pipelines have in common: they are joined, compared and pickled."""
+"""Objects that decorators make of functions: how they are copied and pickled."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from ._pipeline import Pipeline, PipelineLike
-
-
-class Joinable:
-    """Joined by ``|``. Equal are those that stand for the same stages with the same options."""
-
-    def __or__(self, other: PipelineLike) -> Pipeline:
-        from ._pipeline import Pipeline
-
-        return Pipeline(self, other)
-
-    def __ror__(self, other: PipelineLike) -> Pipeline:
-        from ._pipeline import Pipeline
-
-        return Pipeline(other, self)
-
-    def __eq__(self, other: object) -> bool:
-        from ._pipeline import canonical_stages
-
-        if not isinstance(other, Joinable):
-            return NotImplemented
-        return self is other or canonical_stages(self) == canonical_stages(other)
-
-    def __hash__(self) -> int:
-        from ._pipeline import canonical_stages
-
-        return hash(canonical_stages(self))
+from typing import Any
 
 
 class MadeOfFunction:

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: MIT
+"""The two most wanted runs over points, in one call."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+import numpy as np
+
+from . import _core, _stages
+from ._errors import UsageError, warn
+from ._options import choice, number, run_options, whole, with_run_options
+from ._progress import called
+from ._results import Neighbors, RadiusNeighbors
+from ._runs import run
+from ._sources import source_of
+from ._stage import Stage
+from ._types import ProgressCallback, RunOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+_Orient = Literal["none", "up", "viewpoint", "input"]
+
+
+@overload
+def normals(
+    points: None = None,
+    k: int | None = None,
+    *,
+    radius: float | None = None,
+    orient: _Orient = "none",
+    viewpoint: Sequence[float] | None = None,
+) -> Stage: ...
+
+
+@overload
+def normals(
+    points: Any,
+    k: int | None = None,
+    *,
+    radius: float | None = None,
+    orient: _Orient = "none",
+    viewpoint: Sequence[float] | None = None,
+    out: np.ndarray | None = None,
+    attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
+    progress: ProgressCallback | bool | None = None,
+    **options: Unpack[RunOptions],
+) -> np.ndarray: ...
+
+
+@with_run_options
+def normals(
+    points: Any = None,
+    k: int | None = None,
+    *,
+    radius: float | None = None,
+    orient: _Orient = "none",
+    viewpoint: Sequence[float] | None = None,
+    out: np.ndarray | None = None,
+    attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
+    progress: ProgressCallback | bool | None = None,
+    **options: Unpack[RunOptions],
+) -> np.ndarray | Stage:
+    """Unit normals of the surface that the points were taken from, (n, 3) float32; without points, a stage that makes
+    them: ``ps.knn(16) | ps.normals(orient="up")``.
+
+    Parameters
+    ----------
+    points : as for `run`.
+    k : number of neighbours; where no radius is given either, the 16 of docs/operators.md.
+    radius : neighbours lie within it, in the unit of the coordinates; with `k`, at most k of them.
+    orient : 'none' (the component of largest magnitude is positive), 'up' (nz >= 0), 'viewpoint', or 'input' (as the
+        attribute 'normal' that the points have).
+    viewpoint : the position of the scanner, x, y, z; implies orient='viewpoint'.
+    out : an array that the normals are written to.
+    attributes, crs, progress and the other options : as for `run`.
+    """
+    if viewpoint is not None and orient == "none":
+        orient = "viewpoint"
+    choice("orient", orient, ("none", "up", "viewpoint", "input"))
+    if orient == "viewpoint" and (viewpoint is None or len(viewpoint) != 3):
+        raise UsageError("viewpoint: give the position of the scanner, (x, y, z).")
+    if orient != "viewpoint" and viewpoint is not None:
+        raise UsageError(f"viewpoint: is not used with orient={orient!r}; leave one of them out.")
+    stage = _stages.normals(orient, viewpoint=viewpoint, k=k, radius=radius)
+    if points is not None:
+        into = None if out is None else {"normal": out}
+        return run(
+            points,
+            stage,
+            keep=["normal"],
+            out=into,
+            attributes=attributes,
+            crs=crs,
+            progress=progress,
+            **options,
+        )["normal"]
+    given = {"out": out, "attributes": attributes, "crs": crs, "progress": progress, **options}
+    unused = [name for name, value in given.items() if value is not None]
+    if unused:
+        raise UsageError(f"normals: without points it is a stage, which has no {unused[0]}; call the stage with it.")
+    return stage
+
+
+# What the declaration of the operator says beyond its options.
+normals.__doc__ = f"{normals.__doc__ or ''}\n    Makes\n{(_stages.normals.__doc__ or '').partition('Makes')[2].lstrip(chr(10))}"
+
+
+@overload
+def neighbors(
+    points: Any,
+    k: int,
+    *,
+    radius: float | None = None,
+    attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
+    progress: ProgressCallback | bool | None = None,
+    **options: Unpack[RunOptions],
+) -> Neighbors: ...
+
+
+@overload
+def neighbors(
+    points: Any,
+    k: None = None,
+    *,
+    radius: None = None,
+    attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
+    progress: ProgressCallback | bool | None = None,
+    **options: Unpack[RunOptions],
+) -> Neighbors: ...
+
+
+@overload
+def neighbors(
+    points: Any,
+    k: None = None,
+    *,
+    radius: float,
+    attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
+    progress: ProgressCallback | bool | None = None,
+    **options: Unpack[RunOptions],
+) -> RadiusNeighbors: ...
+
+
+@with_run_options
+def neighbors(
+    points: Any,
+    k: int | None = None,
+    *,
+    radius: float | None = None,
+    attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
+    progress: ProgressCallback | bool | None = None,
+    **options: Unpack[RunOptions],
+) -> Neighbors | RadiusNeighbors:
+    """The exact neighbours of every point among all points, the point itself excluded.
+
+    Parameters
+    ----------
+    points : as for `run`.
+    k : number of neighbours; 16 where no radius is given.
+    radius : largest distance, inclusive, in the unit of the coordinates.
+    attributes, crs, progress and the other options : as for `run`.
+
+    Returns
+    -------
+    With k: `Neighbors`, (indices, distances), both (n, k), nearest first. With a radius alone: `RadiusNeighbors`,
+    (offsets, indices, distances); the neighbours of point i are ``indices[offsets[i]:offsets[i + 1]]``, nearest first.
+    Their number is not bounded: 16 bytes for each are in memory, whatever the budget.
+
+    Distances are computed in float64; equal ones are ordered by x, y, z, then by row. Points with NaN or infinite
+    coordinates have no neighbours and are neighbours of no point.
+    """
+    checked = run_options(**options)
+    source = source_of(points, attributes, crs, checked)
+    given = {**checked, **source.options}
+    for option, plain in (("order", "input"), ("prefix", ""), ("resume", ""), ("provenance", "names"), ("positions", "")):
+        if given[option] != plain:
+            raise UsageError(f"{option}: is not an option of neighbors.")
+    if k is None and radius is not None:
+        with called(progress) as shown:
+            lists = _core.radius_neighbors(source.inputs, number("radius", radius), given, shown, warn)
+        return RadiusNeighbors(*lists)
+    count = _core.default_neighbors if k is None else whole("k", k)
+    if not 1 <= count < 2**32:
+        raise UsageError(f"k: {count} is not a number of neighbours; choose 1 or more, below 2**32.")
+    limit = math.inf if radius is None else number("radius", radius)
+    with called(progress) as shown:
+        return Neighbors(*_core.neighbors(source.inputs, count, limit, given, shown, warn))

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+"""Pipelines as lists of texts and of functions of Python, as the extension module takes them."""
+
+from __future__ import annotations
+
+import copy
+import os
+
+from . import _core
+from ._errors import Error, UsageError
+from ._types import FunctionStage, PipelineLike, Stages
+
+
+def stages_of(pipeline: PipelineLike) -> list[str | FunctionStage]:
+    """Texts and operators; the content of a file for its path."""
+    if isinstance(pipeline, str):
+        return [pipeline]
+    if isinstance(pipeline, Stages):
+        return pipeline._stages()
+    if isinstance(pipeline, os.PathLike):
+        with open(pipeline, encoding="utf-8") as file:
+            return [file.read()]
+    if isinstance(pipeline, (list, tuple)):
+        if not pipeline:
+            raise UsageError("pipeline: is empty; give one such as 'knn(k=8) | normals'.")
+        return [stage for part in pipeline for stage in stages_of(part)]
+    name = getattr(pipeline, "__name__", None)
+    if callable(pipeline) and name is not None:
+        raise UsageError(f"pipeline: {name} is a function; write {name}(), or make it an operator with @pointsweep.operator.")
+    raise UsageError(
+        f"pipeline: {pipeline!r} is neither a text, nor a stage (made with pointsweep.knn() or the like), nor an operator "
+        "(made with @pointsweep.operator), nor a list of these."
+    )
+
+
+def canonical_stages(pipeline: PipelineLike) -> tuple[str, ...]:
+    """Texts that are equal if the stages are, however they were written; as they were written where they are wrong."""
+    stages: list[str | FunctionStage] = []
+    for stage in stages_of(pipeline):
+        if not isinstance(stage, str):
+            digest, unknown = stage._identity()
+            stage = copy.copy(stage)
+            stage._digest = digest + (f" {id(stage.function)}" if unknown else "")
+        stages.append(stage)
+    try:
+        return tuple(_core.canonical_stages(stages))
+    except Error:
+        return tuple(stage if isinstance(stage, str) else f"{stage.name}({stage._digest})" for stage in stages)
+
+
+def identified(stages: list[str | FunctionStage], resumed: bool) -> list[str | FunctionStage]:
+    """The stages with the digests of functions. A run to be `resumed` is refused where a function uses what cannot be
+    compared with what it used before."""
+    result: list[str | FunctionStage] = []
+    for stage in stages:
+        if not isinstance(stage, str):
+            digest, unknown = stage._identity()
+            if resumed and unknown:
+                raise UsageError(
+                    f"resume: operator '{stage.name}' uses {unknown[0]}, which cannot be compared with that of the run that "
+                    "is resumed; make it inside of the function, pass numbers or arrays instead, or leave resume out."
+                )
+            stage = copy.copy(stage)
+            stage._digest = digest
+        result.append(stage)
+    return result

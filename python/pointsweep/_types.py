@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: MIT
+"""The types that modules share, below all modules that do something with them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from typing import Any, Literal, TypedDict, Union
+
+Path = Union[str, "os.PathLike[str]"]
+
+#: (phase, points done, points in all)
+ProgressCallback = Callable[[str, int, int], Any]
+
+
+class Stages:
+    """Stages of a pipeline in order: a `Stage`, an `Operator` or a `Pipeline`."""
+
+    def _stages(self) -> list[str | FunctionStage]:
+        """The stages as the extension module takes them: texts, and functions of Python."""
+        raise NotImplementedError
+
+
+class FunctionStage(Stages):
+    """A stage that calls a function of Python: an `Operator`."""
+
+    name: str
+    function: Callable[..., Any]
+    #: of the function, in records of files and checkpoints; of a copy that such a run has
+    _digest = ""
+
+    def _stages(self) -> list[str | FunctionStage]:
+        return [self]
+
+    def _identity(self) -> tuple[str, list[str]]:
+        """The digest of the function, and what the digest leaves out since it cannot be compared."""
+        raise NotImplementedError
+
+
+#: What `pointsweep.run` takes as a pipeline.
+PipelineLike = Union[str, Stages, "os.PathLike[str]", Sequence[Any]]
+
+
+class Files:
+    """Point files as one cloud: a `Cloud`."""
+
+    def __init__(self, files: list[str], names: list[str], options: dict[str, Any], known: dict[str, Any]) -> None:
+        self.files = files  #: paths, in the order of the rows
+        self._names = names  # in a folder of outputs
+        self._options = options  # of opening them
+        self._known = known  # what headers say, from the extension module
+
+
+class RunOptions(TypedDict, total=False):
+    """The options of `pointsweep.run` that have the same meaning for all kinds of input and output."""
+
+    order: Literal["input", "sweep"]
+    axis: Literal["x", "y", "z", 0, 1, 2] | None
+    memory: int | str | None
+    threads: int | None
+    temp_folder: Path | None
+    resume: Path | None
+    nonfinite: Literal["keep", "drop", "refuse"] | None
+    overwrite: bool
+    replace: Sequence[str] | str | None
+    prefix: str
+    positions: Literal["float32", "float64"] | None
+    provenance: Literal["names", "paths"] | bool
+    ignore_crs: bool
