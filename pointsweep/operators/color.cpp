@@ -153,7 +153,8 @@ std::shared_ptr<const Operator> Color::bound(const Schema& input, std::span<cons
 }
 
 std::shared_ptr<const Operator> Color::with_values(std::span<const std::vector<double>> values) const {
-  auto known = std::make_shared<Color>(*this);
+  auto known = std::make_shared<Color>(options_, place_);  // declares no options: the range is one of its own
+  known->names_ = names_, known->of_input_ = of_input_, known->type_ = type_;
   known->lo_ = values[0][0], known->hi_ = values[0][1];
   return known;
 }
@@ -187,7 +188,7 @@ void Color::apply(const Neighborhoods& in, Columns& out) const {
 
 Options Color::own_options() const {
   Options own = {{"by", options_.by}, {"map", std::string(kMapNames[static_cast<std::size_t>(options_.map)])}};
-  if (options_.range) own.push_back({"range", fmt::format("{},{}", options_.range->first, options_.range->second)});
+  if (lo_) own.push_back({"range", fmt::format("{},{}", *lo_, *hi_)});
   own.push_back({"bits", std::string(kBitsNames[static_cast<std::size_t>(options_.bits)])});
   return own;
 }

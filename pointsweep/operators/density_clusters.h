@@ -30,6 +30,9 @@ class CorePoints final : public Operator {
   double eps() const { return eps_; }
   std::uint64_t min_points() const { return min_points_; }
 
+ protected:
+  Options own_options() const override { return {{"eps", eps_}, {"min_points", min_points_}}; }
+
  private:
   double eps_;
   std::uint64_t min_points_;
@@ -45,7 +48,9 @@ class ClustersOfCores final : public ConnectingOperator {
   const VoteRule* votes() const override;
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;
-  double eps() const { return eps_; }
+
+ protected:
+  Options own_options() const override { return {{"eps", eps_}}; }
 
  private:
   double eps_;

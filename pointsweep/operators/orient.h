@@ -35,7 +35,9 @@ class NormalSigns final : public ConnectingOperator {
   const VoteRule* votes() const override { return &votes_; }
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;
-  const std::optional<Vec3>& viewpoint() const { return viewpoint_; }
+
+ protected:
+  Options own_options() const override { return viewpoint_ ? Options{{"viewpoint", *viewpoint_}} : Options(); }
 
  private:
   std::optional<Vec3> viewpoint_;

@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <typeinfo>
 #include <unordered_map>
 #include <utility>
 
-#include "pointsweep/operators/orient.h"
 #include "pointsweep/verify/chain_values.h"
 #include "pointsweep/verify/sorted_cloud.h"
 
@@ -39,8 +37,8 @@ std::optional<ColumnSource> ChainValues::source_of(std::uint16_t column, const O
   ColumnSource source{.attribute = attribute};
   if (last->second != column) {
     const Stage& turning = stages_[static_cast<std::size_t>(maker_[last->second])];
-    if (typeid(*turning.op) != typeid(TurnedNormals) || turning.reads[0] != column) return std::nullopt;
-    const auto turned = in_output(normal_turned_attribute());
+    if (turning.op->name() != "turned_normals" || turning.reads[0] != column) return std::nullopt;
+    const auto turned = in_output(turning.op->contract().reads[1]);
     if (!turned) return std::nullopt;
     source.turned_by = turned->front();
   }

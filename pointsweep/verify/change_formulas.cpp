@@ -5,8 +5,6 @@
 #include <limits>
 
 #include "pointsweep/formats/input_list.h"
-#include "pointsweep/operators/distance_to.h"
-#include "pointsweep/operators/m3c2.h"
 #include "pointsweep/verify/ball_index.h"
 #include "pointsweep/verify/formulas/cylinder.h"
 #include "pointsweep/verify/nearest_of_cloud.h"
@@ -30,7 +28,9 @@ PointsOfCloud points_of(RowSource& source, const PhaseProgress& progress) {
 
 class NearestDistance final : public CloudFormula {
  public:
-  explicit NearestDistance(const DistanceTo& op) : other_(opened(op.other_cloud())), most_(op.most()) {}
+  explicit NearestDistance(const FormulaSetup& stage)
+      : other_(opened(stage.options.word("cloud"))),
+        most_(stage.options.number_if_given("most").value_or(std::numeric_limits<double>::infinity())) {}
   void prepare(const CloudInput&) override {}
   std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
     std::vector<Vec3> places;
@@ -53,7 +53,11 @@ class NearestDistance final : public CloudFormula {
 
 class ChangeAlongNormals final : public CloudFormula {
  public:
-  explicit ChangeAlongNormals(const M3c2& op) : other_(opened(op.other_cloud())), options_(op.options()) {}
+  explicit ChangeAlongNormals(const FormulaSetup& stage)
+      : other_(opened(stage.options.word("cloud"))),
+        cylinder_(stage.options.number("cylinder")),
+        depth_(stage.options.number("depth")),
+        registration_(stage.options.number("registration")) {}
   void prepare(const CloudInput&) override {}
   std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
     RowSource other(other_);
@@ -61,7 +65,7 @@ class ChangeAlongNormals final : public CloudFormula {
     const auto after = filled(points, other, in.rows.progress());
     std::vector<Estimates> made;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const auto c = formulas::change(before[i], after[i], options_.registration, points[i].reads[0].either_sign);
+      const auto c = formulas::change(before[i], after[i], registration_, points[i].reads[0].either_sign);
       made.push_back({c.distance, c.level, c.spread1, c.spread2, c.samples1, c.samples2});
     }
     return made;
@@ -75,7 +79,7 @@ class ChangeAlongNormals final : public CloudFormula {
     std::vector<double> reach2;
     for (const CloudPoint& p : points) {
       const Vec3 c = p.at.position;
-      cylinders.emplace_back(formulas::Vector{c.x, c.y, c.z}, p.reads[0], options_.cylinder, options_.depth);
+      cylinders.emplace_back(formulas::Vector{c.x, c.y, c.z}, p.reads[0], cylinder_, depth_);
       centers.push_back(c);
       reach2.push_back(static_cast<double>(cylinders.back().reach2()));
     }
@@ -90,12 +94,13 @@ class ChangeAlongNormals final : public CloudFormula {
   }
 
   InputCloud other_;
-  M3c2Options options_;
+  double cylinder_, depth_, registration_;
 };
 
 }  // namespace
 
-std::unique_ptr<CloudFormula> change_formula_of(const DistanceTo& op) { return std::make_unique<NearestDistance>(op); }
-std::unique_ptr<CloudFormula> change_formula_of(const M3c2& op) { return std::make_unique<ChangeAlongNormals>(op); }
+std::vector<NamedCloudFormula> change_formulas() {
+  return {{"distance_to", cloud_formula_made<NearestDistance>}, {"m3c2", cloud_formula_made<ChangeAlongNormals>}};
+}
 
 }  // namespace pointsweep

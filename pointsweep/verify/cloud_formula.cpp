@@ -3,15 +3,8 @@
 
 #include <algorithm>
 #include <typeinfo>
+#include <vector>
 
-#include "pointsweep/operators/connected_components.h"
-#include "pointsweep/operators/density_clusters.h"
-#include "pointsweep/operators/distance_to.h"
-#include "pointsweep/operators/ground.h"
-#include "pointsweep/operators/height.h"
-#include "pointsweep/operators/m3c2.h"
-#include "pointsweep/operators/orient.h"
-#include "pointsweep/operators/segments.h"
 #include "pointsweep/operators/voxel_centroid.h"
 #include "pointsweep/verify/change_formulas.h"
 #include "pointsweep/verify/graph_formulas.h"
@@ -28,9 +21,13 @@ const Op* as(const Operator* op) {
   return op != nullptr && typeid(*op) == typeid(Op) ? static_cast<const Op*>(op) : nullptr;
 }
 
-template <class... Ops>
-bool is_one_of(const Operator& op) {
-  return (... || (as<Ops>(&op) != nullptr));
+const std::vector<NamedCloudFormula>& all_cloud_formulas() {
+  static const std::vector<NamedCloudFormula> all = [] {
+    std::vector<NamedCloudFormula> list = {ground_formula(), height_formula()};
+    for (const auto& more : {change_formulas(), graph_formulas()}) list.insert(list.end(), more.begin(), more.end());
+    return list;
+  }();
+  return all;
 }
 
 }  // namespace
@@ -41,22 +38,18 @@ const ColumnSource& CloudInput::source(std::size_t read) const {
 }
 
 bool has_cloud_formula(const Operator& op) {
-  return is_one_of<DistanceTo, M3c2, Height, Ground, ConnectedComponents, ClustersOfCores, Segments, NormalSigns,
-                   VoxelMeans, TakeVoxelMeans>(op);
+  return as<VoxelMeans>(&op) != nullptr || as<TakeVoxelMeans>(&op) != nullptr ||
+         std::ranges::find(all_cloud_formulas(), op.name(), &NamedCloudFormula::name) != all_cloud_formulas().end();
 }
 
 std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers) {
-  if (const auto* change = as<DistanceTo>(&op)) return change_formula_of(*change);
-  if (const auto* change = as<M3c2>(&op)) return change_formula_of(*change);
-  if (const auto* height = as<Height>(&op)) return height_formula_of(*height);
-  if (const auto* ground = as<Ground>(&op)) return ground_formula_of(*ground);
-  if (const auto* components = as<ConnectedComponents>(&op)) return graph_formula_of(*components);
-  if (const auto* clusters = as<ClustersOfCores>(&op)) return graph_formula_of(*clusters, as<CorePoints>(makers[0]));
-  if (const auto* segments = as<Segments>(&op)) return graph_formula_of(*segments);
-  if (const auto* signs = as<NormalSigns>(&op)) return graph_formula_of(*signs);
   if (const auto* means = as<VoxelMeans>(&op)) return voxel_formula_of(*means);
   if (const auto* taken = as<TakeVoxelMeans>(&op)) return voxel_formula_of(*taken, as<VoxelMeans>(makers[0]));
-  return nullptr;
+  const auto found = std::ranges::find(all_cloud_formulas(), op.name(), &NamedCloudFormula::name);
+  if (found == all_cloud_formulas().end()) return nullptr;
+  FormulaSetup stage = setup_of(op);
+  stage.makers = makers;
+  return found->make(stage);
 }
 
 }  // namespace pointsweep

@@ -8,11 +8,13 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pointsweep/operator.h"
 #include "pointsweep/verify/cloud_rows.h"
 #include "pointsweep/verify/formulas/estimate.h"
+#include "pointsweep/verify/stage_formula.h"
 #include "pointsweep/verify/surroundings.h"
 
 namespace pointsweep {
@@ -52,10 +54,21 @@ class CloudFormula {
   }
 };
 
+/// The formula of the operators of one name.
+struct NamedCloudFormula {
+  std::string_view name;
+  std::unique_ptr<CloudFormula> (*make)(const FormulaSetup& stage);
+};
+
+template <class Formula>
+std::unique_ptr<CloudFormula> cloud_formula_made(const FormulaSetup& stage) {
+  return std::make_unique<Formula>(stage);
+}
+
 /// Whether the operator has such a formula.
 bool has_cloud_formula(const Operator& op);
-/// Nothing for operators that are local, or not of this library. `makers`: of each attribute of contract().reads, or
-/// null where the input has it.
+/// Null for operators that are local, and where no formula has the name of the operator. `makers`: of each attribute of
+/// contract().reads, or null where the input has it.
 std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers);
 
 }  // namespace pointsweep

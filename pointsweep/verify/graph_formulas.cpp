@@ -11,10 +11,6 @@
 #include <string>
 #include <tuple>
 
-#include "pointsweep/operators/connected_components.h"
-#include "pointsweep/operators/density_clusters.h"
-#include "pointsweep/operators/orient.h"
-#include "pointsweep/operators/segments.h"
 #include "pointsweep/verify/formulas/flatness.h"
 #include "pointsweep/verify/formulas/joined_sets.h"
 #include "pointsweep/verify/formulas/turning.h"
@@ -60,6 +56,12 @@ std::vector<std::uint32_t> items_of_rows(const SortedCloud& cloud, std::uint64_t
 
 constexpr std::uint64_t kSetBytes = 12 + 24;
 
+/// The square of an option `distance`; infinite where there is none.
+double most_distance2(const FormulaSetup& stage) {
+  const std::optional<double> most = stage.options.number_if_given("distance");
+  return most ? *most * *most : std::numeric_limits<double>::infinity();
+}
+
 LabelsOfRows labels_of_points(const SortedCloud& cloud, JoinedSets& sets, std::uint64_t rows) {
   const auto one = [](std::uint32_t) { return 1; };
   const auto all = [](std::uint32_t) { return true; };
@@ -101,8 +103,7 @@ class LabelFormula : public CloudFormula, protected JoiningRule {
 
 class ComponentFormula final : public LabelFormula {
  public:
-  explicit ComponentFormula(std::optional<double> distance)
-      : most2_(distance ? *distance * *distance : std::numeric_limits<double>::infinity()) {}
+  explicit ComponentFormula(const FormulaSetup& stage) : most2_(most_distance2(stage)) {}
 
  private:
   LabelsOfRows labels(const CloudInput& in) const override {
@@ -124,7 +125,12 @@ class ComponentFormula final : public LabelFormula {
 /// Points of one place are in one cluster, or all noise.
 class ClusterFormula final : public LabelFormula {
  public:
-  ClusterFormula(double eps2, std::optional<std::uint64_t> min_points) : eps2_(eps2), min_points_(min_points) {}
+  explicit ClusterFormula(const FormulaSetup& stage) : eps2_(square(stage.options.number("eps"))) {
+    const Operator* const maker = stage.makers[0];
+    if (maker == nullptr || maker->name() != "core") return;
+    const NamedOptions cores = setup_of(*maker).options;
+    if (square(cores.number("eps")) == eps2_) min_points_ = cores.whole("min_points");
+  }
 
  private:
   LabelsOfRows labels(const CloudInput& in) const override {
@@ -163,8 +169,10 @@ class ClusterFormula final : public LabelFormula {
   }
   Estimate alone(std::span<const double> point) const override { return point[0] != 0 ? formulas::open() : exact(-1); }
 
+  static double square(double v) { return v * v; }
+
   double eps2_;
-  std::optional<std::uint64_t> min_points_;
+  std::optional<std::uint64_t> min_points_;  ///< absent: the core points are made by another stage
 };
 
 double product(const double* n, const double* m) { return n[0] * m[0] + n[1] * m[1] + n[2] * m[2]; }
@@ -208,9 +216,8 @@ class SegmentFormula final : public LabelFormula {
     return made;
   }
 
-  SegmentFormula(double angle, std::optional<double> distance)
-      : least_(angle == 90 ? 0 : std::cos(angle * (std::numbers::pi / 180))),
-        most2_(distance ? *distance * *distance : std::numeric_limits<double>::infinity()) {}
+  explicit SegmentFormula(const FormulaSetup& stage)
+      : least_(least_product(stage.options.number("angle"))), most2_(most_distance2(stage)) {}
 
  private:
   LabelsOfRows labels(const CloudInput& in) const override {
@@ -226,6 +233,7 @@ class SegmentFormula final : public LabelFormula {
   Join joined(std::span<const double> point, std::span<const double> neighbor, double d2) const override {
     return are_joined(point.data(), neighbor.data(), d2) ? Join::yes : Join::no;
   }
+  static double least_product(double angle) { return angle == 90 ? 0 : std::cos(angle * (std::numbers::pi / 180)); }
   bool are_joined(const double* n, const double* m, double d2) const {
     return std::fabs(product(n, m)) > least_ && d2 <= most2_;
   }
@@ -243,7 +251,9 @@ struct WeightedEdge {
 /// Kruskal's algorithm over all edges.
 class SignFormula final : public CloudFormula {
  public:
-  explicit SignFormula(std::optional<Vec3> viewpoint) : viewpoint_(viewpoint) {}
+  explicit SignFormula(const FormulaSetup& stage) {
+    if (stage.options.has("viewpoint")) viewpoint_ = stage.options.point("viewpoint");
+  }
   void prepare(const CloudInput& in) override {
     require_plain_neighbors(in);
     const std::array normals = {in.source(0)};
@@ -303,22 +313,11 @@ class SignFormula final : public CloudFormula {
 
 }  // namespace
 
-std::unique_ptr<CloudFormula> graph_formula_of(const ConnectedComponents& op) {
-  return std::make_unique<ComponentFormula>(op.distance());
-}
-
-std::unique_ptr<CloudFormula> graph_formula_of(const ClustersOfCores& op, const CorePoints* cores) {
-  const bool of_these = cores != nullptr && cores->eps() == op.eps();
-  return std::make_unique<ClusterFormula>(op.eps() * op.eps(),
-                                          of_these ? std::optional(cores->min_points()) : std::nullopt);
-}
-
-std::unique_ptr<CloudFormula> graph_formula_of(const Segments& op) {
-  return std::make_unique<SegmentFormula>(op.angle(), op.distance());
-}
-
-std::unique_ptr<CloudFormula> graph_formula_of(const NormalSigns& op) {
-  return std::make_unique<SignFormula>(op.viewpoint());
+std::vector<NamedCloudFormula> graph_formulas() {
+  return {{"components", cloud_formula_made<ComponentFormula>},
+          {"clusters", cloud_formula_made<ClusterFormula>},
+          {"segments", cloud_formula_made<SegmentFormula>},
+          {"normal_signs", cloud_formula_made<SignFormula>}};
 }
 
 }  // namespace pointsweep

@@ -9,7 +9,6 @@
 #include <optional>
 #include <string>
 
-#include "pointsweep/operators/ground.h"
 #include "pointsweep/verify/formulas/ground_raster.h"
 
 namespace pointsweep {
@@ -19,12 +18,12 @@ constexpr double kGround = 2, kUnclassified = 1;
 
 class GroundFormula final : public CloudFormula {
  public:
-  explicit GroundFormula(const Ground& op)
-      : parameters_{op.options().cell, op.options().slope, op.options().window, op.options().threshold,
-                    op.options().scalar},
-        all_returns_(op.options().all_returns),
-        noise_(op.options().noise) {
-    const std::vector<Attribute> reads = op.contract().reads;
+  explicit GroundFormula(const FormulaSetup& stage)
+      : parameters_{stage.options.number("cell"), stage.options.number("slope"), stage.options.number("window"),
+                    stage.options.number("threshold"), stage.options.number("scalar")},
+        all_returns_(stage.options.word("returns") == "all"),
+        noise_(stage.options.word("noise") == "yes") {
+    const std::vector<Attribute>& reads = stage.contract.reads;
     for (std::size_t r = 0; r < reads.size(); ++r) {
       if (reads[r].name == "classification") class_ = r;
       if (reads[r].name == "return_number") number_ = r;
@@ -113,6 +112,6 @@ class GroundFormula final : public CloudFormula {
 
 }  // namespace
 
-std::unique_ptr<CloudFormula> ground_formula_of(const Ground& op) { return std::make_unique<GroundFormula>(op); }
+NamedCloudFormula ground_formula() { return {"ground", cloud_formula_made<GroundFormula>}; }
 
 }  // namespace pointsweep

@@ -2,14 +2,10 @@
 /// The formula of the classes that the ground filter gives.
 #pragma once
 
-#include <memory>
-
 #include "pointsweep/verify/cloud_formula.h"
 
 namespace pointsweep {
 
-class Ground;
-
-std::unique_ptr<CloudFormula> ground_formula_of(const Ground& op);
+NamedCloudFormula ground_formula();
 
 }  // namespace pointsweep

@@ -3,7 +3,6 @@
 
 #include <array>
 
-#include "pointsweep/operators/height.h"
 #include "pointsweep/verify/formulas/interpolation.h"
 #include "pointsweep/verify/nearest_of_cloud.h"
 
@@ -14,7 +13,7 @@ constexpr double kClassBelow = 2;
 
 class HeightFormula final : public CloudFormula {
  public:
-  explicit HeightFormula(std::size_t k) : k_(k) {}
+  explicit HeightFormula(const FormulaSetup& stage) : k_(static_cast<std::size_t>(stage.options.whole("k"))) {}
   void prepare(const CloudInput& in) override { in.rows.require(std::array{in.source(0)}); }
   std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
                                                         const CloudInput& in) override {
@@ -44,8 +43,6 @@ class HeightFormula final : public CloudFormula {
 
 }  // namespace
 
-std::unique_ptr<CloudFormula> height_formula_of(const Height& op) {
-  return std::make_unique<HeightFormula>(static_cast<std::size_t>(op.k()));
-}
+NamedCloudFormula height_formula() { return {"height", cloud_formula_made<HeightFormula>}; }
 
 }  // namespace pointsweep

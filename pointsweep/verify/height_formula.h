@@ -2,14 +2,10 @@
 /// The formula of heights above the ground.
 #pragma once
 
-#include <memory>
-
 #include "pointsweep/verify/cloud_formula.h"
 
 namespace pointsweep {
 
-class Height;
-
-std::unique_ptr<CloudFormula> height_formula_of(const Height& op);
+NamedCloudFormula height_formula();
 
 }  // namespace pointsweep

@@ -9,21 +9,21 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/crop.h"
-#include "pointsweep/operators/decimate.h"
-#include "pointsweep/operators/poisson.h"
-#include "pointsweep/operators/unique.h"
-#include "pointsweep/operators/voxel.h"
 #include "pointsweep/points/degenerate_points.h"
+#include "pointsweep/points/text_file.h"
+#include "pointsweep/polygons/polygon_text.h"
 #include "pointsweep/verify/disk_rows.h"
 #include "pointsweep/verify/formulas/regions.h"
 #include "pointsweep/verify/formulas/thinning.h"
+#include "pointsweep/verify/named_options.h"
 
 namespace pointsweep {
 namespace {
 
 /// Which of the present rows of `cloud` are kept.
 using Mask = std::vector<bool>;
+
+constexpr std::uint64_t kVoxelSeed = 0x766f78656c;  // "voxel" in ASCII
 
 /// A point that competes with others of the same group. The least of a group is kept.
 struct Competitor {
@@ -70,38 +70,50 @@ Mask least_of_groups(InputCloud& cloud, const Competes& competes, std::uint64_t 
 
 formulas::Coordinates coordinates(Vec3 p) { return {p.x, p.y, p.z}; }
 
-Competitor in_voxel(const Voxel& voxel, Vec3 p, std::uint64_t row) {
-  const auto [x, y, z] = formulas::voxel_of(coordinates(p), voxel.size());
-  if (voxel.keep() == VoxelKeep::hash) return {{x, y, z}, 0, formulas::hash_of(coordinates(p), kVoxelSeed), p, row};
-  return {{x, y, z}, formulas::distance2_to_center(coordinates(p), voxel.size()), 0, p, row};
+Competitor in_voxel(double size, bool random, Vec3 p, std::uint64_t row) {
+  const auto [x, y, z] = formulas::voxel_of(coordinates(p), size);
+  if (random) return {{x, y, z}, 0, formulas::hash_of(coordinates(p), kVoxelSeed), p, row};
+  return {{x, y, z}, formulas::distance2_to_center(coordinates(p), size), 0, p, row};
 }
 
-Mask by_hash(InputCloud& cloud, const Decimate& op, const PhaseProgress& progress) {
+Mask by_hash(InputCloud& cloud, const NamedOptions& options, const PhaseProgress& progress) {
+  const std::uint64_t seed = options.whole("seed");
+  const double share = options.number("share");
   Mask kept(cloud.count(), true);
   RowSource source(cloud);
   for_each_position(source, "reading", progress, [&](std::uint64_t row, Vec3 p) {
-    kept[row] = !is_finite(p) || formulas::is_in_share(formulas::hash_of(coordinates(p), op.seed()), op.share());
+    kept[row] = !is_finite(p) || formulas::is_in_share(formulas::hash_of(coordinates(p), seed), share);
   });
   return kept;
 }
 
 /// Asks about every row, also of points without a finite place.
-Mask by_region(InputCloud& cloud, const Crop& op, const PhaseProgress& progress) {
+std::vector<formulas::PolygonRings> polygons_of(const std::string& option) {
+  const std::string text =
+      is_polygon_text(option) ? option : read_text_file(option, "polygons as WKT or GeoJSON");
   std::vector<formulas::PolygonRings> polygons;
-  for (const Polygon& polygon : op.polygons()) {
+  for (const Polygon& polygon : polygons_of_text(text, option)) {
     formulas::PolygonRings& rings = polygons.emplace_back();
     for (const Ring& ring : polygon.rings) {
       rings.emplace_back();
       for (const Point2& corner : ring) rings.back().push_back({corner.x, corner.y});
     }
   }
+  return polygons;
+}
+
+Mask by_region(InputCloud& cloud, const NamedOptions& options, const PhaseProgress& progress) {
+  std::vector<double> bounds;
+  if (options.has("bounds")) bounds = options.numbers("bounds");
+  std::vector<formulas::PolygonRings> polygons;
+  if (options.has("polygon")) polygons = polygons_of(options.word("polygon"));
+  const bool outside = options.word("outside") == "true";
   const formulas::EdgesAlongX edges(polygons);
   Mask kept(cloud.count());
   RowSource source(cloud);
   for_each_position(source, "reading", progress, [&](std::uint64_t row, Vec3 p) {
-    const bool inside =
-        formulas::is_in_box(coordinates(p), op.options().bounds) && (polygons.empty() || edges.hold({p.x, p.y}));
-    kept[row] = inside != op.options().outside;
+    const bool inside = formulas::is_in_box(coordinates(p), bounds) && (polygons.empty() || edges.hold({p.x, p.y}));
+    kept[row] = inside != outside;
   });
   return kept;
 }
@@ -151,21 +163,26 @@ Mask by_condition(InputCloud& cloud, const Operator& op, const PhaseProgress& pr
 }
 
 Mask kept_by(const Operator& op, InputCloud& cloud, std::uint64_t memory_bytes, const PhaseProgress& progress) {
-  if (const auto* decimate = dynamic_cast<const Decimate*>(&op)) return by_hash(cloud, *decimate, progress);
-  if (const auto* crop = dynamic_cast<const Crop*>(&op)) return by_region(cloud, *crop, progress);
+  const NamedOptions options(op.name(), op.declared_options());
+  const std::string name = op.name();
+  if (name == "decimate") return by_hash(cloud, options, progress);
+  if (name == "crop") return by_region(cloud, options, progress);
   if (op.contract().selects == Selects::by_value) return by_condition(cloud, op, progress);
-  if (const auto* poisson = dynamic_cast<const Poisson*>(&op); poisson && poisson->options().radius_from.empty())
-    return rows_of_disks(cloud, poisson->options().radius, memory_bytes, progress);
+  if (name == "poisson" && !options.has("radius_from"))
+    return rows_of_disks(cloud, options.number("radius"), memory_bytes, progress);
   Competes competes;
-  if (dynamic_cast<const Unique*>(&op) != nullptr)
+  if (name == "unique") {
     competes = [](Vec3 p, std::uint64_t row) { return Competitor{p, 0, 0, {}, row}; };
-  else if (const auto* voxel = dynamic_cast<const Voxel*>(&op))
-    competes = [voxel](Vec3 p, std::uint64_t row) { return in_voxel(*voxel, p, row); };
-  else
+  } else if (name == "voxel") {
+    const double size = options.number("size");
+    const bool random = options.word("keep") == "hash";
+    competes = [=](Vec3 p, std::uint64_t row) { return in_voxel(size, random, p, row); };
+  } else {
     fail_usage(
         "verify: which rows '{}' leaves out with these options is not checked; verify the output of the stages before "
         "it.",
-        op.name());
+        name);
+  }
   return least_of_groups(cloud, competes, memory_bytes, progress);
 }
 

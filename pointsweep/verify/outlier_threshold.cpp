@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <typeinfo>
 
-#include "pointsweep/operators/outliers.h"
 #include "pointsweep/verify/chain_values.h"
 
 namespace pointsweep {
@@ -25,23 +23,26 @@ void for_each_finite(RowSource& source, const Field& field, const PhaseProgress&
   }
 }
 
-bool is_outlier(const std::shared_ptr<const Operator>& op) { return typeid(*op) == typeid(Outlier); }
+constexpr const char* kMeanDistance = "mean_distance";
+
+bool is_outlier(const std::shared_ptr<const Operator>& op) { return op->name() == "outlier"; }
 
 /// `for_each(use)`: of the finite mean distances; as of the type that holds them.
 template <class ForEach>
-CloudThreshold threshold_of(ForEach for_each, Type type, const Outlier& op) {
+CloudThreshold threshold_of(ForEach for_each, Type type, const NamedOptions& options) {
+  const std::string& definition = options.word("definition");
   Real sum = 0, n = 0, squares = 0;
   for_each([&](double v) { sum += v, n += 1; });
   const Real mean = sum / n;
-  const bool of_open3d = op.definition() == OutlierDefinition::open3d;
+  const bool of_open3d = definition == "open3d";
   for_each([&](double v) {
     if (v != 0 || !of_open3d) squares += (v - mean) * (v - mean);
   });
-  const Real by = op.definition() == OutlierDefinition::cloudcompare ? n : n - 1;
+  const Real by = definition == "cloudcompare" ? n : n - 1;
   const Real deviation = by > 0 ? std::sqrt(squares / by) : 0;
   // What n additions lose in extended precision, and what a text or a float32 output has rounded.
   const Real lost = type == Type::f64 ? n * 0x1p-63L + 8 * formulas::kDouble : 4 * formulas::kSingle;
-  const Real threshold = mean + op.multiplier() * deviation;
+  const Real threshold = mean + options.number("multiplier") * deviation;
   return {threshold, lost * threshold};
 }
 
@@ -52,11 +53,11 @@ CloudThreshold outlier_threshold(Reader& out, const std::vector<std::shared_ptr<
   const auto op = std::ranges::find_if(operators, is_outlier);
   if (op == operators.end()) return {};
   RowSource source(out);
-  const auto at = source.schema().find(prefix + mean_distance_attribute().name);
+  const auto at = source.schema().find(prefix + kMeanDistance);
   if (!at) return {};
   const Field& field = source.schema().fields[*at];
   const auto for_each = [&](const auto& use) { for_each_finite(source, field, progress, use); };
-  return threshold_of(for_each, field.type, static_cast<const Outlier&>(**op));
+  return threshold_of(for_each, field.type, setup_of(**op).options);
 }
 
 CloudThreshold outlier_threshold_of_all(InputCloud& in, const std::vector<std::shared_ptr<const Operator>>& operators,
@@ -66,7 +67,7 @@ CloudThreshold outlier_threshold_of_all(InputCloud& in, const std::vector<std::s
   if (op == operators.end()) return {};
   std::vector<std::shared_ptr<const Operator>> before(operators.begin(), op);
   std::erase_if(before, [](const auto& any) { return any->contract().selects != Selects::nothing; });
-  const std::string name = mean_distance_attribute().name;
+  const std::string name = kMeanDistance;
   ChainValues chain(before, {name}, in.schema(), rule);
   RowSource source(in);
   const PhaseProgress silent;
@@ -76,7 +77,7 @@ CloudThreshold outlier_threshold_of_all(InputCloud& in, const std::vector<std::s
     for (const double v : distances)
       if (std::isfinite(v)) use(v);
   };
-  return threshold_of(for_each, Type::f64, static_cast<const Outlier&>(**op));
+  return threshold_of(for_each, Type::f64, setup_of(**op).options);
 }
 
 }  // namespace pointsweep

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "pointsweep/operators/set.h"
-#include "pointsweep/operators/where.h"
 #include "pointsweep/verify/formulas/assignment.h"
+#include "pointsweep/verify/read_value.h"
 
 namespace pointsweep {
 namespace {
@@ -14,68 +14,78 @@ namespace {
 using formulas::Estimate;
 using formulas::Real;
 
-struct ReadName {
-  int read = -1;  ///< number in FormulaInput::reads; negative: the position
-  std::size_t component = 0;
+struct NamedRead {
+  ReadValue value;
   bool is_whole = false;
 };
-std::vector<ReadName> sources_of(const formulas::PlainExpression& plain, const Expression& expression,
-                                 const NamedValues& names, std::size_t first) {
-  std::vector<ReadName> sources;
-  for (const std::string& name : plain.names()) {
-    const auto at = std::ranges::find(expression.names(), name, &Expression::Name::text) - expression.names().begin();
-    const NamedValues::Source& source = names.sources()[static_cast<std::size_t>(at)];
-    ReadName& read = sources.emplace_back();
-    read.component = source.component;
-    if (source.attribute < 0) continue;
-    read.read = static_cast<int>(first) + source.attribute;
-    const Type type = names.reads()[static_cast<std::size_t>(source.attribute)].type;
-    read.is_whole = type == Type::i64 || type == Type::u64;
+
+std::vector<NamedRead> reads_of(const formulas::PlainExpression& expression, const std::vector<Attribute>& reads) {
+  std::vector<NamedRead> named;
+  for (const std::string& name : expression.names()) {
+    const ReadValue value = read_of(name, reads);
+    const Type type = value.attribute < 0 ? Type::f64 : reads[static_cast<std::size_t>(value.attribute)].type;
+    named.push_back({value, type == Type::i64 || type == Type::u64});
   }
-  return sources;
+  return named;
 }
 
-std::vector<formulas::PossibleNumber> values_of(const std::vector<ReadName>& sources, const FormulaInput& in) {
+std::vector<formulas::PossibleNumber> values_of(const std::vector<NamedRead>& names, const FormulaInput& in) {
   std::vector<formulas::PossibleNumber> values;
-  for (const ReadName& name : sources) {
-    const Estimate e = name.read < 0 ? Estimate{.value = in.place.at, .error = in.place.error}
-                                     : in.reads[static_cast<std::size_t>(name.read)];
-    const Real v = name.component == 0 ? e.value.x : name.component == 1 ? e.value.y : e.value.z;
+  for (const NamedRead& name : names) {
+    const Estimate e = estimate_of(name.value, in);
+    const Real v = component_of(e, name.value);
     Real low = v, high = v;
     if (e.error > 0) low = v - e.error, high = v + e.error;
     if (e.may_be_undefined) low = std::min<Real>(low, 0), high = std::max<Real>(high, 0);
     if (e.either_sign) low = std::min(low, -high), high = std::max(high, -low);
-    if (e.is_open() || name.component > 2) low = -formulas::kInfinity, high = formulas::kInfinity;
+    if (e.is_open() || name.value.component > 2) low = -formulas::kInfinity, high = formulas::kInfinity;
     values.push_back({low, high, name.is_whole});
   }
   return values;
 }
 
+/// The component of `target` that an assignment to `name` sets.
+std::size_t component_named(const std::string& name, const Attribute& target) {
+  if (target.name == position_attribute().name) return read_of(name, {}).component;
+  return target.fields.size() == 1 ? 0 : read_of(name, {target}).component;
+}
+
+formulas::Storage storage_of(Type type) {
+  if (type == Type::f32) return formulas::Storage::single;
+  return type == Type::f64 ? formulas::Storage::real : formulas::Storage::whole;
+}
+
+/// The place of the last attribute of a name.
+std::optional<std::size_t> last_of_name(const std::string& name, const std::vector<Attribute>& reads) {
+  for (std::size_t r = reads.size(); r-- > 0;)
+    if (reads[r].name == name) return r;
+  return std::nullopt;
+}
+
 class AssignmentFormula final : public StageFormula {
  public:
-  explicit AssignmentFormula(const SetAttribute& op)
-      : value_(op.assignment().value.text()),
-        value_sources_(sources_of(value_, op.assignment().value, op.value_names(), op.first_of_value())),
-        old_(op.old_value()),
-        component_(op.component()),
-        width_(op.target().fields.size()),
-        moves_(op.target().name == position_attribute().name),
-        storage_(op.range().is_whole             ? formulas::Storage::whole
-                 : op.target().type == Type::f32 ? formulas::Storage::single
-                                                 : formulas::Storage::real) {
-    if (!op.assignment().condition) return;
-    condition_.emplace(op.assignment().condition->text());
-    condition_sources_ =
-        sources_of(*condition_, *op.assignment().condition, op.condition_names(), op.first_of_condition());
+  explicit AssignmentFormula(const FormulaSetup& stage)
+      : AssignmentFormula(assignments_of(stage.options.word("assign"), "set").front(), stage.contract) {}
+  AssignmentFormula(const Assignment& assignment, const Contract& contract)
+      : value_(assignment.value.text()),
+        value_reads_(reads_of(value_, contract.reads)),
+        old_(last_of_name(contract.makes.front().name, contract.reads)),
+        component_(component_named(assignment.name, contract.makes.front())),
+        width_(contract.makes.front().fields.size()),
+        moves_(contract.makes.front().name == position_attribute().name),
+        storage_(storage_of(contract.makes.front().type)) {
+    if (!assignment.condition) return;
+    condition_.emplace(assignment.condition->text());
+    condition_reads_ = reads_of(*condition_, contract.reads);
   }
   std::vector<Estimate> evaluate(const FormulaInput& in) const override {
     std::optional<bool> holds = true;
-    if (condition_) holds = condition_->holds(values_of(condition_sources_, in));
+    if (condition_) holds = condition_->holds(values_of(condition_reads_, in));
     if (!holds) return {formulas::open()};
     Estimate made = old_ ? in.reads[*old_] : Estimate{};
     if (moves_) made = {.value = in.place.at, .error = in.place.error};
     if (!*holds) return {made};
-    const Estimate assigned = formulas::stored_number(value_.number(values_of(value_sources_, in)), storage_);
+    const Estimate assigned = formulas::stored_number(value_.number(values_of(value_reads_, in)), storage_);
     if (made.either_sign || component_ > 2 || assigned.is_open()) return {formulas::open()};
     (component_ == 0 ? made.value.x : component_ == 1 ? made.value.y : made.value.z) = assigned.value.x;
     made.error = is_alone() ? assigned.error : made.error + assigned.error;
@@ -88,9 +98,9 @@ class AssignmentFormula final : public StageFormula {
   bool is_alone() const { return !moves_ && width_ == 1; }
 
   formulas::PlainExpression value_;
-  std::vector<ReadName> value_sources_;
+  std::vector<NamedRead> value_reads_;
   std::optional<formulas::PlainExpression> condition_;
-  std::vector<ReadName> condition_sources_;
+  std::vector<NamedRead> condition_reads_;
   std::optional<std::size_t> old_;
   std::size_t component_, width_;
   bool moves_;
@@ -100,22 +110,22 @@ class AssignmentFormula final : public StageFormula {
 /// 1 where the condition of a `where` holds, else 0; open where ranges do not tell.
 class ConditionFormula final : public StageFormula {
  public:
-  explicit ConditionFormula(const Where& op)
-      : condition_(op.condition().text()), sources_(sources_of(condition_, op.condition(), op.names(), 0)) {}
+  explicit ConditionFormula(const FormulaSetup& stage)
+      : condition_(stage.options.word("condition")), reads_(reads_of(condition_, stage.contract.reads)) {}
   std::vector<Estimate> evaluate(const FormulaInput& in) const override {
-    const std::optional<bool> holds = condition_.holds(values_of(sources_, in));
+    const std::optional<bool> holds = condition_.holds(values_of(reads_, in));
     return {holds ? Estimate{.value = {Real(*holds ? 1 : 0), 0, 0}} : formulas::open()};
   }
 
  private:
   formulas::PlainExpression condition_;
-  std::vector<ReadName> sources_;
+  std::vector<NamedRead> reads_;
 };
 
 }  // namespace
 
-std::unique_ptr<StageFormula> condition_formula_of(const Where& op) { return std::make_unique<ConditionFormula>(op); }
-
-std::unique_ptr<StageFormula> set_formula_of(const SetAttribute& op) { return std::make_unique<AssignmentFormula>(op); }
+std::vector<NamedFormula> assignment_formulas() {
+  return {{"set", formula_made<AssignmentFormula>}, {"where", formula_made<ConditionFormula>}};
+}
 
 }  // namespace pointsweep

@@ -2,17 +2,13 @@
 /// The formulas of set and where.
 #pragma once
 
-#include <memory>
+#include <vector>
 
 #include "pointsweep/verify/stage_formula.h"
 
 namespace pointsweep {
 
-class SetAttribute;
-class Where;
-
-std::unique_ptr<StageFormula> set_formula_of(const SetAttribute& op);
-/// Of what it makes, selection_attribute().
-std::unique_ptr<StageFormula> condition_formula_of(const Where& op);
+/// That of `where` makes selection_attribute().
+std::vector<NamedFormula> assignment_formulas();
 
 }  // namespace pointsweep

@@ -2,14 +2,10 @@
 #include "pointsweep/verify/shape_formulas.h"
 
 #include <algorithm>
-#include <typeinfo>
+#include <string>
+#include <string_view>
+#include <utility>
 
-#include "pointsweep/operators/curvature.h"
-#include "pointsweep/operators/fair.h"
-#include "pointsweep/operators/features.h"
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/operators/orient.h"
-#include "pointsweep/operators/splats.h"
 #include "pointsweep/verify/formulas/curvature.h"
 #include "pointsweep/verify/formulas/fairing.h"
 #include "pointsweep/verify/formulas/features.h"
@@ -23,32 +19,37 @@ using formulas::Estimate;
 using ShapeEstimates = std::vector<Estimate>;
 
 /// Place of an attribute in a list of a contract that has it.
-std::size_t place_in(const std::vector<Attribute>& list, const Attribute& wanted) {
-  const auto is_wanted = [&](const Attribute& a) { return a.name == wanted.name; };
-  return static_cast<std::size_t>(std::find_if(list.begin(), list.end(), is_wanted) - list.begin());
+std::size_t place_in(const std::vector<Attribute>& list, std::string_view name) {
+  return static_cast<std::size_t>(std::ranges::find(list, name, &Attribute::name) - list.begin());
 }
 
 class NormalFormula final : public StageFormula {
  public:
-  explicit NormalFormula(const NormalsOptions& options) : options_(options) {}
+  explicit NormalFormula(const FormulaSetup& stage) {
+    const std::string& orient = stage.options.word("orient");
+    if (orient == "up") facing_.side = Side::up;
+    if (orient == "input") facing_.side = Side::like;
+    if (orient != "viewpoint") return;
+    const Vec3 viewpoint = stage.options.point("viewpoint");
+    facing_.side = Side::viewpoint;
+    facing_.viewpoint = {viewpoint.x, viewpoint.y, viewpoint.z};
+  }
   ShapeEstimates evaluate(const FormulaInput& in) const override {
-    using Side = formulas::Facing::Side;
-    formulas::Facing facing;
-    if (options_.orient == Orient::up) facing.side = Side::up;
-    if (options_.orient == Orient::viewpoint) facing.side = Side::viewpoint;
-    facing.viewpoint = {options_.viewpoint.x, options_.viewpoint.y, options_.viewpoint.z};
-    if (options_.orient == Orient::input) facing.side = Side::like, facing.like = in.reads[0];
+    formulas::Facing facing = facing_;
+    if (facing.side == Side::like) facing.like = in.reads[0];
     return {formulas::normal(in.place, in.neighbors, facing)};
   }
 
  private:
-  NormalsOptions options_;
+  using Side = formulas::Facing::Side;
+  formulas::Facing facing_;
 };
 
 class CurvatureFormula final : public StageFormula {
  public:
-  explicit CurvatureFormula(const Contract& c)
-      : own_(place_in(c.reads, normal_attribute())), near_(place_in(c.reads_neighbors, normal_attribute())) {}
+  explicit CurvatureFormula(const FormulaSetup& stage)
+      : own_(place_in(stage.contract.reads, "normal")),
+        near_(place_in(stage.contract.reads_neighbors, "normal")) {}
   ShapeEstimates evaluate(const FormulaInput& in) const override {
     const formulas::Curvatures c = formulas::curvature(in.place, in.reads[own_], in.neighbors, in.of_neighbors[near_]);
     return {
@@ -61,12 +62,12 @@ class CurvatureFormula final : public StageFormula {
 
 class SplatFormula final : public StageFormula {
  public:
-  SplatFormula(const Contract& c, bool curved)
-      : curved_(curved),
-        normal_(place_in(c.reads, normal_attribute())),
-        k1_(place_in(c.reads, k1_attribute())),
-        k2_(place_in(c.reads, k2_attribute())),
-        direction_(place_in(c.reads, k1_direction_attribute())) {}
+  explicit SplatFormula(const FormulaSetup& stage)
+      : normal_(place_in(stage.contract.reads, "normal")),
+        k1_(place_in(stage.contract.reads, "k1")),
+        k2_(place_in(stage.contract.reads, "k2")),
+        direction_(place_in(stage.contract.reads, "k1_direction")),
+        curved_(direction_ < stage.contract.reads.size()) {}
   ShapeEstimates evaluate(const FormulaInput& in) const override {
     formulas::CurvatureHere here;
     if (curved_) here = {in.reads[k1_], in.reads[k2_], in.reads[direction_]};
@@ -75,56 +76,69 @@ class SplatFormula final : public StageFormula {
   }
 
  private:
-  bool curved_;
   std::size_t normal_, k1_, k2_, direction_;
+  bool curved_;  ///< the axes are those of curvature
 };
 
 class FairFormula final : public StageFormula {
  public:
-  FairFormula(const Contract& c, const FairOptions& options)
-      : options_(options),
-        own_length_(place_in(c.reads, splat_length_attribute())),
-        own_ratio_(place_in(c.reads, splat_ratio_attribute())),
-        normal_(place_in(c.reads_neighbors, normal_attribute())),
-        length_(place_in(c.reads_neighbors, splat_length_attribute())),
-        ratio_(place_in(c.reads_neighbors, splat_ratio_attribute())) {}
+  explicit FairFormula(const FormulaSetup& stage)
+      : f_(stage.options.number("f_length")),
+        g_(stage.options.number("g_length")),
+        own_length_(place_in(stage.contract.reads, "splat_length")),
+        own_ratio_(place_in(stage.contract.reads, "splat_ratio")),
+        normal_(place_in(stage.contract.reads_neighbors, "normal")),
+        length_(place_in(stage.contract.reads_neighbors, "splat_length")),
+        ratio_(place_in(stage.contract.reads_neighbors, "splat_ratio")) {}
   ShapeEstimates evaluate(const FormulaInput& in) const override {
     std::vector<formulas::Surfel> neighbors;
     for (std::size_t j = 0; j < in.neighbors.size(); ++j)
       neighbors.push_back(
           {in.neighbors[j], in.of_neighbors[normal_][j], in.of_neighbors[length_][j], in.of_neighbors[ratio_][j]});
     const formulas::Surfel own{in.place, {}, in.reads[own_length_], in.reads[own_ratio_]};
-    return {formulas::faired(own, neighbors, options_.f, options_.g)};
+    return {formulas::faired(own, neighbors, f_, g_)};
   }
 
  private:
-  FairOptions options_;
+  double f_, g_;
   std::size_t own_length_, own_ratio_, normal_, length_, ratio_;
 };
 
 class FeaturesFormula final : public StageFormula {
  public:
-  explicit FeaturesFormula(const Features& op) : made_(op.made()), with_point_(op.options().with_point) {
-    const EigenvalueScale scale = op.options().eigenvalues;
-    lambda_ = scale == EigenvalueScale::raw    ? formulas::Lambda::raw
-              : scale == EigenvalueScale::root ? formulas::Lambda::root
-                                               : formulas::Lambda::normalized;
+  explicit FeaturesFormula(const FormulaSetup& stage) : with_point_(stage.options.word("with_point") == "yes") {
+    for (const Attribute& a : stage.contract.makes) names_.push_back(a.name);
+    const std::string& scale = stage.options.word("eigenvalues");
+    lambda_ = scale == "raw" ? Lambda::raw : scale == "sqrt" ? Lambda::root : Lambda::normalized;
   }
   ShapeEstimates evaluate(const FormulaInput& in) const override {
     const formulas::Features f = formulas::features(in.place, in.neighbors, lambda_, with_point_);
-    const Estimate all[kFeatures] = {f.linearity,     f.planarity,     f.sphericity,         f.omnivariance,
-                                     f.anisotropy,    f.eigenentropy,  f.eigenvalue_sum,     f.surface_variation,
-                                     f.verticality,   f.moment1_axis1, f.moment1_axis2,      f.moment2_axis1,
-                                     f.moment2_axis2, f.height_range,  f.number_of_neighbors};
     ShapeEstimates made;
-    for (const Feature feature : made_) made.push_back(all[static_cast<std::size_t>(feature)]);
+    for (const std::string& name : names_) made.push_back(f.*std::ranges::find(kMembers, name, &Member::first)->second);
     return made;
   }
 
  private:
-  std::vector<Feature> made_;
+  using Lambda = formulas::Lambda;
+  using Member = std::pair<std::string_view, Estimate formulas::Features::*>;
+  static constexpr Member kMembers[] = {{"linearity", &formulas::Features::linearity},
+                                        {"planarity", &formulas::Features::planarity},
+                                        {"sphericity", &formulas::Features::sphericity},
+                                        {"omnivariance", &formulas::Features::omnivariance},
+                                        {"anisotropy", &formulas::Features::anisotropy},
+                                        {"eigenentropy", &formulas::Features::eigenentropy},
+                                        {"eigenvalue_sum", &formulas::Features::eigenvalue_sum},
+                                        {"surface_variation", &formulas::Features::surface_variation},
+                                        {"verticality", &formulas::Features::verticality},
+                                        {"moment1_axis1", &formulas::Features::moment1_axis1},
+                                        {"moment1_axis2", &formulas::Features::moment1_axis2},
+                                        {"moment2_axis1", &formulas::Features::moment2_axis1},
+                                        {"moment2_axis2", &formulas::Features::moment2_axis2},
+                                        {"height_range", &formulas::Features::height_range},
+                                        {"number_of_neighbors", &formulas::Features::number_of_neighbors}};
+  std::vector<std::string> names_;
   bool with_point_;
-  formulas::Lambda lambda_;
+  Lambda lambda_;
 };
 
 /// What orient() makes of a normal.
@@ -142,19 +156,10 @@ class TurnedFormula final : public StageFormula {
 
 }  // namespace
 
-std::unique_ptr<StageFormula> shape_formula_of(const Operator& op) {
-  // Exactly these classes: one derived from them may mean something else.
-  const std::type_info& type = typeid(op);
-  const Contract contract = op.contract();
-  if (type == typeid(Normals)) return std::make_unique<NormalFormula>(static_cast<const Normals&>(op).options());
-  if (type == typeid(Curvature)) return std::make_unique<CurvatureFormula>(contract);
-  if (type == typeid(Splats))
-    return std::make_unique<SplatFormula>(contract,
-                                          static_cast<const Splats&>(op).options().axes == SplatAxes::curvature);
-  if (type == typeid(Fair)) return std::make_unique<FairFormula>(contract, static_cast<const Fair&>(op).options());
-  if (type == typeid(Features)) return std::make_unique<FeaturesFormula>(static_cast<const Features&>(op));
-  if (type == typeid(TurnedNormals)) return std::make_unique<TurnedFormula>();
-  return nullptr;
+std::vector<NamedFormula> shape_formulas() {
+  return {{"normals", formula_made<NormalFormula>},   {"curvature", formula_made<CurvatureFormula>},
+          {"splats", formula_made<SplatFormula>},     {"fair", formula_made<FairFormula>},
+          {"features", formula_made<FeaturesFormula>}, {"turned_normals", formula_made<TurnedFormula>}};
 }
 
 }  // namespace pointsweep

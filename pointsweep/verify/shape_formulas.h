@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// Formulas of the operators that describe the surface around a point.
+/// Formulas of the operators on surfaces, their shape and their normals.
 #pragma once
 
-#include <memory>
+#include <vector>
 
 #include "pointsweep/verify/stage_formula.h"
 
 namespace pointsweep {
 
-/// Nothing for other operators.
-std::unique_ptr<StageFormula> shape_formula_of(const Operator& op);
+std::vector<NamedFormula> shape_formulas();
 
 }  // namespace pointsweep

@@ -4,23 +4,11 @@
 #include <algorithm>
 #include <limits>
 #include <string>
-#include <typeinfo>
 
-#include "pointsweep/operators/color.h"
-#include "pointsweep/operators/density.h"
-#include "pointsweep/operators/density_clusters.h"
-#include "pointsweep/operators/least_eigenentropy.h"
-#include "pointsweep/operators/limits_from_attributes.h"
-#include "pointsweep/operators/local_outlier_factor.h"
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/operators/neighborhood_size.h"
-#include "pointsweep/operators/outliers.h"
-#include "pointsweep/operators/radius_outliers.h"
-#include "pointsweep/operators/set.h"
-#include "pointsweep/operators/where.h"
 #include "pointsweep/verify/formulas/colors.h"
 #include "pointsweep/verify/formulas/crowding.h"
 #include "pointsweep/verify/formulas/distances.h"
+#include "pointsweep/verify/read_value.h"
 #include "pointsweep/verify/set_formula.h"
 #include "pointsweep/verify/shape_formulas.h"
 
@@ -42,7 +30,7 @@ class SizeFormula final : public StageFormula {
 
 class MeanDistanceFormula final : public StageFormula {
  public:
-  explicit MeanDistanceFormula(bool of_open3d) : of_open3d_(of_open3d) {}
+  explicit MeanDistanceFormula(const FormulaSetup& stage) : of_open3d_(stage.options.word("counts_point") == "yes") {}
   Estimates evaluate(const FormulaInput& in) const override {
     return {formulas::mean_distance(in.place, in.neighbors, of_open3d_)};
   }
@@ -51,26 +39,19 @@ class MeanDistanceFormula final : public StageFormula {
   bool of_open3d_;
 };
 
-formulas::OutlierProgram program_of(OutlierDefinition definition) {
-  switch (definition) {
-    case OutlierDefinition::pdal:
-      return formulas::OutlierProgram::pdal;
-    case OutlierDefinition::pcl:
-      return formulas::OutlierProgram::pcl;
-    case OutlierDefinition::open3d:
-      return formulas::OutlierProgram::open3d;
-    case OutlierDefinition::cloudcompare:
-      return formulas::OutlierProgram::cloudcompare;
-    case OutlierDefinition::pointsweep:
-      break;
-  }
-  return formulas::OutlierProgram::pointsweep;
+formulas::OutlierProgram program_of(std::string_view definition) {
+  using Program = formulas::OutlierProgram;
+  if (definition == "pdal") return Program::pdal;
+  if (definition == "pcl") return Program::pcl;
+  if (definition == "open3d") return Program::open3d;
+  if (definition == "cloudcompare") return Program::cloudcompare;
+  return Program::pointsweep;
 }
 
 class OutlierFormula final : public StageFormula {
  public:
-  OutlierFormula(const CloudThreshold& threshold, OutlierDefinition definition)
-      : threshold_(threshold), program_(program_of(definition)) {}
+  explicit OutlierFormula(const FormulaSetup& stage)
+      : threshold_(stage.threshold), program_(program_of(stage.options.word("definition"))) {}
   Estimates evaluate(const FormulaInput& in) const override {
     return {formulas::outlier(in.reads[0], threshold_.value, threshold_.error, program_)};
   }
@@ -82,7 +63,8 @@ class OutlierFormula final : public StageFormula {
 
 class RadiusOutlierFormula final : public StageFormula {
  public:
-  explicit RadiusOutlierFormula(const RadiusOutliers& op) : radius_(op.radius()), least_(op.min_neighbors()) {}
+  explicit RadiusOutlierFormula(const FormulaSetup& stage)
+      : radius_(stage.options.number("radius")), least_(stage.options.whole("min_neighbors")) {}
   Estimates evaluate(const FormulaInput& in) const override {
     return {formulas::radius_outlier(in.place, in.neighbors, radius_, least_)};
   }
@@ -94,7 +76,7 @@ class RadiusOutlierFormula final : public StageFormula {
 
 class DensityFormula final : public StageFormula {
  public:
-  explicit DensityFormula(const Density& op) : radius_(op.radius()) {}
+  explicit DensityFormula(const FormulaSetup& stage) : radius_(stage.options.number_if_given("radius")) {}
   Estimates evaluate(const FormulaInput& in) const override {
     const formulas::Densities d = formulas::densities(in.place, in.neighbors, radius_);
     return {d.surface, d.volume};
@@ -106,7 +88,8 @@ class DensityFormula final : public StageFormula {
 
 class CoreFormula final : public StageFormula {
  public:
-  explicit CoreFormula(const CorePoints& op) : eps_(op.eps()), least_(static_cast<std::size_t>(op.min_points())) {}
+  explicit CoreFormula(const FormulaSetup& stage)
+      : eps_(stage.options.number("eps")), least_(static_cast<std::size_t>(stage.options.whole("min_points"))) {}
   Estimates evaluate(const FormulaInput& in) const override {
     return {formulas::core_point(in.place, in.neighbors, eps_, least_)};
   }
@@ -137,44 +120,49 @@ class DensityRatioFormula final : public StageFormula {
 
 class ColorFormula final : public StageFormula {
  public:
-  explicit ColorFormula(const Color& op)
-      : source_(op.source()),
-        scale_(scale_of(op.options().map)),
-        lo_(op.lo().value_or(0)),
-        hi_(op.hi().value_or(0)),
-        known_(scale_ == formulas::ColorScale::classes || op.lo().has_value()),
-        widen_(op.bits() == 16 ? 257 : 1) {}
+  explicit ColorFormula(const FormulaSetup& stage)
+      : source_(read_of(stage.options.word("by"), stage.contract.reads)),
+        scale_(scale_of(stage.options.word("map"))),
+        widen_(stage.contract.makes.front().type == Type::u16 ? 257 : 1) {
+    if (scale_ == formulas::ColorScale::classes) return;
+    if (!stage.options.has("range")) return;
+    const std::vector<double> range = stage.options.numbers("range");
+    lo_ = range.at(0), hi_ = range.at(1);
+  }
   Estimates evaluate(const FormulaInput& in) const override {
-    const Estimate e = source_.attribute < 0 ? Estimate{.value = in.place.at, .error = in.place.error}
-                                             : in.reads[static_cast<std::size_t>(source_.attribute)];
-    if (!known_ || source_.component > 2 || e.is_open() || e.either_sign || e.may_be_undefined)
+    const Estimate e = estimate_of(source_, in);
+    const bool known = scale_ == formulas::ColorScale::classes || lo_;
+    if (!known || source_.component > 2 || e.is_open() || e.either_sign || e.may_be_undefined)
       return {formulas::open()};
-    const Real v = source_.component == 0 ? e.value.x : source_.component == 1 ? e.value.y : e.value.z;
+    const Real v = component_of(e, source_);
     const auto color = color_at(v), low = color_at(v - e.error), high = color_at(v + e.error);
     if (low != color || high != color) return {formulas::open()};
     return {Estimate{.value = {Real(widen_ * color[0]), Real(widen_ * color[1]), Real(widen_ * color[2])}}};
   }
 
  private:
-  static formulas::ColorScale scale_of(ColorMap map) {
-    return map == ColorMap::turbo     ? formulas::ColorScale::turbo
-           : map == ColorMap::gray    ? formulas::ColorScale::gray
-           : map == ColorMap::classes ? formulas::ColorScale::classes
-                                      : formulas::ColorScale::viridis;
+  static formulas::ColorScale scale_of(std::string_view map) {
+    return map == "turbo"     ? formulas::ColorScale::turbo
+           : map == "gray"    ? formulas::ColorScale::gray
+           : map == "classes" ? formulas::ColorScale::classes
+                              : formulas::ColorScale::viridis;
   }
-  std::array<int, 3> color_at(Real v) const { return formulas::color_of(static_cast<double>(v), scale_, lo_, hi_); }
+  std::array<int, 3> color_at(Real v) const {
+    return formulas::color_of(static_cast<double>(v), scale_, lo_.value_or(0), hi_.value_or(0));
+  }
 
-  NamedValues::Source source_;
+  ReadValue source_;
   formulas::ColorScale scale_;
-  double lo_, hi_;
-  bool known_;
+  std::optional<double> lo_ = {}, hi_ = {};  ///< absent until the values of the cloud are known
   int widen_;
 };
 
 class GraphFormula final : public StageFormula {
  public:
-  explicit GraphFormula(const Contract& c)
-      : k_(c.makes.front().fields.size()), distances_(c.makes.size() > 1), type_(c.makes.front().type) {}
+  explicit GraphFormula(const FormulaSetup& stage)
+      : k_(stage.contract.makes.front().fields.size()),
+        distances_(stage.contract.makes.size() > 1),
+        type_(stage.contract.makes.front().type) {}
   Estimates evaluate(const FormulaInput& in) const override {
     const formulas::GraphRow row = formulas::graph_row(in.place, in.neighbors, in.rows);
     const Real none = type_ == Type::u64 ? static_cast<Real>(std::numeric_limits<std::uint64_t>::max())
@@ -205,42 +193,47 @@ class GraphFormula final : public StageFormula {
   Type type_;
 };
 
+const std::vector<NamedFormula>& all_formulas() {
+  static const std::vector<NamedFormula> all = [] {
+    std::vector<NamedFormula> list = {{"neighborhood_size", formula_made<SizeFormula>},
+                                      {"ror", formula_made<RadiusOutlierFormula>},
+                                      {"density", formula_made<DensityFormula>},
+                                      {"k_distance", formula_made<KDistanceFormula>},
+                                      {"reachability_density", formula_made<ReachabilityFormula>},
+                                      {"density_ratio", formula_made<DensityRatioFormula>},
+                                      {"mean_distance", formula_made<MeanDistanceFormula>},
+                                      {"outlier", formula_made<OutlierFormula>},
+                                      {"core", formula_made<CoreFormula>},
+                                      {"color", formula_made<ColorFormula>},
+                                      {"neighbors", formula_made<GraphFormula>}};
+    for (const auto& more : {shape_formulas(), assignment_formulas()}) list.insert(list.end(), more.begin(), more.end());
+    return list;
+  }();
+  return all;
+}
+
 }  // namespace
 
+FormulaSetup setup_of(const Operator& op) { return {{op.name(), op.declared_options()}, op.contract()}; }
+
 std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold) {
-  // Exactly these classes: one derived from them may mean something else.
-  const std::type_info& type = typeid(op);
-  const Contract contract = op.contract();
-  if (auto shape = shape_formula_of(op)) return shape;
-  if (type == typeid(NeighborhoodSize)) return std::make_unique<SizeFormula>();
-  if (type == typeid(RadiusOutliers))
-    return std::make_unique<RadiusOutlierFormula>(static_cast<const RadiusOutliers&>(op));
-  if (type == typeid(Density)) return std::make_unique<DensityFormula>(static_cast<const Density&>(op));
-  if (type == typeid(KDistance)) return std::make_unique<KDistanceFormula>();
-  if (type == typeid(ReachabilityDensity)) return std::make_unique<ReachabilityFormula>();
-  if (type == typeid(DensityRatio)) return std::make_unique<DensityRatioFormula>();
-  if (type == typeid(MeanDistance))
-    return std::make_unique<MeanDistanceFormula>(static_cast<const MeanDistance&>(op).counts_point());
-  if (type == typeid(Outlier))
-    return std::make_unique<OutlierFormula>(threshold, static_cast<const Outlier&>(op).definition());
-  if (type == typeid(CorePoints)) return std::make_unique<CoreFormula>(static_cast<const CorePoints&>(op));
-  if (type == typeid(Color)) return std::make_unique<ColorFormula>(static_cast<const Color&>(op));
-  if (type == typeid(SetAttribute)) return set_formula_of(static_cast<const SetAttribute&>(op));
-  if (type == typeid(Where)) return condition_formula_of(static_cast<const Where&>(op));
-  if (type == typeid(NeighborRows)) return std::make_unique<GraphFormula>(contract);
-  return nullptr;
+  const auto found = std::ranges::find(all_formulas(), op.name(), &NamedFormula::name);
+  if (found == all_formulas().end()) return nullptr;
+  FormulaSetup stage = setup_of(op);
+  stage.threshold = threshold;
+  return found->make(stage);
 }
 
 RuleFormula formula_of(const NeighborhoodRule& rule) {
-  if (typeid(rule) == typeid(LeastEigenentropy)) {
-    const std::size_t least = static_cast<const LeastEigenentropy&>(rule).least();
+  const NamedOptions options("knn", rule.options());
+  if (options.has("adaptive") && options.word("adaptive") == "eigenentropy") {
+    const std::size_t least = options.whole("k_min");
     return [least](const formulas::Place& p, std::span<const formulas::Place> neighbors, std::span<const double>) {
       return formulas::of_least_eigenentropy(p, neighbors, least);
     };
   }
-  if (typeid(rule) != typeid(LimitsFromAttributes)) return {};
-  const AttributeLimits& limits = static_cast<const LimitsFromAttributes&>(rule).limits();
-  const bool k = !limits.k.empty(), radius = !limits.radius.empty();
+  const bool k = options.has("k_from"), radius = options.has("radius_from");
+  if (!k && !radius) return {};
   return [k, radius](const formulas::Place& p, std::span<const formulas::Place> neighbors,
                      std::span<const double> values) {
     return formulas::within_limits(p, neighbors, k ? std::optional(values[0]) : std::nullopt,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// From an operator, by what it is and its options, to the independent evaluation of its formula.
+/// From an operator, by its name and its options, to the independent evaluation of its formula.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,15 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operator.h"
 #include "pointsweep/verify/formulas/estimate.h"
 #include "pointsweep/verify/formulas/neighborhood_rules.h"
+#include "pointsweep/verify/named_options.h"
 
 namespace pointsweep {
 
@@ -43,7 +46,30 @@ struct CloudThreshold {
   formulas::Real error = 0;
 };
 
-/// Nothing for operators that are not of this library. `threshold`: of Outlier, the only one that needs it.
+/// All that a formula knows of its stage.
+struct FormulaSetup {
+  NamedOptions options;
+  Contract contract;
+  CloudThreshold threshold = {};                 ///< of "outlier", the only one that needs it
+  std::span<const Operator* const> makers = {};  ///< of the attributes of contract.reads; null: the input has it
+};
+FormulaSetup setup_of(const Operator& op);
+
+/// The formula of the operators of one name.
+struct NamedFormula {
+  std::string_view name;
+  std::unique_ptr<StageFormula> (*make)(const FormulaSetup& stage);
+};
+
+template <class Formula>
+std::unique_ptr<StageFormula> formula_made(const FormulaSetup& stage) {
+  if constexpr (std::is_default_constructible_v<Formula>)
+    return std::make_unique<Formula>();
+  else
+    return std::make_unique<Formula>(stage);
+}
+
+/// Null where no formula has the name of the operator.
 std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold = {});
 
 /// How many neighbours a rule keeps of those found; `values` are its reads() of the point.

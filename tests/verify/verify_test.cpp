@@ -373,6 +373,26 @@ TEST_F(Verify, OperatorsOfUsersAreAppliedAgainAndNamedAsNotIndependent) {
   different(checked(), "row 99: steepness is");
 }
 
+/// Has the name of an operator of the library and no options.
+class OwnRor final : public Operator {
+ public:
+  std::string name() const override { return "ror"; }
+  Contract contract() const override { return {.makes = {scalar("rare", Type::f32, "1", "of its own")}}; }
+  void apply(const Neighborhoods&, Columns&) const override {}
+};
+
+TEST_F(Verify, AnOperatorOfAUserThatHasTheNameOfAnotherIsRefused) {
+  InputCloud cloud({input()});
+  const Chain written{{.k = 8}, {std::make_shared<OwnRor>()}};
+  run(cloud, written, {.points = folder_ / "out.ply", .arrays = {}, .writer = {}});
+  try {
+    verify(cloud, *open_reader(folder_ / "out.ply"), false, made_by(written));
+    FAIL();
+  } catch (const UsageError& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("'ror' has no option 'radius'"), std::string::npos) << refusal.what();
+  }
+}
+
 TEST_F(Verify, NeighborsAndDistancesAreCheckedToTheLastOne) {
   InputCloud cloud({input()});
   const Chain graph{{.k = 6}, {std::make_shared<NeighborRows>(6, kPoints, true)}};
