@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "cli/inconsistencies.h"
+#include "cli/file_text.h"
 
 namespace pointsweep {
 namespace {
@@ -41,11 +41,11 @@ std::size_t number_of(std::vector<std::string>& lists, const std::string& list) 
   return number;
 }
 
-TableLine line_of(const FileRow& file, std::vector<std::string>& lists) {
-  if (!file.is_readable) return {file.info.path.string(), "cannot be read"};
+TableLine line_of(const FileSummary& file, std::vector<std::string>& lists) {
+  const std::optional<double> density = file.density();
   return {file.info.path.string(),      std::to_string(file.info.count),
           cell_of_axis(file.bounds, 0), cell_of_axis(file.bounds, 1),
-          cell_of_axis(file.bounds, 2), file.density ? fmt::format("{:.4g}", *file.density) : "-",
+          cell_of_axis(file.bounds, 2), density ? fmt::format("{:.4g}", *density) : "-",
           cell_of(file.info.crs),       fmt::format("({})", number_of(lists, attribute_text(file.info.schema)))};
 }
 
@@ -69,40 +69,41 @@ std::string text_of_lines(const std::vector<TableLine>& lines) {
 
 }  // namespace
 
-std::string table_of(std::span<const FileRow> files) {
+std::string table_of(const ListedSummaries& files) {
   std::vector<TableLine> lines(1);
   std::ranges::copy(kHeadings, lines.front().begin());
   std::vector<std::string> lists;
-  for (const FileRow& file : files) lines.push_back(line_of(file, lists));
+  for (const FileSummary& file : files.readable) lines.push_back(line_of(file, lists));
+  for (const auto& [number, name] : files.unreadable)
+    lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(1 + number), {name.string(), "cannot be read"});
   std::string text = text_of_lines(lines);
   for (std::size_t i = 0; i < lists.size(); ++i) text += fmt::format("attributes ({})  {}\n", i + 1, lists[i]);
   return text;
 }
 
-std::optional<double> density_of(std::span<const FileRow> files) {
+std::optional<double> density_of(std::span<const FileSummary> files) {
   double points = 0, area = 0;
-  for (const FileRow& file : files) {
+  for (const FileSummary& file : files) {
     if (file.area > 0) points += static_cast<double>(file.info.count - file.nonfinite);
     area += file.area;
   }
   return area > 0 ? std::optional(points / area) : std::nullopt;
 }
 
-std::string summary_of(std::span<const FileRow> files) {
+std::string summary_of(const ListedSummaries& files) {
   std::uint64_t points = 0;
   Box bounds;
-  std::size_t readable = 0;
-  for (const FileRow& file : files) {
+  for (const FileSummary& file : files.readable) {
     points += file.info.count;
     bounds.include(file.bounds);
-    readable += file.is_readable ? 1 : 0;
   }
+  const std::size_t readable = files.readable.size();
   std::string text = readable == files.size() ? fmt::format("all {} files\n", readable)
                                               : fmt::format("{} of {} files\n", readable, files.size());
   text += to_text(points, bounds);
-  if (const auto density = density_of(files))
+  if (const auto density = density_of(files.readable))
     text += fmt::format("  density     {:.4g} points per square unit of x and y\n", *density);
-  const std::vector<std::string> sentences = inconsistencies_of(files);
+  const std::vector<std::string> sentences = inconsistencies_of(files.readable);
   if (readable > 1 && sentences.empty()) text += "  The files are consistent.\n";
   if (!sentences.empty()) text += "  inconsistent\n";
   for (const std::string& sentence : sentences) text += fmt::format("    {}\n", sentence);

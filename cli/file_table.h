@@ -2,21 +2,34 @@
 /// Many files side by side, for people.
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "cli/file_row.h"
+#include "pointsweep/info.h"
 
 namespace pointsweep {
 
+/// Files in the order in which they were named.
+struct ListedSummaries {
+  std::vector<FileSummary> readable;
+  std::vector<std::pair<std::size_t, std::filesystem::path>> unreadable;  ///< number among all files, and name
+
+  std::size_t size() const { return readable.size() + unreadable.size(); }
+};
+
 /// A line for each file with points, bounds, density and coordinate reference system, and below them the lists of
 /// attributes that the last column counts.
-std::string table_of(std::span<const FileRow> files);
+std::string table_of(const ListedSummaries& files);
 
-/// What all readable files hold together, and in what they differ (inconsistencies.h).
-std::string summary_of(std::span<const FileRow> files);
+/// What all readable files hold together, and in what they differ (inconsistencies_of).
+std::string summary_of(const ListedSummaries& files);
 
 /// Finite points of all files for each unit of their areas together; none without area.
-std::optional<double> density_of(std::span<const FileRow> files);
+std::optional<double> density_of(std::span<const FileSummary> files);
 
 }  // namespace pointsweep

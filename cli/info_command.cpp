@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep info FILE...`: what is in a point file, found by reading all of it.
 #include <algorithm>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -9,25 +8,25 @@
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/console.h"
-#include "cli/file_summary.h"
 #include "cli/file_table.h"
-#include "cli/header_faults.h"
-#include "cli/inconsistencies.h"
+#include "cli/file_text.h"
 #include "cli/inputs_and_output.h"
 #include "cli/progress.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/input_list.h"
+#include "pointsweep/info.h"
+#include "pointsweep/info/summary_json.h"
 
 namespace pointsweep {
 namespace {
 
-struct InfoOptions {
+struct InfoCommand {
   CommonOptions common;
   std::vector<std::filesystem::path> files;  ///< folders, patterns and .vpc files among them
   bool recursive = false;
   bool json = false, table = false;
-  Spacing spacing = Spacing::measure;
+  bool spacing = true;
 };
 
 enum class InfoStyle : std::uint8_t { details, table, json };
@@ -38,48 +37,46 @@ class InfoReport {
   explicit InfoReport(InfoStyle style) : style_(style) {}
 
   /// `label`: what the table and sentences about several files call it.
-  void add(const FileInfo& info, const FileSummary& summary, const std::filesystem::path& label) {
-    rows_.emplace_back(info, summary);
-    rows_.back().info.path = label;
-    if (style_ == InfoStyle::json) files_.push_back(to_json(info, summary));
-    if (style_ == InfoStyle::details) print(to_text(info, summary));
+  void add(FileSummary summary, const std::filesystem::path& label) {
+    if (style_ == InfoStyle::json) json_.push_back(json_of(summary));
+    if (style_ == InfoStyle::details) print(to_text(summary));
+    summary.info.path = label;
+    files_.readable.push_back(std::move(summary));
   }
   void add_failure(const std::filesystem::path& file, const std::string& sentence, const std::filesystem::path& label) {
-    ++failures_;
-    rows_.emplace_back(label);
-    if (style_ == InfoStyle::json) files_.push_back({{"path", file.string()}, {"error", sentence}});
+    files_.unreadable.emplace_back(files_.size(), label);
+    if (style_ == InfoStyle::json) json_.push_back({{"path", file.string()}, {"error", sentence}});
   }
   void finish() const {
     if (style_ == InfoStyle::json)
       print(all_as_json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-    if (style_ == InfoStyle::table) print(table_of(rows_));
-    if (style_ != InfoStyle::json && rows_.size() > 1) print(summary_of(rows_));
+    if (style_ == InfoStyle::table) print(table_of(files_));
+    if (style_ != InfoStyle::json && files_.size() > 1) print(summary_of(files_));
   }
-  std::size_t files() const { return rows_.size(); }
-  std::size_t failures() const { return failures_; }
+  std::size_t files() const { return files_.size(); }
+  std::size_t failures() const { return files_.unreadable.size(); }
 
  private:
   nlohmann::ordered_json all_as_json() const {
     std::uint64_t points = 0;
     Box bounds;
-    for (const FileRow& row : rows_) {
-      points += row.info.count;
-      bounds.include(row.bounds);
+    for (const FileSummary& file : files_.readable) {
+      points += file.info.count;
+      bounds.include(file.bounds);
     }
-    const std::optional<double> density = density_of(rows_);
-    const nlohmann::ordered_json all = {{"files", rows_.size()},
-                                        {"unreadable", failures_},
+    const std::optional<double> density = density_of(files_.readable);
+    const nlohmann::ordered_json all = {{"files", files_.size()},
+                                        {"unreadable", failures()},
                                         {"points", points},
-                                        {"bounds", to_json(bounds)},
+                                        {"bounds", json_of(bounds)},
                                         {"density", density ? nlohmann::ordered_json(*density) : nullptr},
-                                        {"inconsistent", inconsistencies_of(rows_)}};
-    return {{"files", files_}, {"all", all}};
+                                        {"inconsistent", inconsistencies_of(files_.readable)}};
+    return {{"files", json_}, {"all", all}};
   }
 
   InfoStyle style_;
-  nlohmann::ordered_json files_ = nlohmann::ordered_json::array();
-  std::vector<FileRow> rows_;
-  std::size_t failures_ = 0;
+  nlohmann::ordered_json json_ = nlohmann::ordered_json::array();
+  ListedSummaries files_;
 };
 
 /// A file to look at, and what a table calls it: the name below the folder that was named, if that was one alone.
@@ -87,23 +84,22 @@ struct LabelledFile {
   std::filesystem::path path, label;
 };
 
-void look_at_file(const LabelledFile& file, const InfoOptions& options, Spacing spacing, InfoReport& report,
+void look_at_file(const LabelledFile& file, const InfoCommand& options, bool spacing, InfoReport& report,
                   ProgressDisplay& progress) {
   const std::unique_ptr<Reader> reader = open_reader(file.path, options.common.format);
-  const FileSummary summary = summarize(*reader, spacing, [&](std::uint64_t done, std::uint64_t total) {
+  const auto show = [&](std::uint64_t done, std::uint64_t total) {
     stop_if_cancelled();
     progress.report("info", done, total);
-  });
-  FileInfo info = reader->info();
-  std::ranges::copy(header_faults(info, summary), std::back_inserter(info.warnings));
+  };
+  FileSummary summary = summarize(*reader, {.spacing = spacing, .progress = show});
   const std::string path = file.path.string();
-  for (const std::string& warning : info.warnings)
+  for (const std::string& warning : summary.info.warnings)
     progress.say(Severity::warning, warning.starts_with(path) ? warning : fmt::format("{}: {}", path, warning));
-  report.add(info, summary, file.label);
+  report.add(std::move(summary), file.label);
 }
 
 /// The files that an argument stands for; nothing, after a complaint, where it stands for none.
-std::vector<LabelledFile> files_of(const std::filesystem::path& named, const InfoOptions& options, InfoReport& report,
+std::vector<LabelledFile> files_of(const std::filesystem::path& named, const InfoCommand& options, InfoReport& report,
                                    ProgressDisplay& progress) {
   const bool is_folder = options.files.size() == 1 && stands_for_files(named);
   std::vector<LabelledFile> files;
@@ -120,15 +116,15 @@ std::vector<LabelledFile> files_of(const std::filesystem::path& named, const Inf
   return files;
 }
 
-InfoStyle style_of(const InfoOptions& options) {
+InfoStyle style_of(const InfoCommand& options) {
   if (options.json) return InfoStyle::json;
   const bool many = std::ranges::any_of(options.files, stands_for_files);
   return options.table || many ? InfoStyle::table : InfoStyle::details;
 }
 
-void info(const InfoOptions& options) {
+void info(const InfoCommand& options) {
   const InfoStyle style = style_of(options);
-  const Spacing spacing = style == InfoStyle::table ? Spacing::skip : options.spacing;
+  const bool spacing = style != InfoStyle::table && options.spacing;
   InfoReport report(style);
   ProgressDisplay progress(options.common);
   take_standard_input(options.files, options.common);
@@ -155,7 +151,7 @@ void info(const InfoOptions& options) {
 
 void add_info_command(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("info", "Show format, coordinate system, bounds and attributes of point files");
-  auto options = std::make_shared<InfoOptions>();
+  auto options = std::make_shared<InfoCommand>();
   verb.add_option("FILE", options->files, "Point files, folders of them or quoted patterns")->required()->type_name("");
   add_recursive_option(verb, options->recursive);
   CLI::Option* json = verb.add_flag("--json", options->json, "Write one JSON object; docs/info.md lists its keys");
@@ -163,7 +159,7 @@ void add_info_command(CLI::App& app) {
                 "Write one line for each file, read once (default for folders, patterns and .vpc files)")
       ->excludes(json);
   verb.add_flag_callback(
-      "--no-spacing", [options] { options->spacing = Spacing::skip; },
+      "--no-spacing", [options] { options->spacing = false; },
       "Read files once instead of twice, without the distances between points");
   add_format_option(verb, options->common.format);
   add_progress_options(verb, options->common);

@@ -18,6 +18,7 @@ endforeach()
 foreach(header pointsweep run statistics)
   set(layer_of_header_${header} pipeline)
 endforeach()
+set(layer_of_header_info info)
 set(may_include_math "")
 set(may_include_points math)
 set(may_include_connect points math)
@@ -40,12 +41,13 @@ set(may_include_reference points math order operators)
 set(may_include_pipeline/plan points math operators formats sweep)
 set(may_include_pipeline points math order search connect operators formats formats/files shapes sweep reference pipeline/plan)
 set(may_include_pipeline/run ${may_include_pipeline} pipeline)
+set(may_include_info points math formats)
 set(may_include_report points math formats render pipeline)
 set(may_include_verify points math polygons operators formats formats/files)  # not search, not sweep: it checks them
 # verify/formulas evaluates what operators should give: it shares no code with them, nor with math, search or sweep.
 set(may_include_verify/formulas nothing_at_all)
 list(APPEND may_include_verify verify/formulas)
-set(may_include_cli points math order operators formats formats/files shapes render verify pipeline pipeline/plan report)
+set(may_include_cli points math order operators formats formats/files shapes render info verify pipeline pipeline/plan report)
 set(may_include_python/binding points math order operators formats formats/files shapes pipeline)
 # The one file that knows all formats.
 set(pointsweep/formats/registry.cpp_may_include formats/e57 formats/kitti formats/las formats/mesh formats/npy

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "cli/nearest_distances.h"
-#include "cli/plan_area.h"
 #include "pointsweep/formats/crs_unit.h"
+#include "pointsweep/info/nearest_distances.h"
+#include "pointsweep/info/plan_area.h"
 #include "tests/cli/tool.h"
 #include "tests/formats/las_test_file.h"
 

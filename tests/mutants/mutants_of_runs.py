@@ -135,9 +135,9 @@ MUTANTS = [
            "value_of(one.first, record) != one.second", "one.second < 0", ("cli:VerifyVerb.*",)),
 
     # The command line
-    Mutant("info counts cells by where points lie", "cli", "cli/plan_area.cpp",
+    Mutant("info counts cells by where points lie", "cli", "pointsweep/info/plan_area.cpp",
            "while (has_area_ && cells_of_bounds() >", "while (has_area_ && static_cast<double>(count_) >", ("cli:PlanArea.*",)),
-    Mutant("info does not compare counts by return", "cli", "cli/header_faults.cpp",
+    Mutant("info does not compare counts by return", "cli", "pointsweep/info/header_faults.cpp",
            "if (stated[r - 1] == summary.returns[r]) continue;", "continue;", ("cli:Info.*",)),
     Mutant("an output may be called as COPC files are", "cli", "pointsweep/pipeline/output_formats.cpp",
            "    require_output_name(path);\n", "", ("pipeline:Tiles.*", "cli:OutputName.*")),

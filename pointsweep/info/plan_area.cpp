@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/plan_area.h"
+#include "pointsweep/info/plan_area.h"
 
 #include <algorithm>
 #include <bit>

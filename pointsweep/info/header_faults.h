@@ -5,13 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "cli/file_summary.h"
-#include "pointsweep/reader.h"
+#include "pointsweep/info.h"
 
 namespace pointsweep {
 
 /// A sentence for each axis whose bounds the header states wrongly, by more than half a step of stored coordinates; for
 /// counts of points by return; and for points whose return number is above their number of returns.
-std::vector<std::string> header_faults(const FileInfo& info, const FileSummary& summary);
+std::vector<std::string> header_faults(const FileSummary& summary);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/header_faults.h"
+#include "pointsweep/info/header_faults.h"
 
 #include <fmt/format.h>
 
@@ -30,9 +30,9 @@ void add_wrong_bounds(const FileInfo& info, const Box& points, std::vector<std::
   }
 }
 
-void add_wrong_counts(const FileInfo& info, const FileSummary& summary, std::vector<std::string>& faults) {
+void add_wrong_counts(const FileSummary& summary, std::vector<std::string>& faults) {
   if (!summary.has_returns) return;
-  const std::vector<std::uint64_t>& stated = info.claims->returns;
+  const std::vector<std::uint64_t>& stated = summary.info.claims->returns;
   std::string header, points;
   for (std::size_t r = 1; r <= stated.size() && r < summary.returns.size(); ++r) {
     if (stated[r - 1] == summary.returns[r]) continue;
@@ -46,11 +46,12 @@ void add_wrong_counts(const FileInfo& info, const FileSummary& summary, std::vec
 
 }  // namespace
 
-std::vector<std::string> header_faults(const FileInfo& info, const FileSummary& summary) {
+std::vector<std::string> header_faults(const FileSummary& summary) {
+  const FileInfo& info = summary.info;
   std::vector<std::string> faults;
   if (info.claims) {
     add_wrong_bounds(info, summary.bounds, faults);
-    add_wrong_counts(info, summary, faults);
+    add_wrong_counts(summary, faults);
   }
   if (summary.returns_beyond > 0)
     faults.push_back(fmt::format("{} {} a return number above the number of returns.", summary.returns_beyond,

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include "cli/file_text.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "cli/file_summary.h"
-#include "cli/gps_time.h"
 #include "pointsweep/formats/las_classes.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/points/schema.h"
@@ -46,9 +46,9 @@ std::string storage_text(const Schema& schema) {
               fmt::format("{:.15g} {:.15g} {:.15g}", p.x.bias + 0.0, p.y.bias + 0.0, p.z.bias + 0.0));  // + 0: not "-0"
 }
 
-std::string density_text(const FileInfo& info, const FileSummary& s) {
+std::string density_text(const FileSummary& s) {
   std::string text;
-  if (const auto density = s.density(info.count)) {
+  if (const auto density = s.density()) {
     text += line("density", fmt::format("{:.4g} points per square unit of x and y (occupied cells of side {:g})",
                                         *density, s.cell_side));
   }
@@ -56,8 +56,8 @@ std::string density_text(const FileInfo& info, const FileSummary& s) {
     text += line("spacing", fmt::format("{:.4g}, median distance to the nearest other point ({} points sampled)",
                                         *spacing, s.nearest.size()));
   }
-  const auto equal = std::upper_bound(s.nearest.begin(), s.nearest.end(), 0.0) - s.nearest.begin();
-  if (equal > 0) text += line("duplicates", fmt::format("{} of {} sampled points", equal, s.nearest.size()));
+  if (const std::size_t equal = s.duplicates(); equal > 0)
+    text += line("duplicates", fmt::format("{} of {} sampled points", equal, s.nearest.size()));
   return text;
 }
 
@@ -74,8 +74,8 @@ std::string counts_text(const FileSummary& s) {
   return (classes.empty() ? "" : line("classes", classes)) + (returns.empty() ? "" : line("returns", returns));
 }
 
-std::string gps_text(const FileInfo& info, const FileSummary& s) {
-  const auto times = gps_times(info, s);
+std::string gps_text(const FileSummary& s) {
+  const auto times = gps_times(s);
   if (!times) return {};
   std::string text = fmt::format("{:.15g} .. {:.15g}", times->lo, times->hi);
   if (times->clock == GpsClock::adjusted_standard)
@@ -130,14 +130,15 @@ std::string to_text(std::uint64_t points, const Box& bounds) {
   return text;
 }
 
-std::string to_text(const FileInfo& info, const FileSummary& summary) {
+std::string to_text(const FileSummary& summary) {
+  const FileInfo& info = summary.info;
   std::string text = fmt::format("{}\n", info.path.string());
   text += line("format", fmt::format("{}, {} bytes", info.format, info.bytes)) + provenance_text(info);
   if (info.crs) text += line("crs", short_text(*info.crs));
   text += to_text(info.count, summary.bounds);
   if (summary.nonfinite > 0) text += line("not finite", fmt::format("{} points, not in the bounds", summary.nonfinite));
-  text += storage_text(info.schema) + density_text(info, summary);
-  text += line("order", order_text(summary)) + counts_text(summary) + gps_text(info, summary);
+  text += storage_text(info.schema) + density_text(summary);
+  text += line("order", order_text(summary)) + counts_text(summary) + gps_text(summary);
   return text + line("attributes", attribute_text(info.schema)) + ranges_text(info.schema, summary);
 }
 

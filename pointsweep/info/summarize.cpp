@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "cli/file_summary.h"
-
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
-#include "cli/nearest_distances.h"
-#include "cli/plan_area.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/info.h"
+#include "pointsweep/info/header_faults.h"
+#include "pointsweep/info/nearest_distances.h"
+#include "pointsweep/info/plan_area.h"
 #include "pointsweep/math/mix.h"
-#include "pointsweep/points/schema.h"
 #include "pointsweep/points/decimals.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {
@@ -138,9 +139,9 @@ std::vector<double> nearest_distances(Reader& reader, std::vector<NearestDistanc
 
 }  // namespace
 
-std::optional<double> FileSummary::density(std::uint64_t points) const {
+std::optional<double> FileSummary::density() const {
   if (!(area > 0)) return std::nullopt;
-  return static_cast<double>(points - nonfinite) / area;
+  return static_cast<double>(info.count - nonfinite) / area;
 }
 
 std::optional<double> FileSummary::spacing() const {
@@ -148,13 +149,21 @@ std::optional<double> FileSummary::spacing() const {
   return nearest[(nearest.size() - 1) / 2];
 }
 
-FileSummary summarize(Reader& reader, Spacing spacing,
-                      const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+std::size_t FileSummary::duplicates() const {
+  return static_cast<std::size_t>(std::upper_bound(nearest.begin(), nearest.end(), 0.0) - nearest.begin());
+}
+
+FileSummary summarize(Reader& reader, const SummaryOptions& options) {
   const FileInfo& info = reader.info();
   const auto classes = info.schema.find("classification"), returns = info.schema.find("return_number");
   const auto of_returns = info.schema.find("number_of_returns");
-  const std::uint64_t work = spacing == Spacing::measure ? 2 * info.count : info.count;
+  const std::uint64_t work = options.spacing ? 2 * info.count : info.count;
+  const auto progress = [&](std::uint64_t done) {
+    if (options.progress) options.progress(done, work);
+  };
   FileSummary summary;
+  summary.info = info;
+  summary.info.extras = nullptr;
   summary.ranges.resize(info.schema.fields.size());
   summary.has_classes = classes.has_value();
   summary.has_returns = returns.has_value();
@@ -181,16 +190,16 @@ FileSummary summarize(Reader& reader, Spacing spacing,
     if (returns && of_returns)
       summary.returns_beyond +=
           points_above(info.schema.fields[*returns], info.schema.fields[*of_returns], info.schema, piece);
-    progress(piece.first_row + piece.count, work);
+    progress(piece.first_row + piece.count);
   });
   plan.settle();
   use_decimals(summary, info.schema);
   summary.area = plan.area();
   summary.cell_side = plan.cell_side();
-  if (spacing == Spacing::measure) {
+  if (options.spacing)
     summary.nearest =
-        nearest_distances(reader, std::move(sample), [&](std::uint64_t done) { progress(info.count + done, work); });
-  }
+        nearest_distances(reader, std::move(sample), [&](std::uint64_t done) { progress(info.count + done); });
+  std::ranges::copy(header_faults(summary), std::back_inserter(summary.info.warnings));
   return summary;
 }
 

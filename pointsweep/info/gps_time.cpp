@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "cli/gps_time.h"
-
 #include <fmt/format.h>
 
 #include <chrono>
 #include <cmath>
 
 #include "pointsweep/formats/las_origin.h"
+#include "pointsweep/info.h"
 
 namespace pointsweep {
 
-std::optional<GpsTimes> gps_times(const FileInfo& info, const FileSummary& summary) {
+std::optional<GpsTimes> gps_times(const FileSummary& summary) {
+  const FileInfo& info = summary.info;
   const auto field = info.schema.find("gps_time");
   if (!field) return std::nullopt;
   const FieldRange& range = summary.ranges[*field];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/nearest_distances.h"
+#include "pointsweep/info/nearest_distances.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "cli/inconsistencies.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,17 +9,18 @@
 
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/las_origin.h"
+#include "pointsweep/info.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {
 
-using SomeFiles = std::vector<const FileRow*>;
+using SomeFiles = std::vector<const FileSummary*>;
 
 /// Values in the order in which they come first, each with the files that have it.
 using FilesOfValues = std::vector<std::pair<std::string, SomeFiles>>;
 
-void add_file(FilesOfValues& all, const std::string& value, const FileRow& file) {
+void add_file(FilesOfValues& all, const std::string& value, const FileSummary& file) {
   auto at = std::ranges::find(all, value, &FilesOfValues::value_type::first);
   if (at == all.end()) at = all.insert(at, {value, {}});
   at->second.push_back(&file);
@@ -55,7 +54,7 @@ void note_different(std::vector<std::string>& sentences, const char* what, const
 
 FilesOfValues formats_of(const SomeFiles& files) {
   FilesOfValues formats;
-  for (const FileRow* file : files) add_file(formats, file->info.format, *file);
+  for (const FileSummary* file : files) add_file(formats, file->info.format, *file);
   return formats;
 }
 
@@ -63,7 +62,7 @@ FilesOfValues formats_of(const SomeFiles& files) {
 FilesOfValues systems_of(const SomeFiles& files) {
   std::vector<const Crs*> systems;
   FilesOfValues all;
-  for (const FileRow* file : files) {
+  for (const FileSummary* file : files) {
     if (!file->info.crs) continue;
     const Crs& crs = *file->info.crs;
     const auto same = std::ranges::find_if(
@@ -81,14 +80,14 @@ FilesOfValues systems_of(const SomeFiles& files) {
 void note_systems(std::vector<std::string>& sentences, const SomeFiles& files) {
   note_different(sentences, "Coordinate reference systems", systems_of(files));
   SomeFiles without;
-  std::ranges::copy_if(files, std::back_inserter(without), [](const FileRow* file) { return !file->info.crs; });
+  std::ranges::copy_if(files, std::back_inserter(without), [](const FileSummary* file) { return !file->info.crs; });
   if (!without.empty() && without.size() < files.size())
     sentences.push_back(fmt::format("No coordinate reference system is stated in {}.", names_of(without)));
 }
 
 FilesOfValues clocks_of(const SomeFiles& files) {
   FilesOfValues clocks;
-  for (const FileRow* file : files)
+  for (const FileSummary* file : files)
     if (const auto& las = file->info.las; las && las->has_time)
       add_file(clocks, las->standard_time ? "adjusted standard GPS time" : "seconds of the GPS week", *file);
   return clocks;
@@ -112,7 +111,7 @@ struct SharedAttribute {
 std::vector<SharedAttribute> attributes_of(const SomeFiles& files) {
   std::vector<SharedAttribute> all;
   std::map<std::string, std::size_t> places;
-  for (const FileRow* file : files) {
+  for (const FileSummary* file : files) {
     for (const Field& field : file->info.schema.fields) {
       const auto [place, is_new] = places.try_emplace(library_name_of(field.name), all.size());
       if (is_new) all.push_back({field.name, {}});
@@ -126,7 +125,7 @@ SomeFiles files_without(const SharedAttribute& attribute, const SomeFiles& files
   SomeFiles with, without;
   for (const auto& [storage, some] : attribute.storages) with.insert(with.end(), some.begin(), some.end());
   std::ranges::sort(with);
-  for (const FileRow* file : files)
+  for (const FileSummary* file : files)
     if (!std::ranges::binary_search(with, file)) without.push_back(file);
   return without;
 }
@@ -164,7 +163,7 @@ void note_types(std::vector<std::string>& sentences, const std::vector<SharedAtt
 void note_points(std::vector<std::string>& sentences, const SomeFiles& files) {
   SomeFiles empty, nonfinite;
   std::uint64_t points = 0;
-  for (const FileRow* file : files) {
+  for (const FileSummary* file : files) {
     if (file->info.count == 0) empty.push_back(file);
     if (file->nonfinite > 0) nonfinite.push_back(file);
     points += file->nonfinite;
@@ -178,7 +177,7 @@ void note_points(std::vector<std::string>& sentences, const SomeFiles& files) {
 
 void note_copies(std::vector<std::string>& sentences, const SomeFiles& files) {
   std::map<std::array<double, 7>, SomeFiles> same;
-  for (const FileRow* file : files) {
+  for (const FileSummary* file : files) {
     const Box& b = file->bounds;
     if (file->info.count > 1 && !b.empty())
       same[{static_cast<double>(file->info.count), b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b.hi.z}].push_back(file);
@@ -191,20 +190,19 @@ void note_copies(std::vector<std::string>& sentences, const SomeFiles& files) {
 
 }  // namespace
 
-std::vector<std::string> inconsistencies_of(std::span<const FileRow> files) {
-  SomeFiles readable;
-  for (const FileRow& file : files)
-    if (file.is_readable) readable.push_back(&file);
+std::vector<std::string> inconsistencies_of(std::span<const FileSummary> files) {
+  SomeFiles all;
+  for (const FileSummary& file : files) all.push_back(&file);
   std::vector<std::string> sentences;
-  if (readable.size() < 2) return sentences;
-  const std::vector<SharedAttribute> attributes = attributes_of(readable);
-  note_different(sentences, "Formats", formats_of(readable));
-  note_systems(sentences, readable);
-  note_different(sentences, "Clocks of GPS times", clocks_of(readable));
-  note_missing(sentences, attributes, readable);
+  if (files.size() < 2) return sentences;
+  const std::vector<SharedAttribute> attributes = attributes_of(all);
+  note_different(sentences, "Formats", formats_of(all));
+  note_systems(sentences, all);
+  note_different(sentences, "Clocks of GPS times", clocks_of(all));
+  note_missing(sentences, attributes, all);
   note_types(sentences, attributes);
-  note_points(sentences, readable);
-  note_copies(sentences, readable);
+  note_points(sentences, all);
+  note_copies(sentences, all);
   return sentences;
 }
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
+#include "pointsweep/info/summary_json.h"
+
 #include <nlohmann/json.hpp>
 
-#include "cli/file_summary.h"
-#include "cli/gps_time.h"
 #include "pointsweep/formats/crs_unit.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/points/schema.h"
@@ -51,8 +50,8 @@ Json counts(const std::array<std::uint64_t, N>& points, bool there) {
   return object;
 }
 
-Json gps_time(const FileInfo& info, const FileSummary& summary) {
-  const auto times = gps_times(info, summary);
+Json gps_time(const FileSummary& summary) {
+  const auto times = gps_times(summary);
   if (!times) return {};
   constexpr const char* kClocks[] = {"week_seconds", "adjusted_standard", "unknown"};
   const auto date = [&](double t) {
@@ -98,37 +97,41 @@ Json provenance(const FileInfo& info) {
 
 }  // namespace
 
-Json to_json(const Box& bounds) {
+Json json_of(const Box& bounds) {
   if (bounds.empty()) return {};
   return {{"min", vector_of(bounds.lo)}, {"max", vector_of(bounds.hi)}};
 }
 
-Json to_json(const FileInfo& info, const FileSummary& s) {
+Json json_of(const FileSummary& s) {
+  const FileInfo& info = s.info;
   const PositionFields p = position_fields(info.schema, info.path.string());
-  const auto equal = std::upper_bound(s.nearest.begin(), s.nearest.end(), 0.0) - s.nearest.begin();
   const Vec3 extent = s.bounds.extent();
   return {{"path", info.path.string()},
           {"format", info.format},
           {"bytes", info.bytes},
           {"points", info.count},
           {"nonfinite", s.nonfinite},
-          {"bounds", to_json(s.bounds)},
+          {"bounds", json_of(s.bounds)},
           {"crs", crs_of(info.crs)},
           {"scale", vector_of({p.x.scale, p.y.scale, p.z.scale})},
           {"offset", vector_of({p.x.bias, p.y.bias, p.z.bias})},
-          {"density", number_or_null(s.density(info.count))},
+          {"density", number_or_null(s.density())},
           {"density_cell", s.area > 0 ? Json(s.cell_side) : Json()},
           {"spacing", number_or_null(s.spacing())},
           {"spacing_sample", s.nearest.size()},
-          {"spacing_duplicates", equal},
+          {"spacing_duplicates", s.duplicates()},
           {"ascending", axes(s.ascending, extent)},
           {"descending", axes(s.descending, extent)},
           {"classes", counts(s.classes, s.has_classes)},
           {"returns", counts(s.returns, s.has_returns)},
-          {"gps_time", gps_time(info, s)},
+          {"gps_time", gps_time(s)},
           {"attributes", attributes(info.schema, s)},
           {"provenance", provenance(info)},
           {"warnings", info.warnings}};
+}
+
+std::string to_json(const FileSummary& summary) {
+  return json_of(summary).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace pointsweep
