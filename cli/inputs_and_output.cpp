@@ -120,13 +120,6 @@ std::string parse_output_format(const std::string& text) {
 
 }  // namespace
 
-fs::path tile_name(const fs::path& relative, const std::string& format) {
-  fs::path name = relative;
-  if (extension_of(name) == ".laz" && extension_of(name.stem()) == ".copc")
-    name = name.parent_path() / fs::path(name.stem()).stem().concat(name.extension().string());
-  return format.empty() ? name : name.replace_extension(format);
-}
-
 void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning) {
   verb.add_option(kInputsAndOutput, paths.files,
                   fmt::format("Input files (merged), then output {}. A folder or a quoted pattern such as "

@@ -51,10 +51,6 @@ void add_output_option(CLI::App& verb, std::filesystem::path& output);
 /// point files.
 ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format);
 
-/// The name of the output in a folder for an input (ListedFile::relative); `format`: an extension, or "" for that of
-/// the input. A COPC file is written as LAZ, and programs tell it by its name.
-std::filesystem::path tile_name(const std::filesystem::path& relative, const std::string& format);
-
 /// For a verb that makes one output of all inputs: throws UsageError with the reason where the output is a folder.
 void require_one_output(const ResolvedFiles& files, const char* reason);
 

@@ -1,7 +1,8 @@
-# The targets pointsweep_whole and pointsweep_flags of the repository, with the static library in POINTSWEEP_BUILT.
+# The targets pointsweep_whole, pointsweep_flags and the libraries beside the core that the module links, with the static libraries
+# in POINTSWEEP_BUILT.
 cmake_path(GET CMAKE_CURRENT_SOURCE_DIR PARENT_PATH repository)
 include(${repository}/cmake/flags.cmake)
-foreach(package TBB fmt hwy PNG Threads)
+foreach(package TBB fmt hwy Threads)
   find_package(${package} REQUIRED)
 endforeach()
 add_library(pointsweep STATIC IMPORTED)
@@ -11,7 +12,12 @@ set(codecs ${POINTSWEEP_BUILT}/codecs/release/libpointsweep_codecs.a)
 if(NOT EXISTS ${codecs})
   set(codecs "")
 endif()
-target_link_libraries(pointsweep INTERFACE fmt::fmt TBB::tbb hwy::hwy hwy::hwy_contrib PNG::PNG ${codecs} Threads::Threads ${CMAKE_DL_LIBS})
+target_link_libraries(pointsweep INTERFACE fmt::fmt TBB::tbb hwy::hwy hwy::hwy_contrib ${codecs} Threads::Threads ${CMAKE_DL_LIBS})
+foreach(part info shapes verify)
+  add_library(pointsweep_${part} STATIC IMPORTED)
+  set_target_properties(pointsweep_${part} PROPERTIES IMPORTED_LOCATION ${POINTSWEEP_BUILT}/libpointsweep_${part}.a
+    INTERFACE_LINK_LIBRARIES pointsweep)
+endforeach()
 add_library(pointsweep_whole INTERFACE)
 target_link_libraries(pointsweep_whole INTERFACE pointsweep)
 target_include_directories(pointsweep_whole INTERFACE ${repository})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// All of the library's public interface. In reading order:
+/// The public interface of the core. In reading order:
 ///   attribute.h     what points carry, and how a record holds it
 ///   reader.h        inputs: files, arrays, readers of your own
 ///   cloud.h         several inputs as one cloud
@@ -11,7 +11,8 @@
 ///   run.h           running a chain: outputs, options, resources, observation
 ///   statistics.h    what a run did
 ///   error.h         what is thrown
-/// crs.h, geometry.h, option.h and export.h hold what these share.
+/// crs.h, geometry.h, option.h and export.h hold what these share. info.h, what is in a file, and verify.h, the check of
+/// a result, belong to libraries of their own.
 #pragma once
 
 #include "pointsweep/attribute.h"

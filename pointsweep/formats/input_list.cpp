@@ -10,6 +10,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/file_pattern.h"
 #include "pointsweep/formats/files/folder_entries.h"
 #include "pointsweep/formats/files/standard_streams.h"
@@ -154,5 +155,12 @@ InputList list_inputs(const std::vector<fs::path>& named, bool recursive, const 
 }
 
 bool stands_for_files(const fs::path& path) { return kind_of(path) != ArgumentKind::file; }
+
+std::filesystem::path tile_name(const std::filesystem::path& relative, const std::string& format) {
+  std::filesystem::path name = relative;
+  if (extension_of(name) == ".laz" && extension_of(name.stem()) == ".copc")
+    name = name.parent_path() / std::filesystem::path(name.stem()).stem().concat(name.extension().string());
+  return format.empty() ? name : name.replace_extension(format);
+}
 
 }  // namespace pointsweep

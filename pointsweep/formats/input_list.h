@@ -28,6 +28,10 @@ struct InputList {
 /// UsageError where a file is listed twice and not by its own name both times.
 InputList list_inputs(const std::vector<std::filesystem::path>& named, bool recursive, const std::string& format = "");
 
+/// The name of the output in a folder for an input (ListedFile::relative); `format`: an extension, or "" for that of
+/// the input. A COPC file is written as LAZ, and programs tell it by its name.
+std::filesystem::path tile_name(const std::filesystem::path& relative, const std::string& format);
+
 /// Whether the path stands for more than itself.
 bool stands_for_files(const std::filesystem::path& path);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/verdict.h"
-
 #include <fmt/format.h>
+
+#include "pointsweep/verify.h"
 
 namespace pointsweep {
 namespace {
@@ -85,7 +85,11 @@ std::string conclusion(const Verdict& v) {
 }
 
 std::string to_text(const Verdict& v, Checksums checksums) {
-  std::string text = fmt::format("{} against {}\n", v.output, v.input) + differences_text(v);
+  std::string text;
+  if (v.dropped > 0)
+    text = fmt::format("left out     {} points of the input whose coordinates are not finite; rows count the others\n",
+                       v.dropped);
+  text += fmt::format("{} against {}\n", v.output, v.input) + differences_text(v);
   text += fmt::format("  points             {}\n", grouped(v.arrivals.points_out));
   if (v.attributes_compared)
     text += fmt::format("  rows               {}\n", v.order.empty() ? "?" : "in the order of the " + v.order);

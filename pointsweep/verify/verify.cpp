@@ -92,7 +92,7 @@ class Verification {
       if (!is_field_of(in_.schema(), field.name) && !is_field_of(results, field.name) &&
           std::find(verdict_.unknown.begin(), verdict_.unknown.end(), field.name) == verdict_.unknown.end())
         others.push_back(field.name);
-    const std::vector<std::string> unfilled = unfilled_fields(out_, others, options_.own_field);
+    const std::vector<std::string> unfilled = unfilled_fields(out_, others, made_by_.own_field);
     for (const std::string& name : others)
       if (std::ranges::find(unfilled, name) == unfilled.end()) verdict_.unknown.push_back(name);
   }
@@ -175,7 +175,7 @@ class Verification {
   /// As told; else where rows are not those of the input, but the same in another order, or look like it.
   bool sweep_is_meant() const {
     const Arrivals& a = verdict_.arrivals;
-    if (options_.order) return *options_.order == RowOrder::sweep;
+    if (options_.order) return *options_.order == Order::sweep;
     const bool most_differ = std::any_of(a.attributes.begin(), a.attributes.end(), [&](const AttributeArrival& one) {
       return one.rows_different > a.points_in / 2;
     });

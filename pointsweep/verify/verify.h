@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The user's own check of a run: nothing was lost, and what operators made is right. It looks at every point for the
-/// first and at a sample for the second, and shares no code with the search and the sweep that it checks.
+/// The check of one output of which it is known what the run was asked to make.
 #pragma once
 
 #include <cstdint>
@@ -12,27 +11,13 @@
 
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operator.h"
+#include "pointsweep/verify.h"
 #include "pointsweep/verify/own_fields.h"
 #include "pointsweep/verify/row_source.h"
 #include "pointsweep/verify/stage_formula.h"
 #include "pointsweep/verify/surroundings.h"
-#include "pointsweep/verify/verdict.h"
 
 namespace pointsweep {
-
-enum class RowOrder : std::uint8_t { input, sweep };
-
-struct VerifyOptions {
-  std::uint64_t sample = 10000;                         ///< points whose made attributes are evaluated again
-  std::uint64_t seed = 0;                               ///< which ones
-  std::vector<std::uint64_t> rows = {};                 ///< in addition, in any order
-  std::optional<RowOrder> order = {};                   ///< of the output's rows; absent: found out
-  std::optional<int> axis = {};                         ///< of the sweep: 0, 1, 2; absent: the longest
-  std::string prefix = {};                              ///< of the names of made attributes in the output
-  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< for neighbourhoods; what does not fit is done in turns
-  PhaseProgress progress = {};
-  OwnField own_field = nullptr;  ///< of the output's format
-};
 
 /// What the run was asked to make.
 struct MadeBy {
@@ -53,6 +38,7 @@ struct MadeBy {
   std::vector<std::string> untold = {};  ///< sentences about what is not checked, and why
   /// Fields that were not written: of kept made attributes, and of the input under the input's own names.
   std::set<std::string> left_out_made = {}, left_out_input = {};
+  OwnField own_field = nullptr;  ///< of the output's format
 };
 
 /// Whether `out` is what a run over `in` gives. Every point: the count, and each attribute by value, row by row or, in

@@ -129,7 +129,7 @@ MUTANTS = [
            "if (finite && (met_nonfinite_ || p[a] < last_[a]))", "if (finite && p[a] < last_[a])", ("verify",)),
     Mutant("verify looks at the moved neighbours of stages that see none", "verify", "pointsweep/verify/chain_values.cpp",
            "!stage.alone && n < around.list_begin[i + 1]", "n < around.list_begin[i + 1]", ("verify:Verify.*Moved*",)),
-    Mutant("verify ends with status 0 where rounding decides", "verify", "pointsweep/verify/verdict.h",
+    Mutant("verify ends with status 0 where rounding decides", "verify", "include/pointsweep/verify.h",
            "return open_values == 0 && open_rows == 0", "return open_rows == 0", ("cli:VerifyVerb.*",)),
     Mutant("verify takes any value in a field that nothing fills", "verify", "pointsweep/verify/own_fields.cpp",
            "value_of(one.first, record) != one.second", "one.second < 0", ("cli:VerifyVerb.*",)),

@@ -34,6 +34,7 @@ foreach(shared OFF ON)
   run(${CMAKE_COMMAND} --build ${scratch}/shared_${shared} --config Release)
   run(${scratch}/shared_${shared}/outside ${scratch})
 endforeach()
+run(${scratch}/shared_OFF/beside ${scratch})
 
 # The shared library shows names of pointsweep alone, and only a few hundred of them.
 file(GLOB libraries ${scratch}/prefix/*/libpointsweep.so ${scratch}/prefix/*/*/libpointsweep.so)

@@ -117,7 +117,7 @@ TEST_F(Verify, AcceptsEveryPipelineInBothOrders) {
   for (const char* pipeline : kPipelines)
     for (const Order order : {Order::input, Order::sweep}) {
       const auto output = made(pipeline, "out.ply", in_order(order));
-      VerifyOptions options{.order = order == Order::sweep ? RowOrder::sweep : RowOrder::input};
+      VerifyOptions options{.order = order};
       const Verdict verdict = check(pipeline, output, options);
       EXPECT_TRUE(verdict.same()) << pipeline << "\n" << to_text(verdict);
       EXPECT_EQ(verdict.sampled, kPoints);
@@ -163,7 +163,7 @@ TEST_F(Verify, AcceptsEveryHostileCloud) {
       EXPECT_TRUE(verdict.same()) << name << "\n" << to_text(verdict);
       EXPECT_EQ(verdict.sampled, 700u);
       const auto sorted = made(pipeline, "sorted.ply", in_order(Order::sweep));
-      EXPECT_TRUE(check(pipeline, sorted, {.order = RowOrder::sweep}).same()) << name;
+      EXPECT_TRUE(check(pipeline, sorted, {.order = Order::sweep}).same()) << name;
     }
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/recorded_run.h"
+#include "pointsweep/verify/recorded_run.h"
 
 #include <system_error>
 

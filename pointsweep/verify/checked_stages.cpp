@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/checked_stages.h"
+#include "pointsweep/verify/checked_stages.h"
 
 #include <algorithm>
 #include <set>

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/output_check.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/cloud_reader.h"
+#include "pointsweep/formats/input_list.h"
+#include "pointsweep/formats/registry.h"
+#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/finite_input.h"
+#include "pointsweep/pipeline/length_units.h"
+#include "pointsweep/pipeline/option_text.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/verify/checked_stages.h"
+#include "pointsweep/verify/outlier_threshold.h"
+#include "pointsweep/verify/recorded_run.h"
+#include "pointsweep/verify/verify.h"
+
+namespace pointsweep {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What is checked, completed by the record of the output.
+struct OutputCheck {
+  std::vector<fs::path> inputs;
+  fs::path output;
+  VerifyOptions options;
+  std::vector<OptionText> neighborhood;
+  std::vector<fs::path> tiles;  ///< an output for each input, if the output is a folder
+  bool recorded = false;  ///< the pipeline is that of the record, which names what is not a default in metres
+
+  bool says_how() const { return !options.pipeline.empty() || !neighborhood.empty() || !options.keep.empty(); }
+};
+
+/// Whether this program has all operators of the pipeline. A program that uses the library may have others.
+bool is_known(const std::string& pipeline) {
+  try {
+    build_chain(parse_pipeline(pipeline), Facts{});
+    return true;
+  } catch (const UsageError&) {
+    return false;
+  }
+}
+
+/// The pipeline and what it keeps. With operators that are not known here, inputs have to be named, and the attributes
+/// found say what is checked.
+void take_recorded_pipeline(OutputCheck& check, const ProvenanceRecord& record) {
+  const std::string pipeline = fmt::format("{}", fmt::join(record.stages, " | "));
+  if (is_known(pipeline)) {
+    check.options.pipeline = pipeline, check.recorded = true;
+    if (record.setting("keep")) check.options.keep = words_of(*record.setting("keep"));
+  } else if (check.inputs.empty()) {
+    fail_usage(
+        "{}: was made by '{}', of which not all operators are known here; name what was read, and last what was "
+        "written: IN... OUT.",
+        check.output.string(), pipeline);
+  }
+}
+
+/// What the output says of its run, where the options do not say it.
+void take_record(OutputCheck& check, const ProvenanceRecord& record) {
+  VerifyOptions& options = check.options;
+  const auto setting = [&](const char* name) { return record.setting(name).value_or(""); };
+  if (options.prefix.empty()) options.prefix = setting("prefix");
+  if (options.cloud.format.empty()) options.cloud.format = setting("format");
+  if (options.nonfinite == Nonfinite::by_format && setting("nonfinite") == "drop") options.nonfinite = Nonfinite::drop;
+  if (check.says_how()) return;
+  const bool sorted = record.stages == std::vector<std::string>{"sort"};
+  if (!sorted) take_recorded_pipeline(check, record);
+  if (!options.order) options.order = setting("order") == "sweep" || sorted ? Order::sweep : Order::input;
+  const std::string axis = setting("axis");
+  if (!options.axis && axis.size() == 1 && axis >= "x" && axis <= "z") options.axis = axis[0] - 'x';
+}
+
+/// The output of an input in a folder of outputs, which may be of another format.
+fs::path tile_of(const ListedFile& input, const fs::path& folder) {
+  fs::path tile = folder / tile_name(input.relative, "");
+  if (fs::exists(tile)) return tile;
+  for (const std::string_view extension : writable_extensions())
+    if (const auto other = folder / tile_name(input.relative, std::string(extension)); fs::exists(other)) return other;
+  fail("{}: is missing, the output for {}; was it moved, or is the run not complete?", tile.string(),
+       input.path.string());
+}
+
+/// Replaces folders, patterns and .vpc files among the inputs by what they stand for; the output may be a folder.
+void list_files(OutputCheck& check) {
+  const fs::path& output = check.output;
+  const bool is_folder = fs::is_directory(output);
+  if (check.inputs.empty() && is_folder)
+    fail_usage("{}: is a folder; name the inputs too: pointsweep verify tiles/ {}.", output.string(), output.string());
+  if (check.inputs.empty()) return;
+  const InputList inputs = list_inputs(check.inputs, check.options.recursive, check.options.cloud.format);
+  check.inputs.clear();
+  for (const ListedFile& input : inputs.files) {
+    check.inputs.push_back(input.path);
+    if (is_folder) check.tiles.push_back(tile_of(input, output));
+  }
+}
+
+/// The check with its inputs and the record of the output.
+OutputCheck completed(OutputCheck check) {
+  list_files(check);
+  const fs::path& output = check.output;
+  const std::optional<ProvenanceRecord> record = recorded_run(check.tiles.empty() ? output : check.tiles.front());
+  if (record) take_record(check, *record);
+  if (record && record->setting("tile") && check.tiles.empty())
+    fail_usage("{}: is tile {} of a run over several inputs; name these and the folder of all tiles: IN... OUT.",
+               output.string(), *record->setting("tile"));
+  if (!check.inputs.empty()) return check;
+  if (!record)
+    fail_usage("{}: does not say how it was made; name what was read, and last what was written: IN... OUT.",
+               output.string());
+  check.inputs = recorded_inputs(*record, output);
+  return check;
+}
+
+/// Opens the inputs without the points that the run has left out.
+std::shared_ptr<InputCloud> opened_input(const OutputCheck& check, std::uint64_t* dropped = nullptr) {
+  auto cloud = std::make_shared<InputCloud>(check.inputs, check.options.cloud);
+  Outputs outputs{.tiles = check.tiles};
+  if (check.tiles.empty()) outputs.points = check.output;
+  if (nonfinite_rule(*cloud, outputs, check.options.nonfinite) != Nonfinite::drop) return cloud;
+  const NonfiniteRows rows = cloud->drop_nonfinite();
+  if (dropped != nullptr) *dropped = rows.count;
+  return cloud;
+}
+
+void refuse_resorted(const OutputCheck& check, const ChainGraph& graph) {
+  if (graph.has(NodeKind::order) && check.options.order != Order::input)
+    fail_usage(
+        "verify: rows in the order of moved points cannot be told from the input; verify an output in the order of the "
+        "input, and say --order input.");
+}
+
+StageText knn_of(const OutputCheck& check) {
+  return {neighborhood_declaration().name, check.neighborhood, "verify"};
+}
+
+/// An array of neighbours or of distances says itself how it was made, but for a radius.
+MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, const Reader& out) {
+  const std::vector<Field>& columns = out.info().schema.fields;
+  const bool distances = columns.front().type == Type::f64;
+  Chain chain = build_chain({knn_of(check)}, Facts{.points = cloud.count()});
+  const bool k_given = std::any_of(check.neighborhood.begin(), check.neighborhood.end(),
+                                   [](const OptionText& option) { return option.name == "k"; });
+  if (k_given && chain.neighborhood.k != columns.size())
+    fail_usage("-k: the array has {} columns, and {} neighbours need as many.", columns.size(), chain.neighborhood.k);
+  chain.neighborhood.k = columns.size();
+  chain.stages = {std::make_shared<NeighborRows>(columns.size(), cloud.count(), distances)};
+  chain.keep = {distances ? "distances" : "neighbors"};
+  return made_by(plan_chain(chain, cloud.schema()));
+}
+
+/// Which attributes of an output are not simply those of the input: new ones, and old ones that are `changed`.
+class MadeAttributes {
+ public:
+  MadeAttributes(const Schema& in, const Schema& out, const std::set<std::string>& changed)
+      : in_(in), out_(out), changed_(changed) {}
+
+  bool has(const std::string& field) const {
+    const auto old = in_.find(field);
+    return out_.find(field) && (!old || changed_.contains(in_.fields[*old].name));
+  }
+  bool has(const Attribute& attribute) const {
+    return std::all_of(attribute.fields.begin(), attribute.fields.end(),
+                       [&](const std::string& field) { return has(field); });
+  }
+  /// The stages that usually make them.
+  std::string likely_pipeline() const {
+    std::string text;
+    const bool curvature = has("k1") || has("k2") || has("mean_curvature") || has("surface_variation");
+    if (has("nx") || curvature || has("splat_length")) text = "normals";
+    if (curvature) text += " | curvature";
+    if (has("splat_length")) text += " | splats";
+    return text;
+  }
+
+ private:
+  const Schema& in_;
+  const Schema& out_;
+  const std::set<std::string>& changed_;
+};
+
+MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out,
+                        const std::set<std::string>& changed = {}) {
+  const VerifyOptions& options = check.options;
+  const MadeAttributes attributes(cloud.schema(), out.info().schema, changed);
+  const std::string likely = attributes.likely_pipeline();
+  if (options.pipeline.empty() && likely.empty()) return {};
+  std::vector<StageText> stages =
+      options.pipeline.empty() ? parse_pipeline(likely) : parse_pipeline_or_file(options.pipeline);
+  const bool knn = !stages.empty() && stages.front().name == neighborhood_declaration().name;
+  if (knn && !check.neighborhood.empty())
+    fail_usage("{}: the pipeline says in knn which neighbours it takes; leave the option out.",
+               check.neighborhood.front().place);
+  if (!knn) stages.insert(stages.begin(), knn_of(check));
+  Facts facts = facts_of(cloud);
+  if (check.recorded) facts.metres_per_unit = 1;
+  ChainPlan plan = plan_chain(build_chain(stages, facts, options.keep, options.prefix), cloud.schema());
+  refuse_resorted(check, plan.graph);
+  const bool all_are_dropped = plan.graph.drops && plan.made.empty();
+  if (!options.keep.empty() || plan.graph.drops) plan.chain.keep = plan.kept.attributes;
+  const auto before_means = select_rows(options, cloud, plan.graph, [&] { return opened_input(check); });
+  MadeBy made = made_by(plan);
+  made.before_means = before_means;
+  if (all_are_dropped) leave_selects(made);
+  leave_out(plan.kept, options.prefix, cloud.schema(), made);
+  // Outliers are compared with the mean distances in the output, which are compared with the input.
+  if (made.leaves_out && options.order == Order::sweep)
+    fail_usage(
+        "verify: which rows a stage behind others has left out is not told by an output in the order of the sweep; "
+        "verify one in the order of the input.");
+  if (!made.leaves_out)
+    made.outlier_threshold = outlier_threshold(out, made.operators, options.prefix, options.progress);
+  if (!options.pipeline.empty() || !options.keep.empty()) return made;
+  for (const auto& op : made.operators)
+    for (const Attribute& a : op->contract().makes)
+      if (attributes.has(a)) made.keep.push_back(a.name);
+  return made;
+}
+
+/// Attributes of the input that most points have otherwise in the output.
+std::set<std::string> changed_attributes(const Arrivals& arrivals) {
+  std::set<std::string> names;
+  for (const AttributeArrival& a : arrivals.attributes)
+    if (a.sum_in != a.sum_out && a.rows_different > arrivals.points_in / 2) names.insert(a.name);
+  return names;
+}
+
+Verdict checked(const OutputCheck& check, InputCloud& cloud) {
+  const VerifyOptions& options = check.options;
+  if (is_array_name(check.output)) {
+    const std::unique_ptr<Reader> array = array_format().open(check.output);
+    return verify(cloud, *array, true, made_by_neighbors(check, cloud, *array), options);
+  }
+  const std::unique_ptr<Reader> out =
+      check.tiles.empty()
+          ? open_reader(check.output)
+          : std::make_unique<CloudReader>(InputCloud(check.tiles, {.ignore_crs = true}), check.output);
+  const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
+  const auto made_with = [&](const std::set<std::string>& changed) {
+    MadeBy made = made_by_pipeline(check, cloud, *out, changed);
+    if (format != nullptr) made.own_field = format->own_field;
+    return made;
+  };
+  const MadeBy made = made_with({});
+  const Verdict verdict = verify(cloud, *out, false, made, options);
+  if (verdict.same() || !options.pipeline.empty()) return verdict;
+  // Nobody said what was made: normals, for example, that the input had may have been computed again.
+  const MadeBy likely = made_with(changed_attributes(verdict.arrivals));
+  return likely.keep == made.keep ? verdict : verify(cloud, *out, false, likely, options);
+}
+
+}  // namespace
+
+Verdict verify_output(const std::vector<fs::path>& inputs, const fs::path& output, const VerifyOptions& options,
+                      const std::vector<OptionText>& neighborhood) {
+  const OutputCheck check = completed({inputs, output, options, neighborhood, {}, false});
+  std::uint64_t dropped = 0;
+  const std::shared_ptr<InputCloud> cloud = opened_input(check, &dropped);
+  Verdict verdict = checked(check, *cloud);
+  verdict.dropped = dropped;
+  return verdict;
+}
+
+Verdict verify(const std::vector<fs::path>& inputs, const fs::path& output, const VerifyOptions& options) {
+  std::vector<OptionText> neighborhood;
+  for (const Option& option : options.neighborhood)
+    neighborhood.push_back({option.name, text_of_value(option.value), "verify"});
+  return verify_output(inputs, output, options, neighborhood);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+/// A check of files: what the record of an output says of its run, and which of its stages can be checked.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "pointsweep/pipeline/parse.h"
+#include "pointsweep/verify.h"
+
+namespace pointsweep {
+
+/// As verify() of the public header. `neighborhood`: the options of knn as text, with their places for messages.
+Verdict verify_output(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
+                      const VerifyOptions& options, const std::vector<OptionText>& neighborhood);
+
+}  // namespace pointsweep
