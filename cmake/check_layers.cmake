@@ -49,7 +49,7 @@ set(may_include_verify points math polygons operators formats formats/files pipe
 set(may_include_verify/formulas nothing_at_all)
 list(APPEND may_include_verify verify/formulas)
 set(may_include_cli points math order operators formats formats/files shapes render info verify pipeline pipeline/plan report)
-set(may_include_python/binding points math order operators formats formats/files shapes pipeline)
+set(may_include_python/binding points math order operators formats formats/files shapes pipeline info verify)
 # The one file that knows all formats.
 set(pointsweep/formats/registry.cpp_may_include formats/e57 formats/kitti formats/las formats/mesh formats/npy
   formats/pcd formats/ply formats/ptx formats/qsplat formats/text formats/vtk)

@@ -3,6 +3,7 @@
 /// makes arguments complete and explains them.
 #include <nanobind/nanobind.h>
 
+#include "python/binding/checks.h"
 #include "python/binding/crs_values.h"
 #include "python/binding/errors.h"
 #include "python/binding/files.h"
@@ -19,4 +20,5 @@ NB_MODULE(_core, module) {
   pointsweep::bind_files(module);
   pointsweep::bind_generate(module);
   pointsweep::bind_crs(module);
+  pointsweep::bind_checks(module);
 }

@@ -9,8 +9,8 @@
 
 `run` is the heart: points in arrays or files, through a pipeline, to arrays or files; `chunks` gives its results block by
 block. `normals` and `neighbors` are short for the two most wanted runs. `knn`, `where`, `sor` and the other built-in
-operators are stages of pipelines, and `operator` and `select` make such of functions. `generate` makes points to try
-things with.
+operators are stages of pipelines, and `operator` and `select` make such of functions. `info` says what is in a file,
+`verify` checks what a run has written. `generate` makes points to try things with.
 """
 
 from . import _core, _stages
@@ -21,6 +21,7 @@ from ._errors import Error, PointsweepWarning, UsageError
 from ._files import Cloud
 from ._files import open as open
 from ._generate import generate
+from ._info import FileSummary, info
 from ._operator import Operator, PointNeighbors, Points, Select, operator, select
 from ._pipeline import Pipeline
 from ._plan import Plan, plan
@@ -31,12 +32,14 @@ from ._runs import run
 from ._short_forms import neighbors, normals
 from ._stage import Stage
 from ._stages import *  # noqa: F403
+from ._verify import Verdict, verify
 
 __version__: str = _core.version
 # Without `open` and `set`, so that `from pointsweep import *` leaves the builtins of these names.
 __all__ = [
-    "Arrays", "Check", "Chunks", "Cloud", "Crs", "Error", "Neighbors", "Operator", "Pipeline", "Plan", "PointNeighbors",
-    "Points", "PointsweepWarning", "RadiusNeighbors", "Reduction", "Report", "Select", "Stage", "UsageError", "check",
-    "chunks", "generate", "neighbors", "normals", "operator", "plan", "reduce", "run", "select",
+    "Arrays", "Check", "Chunks", "Cloud", "Crs", "Error", "FileSummary", "Neighbors", "Operator", "Pipeline", "Plan",
+    "PointNeighbors", "Points", "PointsweepWarning", "RadiusNeighbors", "Reduction", "Report", "Select", "Stage",
+    "UsageError", "Verdict", "check", "chunks", "generate", "info", "neighbors", "normals", "operator", "plan", "reduce",
+    "run", "select", "verify",
 ]  # fmt: skip
 __all__ += _stages.__all__

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "python/binding/checks.h"
+
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/info.h"
+#include "pointsweep/verify.h"
+#include "python/binding/crs_values.h"
+#include "python/binding/watched_run.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace pointsweep {
+namespace {
+
+/// (the JSON object of the file, its coordinate reference system)
+nb::tuple summarize_file(const std::filesystem::path& path, const std::string& format, bool spacing,
+                         const nb::object& progress) {
+  FileSummary summary;
+  watch({progress, nb::none()}, [&](Observer& observer) {
+    const CancellationScope scope(&observer.token());
+    const std::unique_ptr<Reader> reader = open_reader(path, format);
+    const auto report = [&](std::uint64_t done, std::uint64_t total) {
+      stop_if_cancelled();
+      observer.on_progress({"reading", done, total, 0});
+    };
+    summary = summarize(*reader, {.spacing = spacing, .progress = report});
+  });
+  return nb::make_tuple(to_json(summary), crs_value(summary.info.crs));
+}
+
+/// What Python calls (name, value), an int or a float.
+Options options_of(const nb::list& pairs) {
+  Options options;
+  for (const nb::handle pair : pairs) {
+    const nb::handle value = pair[1];
+    const bool is_whole = nb::isinstance<nb::int_>(value);
+    options.push_back({nb::cast<std::string>(pair[0]), is_whole ? OptionValue(nb::cast<std::uint64_t>(value))
+                                                                : OptionValue(nb::cast<double>(value))});
+  }
+  return options;
+}
+
+/// `options` has every key that pointsweep._verify.verify() gives.
+VerifyOptions verify_options(const nb::dict& options) {
+  VerifyOptions check;
+  check.sample = nb::cast<std::uint64_t>(options["sample"]);
+  check.seed = nb::cast<std::uint64_t>(options["seed"]);
+  check.rows = nb::cast<std::vector<std::uint64_t>>(options["rows"]);
+  const auto order = nb::cast<std::string>(options["order"]), nonfinite = nb::cast<std::string>(options["nonfinite"]);
+  if (!order.empty()) check.order = order == "sweep" ? Order::sweep : Order::input;
+  if (!options["axis"].is_none()) check.axis = nb::cast<int>(options["axis"]);
+  check.prefix = nb::cast<std::string>(options["prefix"]);
+  if (const auto memory = nb::cast<std::uint64_t>(options["memory"]); memory != 0) check.memory_bytes = memory;
+  check.pipeline = nb::cast<std::string>(options["pipeline"]);
+  check.neighborhood = options_of(nb::cast<nb::list>(options["neighborhood"]));
+  check.keep = nb::cast<std::vector<std::string>>(options["keep"]);
+  if (nonfinite == "keep") check.nonfinite = Nonfinite::keep;
+  if (nonfinite == "drop") check.nonfinite = Nonfinite::drop;
+  check.recursive = nb::cast<bool>(options["recursive"]);
+  check.cloud.ignore_crs = nb::cast<bool>(options["ignore_crs"]);
+  check.cloud.format = nb::cast<std::string>(options["format"]);
+  return check;
+}
+
+nb::dict verdict_values(const Verdict& v) {
+  nb::dict values;
+  values["input"] = v.input;
+  values["output"] = v.output;
+  values["same"] = v.same();
+  values["complete"] = v.is_complete();
+  values["points"] = v.arrivals.points_out;
+  values["order"] = v.order;
+  values["computed"] = v.made;
+  values["by_own_operator"] = v.by_own_operator;
+  values["samples"] = v.sampled;
+  values["wrong_samples"] = v.wrong_points;
+  values["values"] = v.values;
+  values["open_values"] = v.open_values;
+  values["different_rows"] = v.different_rows;
+  values["difference_count"] = v.difference_count;
+  values["differences"] = v.differences;
+  values["unknown"] = v.unknown;
+  values["not_checked"] = v.untold;
+  values["conclusion"] = conclusion(v);
+  values["text"] = to_text(v);
+  return values;
+}
+
+nb::dict verify_files(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
+                      const nb::dict& options, const nb::object& progress) {
+  VerifyOptions check = verify_options(options);
+  Verdict verdict;
+  watch({progress, nb::none()}, [&](Observer& observer) {
+    const CancellationScope scope(&observer.token());
+    check.progress = [&](const char* phase, std::uint64_t done, std::uint64_t total) {
+      stop_if_cancelled();
+      observer.on_progress({phase, done, total, 0});
+    };
+    verdict = verify(inputs, output, check);
+  });
+  return verdict_values(verdict);
+}
+
+}  // namespace
+
+void bind_checks(nb::module_& module) {
+  module.def("summarize", &summarize_file, "path"_a, "format"_a, "spacing"_a, "progress"_a.none());
+  module.def("verify", &verify_files, "inputs"_a, "output"_a, "options"_a, "progress"_a.none());
+}
+
+}  // namespace pointsweep

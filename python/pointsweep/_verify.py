@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: MIT
+"""Whether a run has written what it should."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from typing import Any, Literal, NamedTuple
+
+from . import _core
+from ._errors import UsageError
+from ._options import choice, names, number, path, run_options, whole
+from ._progress import called
+from ._stage_list import stages_of
+from ._types import Path, PipelineLike, ProgressCallback
+
+
+class Verdict(NamedTuple):
+    """What `verify` found. True if nothing differs and all that was to be checked was checked."""
+
+    input: str  #: name of the (first) input
+    output: str
+    same: bool  #: nothing differs
+    complete: bool  #: nothing that was to be checked stayed undecided
+    points: int  #: of the output
+    order: str  #: of its rows: 'input' or 'sweep along x'; empty: neither
+    computed: tuple[str, ...]  #: attributes that were recomputed by brute force for a sample of the points
+    by_own_operator: tuple[str, ...]  #: those of them that were recomputed by the operator itself, for want of a formula
+    samples: int  #: points of the sample
+    wrong_samples: int  #: those of them with a wrong value
+    values: int  #: values that were recomputed
+    open_values: int  #: those of them that rounding decides
+    different_rows: int  #: rows that differ from the input's
+    difference_count: int
+    differences: tuple[str, ...]  #: the first few, a sentence each
+    unknown: tuple[str, ...]  #: attributes of the output that are neither the input's nor computed by known stages
+    not_checked: tuple[str, ...]  #: what else was not checked, and why
+    conclusion: str  #: one sentence
+    text: str  #: what `pointsweep verify` prints
+
+    def __bool__(self) -> bool:
+        return self.same and self.complete
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        return f"<pointsweep.Verdict: {self.output}: {self.conclusion}>"
+
+
+def verify(
+    output: Path,
+    inputs: Path | Sequence[Path] | None = None,
+    *,
+    pipeline: PipelineLike | None = None,
+    k: int | None = None,
+    radius: float | None = None,
+    keep: Sequence[str] | str | None = None,
+    sample: int = 10000,
+    seed: int = 0,
+    rows: Iterable[int] = (),
+    order: Literal["input", "sweep"] | None = None,
+    axis: Literal["x", "y", "z", 0, 1, 2] | None = None,
+    prefix: str = "",
+    nonfinite: Literal["keep", "drop", "refuse"] | None = None,
+    memory: int | str | None = "1G",
+    recursive: bool = False,
+    format: str = "",
+    ignore_crs: bool = False,
+    progress: ProgressCallback | bool | None = None,
+) -> Verdict:
+    """Checks by brute force what a run has written: ``assert ps.verify("out.ply")``.
+
+    Every point and attribute of the input is compared with the output. The neighbours of a sample of points are found by
+    holding every point of the input against them, and what was computed is recomputed by formulas that runs do not use.
+
+    Parameters
+    ----------
+    output : a file, a folder of files, or a .npy file of neighbours or distances.
+    inputs : what was read: a path or several; folders and patterns stand for their files. None: the record in the output
+        says it; the inputs are in the folder of the output, in the current folder, or under their recorded paths.
+    pipeline : that of the run, of built-in operators. None: the record in the output says it, or it is guessed from the
+        attributes.
+    k, radius, keep, order, axis, prefix, nonfinite : those of the run, where the output has no record.
+    sample, seed : number of points that are recomputed, and which.
+    rows : rows of further points to recompute.
+    memory : for the neighbours of the sample; a larger sample takes several passes.
+    recursive, format, ignore_crs : as for `open`.
+    progress : as for `run`.
+    """
+    checked = run_options(axis=axis, memory=memory, nonfinite=nonfinite, prefix=prefix, ignore_crs=ignore_crs)
+    neighborhood: list[tuple[str, int | float]] = []
+    if k is not None:
+        neighborhood.append(("k", whole("k", k)))
+    if radius is not None:
+        neighborhood.append(("radius", number("radius", radius)))
+    options: dict[str, Any] = {
+        **{name: checked[name] for name in ("axis", "memory", "nonfinite", "prefix", "ignore_crs")},
+        "pipeline": "" if pipeline is None else _text_of(pipeline),
+        "neighborhood": neighborhood,
+        "keep": names("keep", keep),
+        "sample": _count("sample", sample),
+        "seed": _count("seed", seed),
+        "rows": [_count("rows", row) for row in rows],
+        "order": "" if order is None else choice("order", order, ("input", "sweep")),
+        "recursive": bool(recursive),
+        "format": format,
+    }
+    named = [] if inputs is None else [inputs] if isinstance(inputs, (str, os.PathLike)) else list(inputs)
+    with called(progress) as shown:
+        found = _core.verify([path("inputs", file) for file in named], path("output", output), options, shown)
+    values: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in found.items()}
+    return Verdict(**values)
+
+
+def _count(name: str, value: int) -> int:
+    count = whole(name, value)
+    if count < 0:
+        raise UsageError(f"{name}: {count} is negative.")
+    return count
+
+
+def _text_of(pipeline: PipelineLike) -> str:
+    stages = stages_of(pipeline)
+    for stage in stages:
+        if not isinstance(stage, str):
+            raise UsageError(f"pipeline: '{stage.name}' is an operator of Python, for which verify has no formula; leave it out.")
+    return " | ".join(stage for stage in stages if isinstance(stage, str))
