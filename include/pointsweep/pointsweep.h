@@ -8,6 +8,7 @@
 ///   operators.h     the built-in operators
 ///   chain.h         operators in order, from C++, text or JSON
 ///   writer.h        outputs: files, arrays, writers of your own
+///   arrays.h        points and results in arrays, without files: the shortest way
 ///   run.h           running a chain: outputs, options, resources, observation
 ///   statistics.h    what a run did
 ///   error.h         what is thrown
@@ -15,6 +16,7 @@
 /// a result, belong to libraries of their own.
 #pragma once
 
+#include "pointsweep/arrays.h"
 #include "pointsweep/attribute.h"
 #include "pointsweep/chain.h"
 #include "pointsweep/cloud.h"
