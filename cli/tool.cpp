@@ -21,6 +21,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/free_memory.h"
+#include "reference/engine.h"
 
 namespace pointsweep {
 namespace {
@@ -73,6 +74,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
 int run_tool(int argc, char** argv) {
   keep_little_free_memory();
   open_console();
+  register_reference_engine();
   CLI::App app{
       "Computes normals, curvatures, splats and other local attributes of point clouds of any size, exactly and within "
       "a memory budget.",

@@ -38,9 +38,9 @@ endforeach()
 set(may_include_shapes points math formats)
 set(may_include_sweep points math order search connect operators)
 set(may_include_render points math order formats colors)
-set(may_include_reference points math order operators)
+set(may_include_reference points math order operators sweep pipeline pipeline/plan)
 set(may_include_pipeline/plan points math operators formats sweep)
-set(may_include_pipeline points math order search connect operators formats formats/files sweep reference pipeline/plan)
+set(may_include_pipeline points math order search connect operators formats formats/files sweep pipeline/plan)
 set(may_include_pipeline/run ${may_include_pipeline} pipeline)
 set(may_include_info points math formats)
 set(may_include_report points math formats render pipeline)
@@ -48,7 +48,7 @@ set(may_include_verify points math polygons operators formats formats/files pipe
 # verify/formulas evaluates what operators should give: it shares no code with them, nor with math, search or sweep.
 set(may_include_verify/formulas nothing_at_all)
 list(APPEND may_include_verify verify/formulas)
-set(may_include_cli points math order operators formats formats/files shapes render info verify pipeline pipeline/plan report)
+set(may_include_cli points math order operators formats formats/files shapes render info verify reference pipeline pipeline/plan report)
 set(may_include_python/binding points math order operators formats formats/files shapes pipeline info verify)
 # The one file that knows all formats.
 set(pointsweep/formats/registry.cpp_may_include formats/e57 formats/kitti formats/las formats/mesh formats/npy

@@ -28,7 +28,7 @@ enum class Order : std::uint8_t {
           ///< row. Of the input's positions, or of those at the last Resort of the chain
 };
 
-/// What finds the neighbourhoods and moves the points through the operators.
+/// What finds the neighbourhoods and moves the points through the operators. Only the tool has more than `exact`.
 enum class Engine : std::uint8_t {
   exact,      ///< the engine of this library: exact, in parallel, within the memory budget
   reference,  ///< the paper's own algorithm, point by point, on one thread: neighbourhoods may lack a point, and counts

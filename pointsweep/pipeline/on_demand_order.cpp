@@ -12,7 +12,7 @@ namespace {
 std::string ruled_out_by_request(const ChainPlan& planned, const EngineOptions& options) {
   const bool forced = options.ordering == Ordering::on_demand;
   if (options.ordering == Ordering::distribution) return "it was asked for";
-  if (options.engine == Engine::reference) return "the reference engine reads slabs more than once";
+  if (options.engine != Engine::exact) return "the reference engine reads slabs more than once";
   if (!options.resume_folder.empty()) return "--resume keeps the points in order in its folder";
   if (!options.half_way_states.empty()) return "half-way states are noted";
   if (options.spill && !forced) return "everything is to be spilled";

@@ -145,7 +145,7 @@ std::string memory_text(const Preview& p) {
 }  // namespace
 
 Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& options, const Outputs& outputs) {
-  if (options.engine == Engine::reference)
+  if (options.engine != Engine::exact)
     fail_usage(
         "The reference has no plan to show: it reads point by point; leave out --dry-run or --engine reference.");
   if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);

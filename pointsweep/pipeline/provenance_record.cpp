@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "pointsweep/formats/provenance.h"
+#include "pointsweep/pipeline/sweep_engine.h"
 
 namespace pointsweep {
 namespace {
@@ -26,7 +27,8 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
   set("keep", sorted_list(run.keep));
   set("order", options.order == Order::sweep ? "sweep" : "");
   set("axis", sorted || options.order == Order::sweep ? std::string(1, "xyz"[run.axis]) : "");
-  set("engine", options.engine == Engine::reference ? "reference" : "");
+  const SweepEngine* const engine = engine_of(options.engine);
+  set("engine", engine != nullptr ? engine->name() : "");
   set("replace", sorted_list(options.replace));
   set("prefix", options.prefix);
   set("positions", options.positions ? std::string(name_of(*options.positions)) : "");

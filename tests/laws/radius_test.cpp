@@ -13,6 +13,7 @@
 
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/support/radius_pipelines.h"
+#include "tests/support/reference_engine.h"
 
 namespace pointsweep {
 namespace {

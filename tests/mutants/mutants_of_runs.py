@@ -7,7 +7,7 @@ PIPELINE = "pointsweep/pipeline/"
 
 MUTANTS = [
     Mutant("the reference engine's stream is in no order", "order", PIPELINE + "run/order_phase.cpp",
-           "whole || run.by_reference();", "whole;", ("reference:Reference.*",)),
+           "whole || run.other_engine() != nullptr;", "whole;", ("reference:Reference.*",)),
     Mutant("rows carried between sweeps begin at 0", "spills", PIPELINE + "updated_cloud.cpp",
            "carried->read(first + at, old);", "carried->read(at, old);", ("pipeline:Reneighbor.*",)),
     Mutant("points of infinite position are lost in sweep order", "order", PIPELINE + "ordered_output.cpp",

@@ -5,6 +5,7 @@
 #include "tests/oracles/clouds.h"
 #include "tests/oracles/oracle.h"
 #include "tests/support/brute_force.h"
+#include "tests/support/reference_engine.h"
 
 namespace pointsweep {
 namespace {

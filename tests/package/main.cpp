@@ -134,6 +134,11 @@ void refuse_what_is_wrong() {
     expect(false, "a missing file is refused");
   } catch (const Error&) {
   }
+  try {
+    run(cloud, parse_chain("normals", cloud), {.points = "never.ply"}, {.engine = Engine::reference});
+    expect(false, "an engine that is not linked is refused");
+  } catch (const UsageError&) {
+  }
   Counter counter;
   counter.cancel();
   try {

@@ -10,6 +10,7 @@
 #include "pointsweep/pipeline/build_chain.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
+#include "tests/support/reference_engine.h"
 
 namespace pointsweep {
 namespace {

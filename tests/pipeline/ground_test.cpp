@@ -14,6 +14,7 @@
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/refusal.h"
+#include "tests/support/reference_engine.h"
 #include "tests/support/sized.h"
 
 namespace pointsweep {

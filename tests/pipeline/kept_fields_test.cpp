@@ -11,6 +11,7 @@
 #include "pointsweep/pipeline/build_chain.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/pipeline/refusal.h"
+#include "tests/support/reference_engine.h"
 
 namespace pointsweep {
 namespace {

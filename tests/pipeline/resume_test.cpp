@@ -17,6 +17,7 @@
 #include "pointsweep/writer.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/hostile_clouds.h"
+#include "tests/support/reference_engine.h"
 #include "tests/support/watching.h"
 
 namespace pointsweep {

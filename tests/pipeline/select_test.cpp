@@ -20,6 +20,7 @@
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/refusal.h"
 #include "tests/support/brute_force.h"
+#include "tests/support/reference_engine.h"
 #include "tests/support/sized.h"
 
 namespace pointsweep {

@@ -19,6 +19,7 @@
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/plain_hash.h"
 #include "tests/pipeline/refusal.h"
+#include "tests/support/reference_engine.h"
 #include "tests/support/sized.h"
 
 namespace pointsweep {

@@ -22,6 +22,7 @@
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/hostile_clouds.h"
+#include "tests/support/reference_engine.h"
 #include "tests/support/watching.h"
 
 namespace pointsweep {

@@ -17,6 +17,7 @@
 #include "pointsweep/shapes/registry.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
+#include "tests/support/reference_engine.h"
 
 namespace pointsweep {
 

@@ -129,7 +129,7 @@ void order_phase(RunState& run, std::size_t p) {
   const PlannedPass& pass = run.plan.passes[p];
   if (pass.has_places()) return order_places(run, p);
   const bool whole = run.makes_output(p);
-  const bool canonical = pass.kind == PassKind::order || whole || run.by_reference();
+  const bool canonical = pass.kind == PassKind::order || whole || run.other_engine() != nullptr;
   if (p > 0 && !is_in_order(run)) survey_source(run, canonical);
   make_stream(run, {.source = run.source,
                     .survey = run.survey,

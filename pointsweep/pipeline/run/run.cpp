@@ -12,7 +12,6 @@
 #include "pointsweep/pipeline/kept_system.h"
 #include "pointsweep/pipeline/length_units.h"
 #include "pointsweep/pipeline/output_formats.h"
-#include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/run/made_rows.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/run_checkpoints.h"
@@ -63,11 +62,7 @@ void check_request(RunState& run) {
   run.names = names_of_output(run);
   run.warn(run.names.warning());
   run.warn(kept_system_warning(run.plan, run.cloud.crs(), run.outputs));
-  if (run.by_reference() && !run.plan.passes.empty()) require_reference_can(run.options);
-  for (const PlannedPass& pass : run.plan.passes)
-    if (const Stage* stage = pass.connecting_stage(); stage != nullptr && run.by_reference())
-      fail_usage("The reference engine builds no graphs of neighbours: leave out '{}', or --engine reference.",
-                 stage->op->name());
+  if (const SweepEngine* engine = run.other_engine()) engine->require_can(run.plan, run.options);
   note_neighborhoods(run);
   open_other_clouds(run);
 }

@@ -18,7 +18,7 @@ bool is_of_reordering(const RunState& run, const Phase& phase) {
 
 void open_checkpoints(RunState& run) {
   if (run.options.resume_folder.empty()) return;
-  if (run.by_reference() || !run.options.half_way_states.empty())
+  if (run.other_engine() != nullptr || !run.options.half_way_states.empty())
     fail_usage("A run of the reference engine, or one that notes half-way states, cannot be resumed.");
   std::string identity = run_identity(run.cloud, run.plan, run.outputs, run.options);
   for (const std::optional<OtherCloud>& other : run.others)

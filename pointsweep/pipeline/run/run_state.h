@@ -26,6 +26,7 @@
 #include "pointsweep/pipeline/pass_values.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/run_memory.h"
+#include "pointsweep/pipeline/sweep_engine.h"
 #include "pointsweep/pipeline/tile_set.h"
 
 namespace pointsweep {
@@ -66,7 +67,8 @@ struct RunState {
 
   /// The box of the moved points; absent where no stage moves points, or the output needs no box.
   std::optional<Box> moved_bounds() const;
-  bool by_reference() const { return options.engine == Engine::reference; }
+  /// The engine that sweeps in place of the cells; null: none.
+  const SweepEngine* other_engine() const { return engine_of(options.engine); }
   bool is_empty() const { return cloud.count() == 0; }  ///< a select has left no row
   bool is_last(std::size_t p) const { return p + 1 == plan.passes.size(); }
   /// Whether pass `p` makes whole output records in the order of its stream.

@@ -25,7 +25,7 @@ void give_notice(const RunState& run) {
 bool needs_exact_survey(const RunState& run) {
   const std::vector<PlannedPass>& passes = run.plan.passes;
   const bool orders_first = passes.empty() || (passes.front().kind == PassKind::order && !passes.front().has_places());
-  return orders_first || run.options.order == Order::sweep || run.by_reference() || needs_bounds(run);
+  return orders_first || run.options.order == Order::sweep || run.other_engine() != nullptr || needs_bounds(run);
 }
 
 /// Refuses first what can be refused without the work.

@@ -8,7 +8,6 @@
 #include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/observation.h"
 #include "pointsweep/pipeline/pointwise_stages.h"
-#include "pointsweep/pipeline/reference_run.h"
 #include "pointsweep/pipeline/result_sinks.h"
 #include "pointsweep/pipeline/run/connect_points.h"
 #include "pointsweep/pipeline/run/phases.h"
@@ -61,18 +60,17 @@ SweepStatistics sweep_by_cells(RunState& run, std::size_t p) {
   return done;
 }
 
-SweepStatistics sweep_by_reference(RunState& run, std::size_t p) {
+SweepStatistics sweep_by(const SweepEngine& engine, RunState& run, std::size_t p) {
   const MemoryPlan& memory = run.memory.passes[p];
   const std::uint64_t others = memory.expected_bytes - memory.window_bytes;
   const std::uint64_t budget = run.statistics.memory_budget_bytes;
-  if (!run.statistics.reference) run.statistics.reference.emplace();
-  return run_reference({.stream = *run.stream,
-                        .pass = run.plan.passes[p],
-                        .store = *run.results,
-                        .layout = layout_of_results(run, p),
-                        .memory_bytes = budget - std::min(budget, others),
-                        .progress = sweep_progress(run)},
-                       *run.statistics.reference);
+  return engine.sweep({.stream = *run.stream,
+                       .pass = run.plan.passes[p],
+                       .store = *run.results,
+                       .layout = layout_of_results(run, p),
+                       .memory_bytes = budget - std::min(budget, others),
+                       .progress = sweep_progress(run)},
+                      run.statistics);
 }
 
 /// Stores the results of points that are in no slab. They come last in the order of the stream.
@@ -96,8 +94,8 @@ void put_nonfinite(RunState& run, std::size_t p) {
 
 void sweep_stages(RunState& run, std::size_t p) {
   const std::size_t before = run.statistics.degenerate_results.size();
-  add_sweep(run.statistics, run.plan.passes[p].plan,
-            run.by_reference() ? sweep_by_reference(run, p) : sweep_by_cells(run, p));
+  const SweepEngine* const other = run.other_engine();
+  add_sweep(run.statistics, run.plan.passes[p].plan, other ? sweep_by(*other, run, p) : sweep_by_cells(run, p));
   run.number_degenerate_rows(before);
   put_nonfinite(run, p);
 }

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/sweep_engine.h"
+
+#include <atomic>
+
+#include "pointsweep/fail.h"
+
+namespace pointsweep {
+namespace {
+
+/// There is one kind of other engine.
+std::atomic<const SweepEngine*> registered = nullptr;
+
+}  // namespace
+
+void register_engine(Engine engine, const SweepEngine& made) {
+  if (engine == Engine::reference) registered = &made;
+}
+
+const SweepEngine* engine_of(Engine engine) {
+  if (engine == Engine::exact) return nullptr;
+  if (registered == nullptr)
+    fail_usage("This program has no reference engine: link pointsweep_reference and register it, or run Engine::exact.");
+  return registered;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+/// Engines that take the points of a pass through its stages in place of the sweep over cells. The core has none; a
+/// program registers those that it links.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "pointsweep/order/row_store.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/output_layout.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/pipeline/statistics.h"
+#include "pointsweep/sweep/sweep.h"
+
+namespace pointsweep {
+
+/// A pass as such an engine gets it.
+struct EnginePass {
+  const Stream& stream;  ///< in canonical order
+  const PlannedPass& pass;
+  RowStore& store;             ///< receives result records by input row,
+  const OutputLayout* layout;  ///< or, if not null, whole records by place in the stream
+  std::uint64_t memory_bytes;  ///< for the points that the engine holds
+  std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
+};
+
+class SweepEngine {
+ public:
+  virtual ~SweepEngine() = default;
+  /// As records of outputs call it.
+  virtual std::string name() const = 0;
+  /// Throws UsageError for a request that the engine has no answer to.
+  virtual void require_can(const ChainPlan& plan, const EngineOptions& options) const = 0;
+  /// Returns what a sweep would tell of itself. What only this engine tells is added to `statistics`.
+  virtual SweepStatistics sweep(const EnginePass& pass, Statistics& statistics) const = 0;
+};
+
+/// `made` outlives all runs.
+void register_engine(Engine engine, const SweepEngine& made);
+
+/// Null for Engine::exact. Throws UsageError where the program has not registered the engine.
+const SweepEngine* engine_of(Engine engine);
+
+}  // namespace pointsweep

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT
+/// The paper's own algorithm as an engine of runs.
+#pragma once
+
+namespace pointsweep {
+
+/// Lets runs use Engine::reference.
+void register_reference_engine();
+
+}  // namespace pointsweep
