@@ -50,4 +50,16 @@ std::vector<NearPoint>& NearestInStream::nearest(std::size_t place) {
   return found_[place];
 }
 
+/// A few bound the distances roughly, and all of them with that more closely.
+std::vector<double> bounds_of_reach2(const std::vector<Vec3>& places, std::vector<double> reach2, std::size_t most,
+                                     std::span<const KnownPoint> some, NearestInStream::Space space) {
+  constexpr std::size_t kFew = 1024;
+  for (const std::size_t stride : {std::max<std::size_t>(1, some.size() / std::max(kFew, 8 * most)), std::size_t{1}}) {
+    NearestInStream nearest(places, reach2, most, space);
+    for (std::size_t i = 0; i < some.size(); i += stride) nearest.offer(some[i].position, some[i].row);
+    for (std::size_t i = 0; i < places.size(); ++i) reach2[i] = nearest.reach2(i);
+  }
+  return reach2;
+}
+
 }  // namespace pointsweep

@@ -6,12 +6,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "pointsweep/geometry.h"
 #include "pointsweep/verify/ball_index.h"
 
 namespace pointsweep {
+
+/// A finite point of a cloud.
+struct KnownPoint {
+  Vec3 position;
+  std::uint64_t row;
+};
 
 struct NearPoint {
   double distance2;
@@ -48,5 +55,11 @@ class NearestInStream {
   std::vector<std::vector<NearPoint>> found_;  ///< heaps whose first is the farthest, once they are full
   BallIndex index_;
 };
+
+/// Returns for each place a squared distance within which its `most` nearest points lie, at most `reach2`: what holds
+/// for some of the points is a bound for all.
+std::vector<double> bounds_of_reach2(const std::vector<Vec3>& places, std::vector<double> reach2, std::size_t most,
+                                     std::span<const KnownPoint> some,
+                                     NearestInStream::Space space = NearestInStream::Space::all);
 
 }  // namespace pointsweep

@@ -26,19 +26,13 @@ std::vector<std::vector<NearPoint>> nearest_of_cloud(std::span<const Vec3> place
     number.push_back(at->second);
   }
   const std::uint64_t stride = std::max<std::uint64_t>(1, count / kThin);
-  std::vector<NearPoint> thin;
+  std::vector<KnownPoint> thin;
   std::uint64_t seen = 0;
   points([&](std::uint64_t row, Vec3 p) {
-    if (seen++ % stride == 0 && is_finite(p)) thin.push_back({0, p, row});
+    if (seen++ % stride == 0 && is_finite(p)) thin.push_back({p, row});
   });
-  // A few bound the distances roughly, all of the subset with that more closely, and all points with that.
-  std::vector<double> reach2(different.size(), query.reach2);
-  for (const std::size_t step :
-       {std::max<std::size_t>(1, thin.size() / std::max<std::size_t>(1024, 8 * query.most)), std::size_t{1}}) {
-    NearestInStream nearest(different, reach2, query.most, query.space);
-    for (std::size_t i = 0; i < thin.size(); i += step) nearest.offer(thin[i].position, thin[i].row);
-    for (std::size_t i = 0; i < different.size(); ++i) reach2[i] = nearest.reach2(i);
-  }
+  const std::vector<double> reach2 = bounds_of_reach2(
+      different, std::vector<double>(different.size(), query.reach2), query.most, thin, query.space);
   NearestInStream nearest(different, reach2, query.most, query.space);
   points([&](std::uint64_t row, Vec3 p) { nearest.offer(p, row); });
   std::vector<std::vector<NearPoint>> found;

@@ -12,7 +12,6 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kMostPoints = std::size_t{1} << 28;
-constexpr std::size_t kFirstLook = 1024;  ///< points of the subset that are held against every chosen point
 
 /// A sum of two distances, with room for its rounding.
 double square_of_sum(double a2, double b2) {
@@ -78,16 +77,11 @@ class Finder {
     return places;
   }
 
-  /// What holds for a part of the points is an upper bound for all: first a few, then with that more.
   void first_idea_of_reach(std::span<const KnownPoint> subset) {
     if (most_ == NearestInStream::kAll) return;
-    const std::size_t few = std::max(kFirstLook, 8 * most_);
-    for (const std::size_t stride : {std::max<std::size_t>(1, subset.size() / few), std::size_t{1}}) {
-      Places places = places_of(0, out_.size());
-      NearestInStream nearest(places.position, places.reach2, most_);
-      for (std::size_t i = 0; i < subset.size(); i += stride) nearest.offer(subset[i].position, subset[i].row);
-      for (std::size_t i = 0; i < out_.size(); ++i) reach2_[i] = nearest.reach2(places.of_point[i]);
-    }
+    Places places = places_of(0, out_.size());
+    const std::vector<double> reach2 = bounds_of_reach2(places.position, std::move(places.reach2), most_, subset);
+    for (std::size_t i = 0; i < out_.size(); ++i) reach2_[i] = reach2[places.of_point[i]];
   }
 
   void add_lists(std::size_t begin, std::size_t end) {

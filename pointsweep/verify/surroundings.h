@@ -13,12 +13,6 @@
 
 namespace pointsweep {
 
-/// A finite point of the input.
-struct KnownPoint {
-  Vec3 position;
-  std::uint64_t row;
-};
-
 /// The k nearest other points, those within `radius` (inclusive), or the k nearest of these.
 struct NeighborRule {
   static constexpr std::size_t kUnlimited = NearestInStream::kAll;
