@@ -73,6 +73,7 @@ def test_every_pipeline_pickles_and_compares(stages):
 
 
 def test_what_is_written_otherwise_is_equal():
+    assert ps.sor() == ps.sor(2) != ps.sor(3)
     assert ps.knn(8) == ps.Pipeline("knn( k = 8 )") != ps.knn(9)
     assert ps.knn() == ps.Pipeline("knn") != ps.knn(8)  # which is as many as the operators behind it want
     assert ps.knn(radius=0.5) != ps.knn(8, radius=0.5)
