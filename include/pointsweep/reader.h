@@ -29,6 +29,8 @@ struct LasOrigin;
 /// PLY: comments and obj_info). A writer of another format ignores it.
 struct POINTSWEEP_EXPORT FormatExtras {
   virtual ~FormatExtras() = default;
+  /// The name of the format, "las". One name stands for one class.
+  virtual std::string_view format() const = 0;
 };
 
 /// Statements of a header about the points, as the file has them. They may be wrong.

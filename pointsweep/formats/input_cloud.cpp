@@ -92,7 +92,10 @@ NonfiniteRows InputCloud::drop_nonfinite(const std::function<void(std::uint64_t)
     FiniteRowIndex index(*readers_[i], first_row_[i], found, [&](std::uint64_t rows) {
       if (progress) progress(first_row_[i] + rows);
     });
-    if (!index.has_all()) readers_[i] = std::make_unique<FiniteRows>(std::move(readers_[i]), std::move(index));
+    if (index.has_all()) continue;
+    auto finite = std::make_unique<FiniteRows>(std::move(readers_[i]), std::move(index));
+    finite_[i] = finite.get();
+    readers_[i] = std::move(finite);
   }
   if (!all_bounded) found.bounds = {};
   number_rows();
@@ -103,9 +106,15 @@ void InputCloud::select(RowSelection selection) { selection_.emplace(std::move(s
 
 void InputCloud::keep_all() {
   selection_.reset();
-  for (auto& reader : readers_)
-    if (auto* finite = dynamic_cast<FiniteRows*>(reader.get())) reader = finite->release();
+  for (std::size_t i = 0; i < readers_.size(); ++i)
+    if (FiniteRows* finite = finite_rows(i)) readers_[i] = finite->release();
+  finite_.assign(readers_.size(), nullptr);
   number_rows();
+}
+
+FiniteRows* InputCloud::finite_rows(std::size_t input) const {
+  const bool is_read = input < finite_.size() && readers_[input].get() == finite_[input];
+  return is_read ? finite_[input] : nullptr;
 }
 
 std::unique_ptr<Reader> InputCloud::exchange_reader(std::size_t input, std::unique_ptr<Reader> reader) {
@@ -117,7 +126,7 @@ std::uint64_t InputCloud::input_row(std::uint64_t row) {
   for (std::size_t i = 0; i < readers_.size(); ++i) {
     const FileInfo& info = readers_[i]->info();
     if (row - first_row_[i] < info.count) {
-      auto* finite = dynamic_cast<FiniteRows*>(readers_[i].get());
+      FiniteRows* finite = finite_rows(i);
       const std::uint64_t in_file = row - first_row_[i];
       return first_row_[i] + left_out + (finite == nullptr ? in_file : finite->input_row(in_file));
     }

@@ -95,6 +95,7 @@ class InputCloud {
  private:
   void begin(CloudOptions options);
   void number_rows();
+  FiniteRows* finite_rows(std::size_t input) const;
   std::size_t read_any(std::uint64_t row, std::span<std::byte> records);
   std::size_t input_of(std::uint64_t row) const;
   class Decoder;
@@ -107,6 +108,7 @@ class InputCloud {
 
   std::vector<FileState> states_;  ///< of the inputs before they were opened
   std::vector<std::unique_ptr<Reader>> readers_;
+  std::vector<FiniteRows*> finite_;  ///< by input, the one of `readers_` that leaves out rows; null: there is none
   std::vector<std::uint64_t> first_row_;
   std::vector<InputMapping> mappings_;
   std::vector<std::byte> scratch_;

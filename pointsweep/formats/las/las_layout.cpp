@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/format_extras.h"
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_fields.h"
@@ -39,14 +40,10 @@ std::uint32_t position_bytes(const Schema& schema) {
 
 bool is_position_field(std::string_view name) { return name == "x" || name == "y" || name == "z"; }
 
-const LasExtras* las_extras(const std::shared_ptr<const FormatExtras>& extras) {
-  return dynamic_cast<const LasExtras*>(extras.get());
-}
-
 /// Collects the layout field by field.
 class Builder {
  public:
-  Builder(const OutputPlan& plan, LasPoints points) : plan_(plan), points_(points), input_(las_extras(plan.extras)) {
+  Builder(const OutputPlan& plan, LasPoints points) : plan_(plan), points_(points), input_(extras_as<LasExtras>(plan.extras)) {
     layout_.header = input_ != nullptr ? input_->header : new_las_header();
     if (input_ != nullptr) layout_.input = input_->file;
     layout_.from.stride = plan.schema.stride;
@@ -107,7 +104,7 @@ class Builder {
     if (input_ != nullptr)
       if (const auto found = find_extra_bytes(input_->extra_bytes, field)) return found;
     for (const auto& extras : plan_.other_extras) {
-      const LasExtras* other = las_extras(extras);
+      const LasExtras* other = extras_as<LasExtras>(extras);
       if (other == nullptr) continue;
       if (const auto found = find_extra_bytes(other->extra_bytes, field)) return found;
     }
@@ -251,7 +248,7 @@ class Builder {
     LasHeader& header = layout_.header;
     int minor = las_minor_of(header.point_format);
     for (const auto& extras : plan_.other_extras) {
-      if (const LasExtras* other = las_extras(extras)) minor = std::max<int>(minor, other->header.minor);
+      if (const LasExtras* other = extras_as<LasExtras>(extras)) minor = std::max<int>(minor, other->header.minor);
     }
     upgrade_las_header(header, minor);
     if (!plan_.las || !plan_.las->has_time) return;
@@ -325,7 +322,7 @@ class Builder {
   void warn_of_waveforms() {
     if (!las_has_waveforms(layout_.header.point_format)) return;
     for (const auto& extras : plan_.other_extras) {
-      const LasExtras* other = las_extras(extras);
+      const LasExtras* other = extras_as<LasExtras>(extras);
       if (other == nullptr || !las_has_waveforms(other->header.point_format)) continue;
       layout_.warnings.push_back(
           fmt::format("{}: waveforms of {} are not copied: only those of the first input are; its references to them "
@@ -340,7 +337,7 @@ class Builder {
     std::vector<std::shared_ptr<const FormatExtras>> inputs = plan_.other_extras;
     inputs.insert(inputs.begin(), plan_.extras);
     for (const auto& extras : inputs) {
-      const LasExtras* las = las_extras(extras);
+      const LasExtras* las = extras_as<LasExtras>(extras);
       if (las == nullptr) continue;
       std::uint32_t named = *las_record_length(las->header.point_format);
       for (const Field& field : las->schema.fields)

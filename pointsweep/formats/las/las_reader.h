@@ -19,7 +19,10 @@ namespace pointsweep {
 
 /// All of a LAS file that is not points, for a LAS writer. Only the header is in memory; VLRs, EVLRs and bytes of
 /// unknown meaning are copied from the file, which stays open for that.
-struct LasExtras : FormatExtras {
+struct LasExtras final : FormatExtras {
+  static constexpr std::string_view kFormat = "las";
+  std::string_view format() const override { return kFormat; }
+
   std::shared_ptr<const InputFile> file;
   LasHeader header;
   Schema schema;                        ///< of the point records

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pointsweep/formats/format_extras.h"
 #include "pointsweep/formats/las/las_fields.h"
 #include "pointsweep/formats/las/las_layout.h"
 #include "pointsweep/formats/las_origin.h"
@@ -17,7 +18,7 @@ namespace {
 constexpr std::size_t kBlockRows = 8192;
 
 bool is_las(const std::unique_ptr<Reader>& reader) {
-  return dynamic_cast<const LasExtras*>(reader->info().extras.get()) != nullptr;
+  return extras_as<LasExtras>(reader->info().extras) != nullptr;
 }
 
 LasQuantization grid_of(const PositionFields& p) {
@@ -108,7 +109,8 @@ KnownValues las_values(InputCloud& cloud, const std::function<void(std::uint64_t
   values.rounds = real && std::all_of(cloud.readers().begin(), cloud.readers().end(), is_las);
   values.by_decimals = real && !from_las && are_double(positions);
   std::vector<std::size_t> fields;
-  const auto first = dynamic_cast<const LasExtras*>(cloud.extras().get());
+  const std::shared_ptr<const FormatExtras> extras = cloud.extras();
+  const auto* const first = extras_as<LasExtras>(extras);
   if (first == nullptr || !las_begins_with_records_of(*first, cloud.schema()))
     fields = undecided_las_fields(cloud.schema(), values.ranges, from_las);
   const auto coordinates = values.by_decimals                        ? Look::For::decimals

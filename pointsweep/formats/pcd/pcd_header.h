@@ -39,6 +39,9 @@ struct PcdHeader {
 
 /// What a PCD file keeps for a PCD output.
 struct PcdExtras final : FormatExtras {
+  static constexpr std::string_view kFormat = "pcd";
+  std::string_view format() const override { return kFormat; }
+
   std::string viewpoint;  ///< PcdHeader::viewpoint if it is whole
 };
 

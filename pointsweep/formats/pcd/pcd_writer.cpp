@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pointsweep/formats/field_names.h"
+#include "pointsweep/formats/format_extras.h"
 #include "pointsweep/formats/pcd/pcd_header.h"
 #include "pointsweep/formats/record_writer.h"
 #include "pointsweep/points/schema.h"
@@ -103,7 +104,7 @@ PcdLayout pcd_layout(const OutputPlan& plan) {
 /// That of the inputs, which are PCD files and agree; the identity otherwise.
 std::string viewpoint_of(const OutputPlan& plan) {
   const auto stated = [](const auto& extras) {
-    const auto* const pcd = dynamic_cast<const PcdExtras*>(extras.get());
+    const auto* const pcd = extras_as<PcdExtras>(extras);
     return pcd == nullptr ? std::string() : pcd->viewpoint;
   };
   const std::string first = stated(plan.extras);

@@ -34,7 +34,10 @@ struct PlyElement {
 
 /// The lines of the header that start with `comment` or `obj_info`, in their order; written again to PLY outputs.
 /// Without those that ply_comments.h understands.
-struct PlyExtras : FormatExtras {
+struct PlyExtras final : FormatExtras {
+  static constexpr std::string_view kFormat = "ply";
+  std::string_view format() const override { return kFormat; }
+
   std::vector<std::string> lines;
   std::vector<std::string> provenance;  ///< what of them says how the file was made
 };

@@ -6,6 +6,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
+#include "pointsweep/formats/format_extras.h"
 #include "pointsweep/formats/las_origin.h"
 #include "pointsweep/formats/ply/ply_comments.h"
 #include "pointsweep/formats/ply/ply_header.h"
@@ -51,7 +52,7 @@ Type stored_type(const Field& field, bool keeps_wide) {
   return is_wide(type) && !keeps_wide ? Type::f64 : type;
 }
 
-const PlyExtras* ply_extras(const OutputPlan& plan) { return dynamic_cast<const PlyExtras*>(plan.extras.get()); }
+const PlyExtras* ply_extras(const OutputPlan& plan) { return extras_as<PlyExtras>(plan.extras); }
 
 /// Plain fields without gaps, under the names of the plan (the header gives them their names in the file).
 Schema ply_schema(const OutputPlan& plan) {

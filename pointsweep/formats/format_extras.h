@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+/// What a format keeps of an input, as that format knows it.
+#pragma once
+
+#include <memory>
+
+#include "pointsweep/reader.h"
+
+namespace pointsweep {
+
+/// Returns null for extras of another format than Extras::kFormat, and where there are none.
+template <class Extras>
+const Extras* extras_as(const std::shared_ptr<const FormatExtras>& extras) {
+  return extras && extras->format() == Extras::kFormat ? static_cast<const Extras*>(extras.get()) : nullptr;
+}
+
+}  // namespace pointsweep
