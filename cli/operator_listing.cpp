@@ -74,7 +74,7 @@ ListedOperator listed_neighborhood() {
                           .source = knn.source,
                           .cost = knn.cost,
                           .example = knn.example},
-          .contract = {.alone = true}};
+          .contract = {.default_k = 0}};
 }
 
 ListedOperator listed(const OperatorDeclaration& declaration) {
@@ -86,13 +86,13 @@ ListedOperator listed(const OperatorDeclaration& declaration) {
 Contract contract_of(const OperatorDeclaration& declaration) {
   const ChainStage stage = make_stage(declaration, sample_values(declaration), {});
   Contract contract = contract_of(stage);
-  contract.alone |= operator_of(stage) == nullptr;
-  if (contract.selects != Selects::nothing || declaration.makes_named) contract.makes.clear();
+  std::erase_if(contract.makes, [](const Attribute& a) { return a.name == selection_attribute().name; });
+  if (declaration.makes_named) contract.makes.clear();
   return contract;
 }
 
 std::string default_k_text(const Contract& contract) {
-  const std::size_t k = default_k(contract);
+  const std::size_t k = contract.default_k;
   return k == 0 ? "" : fmt::format("{} where neither k nor a radius is given", k);
 }
 

@@ -60,7 +60,7 @@ OrderedJson json_of(const ListedOperator& listed) {
           {"reads", json_of(listed.contract.reads)},
           {"reads_neighbors", json_of(listed.contract.reads_neighbors)},
           {"makes", json_of(listed.contract.makes)},
-          {"default_k", default_k(listed.contract)},
+          {"default_k", listed.contract.default_k},
           {"formula", d.formula},
           {"source", d.source},
           {"undefined", d.undefined},

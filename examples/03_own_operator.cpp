@@ -13,7 +13,7 @@
 
 using namespace pointsweep;
 
-class Roughness final : public Operator {
+class Roughness final : public LocalOperator {
  public:
   std::string name() const override { return "roughness"; }
 

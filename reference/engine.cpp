@@ -62,7 +62,7 @@ class ReferenceEngine final : public SweepEngine {
     for (const PlannedPass& pass : plan.passes)
       if (const Stage* stage = pass.connecting_stage(); stage != nullptr)
         fail_usage("The reference engine builds no graphs of neighbours: leave out '{}', or --engine reference.",
-                   stage->op->name());
+                   name_of(stage->op));
   }
   SweepStatistics sweep(const EnginePass& pass, Statistics& statistics) const override {
     Rows rows(pass);

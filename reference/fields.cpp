@@ -17,7 +17,7 @@ Field position_field() { return {.offset = 0, .bytes = kPositionBytes, .is_posit
 
 }  // namespace
 
-Fields::Fields(const Schema& record, const SharedRule& rule, const std::vector<std::shared_ptr<const Operator>>& chain,
+Fields::Fields(const Schema& record, const SharedRule& rule, const std::vector<StageOperator>& chain,
                const std::vector<Attribute>& kept)
     : record_(record), bytes_(record.stride) {
   for (const Attribute& a : rule ? rule->reads() : std::vector<Attribute>{}) rule_reads_.push_back(add_from_file(a));
@@ -34,8 +34,8 @@ Field Fields::add(std::size_t bytes) {
   return field;
 }
 
-Stage Fields::plan(const std::shared_ptr<const Operator>& op) {
-  const Contract contract = op->contract();
+Stage Fields::plan(const StageOperator& op) {
+  const Contract contract = contract_of(op);
   Stage stage;
   stage.op = op;
   stage.neighbor_position = position_field();

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "pointsweep/neighborhood.h"
-#include "pointsweep/operator.h"
+#include "pointsweep/operators/stage_operator.h"
 #include "pointsweep/points/schema.h"
 #include "reference/stream_point.h"
 
@@ -38,7 +38,7 @@ struct Copy {
 
 /// An operator and the fields it works on.
 struct Stage {
-  std::shared_ptr<const Operator> op;
+  StageOperator op;
   std::vector<Field> reads, reads_neighbors, makes;
   Field neighbor_position;
   std::vector<Copy> copies;
@@ -54,7 +54,7 @@ class Fields {
   /// `record`: working records of the stream. The chain must have been checked: every attribute read is made before or
   /// is in the record, and those of the rule (may be null) are in the record. `kept`: attributes to be written,
   /// together a result record.
-  Fields(const Schema& record, const SharedRule& rule, const std::vector<std::shared_ptr<const Operator>>& chain,
+  Fields(const Schema& record, const SharedRule& rule, const std::vector<StageOperator>& chain,
          const std::vector<Attribute>& kept);
 
   const std::vector<Stage>& stages() const { return stages_; }
@@ -77,7 +77,7 @@ class Fields {
   Field add(std::size_t bytes);
   Field find(const Attribute& attribute);
   Field add_from_file(const Attribute& attribute);
-  Stage plan(const std::shared_ptr<const Operator>& op);
+  Stage plan(const StageOperator& op);
   void plan_copies();
 
   Schema record_;

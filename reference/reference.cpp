@@ -83,7 +83,7 @@ class Pipeline {
     } else {
       buffers_.push_back(std::make_unique<ThroughBuffer>(call));
     }
-    append(stage.op->name(), *buffers_.back());
+    append(name_of(stage.op), *buffers_.back());
   }
 
   double lap() {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "pointsweep/neighborhood.h"
-#include "pointsweep/operator.h"
+#include "pointsweep/operators/stage_operator.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/points/degenerate_rows.h"
 #include "reference/nearest_set.h"
@@ -25,7 +25,7 @@ namespace pointsweep::reference {
 struct Task {
   Reach reach;
   SharedRule rule;  ///< shortens each list of neighbours once it is complete; may be null
-  std::vector<std::shared_ptr<const Operator>> operators;  ///< checked against the attributes of the stream's records
+  std::vector<StageOperator> operators;  ///< checked against the attributes of the stream's records
   std::vector<Attribute> kept;                             ///< made by them; in this order a result record
 };
 

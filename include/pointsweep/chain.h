@@ -39,8 +39,29 @@ struct Reneighbor {
 /// sweep, one more ordering of the output.
 struct Resort {};
 
-/// An entry of a chain: an operator, or an instruction about neighbourhoods or order.
-using ChainStage = std::variant<std::shared_ptr<const Operator>, Reneighbor, Resort>;
+/// Later stages do not see these attributes, and they are not written: attributes made before, or fields of the input in
+/// any spelling. x, y and z are always written.
+struct Drop {
+  std::vector<std::string> attributes;
+};
+
+class InOrderOperator;
+class ConnectOperator;
+class CompositeOperator;
+
+/// An entry of a chain. A shared pointer to an operator converts to the kind that it is.
+using ChainStage = std::variant<std::shared_ptr<const LocalOperator>,      ///< makes attributes from neighbourhoods
+                                std::shared_ptr<const SelectOperator>,     ///< drops rows by a condition on a point
+                                std::shared_ptr<const InOrderOperator>,    ///< takes all points in order
+                                std::shared_ptr<const ConnectOperator>,    ///< joins neighbours by edges
+                                std::shared_ptr<const CompositeOperator>,  ///< is short for other stages
+                                Drop, Reneighbor, Resort>;
+
+/// An operator that is short for other stages, which follow each other in its place.
+class POINTSWEEP_EXPORT CompositeOperator : public Operator {
+ public:
+  virtual std::vector<ChainStage> parts() const = 0;
+};
 
 /// Neighbourhoods, and what is computed from them, in order. Built-in operators come from operators.h, or by name from
 /// the functions below:

@@ -79,7 +79,7 @@ struct PointColumns {
 [[noreturn]] POINTSWEEP_EXPORT void refuse_value_size(std::size_t bytes, std::size_t asked);
 
 /// A batch of at most kCellCapacity points, each with its neighbours, the point itself excluded. Valid only during
-/// Operator::apply.
+/// LocalOperator::apply.
 ///
 /// The list of a point is in the ORDER OF THE SEARCH: nearest first, equal distances by x, y, z and input row, all of
 /// them at the positions at which the search found the neighbours (those of the input, or those a `reneighbor` saw).

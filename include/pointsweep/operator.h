@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// The interface every local operator implements (paper Definition 4.1; Figure 11 seen from the operator's side).
-///
-/// An operator of your own derives from Operator, or from PointOperator where a point at a time is convenient:
+/// The operators that a user writes. Each derives from the kind that it is:
+///   LocalOperator      makes attributes from a point and its neighbours (paper Definition 4.1; Figure 11)
+///   PointOperator      a LocalOperator that takes a point at a time
+///   SelectOperator     drops rows by a condition on the point
+///   InOrderOperator    takes all points in order, and drops rows or makes attributes (in_order_operator.h)
+///   CompositeOperator  is short for other stages (chain.h)
 ///
 ///   class Roughness final : public PointOperator {
 ///     std::string name() const override { return "roughness"; }
@@ -13,6 +16,7 @@
 ///   };
 #pragma once
 
+#include <array>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +30,7 @@
 
 #include "pointsweep/attribute.h"
 #include "pointsweep/export.h"
+#include "pointsweep/geometry.h"
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/option.h"
 
@@ -58,44 +63,6 @@ class POINTSWEEP_EXPORT Reduction {
   virtual std::unique_ptr<Accumulator> start() const = 0;
 };
 
-/// Which rows are left for all later stages and for the output. Their neighbours are found among these alone.
-enum class Selects : std::uint8_t {
-  nothing,   ///< all rows stay
-  by_value,  ///< those for which the operator makes selection_attribute() not 0; nonfinite points are asked too
-  in_order,  ///< as Operator::thinning() decides, which takes the points in order; nonfinite points all stay
-};
-
-/// Points on their way into a Thinning. They ascend by place along one axis, then by x, y and z of the place, then by
-/// row: points of one place follow one another.
-struct OrderedPoints {
-  std::span<const Vec3> places;         ///< Operator::place_of() their positions
-  std::span<const Vec3> positions;      ///< finite
-  std::span<const std::uint64_t> rows;  ///< of those that earlier selects have left
-  std::span<const double> values;       ///< the components of contract().reads, of one point after another
-};
-
-/// What a Thinning has decided. A row that is never named stays.
-struct Decided {
-  std::vector<std::uint64_t> left_out;
-};
-
-/// Decides which points stay while all points of the cloud come in order. Which these are depends only on the set of
-/// points, not on how they are divided into calls.
-class POINTSWEEP_EXPORT Thinning {
- public:
-  virtual ~Thinning() = default;
-  /// Takes the next points; appends rows that it is sure of to `decided`, also of points that came before.
-  virtual void add(const OrderedPoints& points, Decided& decided) = 0;
-  /// After the last point.
-  virtual void finish(Decided& decided) = 0;
-};
-
-/// What a Thinning may have to know before the first point.
-struct ThinningSetup {
-  int axis = 0;                    ///< along which points ascend
-  std::uint64_t memory_bytes = 0;  ///< that it may hold
-};
-
 /// What an operator looks at and what it makes. From this alone the engine derives how long points are buffered before
 /// it (paper Section 5.2): nothing in `reads_neighbors` makes it a through-buffer, anything else a pre-buffer. An
 /// attribute that neither the input nor an earlier stage has is refused before the first point is read. To move points,
@@ -104,23 +71,15 @@ struct Contract {
   std::vector<Attribute> reads = {};            ///< of the point itself, in addition to its position
   std::vector<Attribute> reads_neighbors = {};  ///< of the points in N_i, in addition to their positions
   std::vector<Attribute> makes = {};
-  /// Never looks at a neighbour, not even at its position: need not wait for those that moved, and gets the points
-  /// without a finite place, too. Other operators do not get these: such a point keeps its position and what the
-  /// operator reads of it and makes again, and has Attribute::fill of all else.
-  bool alone = false;
-  Selects selects = Selects::nothing;  ///< if not nothing, it is alone and makes selection_attribute() and nothing else
   std::vector<std::shared_ptr<const Reduction>> values = {};  ///< of the whole cloud, given by with_values()
-  bool has_places = false;  ///< of an operator that takes points in order: by place_of() their positions
-  std::string arrival = {};  ///< of an operator that takes points in order: how they come, "equal ones together"
-  double reach = 0;          ///< of a select in order: it may hold points so far behind the newest, and as far again
-  std::uint64_t held_bytes = 0;         ///< of memory for each point it holds
-  std::vector<std::string> drops = {};  ///< attributes that later stages do not see and that are not written
-  /// Number of neighbours that the operator wants where the chain names none (Neighborhood::kOfOperators), unless it is
-  /// alone.
+  /// Number of neighbours that the operator wants where the chain names none (Neighborhood::kOfOperators). 0: the
+  /// operator never looks at a neighbour, not even at its position. Then it need not wait for neighbours that moved, and
+  /// gets the points without a finite place, too. Other operators do not get these: such a point keeps its position and
+  /// what the operator reads of it and makes again, and has Attribute::fill of all else.
   std::size_t default_k = 8;
 };
 
-/// What a selecting operator makes. Never written.
+/// Whether a row stays: what a stage that drops rows makes. It is never written.
 inline Attribute selection_attribute() {
   return {"row is kept", Type::u8, Kind::scalar, {"row is kept"}, "1", "0: the row is left out", std::byte{1}};
 }
@@ -166,41 +125,13 @@ class POINTSWEEP_EXPORT Columns {
   std::vector<std::size_t> bytes_;
 };
 
-/// A pure function of a point and its neighbourhood: the same input gives the same bytes, on any thread, at any time,
-/// in any batch. It never queues, waits, counts references or keeps state between calls.
+/// What operators of all kinds have in common. A class of your own derives from one of the kinds below.
 class POINTSWEEP_EXPORT Operator {
  public:
   virtual ~Operator() = default;
   /// As plans, statistics and the records in outputs call it.
   virtual std::string name() const = 0;
   virtual Contract contract() const = 0;
-  /// Fills out.column(m)[i] for every point i of the batch and every made attribute m; all are 0 before. Called from
-  /// many threads at once. Neighbours come nearest first only if in.sorted_by_distance(): see Neighborhoods.
-  virtual void apply(const Neighborhoods& in, Columns& out) const = 0;
-
-  /// The operators, in order, that this one is short for; apply() is called of them only. Empty: it stands for itself.
-  virtual std::vector<std::shared_ptr<const Operator>> parts() const { return {}; }
-  /// The same operator for a cloud with the fields of `input`, after stages that make `made`, where its contract
-  /// depends on these. Null: it does not. Throws UsageError.
-  virtual std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const {
-    (void)input, (void)made;
-    return nullptr;
-  }
-  /// The same operator that knows the values of the whole cloud, by number in contract().values. Called before apply()
-  /// if there are any.
-  virtual std::shared_ptr<const Operator> with_values(std::span<const std::vector<double>> values) const {
-    (void)values;
-    return nullptr;
-  }
-
-  /// Of a select in order: a new one for one run over the cloud.
-  virtual std::unique_ptr<Thinning> thinning(const ThinningSetup& setup) const {
-    (void)setup;
-    return nullptr;
-  }
-  /// Of a select in order with Contract::has_places: where a point with a finite position comes in the order. Called
-  /// from many threads at once.
-  virtual Vec3 place_of(Vec3 position) const { return position; }
 
   /// All that tells objects of this class apart. Name and options are part of what a run is: `resume_folder` refuses a
   /// run with other options, and outputs record them. Those that were declared, else own_options().
@@ -218,9 +149,34 @@ class POINTSWEEP_EXPORT Operator {
   std::optional<Options> declared_;
 };
 
+/// A pure function of a point and its neighbourhood: the same input gives the same bytes, on any thread, at any time,
+/// in any batch. It never queues, waits, counts references or keeps state between calls.
+class POINTSWEEP_EXPORT LocalOperator : public Operator {
+ public:
+  /// Fills out.column(m)[i] for every point i of the batch and every made attribute m; all are 0 before. Called from
+  /// many threads at once. Neighbours come nearest first only if in.sorted_by_distance(): see Neighborhoods.
+  virtual void apply(const Neighborhoods& in, Columns& out) const = 0;
+
+  /// The same operator for a cloud with the fields of `input`, after stages that make `made`, where its contract
+  /// depends on these. Null: it does not. Throws UsageError.
+  virtual std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const {
+    (void)input, (void)made;
+    return nullptr;
+  }
+  /// The same operator that knows the values of the whole cloud, by number in contract().values. Called before apply()
+  /// if there are any.
+  virtual std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const {
+    (void)values;
+    return nullptr;
+  }
+  /// Returns for x, y and z whether a point may get coordinates of another system. Only operators that make
+  /// position_attribute() are asked.
+  virtual std::array<bool, 3> changes_system() const { return {true, true, true}; }
+};
+
 /// An operator that takes the points of a batch one at a time. As fast as a batch where a point costs more than a
 /// virtual call, about 2 ns.
-class POINTSWEEP_EXPORT PointOperator : public Operator {
+class POINTSWEEP_EXPORT PointOperator : public LocalOperator {
  public:
   void apply(const Neighborhoods& in, Columns& out) const final {
     for (std::size_t i = 0; i < in.size(); ++i) apply_to(i, in, out);
@@ -229,6 +185,26 @@ class POINTSWEEP_EXPORT PointOperator : public Operator {
  protected:
   /// Fills out.column(m)[i] for every made attribute m. Called from many threads at once.
   virtual void apply_to(std::size_t i, const Neighborhoods& in, Columns& out) const = 0;
+};
+
+/// A condition on a point. The rows that it does not keep are left out of all later stages and of the output, and
+/// neighbours are found among the others alone. Points without a finite place are asked, too.
+class POINTSWEEP_EXPORT SelectOperator : public Operator {
+ public:
+  /// Attributes of the point itself that decide, in addition to its position.
+  virtual std::vector<Attribute> reads() const { return {}; }
+  /// Sets kept[i] to 1 for every point i of the batch whose row stays; all are 0 before. `points` have no neighbours.
+  /// Called from many threads at once.
+  virtual void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const = 0;
+  /// As LocalOperator::bound().
+  virtual std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const {
+    (void)input, (void)made;
+    return nullptr;
+  }
+  /// Returns the box in x and y, with z = 0, outside of which no point is kept; absent: there is none.
+  virtual std::optional<Box> extent() const { return std::nullopt; }
+
+  Contract contract() const final { return {.reads = reads(), .makes = {selection_attribute()}, .default_k = 0}; }
 };
 
 }  // namespace pointsweep

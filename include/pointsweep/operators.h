@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/export.h"
 #include "pointsweep/geometry.h"
 #include "pointsweep/neighborhood.h"
-#include "pointsweep/operator.h"
 
 namespace pointsweep {
 
@@ -142,96 +142,92 @@ struct GroundOptions {
 namespace operators {
 
 /// Makes "normal": the unit normal of the surface the points were taken from (paper Section 3.2, Equation 1).
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> normals(const NormalsOptions& options = {});
+POINTSWEEP_EXPORT ChainStage normals(const NormalsOptions& options = {});
 /// Makes "k1", "k2", "k1_direction" and what follows from them (paper Section 4.3.2, Equation 2). Needs "normal".
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> curvature();
+POINTSWEEP_EXPORT ChainStage curvature();
 /// Makes "splat_axis", "splat_length" and "splat_ratio", ellipses that cover the surface together (paper Section
 /// 4.3.3). Needs "normal"; with SplatAxes::curvature also curvature().
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> splats(const SplatsOptions& options = {});
+POINTSWEEP_EXPORT ChainStage splats(const SplatsOptions& options = {});
 /// Moves the points: feature-preserving smoothing in one pass (paper Section 4.3.4, Equation 3). Needs "normal" and
 /// splats(). Widths are in length units. Throws UsageError unless both are positive.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> fair(const FairOptions& options);
+POINTSWEEP_EXPORT ChainStage fair(const FairOptions& options);
 /// The same with both widths in % of the diagonal of the box around the finite points of the input.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> fair_in_percent(const FairOptions& percent = {0.5, 0.5});
+POINTSWEEP_EXPORT ChainStage fair_in_percent(const FairOptions& percent = {0.5, 0.5});
 /// Makes "mean_distance" and "outlier": whether the mean distance to the neighbours exceeds its mean over the cloud by
 /// more than `multiplier` standard deviations, by one of five definitions. Throws UsageError unless multiplier is a
 /// number of at least 0.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> sor(double multiplier = 2,
-                                                      OutlierDefinition definition = OutlierDefinition::pointsweep);
+POINTSWEEP_EXPORT ChainStage sor(double multiplier = 2, OutlierDefinition definition = OutlierDefinition::pointsweep);
 /// Makes "outlier": 1 where fewer than `min_neighbors` neighbours lie within `radius`, which the neighbourhoods have to
 /// hold (k of at least min_neighbors, no smaller radius). Throws UsageError for a radius of 0 and min_neighbors of 0.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> ror(double radius, std::uint64_t min_neighbors = 2);
+POINTSWEEP_EXPORT ChainStage ror(double radius, std::uint64_t min_neighbors = 2);
 /// Makes "k_distance", "reachability_density" and "lof", the local outlier factor (Breunig et al. 2000).
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> lof();
+POINTSWEEP_EXPORT ChainStage lof();
 /// Makes "surface_density" and "volume_density", of the ball up to the farthest neighbour, or of one with a radius, all
 /// of whose points the neighbourhoods have to hold.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> density(std::optional<double> radius = std::nullopt);
+POINTSWEEP_EXPORT ChainStage density(std::optional<double> radius = std::nullopt);
 /// Keeps the rows for which a condition on attributes holds, e.g. "classification == 2 && z < 100"
 /// (docs/pipelines.md). Throws UsageError for a text that is no condition.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> where(std::string_view condition);
+POINTSWEEP_EXPORT ChainStage where(std::string_view condition);
 /// Assigns numbers to attributes, e.g. "classification = 7 where outlier == 1", several with commas between. `type`: of
 /// new attributes; absent: that of LAS for the name, else float64. Throws UsageError for a text that assigns nothing.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> set(std::string_view assignments,
-                                                      std::optional<Type> type = std::nullopt);
+POINTSWEEP_EXPORT ChainStage set(std::string_view assignments, std::optional<Type> type = std::nullopt);
 /// Makes "color", red, green and blue, from the values of an attribute.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> color(const ColorOptions& options);
+POINTSWEEP_EXPORT ChainStage color(const ColorOptions& options);
 /// Leaves attributes out of the output; later stages do not see them.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> drop(const std::vector<std::string>& attributes);
+POINTSWEEP_EXPORT ChainStage drop(const std::vector<std::string>& attributes);
 /// Keeps the points inside a box, polygons, or both. Throws Error for a file that cannot be read.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> crop(const CropOptions& options);
+POINTSWEEP_EXPORT ChainStage crop(const CropOptions& options);
 /// Keeps, of all points with equal coordinates, the one of the first row.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> unique();
+POINTSWEEP_EXPORT ChainStage unique();
 /// Keeps a share, in [0, 1], of the points, chosen by a hash of their coordinates; another seed chooses others.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> decimate(double share, std::uint64_t seed = 0);
+POINTSWEEP_EXPORT ChainStage decimate(double share, std::uint64_t seed = 0);
 /// Keeps one point in each cube of edge length `size` of a grid with faces at multiples of it.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> voxel(double size, VoxelKeep keep = VoxelKeep::center);
+POINTSWEEP_EXPORT ChainStage voxel(double size, VoxelKeep keep = VoxelKeep::center);
 /// Makes "classification": 2 for points of the ground, by a morphological filter of the raster of the lowest points.
 /// Throws UsageError for options outside of their ranges.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> ground(const GroundOptions& options = {});
+POINTSWEEP_EXPORT ChainStage ground(const GroundOptions& options = {});
 /// Makes "height": z above the mean, weighted by 1 / distance², of the k points of class 2 that are nearest in x and y.
 /// Needs "classification", of the input or of ground(). Throws UsageError unless k is 1 to 1,024.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> height(std::uint64_t k = 1);
+POINTSWEEP_EXPORT ChainStage height(std::uint64_t k = 1);
 /// Makes "component" and "component_size": connected components of the graph in which points are joined to their
 /// neighbours, or, with a distance, to all points within it, which the neighbourhoods have to hold.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> components(std::optional<double> distance = std::nullopt);
+POINTSWEEP_EXPORT ChainStage components(std::optional<double> distance = std::nullopt);
 /// Makes "core", "cluster" and "cluster_size": DBSCAN, with border points in the cluster of the nearest core point.
 /// Neighbourhoods have to hold all points within eps. Throws UsageError unless eps is above 0 and min_points at
 /// least 1.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> dbscan(double eps, std::uint64_t min_points = 5);
+POINTSWEEP_EXPORT ChainStage dbscan(double eps, std::uint64_t min_points = 5);
 /// Makes "segment" and "segment_size": components of neighbours whose normals differ by less than an angle in degrees,
 /// and that are not farther from each other than a distance; and "segment_residual", the root mean square distance of
 /// their points to their plane. Needs "normal". Throws UsageError for an angle that is not above 0 and at most 90.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> segments(double angle = 5,
-                                                           std::optional<double> distance = std::nullopt);
+POINTSWEEP_EXPORT ChainStage segments(double angle = 5, std::optional<double> distance = std::nullopt);
 /// Makes "normal_turned" and "normal": normals with signs that are consistent over each component of the graph of
 /// neighbours, by its minimum spanning forest (Hoppe et al. 1992); most of them face the viewpoint, if there is one,
 /// and else point out of closed surfaces and up from open ones. Needs "normal".
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> orient(std::optional<Vec3> viewpoint = std::nullopt);
+POINTSWEEP_EXPORT ChainStage orient(std::optional<Vec3> viewpoint = std::nullopt);
 /// Makes "normal": normals that face the sensor, by a file with lines of time, x, y, z. Needs "normal" and "gps_time".
 /// Throws Error for a file that cannot be read.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> orient_by_trajectory(const std::string& file);
+POINTSWEEP_EXPORT ChainStage orient_by_trajectory(const std::string& file);
 /// Makes "cloud_distance": the distance to the nearest point of another cloud, a file, a folder or a pattern, or NaN
 /// where that is farther than `most`. Throws UsageError unless `most` is above 0.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> distance_to(const std::string& cloud,
-                                                              double most = std::numeric_limits<double>::infinity());
+POINTSWEEP_EXPORT ChainStage distance_to(const std::string& cloud,
+                                         double most = std::numeric_limits<double>::infinity());
 /// Makes "m3c2_distance", the change to another cloud along the normal, and "m3c2_lod", its level of detection, with
 /// the spreads and numbers of points that these come from. Needs "normal". Throws UsageError for options outside of
 /// their ranges.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> m3c2(const M3c2Options& options);
+POINTSWEEP_EXPORT ChainStage m3c2(const M3c2Options& options);
 /// Makes features of the shape of neighbourhoods from the eigenvalues of their covariance: "linearity", "planarity",
 /// "sphericity" and more (docs/operators.md). Throws UsageError for a name that is not one of these, or is given twice.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> features(const FeaturesOptions& options = {});
+POINTSWEEP_EXPORT ChainStage features(const FeaturesOptions& options = {});
 /// Keeps points of which none is within the radius of another: in the order of a hash of the coordinates, a point is
 /// kept unless a kept one lies within its radius.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> poisson(const PoissonOptions& options);
+POINTSWEEP_EXPORT ChainStage poisson(const PoissonOptions& options);
 /// Keeps few points where the surface is flat: poisson() with "simplify_radius", which it makes. Needs curvature().
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> simplify(const SimplifyOptions& options);
+POINTSWEEP_EXPORT ChainStage simplify(const SimplifyOptions& options);
 /// Makes "neighbor_count", |N_i|, and "neighbor_radius", the distance to the farthest neighbour.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> neighborhood_size();
+POINTSWEEP_EXPORT ChainStage neighborhood_size();
 /// Makes "neighbors", N×k: the rows of the k nearest neighbours among `points` points (Cloud::count()), as u32, or u64
 /// from 2^32 - 1 points on; and, if asked, "distances", N×k f64. For neighbourhoods of `k`.
-POINTSWEEP_EXPORT std::shared_ptr<const Operator> neighbors(std::size_t k, std::uint64_t points,
-                                                            bool distances = false);
+POINTSWEEP_EXPORT ChainStage neighbors(std::size_t k, std::uint64_t points, bool distances = false);
 
 /// For Neighborhood::rule: each point keeps the k, from `least` to Neighborhood::k, at which its neighbours look most
 /// like a line, a plane or a volume: least eigenentropy (Weinmann et al. 2014). Throws UsageError if `least` < 3.

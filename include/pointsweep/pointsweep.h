@@ -4,9 +4,9 @@
 ///   reader.h        inputs: files, arrays, readers of your own
 ///   cloud.h         several inputs as one cloud
 ///   neighborhood.h  which points are neighbours, and a batch of points as operators see it
-///   operator.h      operators of your own
-///   operators.h     the built-in operators
+///   operator.h      operators of your own; in_order_operator.h: those that take all points in order
 ///   chain.h         operators in order, from C++, text or JSON
+///   operators.h     the built-in operators
 ///   writer.h        outputs: files, arrays, writers of your own
 ///   arrays.h        points and results in arrays, without files: the shortest way
 ///   run.h           running a chain: outputs, options, resources, observation
@@ -24,6 +24,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/export.h"
 #include "pointsweep/geometry.h"
+#include "pointsweep/in_order_operator.h"
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operator.h"
 #include "pointsweep/operators.h"

@@ -34,61 +34,61 @@
 
 namespace pointsweep::operators {
 
-std::shared_ptr<const Operator> normals(const NormalsOptions& options) { return std::make_shared<Normals>(options); }
-std::shared_ptr<const Operator> curvature() { return std::make_shared<Curvature>(); }
-std::shared_ptr<const Operator> splats(const SplatsOptions& options) { return std::make_shared<Splats>(options); }
-std::shared_ptr<const Operator> fair(const FairOptions& options) { return std::make_shared<Fair>(options); }
-std::shared_ptr<const Operator> fair_in_percent(const FairOptions& percent) {
+ChainStage normals(const NormalsOptions& options) { return std::make_shared<Normals>(options); }
+ChainStage curvature() { return std::make_shared<Curvature>(); }
+ChainStage splats(const SplatsOptions& options) { return std::make_shared<Splats>(options); }
+ChainStage fair(const FairOptions& options) { return std::make_shared<Fair>(options); }
+ChainStage fair_in_percent(const FairOptions& percent) {
   return std::make_shared<FairInPercent>(percent);
 }
-std::shared_ptr<const Operator> sor(double multiplier, OutlierDefinition definition) {
+ChainStage sor(double multiplier, OutlierDefinition definition) {
   return std::make_shared<StatisticalOutliers>(multiplier, definition);
 }
-std::shared_ptr<const Operator> ror(double radius, std::uint64_t min_neighbors) {
+ChainStage ror(double radius, std::uint64_t min_neighbors) {
   return std::make_shared<RadiusOutliers>(radius, min_neighbors);
 }
-std::shared_ptr<const Operator> lof() { return std::make_shared<LocalOutlierFactor>(); }
-std::shared_ptr<const Operator> density(std::optional<double> radius) { return std::make_shared<Density>(radius); }
-std::shared_ptr<const Operator> where(std::string_view condition) { return std::make_shared<Where>(condition); }
-std::shared_ptr<const Operator> set(std::string_view assignments, std::optional<Type> type) {
+ChainStage lof() { return std::make_shared<LocalOutlierFactor>(); }
+ChainStage density(std::optional<double> radius) { return std::make_shared<Density>(radius); }
+ChainStage where(std::string_view condition) { return std::make_shared<Where>(condition); }
+ChainStage set(std::string_view assignments, std::optional<Type> type) {
   return std::make_shared<Set>(assignments, type);
 }
-std::shared_ptr<const Operator> color(const ColorOptions& options) { return std::make_shared<Color>(options); }
-std::shared_ptr<const Operator> drop(const std::vector<std::string>& attributes) {
-  return std::make_shared<Drop>(attributes);
+ChainStage color(const ColorOptions& options) { return std::make_shared<Color>(options); }
+ChainStage drop(const std::vector<std::string>& attributes) {
+  return drop_of(attributes);
 }
-std::shared_ptr<const Operator> crop(const CropOptions& options) { return std::make_shared<Crop>(options); }
-std::shared_ptr<const Operator> unique() { return std::make_shared<Unique>(); }
-std::shared_ptr<const Operator> decimate(double share, std::uint64_t seed) {
+ChainStage crop(const CropOptions& options) { return std::make_shared<Crop>(options); }
+ChainStage unique() { return std::make_shared<Unique>(); }
+ChainStage decimate(double share, std::uint64_t seed) {
   return std::make_shared<Decimate>(share, seed);
 }
-std::shared_ptr<const Operator> voxel(double size, VoxelKeep keep) { return std::make_shared<Voxel>(size, keep); }
-std::shared_ptr<const Operator> poisson(const PoissonOptions& options) { return std::make_shared<Poisson>(options); }
-std::shared_ptr<const Operator> simplify(const SimplifyOptions& options) { return std::make_shared<Simplify>(options); }
-std::shared_ptr<const Operator> ground(const GroundOptions& options) { return std::make_shared<Ground>(options); }
-std::shared_ptr<const Operator> height(std::uint64_t k) { return std::make_shared<Height>(k); }
-std::shared_ptr<const Operator> components(std::optional<double> distance) {
+ChainStage voxel(double size, VoxelKeep keep) { return std::make_shared<Voxel>(size, keep); }
+ChainStage poisson(const PoissonOptions& options) { return std::make_shared<Poisson>(options); }
+ChainStage simplify(const SimplifyOptions& options) { return std::make_shared<Simplify>(options); }
+ChainStage ground(const GroundOptions& options) { return std::make_shared<Ground>(options); }
+ChainStage height(std::uint64_t k) { return std::make_shared<Height>(k); }
+ChainStage components(std::optional<double> distance) {
   return std::make_shared<ConnectedComponents>(distance);
 }
-std::shared_ptr<const Operator> dbscan(double eps, std::uint64_t min_points) {
+ChainStage dbscan(double eps, std::uint64_t min_points) {
   return std::make_shared<DensityClusters>(eps, min_points);
 }
-std::shared_ptr<const Operator> segments(double angle, std::optional<double> distance) {
+ChainStage segments(double angle, std::optional<double> distance) {
   return std::make_shared<Segments>(angle, distance);
 }
-std::shared_ptr<const Operator> orient(std::optional<Vec3> viewpoint) {
+ChainStage orient(std::optional<Vec3> viewpoint) {
   return std::make_shared<OrientedNormals>(viewpoint);
 }
-std::shared_ptr<const Operator> orient_by_trajectory(const std::string& file) {
+ChainStage orient_by_trajectory(const std::string& file) {
   return std::make_shared<OrientedNormals>(file, "");
 }
-std::shared_ptr<const Operator> distance_to(const std::string& cloud, double most) {
+ChainStage distance_to(const std::string& cloud, double most) {
   return std::make_shared<DistanceTo>(cloud, most);
 }
-std::shared_ptr<const Operator> m3c2(const M3c2Options& options) { return std::make_shared<M3c2>(options); }
-std::shared_ptr<const Operator> features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
-std::shared_ptr<const Operator> neighborhood_size() { return std::make_shared<NeighborhoodSize>(); }
-std::shared_ptr<const Operator> neighbors(std::size_t k, std::uint64_t points, bool distances) {
+ChainStage m3c2(const M3c2Options& options) { return std::make_shared<M3c2>(options); }
+ChainStage features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
+ChainStage neighborhood_size() { return std::make_shared<NeighborhoodSize>(); }
+ChainStage neighbors(std::size_t k, std::uint64_t points, bool distances) {
   return std::make_shared<NeighborRows>(k, points, distances);
 }
 

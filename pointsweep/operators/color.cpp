@@ -61,7 +61,7 @@ Choice choice_of(const std::string& word, const char* const (&names)[n]) {
   return static_cast<Choice>(std::ranges::find(names, word) - std::begin(names));
 }
 
-std::shared_ptr<Operator> make_color(const OptionValues& options, const Facts&) {
+MadeStage make_color(const OptionValues& options, const Facts&) {
   ColorOptions color{.by = options.word("by"),
                      .map = choice_of<ColorMap>(options.word("map"), kMapNames),
                      .bits = choice_of<ColorBits>(options.word("bits"), kBitsNames)};
@@ -127,7 +127,7 @@ Color::Color(ColorOptions options, std::string place) : options_(std::move(optio
 }
 
 Contract Color::contract() const {
-  Contract contract{.reads = names_.reads(), .makes = {color_attribute(type_)}, .alone = true};
+  Contract contract{.reads = names_.reads(), .makes = {color_attribute(type_)}, .default_k = 0};
   if (options_.map == ColorMap::classes || options_.range || names_.sources().empty()) return contract;
   const auto [attribute, component] = source();
   const Attribute of = attribute < 0 ? position_attribute() : names_.reads()[static_cast<std::size_t>(attribute)];
@@ -135,7 +135,7 @@ Contract Color::contract() const {
   return contract;
 }
 
-std::shared_ptr<const Operator> Color::bound(const Schema& input, std::span<const Attribute> made) const {
+std::shared_ptr<const LocalOperator> Color::bound(const Schema& input, std::span<const Attribute> made) const {
   auto bound = std::make_shared<Color>(*this);
   const Expression by(options_.by, place_, Expression::Form::number);
   if (by.names().size() != 1 || by.canonical() != by.names()[0].text)
@@ -152,7 +152,7 @@ std::shared_ptr<const Operator> Color::bound(const Schema& input, std::span<cons
   return bound;
 }
 
-std::shared_ptr<const Operator> Color::with_values(std::span<const std::vector<double>> values) const {
+std::shared_ptr<const LocalOperator> Color::with_values(std::span<const std::vector<double>> values) const {
   auto known = std::make_shared<Color>(options_, place_);  // declares no options: the range is one of its own
   known->names_ = names_, known->of_input_ = of_input_, known->type_ = type_;
   known->lo_ = values[0][0], known->hi_ = values[0][1];

@@ -17,15 +17,15 @@ struct OperatorDeclaration;
 OperatorDeclaration color_declaration();
 
 /// Makes "color": red, green and blue.
-class Color final : public Operator {
+class Color final : public LocalOperator {
  public:
   /// `place`: for messages. Throws UsageError for a range that is none.
   explicit Color(ColorOptions options, std::string place = "color");
   std::string name() const override { return "color"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
-  std::shared_ptr<const Operator> with_values(std::span<const std::vector<double>> values) const override;
+  std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
 
   const ColorOptions& options() const { return options_; }
   /// After bound(): of an attribute that is read, or of the position.

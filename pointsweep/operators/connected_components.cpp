@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-std::shared_ptr<Operator> make_components(const OptionValues& options, const Facts& facts) {
+MadeStage make_components(const OptionValues& options, const Facts& facts) {
   if (!options.given("distance")) return std::make_shared<ConnectedComponents>(std::nullopt, facts.points);
   const double distance = options.number("distance");
   require_complete_lists(facts, Neighborhood::kUnlimited, distance, options.where());

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/connecting_operator.h"
+#include "pointsweep/operators/connect_operator.h"
 
 namespace pointsweep {
 
@@ -28,7 +28,7 @@ void put_component(const ComponentLabel& label, bool is_short, std::byte* values
 /// Makes component and component_size. Points i and j are joined if one is a neighbour of the other, and, with a
 /// distance, if they are not farther from each other. Components are numbered from 0 by their first point: the least x,
 /// then y, then z, then row.
-class ConnectedComponents final : public ConnectingOperator {
+class ConnectedComponents final : public ConnectOperator {
  public:
   /// With a distance, N_i must hold all points within it. Pipelines that do not give them are refused; C++ code has to
   /// see to it. `points` of the cloud, if known, decide about the types. Throws UsageError unless the distance is a

@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kSamplePolygon = "POLYGON ((0 0, 10 0, 10 10, 0 0))";
 
-std::shared_ptr<Operator> make_crop(const OptionValues& options, const Facts&) {
+MadeStage make_crop(const OptionValues& options, const Facts&) {
   CropOptions crop;
   if (options.given("bounds")) crop.bounds = numbers_of(options.word("bounds"));
   if (options.given("polygon")) crop.polygon = options.word("polygon");
@@ -108,7 +108,8 @@ bool Crop::is_inside(Vec3 p) const {
   return !index_ || index_->covers({p.x, p.y});
 }
 
-Box Crop::box() const {
+std::optional<Box> Crop::extent() const {
+  if (options_.outside) return std::nullopt;
   Box box;
   if (const std::vector<double>& b = options_.bounds; !b.empty()) {
     const std::size_t axes = b.size() / 2;
@@ -121,9 +122,8 @@ Box Crop::box() const {
   return box;
 }
 
-void Crop::apply(const Neighborhoods& in, Columns& out) const {
-  const auto kept = out.column<std::uint8_t>(0);
-  for (std::size_t i = 0; i < in.size(); ++i) kept[i] = is_inside(in.position(i)) != options_.outside;
+void Crop::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {
+  for (std::size_t i = 0; i < points.size(); ++i) kept[i] = is_inside(points.position(i)) != options_.outside;
 }
 
 Options Crop::own_options() const {

@@ -2,8 +2,10 @@
 /// Keeping the points inside a box or polygons.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,19 +21,18 @@ OperatorDeclaration crop_declaration();
 
 /// Keeps a point if it lies in the box and in a polygon, or with CropOptions::outside unless it does. Edges and faces
 /// belong to both. A coordinate that is not finite, where the box or the polygons ask for it, lies nowhere.
-class Crop final : public Operator {
+class Crop final : public SelectOperator {
  public:
   /// Reads the file with polygons, if there is one. Throws Error for one that cannot be read, or is not the one of
   /// CropOptions::checksum, and UsageError where nothing says what is inside. `place`: for messages.
   explicit Crop(CropOptions options, std::string place = "crop");
   std::string name() const override { return "crop"; }
-  Contract contract() const override { return {{}, {}, {selection_attribute()}, true, Selects::by_value}; }
-  void apply(const Neighborhoods& in, Columns& out) const override;
+  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
   /// With the checksum of the file that was read.
   const CropOptions& options() const { return options_; }
   const std::vector<Polygon>& polygons() const { return polygons_; }
-  /// Returns the box of the bounds in x and y, or of the polygons if there are no bounds. z is 0.
-  Box box() const;
+  /// Returns the box of the bounds, or of the polygons if there are no bounds; absent with CropOptions::outside.
+  std::optional<Box> extent() const override;
 
  protected:
   Options own_options() const override;

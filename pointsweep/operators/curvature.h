@@ -40,7 +40,7 @@ struct OperatorDeclaration;
 ///
 /// Bias, dense noiseless surfaces: with true normals none on spheres and cylinders. With normals estimated from the
 /// same neighbourhoods: mean errors of k1 and k2 under 4 % at k = 64 and 8 % at k = 32; see docs/paper.md.
-class Curvature : public Operator {
+class Curvature : public LocalOperator {
  public:
   std::string name() const override { return "curvature"; }
   Contract contract() const override;

@@ -43,10 +43,9 @@ Decimate::Decimate(double share, std::uint64_t seed) : share_(share), seed_(seed
   if (!(share >= 0 && share <= 1)) fail_usage("decimate: the share {} is not between 0 and 1.", share);
 }
 
-void Decimate::apply(const Neighborhoods& in, Columns& out) const {
-  const auto kept = out.column<std::uint8_t>(0);
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    const Vec3 p = in.position(i);
+void Decimate::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 p = points.position(i);
     const double fraction = 0x1p-53 * static_cast<double>(coordinate_hash(p, seed_) >> 11);
     kept[i] = fraction < share_ || !is_finite(p);
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "pointsweep/operator.h"
@@ -16,13 +17,12 @@ OperatorDeclaration decimate_declaration();
 /// Keeps a point if the hash of its coordinates, as a fraction of all hashes, is below `share`. The choice does not
 /// depend on other points: tiles give the same points as the merged cloud, in any order. Points of equal coordinates
 /// stay together or go together. Points without a finite place all stay.
-class Decimate final : public Operator {
+class Decimate final : public SelectOperator {
  public:
   /// `share`: in [0, 1]; `seed`: another one chooses other points, independently. Throws UsageError.
   explicit Decimate(double share, std::uint64_t seed = 0);
   std::string name() const override { return "decimate"; }
-  Contract contract() const override { return {{}, {}, {selection_attribute()}, true, Selects::by_value}; }
-  void apply(const Neighborhoods& in, Columns& out) const override;
+  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
   double share() const { return share_; }
   std::uint64_t seed() const { return seed_; }
 

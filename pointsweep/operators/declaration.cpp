@@ -149,9 +149,9 @@ std::vector<double> numbers_of(std::string_view list) {
 }
 
 ChainStage make_stage(const OperatorDeclaration& declaration, const OptionValues& values, const Facts& facts) {
-  const MadeStage made = declaration.make(values, facts);
-  if (const auto* op = std::get_if<std::shared_ptr<Operator>>(&made)) (*op)->declare_options(values.all());
-  return std::visit([](const auto& stage) -> ChainStage { return stage; }, made);
+  MadeStage made = declaration.make(values, facts);
+  if (made.without_options != nullptr) made.without_options->declare_options(values.all());
+  return std::move(made.stage);
 }
 
 OptionValues sample_values(const OperatorDeclaration& declaration) {

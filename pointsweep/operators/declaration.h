@@ -12,6 +12,8 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -111,8 +113,18 @@ struct AttributeNote {
   std::string shape = {};  ///< where it is not known in advance, e.g. "N×k"
 };
 
-/// A ChainStage whose operator does not know its options yet.
-using MadeStage = std::variant<std::shared_ptr<Operator>, Reneighbor, Resort>;
+/// A stage whose operator does not know its options yet.
+struct MadeStage {
+  template <class Kind>
+  MadeStage(std::shared_ptr<Kind> op) : without_options(op.get()), stage(std::shared_ptr<const Kind>(std::move(op))) {}
+  template <class Instruction>
+    requires std::is_same_v<Instruction, Drop> || std::is_same_v<Instruction, Reneighbor> ||
+             std::is_same_v<Instruction, Resort>
+  MadeStage(Instruction instruction) : stage(std::move(instruction)) {}
+
+  Operator* without_options = nullptr;  ///< of `stage`; null for an instruction
+  ChainStage stage;
+};
 
 struct OperatorDeclaration {
   std::string name;

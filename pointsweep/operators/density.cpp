@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-std::shared_ptr<Operator> make_density(const OptionValues& options, const Facts& facts) {
+MadeStage make_density(const OptionValues& options, const Facts& facts) {
   if (!options.given("radius")) return std::make_shared<Density>();
   require_complete_lists(facts, Neighborhood::kUnlimited, options.number("radius"), options.where());
   return std::make_shared<Density>(options.number("radius"));

@@ -20,7 +20,7 @@ OperatorDeclaration density_declaration();
 ///   With one: R is the radius, m the neighbours within it, inclusive, and the point itself, as in CloudCompare.
 /// Positions are those the stage sees. 0, and counted as degenerate, where R is 0, there is no neighbour, or the
 /// farthest has no finite place.
-class Density final : public Operator {
+class Density final : public LocalOperator {
  public:
   /// Throws UsageError unless the radius is a number above 0.
   explicit Density(std::optional<double> radius = std::nullopt);

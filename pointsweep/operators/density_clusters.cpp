@@ -26,7 +26,7 @@ class AnyCore final : public VoteRule {
   bool counts(const std::byte* result) const override { return *result != std::byte{0}; }
 };
 
-std::shared_ptr<Operator> make_dbscan(const OptionValues& options, const Facts& facts) {
+MadeStage make_dbscan(const OptionValues& options, const Facts& facts) {
   const double eps = options.number("eps");
   require_complete_lists(facts, Neighborhood::kUnlimited, eps, options.where());
   return std::make_shared<DensityClusters>(eps, options.whole("min_points"), facts.points);
@@ -148,7 +148,7 @@ Contract DensityClusters::contract() const {
   return {{}, {}, contract.makes};
 }
 
-std::vector<std::shared_ptr<const Operator>> DensityClusters::parts() const {
+std::vector<ChainStage> DensityClusters::parts() const {
   return {std::make_shared<CorePoints>(eps_, min_points_), std::make_shared<ClustersOfCores>(eps_, points_)};
 }
 

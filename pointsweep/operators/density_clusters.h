@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/connecting_operator.h"
+#include "pointsweep/chain.h"
+#include "pointsweep/operators/connect_operator.h"
 
 namespace pointsweep {
 
@@ -21,7 +22,7 @@ OperatorDeclaration dbscan_declaration();
 Attribute core_attribute();
 
 /// Makes core: 1 where at least `min_points` points, the point itself included, lie within `eps` of it.
-class CorePoints final : public Operator {
+class CorePoints final : public LocalOperator {
  public:
   CorePoints(double eps, std::uint64_t min_points) : eps_(eps), min_points_(min_points) {}
   std::string name() const override { return "core"; }
@@ -40,7 +41,7 @@ class CorePoints final : public Operator {
 
 /// Makes cluster and cluster_size: of the components of core points within `eps` of each other. A point that is no core
 /// point belongs to the cluster of the nearest core point within eps; without one it is noise.
-class ClustersOfCores final : public ConnectingOperator {
+class ClustersOfCores final : public ConnectOperator {
  public:
   ClustersOfCores(double eps, std::uint64_t points) : eps_(eps), points_(points) {}
   std::string name() const override { return "clusters"; }
@@ -59,15 +60,14 @@ class ClustersOfCores final : public ConnectingOperator {
 
 /// `dbscan`: these two. N_i must hold all points within eps. Pipelines that do not give them are refused; C++ code has
 /// to see to it.
-class DensityClusters final : public Operator {
+class DensityClusters final : public CompositeOperator {
  public:
   /// Throws UsageError unless eps is a number above 0 and min_points at least 1. `points` of the cloud, if known,
   /// decide about the types.
   DensityClusters(double eps, std::uint64_t min_points, std::uint64_t points = 0);
   std::string name() const override { return "dbscan"; }
   Contract contract() const override;
-  void apply(const Neighborhoods&, Columns&) const override {}
-  std::vector<std::shared_ptr<const Operator>> parts() const override;
+  std::vector<ChainStage> parts() const override;
 
  protected:
   Options own_options() const override { return {{"eps", eps_}, {"min_points", min_points_}}; }

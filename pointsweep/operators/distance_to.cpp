@@ -14,28 +14,26 @@ namespace pointsweep {
 namespace {
 
 /// The other cloud is put into cells before the first point comes.
-class DistanceToWork final : public OrderedWork {
+class DistanceToWork final : public InOrderWork {
  public:
-  DistanceToWork(double most, const OrderedSetup& setup)
+  DistanceToWork(double most, const InOrderSetup& setup)
       : most2_(most * most), other_(PointCells::Space::all, setup.axis, setup.memory_bytes, setup.make_scratch()) {
     setup.other_points([&](std::span<const Vec3> positions, std::span<const std::uint64_t> rows) {
       for (std::size_t i = 0; i < rows.size(); ++i) other_.add(positions[i], rows[i]);
     });
     other_.finish();
   }
-  unsigned rounds() const override { return 1; }
 
-  void add(unsigned, const OrderedPoints& points, MadeInOrder& made) override {
+  void add(unsigned, const OrderedPoints& points, Findings& findings) override {
     std::vector<double> distances(points.rows.size(), std::numeric_limits<double>::quiet_NaN());
     other_.nearest_of_all(points.positions, {.most2 = most2_, .any_of_equal = true},
                           [&](std::size_t i, const std::vector<CellNeighbor>& nearest) {
                             if (!nearest.empty()) distances[i] = std::sqrt(nearest.front().distance2);
                           });
-    made.rows.insert(made.rows.end(), points.rows.begin(), points.rows.end());
+    findings.rows.insert(findings.rows.end(), points.rows.begin(), points.rows.end());
     const auto bytes = std::as_bytes(std::span(distances));
-    made.values.insert(made.values.end(), bytes.begin(), bytes.end());
+    findings.values.insert(findings.values.end(), bytes.begin(), bytes.end());
   }
-  void end(unsigned, MadeInOrder&) override {}
 
  private:
   double most2_;
@@ -87,10 +85,10 @@ DistanceTo::DistanceTo(std::string cloud, double most) : cloud_(std::move(cloud)
   if (!(most > 0)) fail_usage("distance_to: most = {} is not above 0.", most);
 }
 
-Contract DistanceTo::contract() const {
+InOrderContract DistanceTo::in_order_contract() const {
   Attribute distance = scalar("cloud_distance", Type::f64, "length", "distance to the nearest point of another cloud");
   distance.fill = std::byte{0xff};  // NaN
-  return {.makes = {distance}, .alone = true, .has_places = true, .arrival = "beside those of the other cloud"};
+  return {.makes = {distance}, .places = Places::of_operator, .arrival = "beside those of the other cloud"};
 }
 
 Options DistanceTo::own_options() const {
@@ -99,10 +97,10 @@ Options DistanceTo::own_options() const {
   return options;
 }
 
-std::unique_ptr<OrderedWork> DistanceTo::work(const OrderedSetup& setup) const {
+std::unique_ptr<InOrderWork> DistanceTo::start(const InOrderSetup& setup) const {
   return std::make_unique<DistanceToWork>(most_, setup);
 }
 
-std::uint64_t DistanceTo::least_bytes(std::span<const Vec3>, int) const { return PointCells::least_bytes(); }
+std::uint64_t DistanceTo::least_bytes(const CloudEstimate&) const { return PointCells::least_bytes(); }
 
 }  // namespace pointsweep

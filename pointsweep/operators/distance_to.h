@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "pointsweep/operators/ordered_operator.h"
+#include "pointsweep/in_order_operator.h"
 
 namespace pointsweep {
 
@@ -16,16 +16,16 @@ struct OperatorDeclaration;
 OperatorDeclaration distance_to_declaration();
 
 /// Makes cloud_distance: the distance to the nearest point of another cloud, sqrt((dx² + dy²) + dz²) in float64.
-class DistanceTo final : public OrderedOperator {
+class DistanceTo final : public InOrderOperator {
  public:
   /// Throws UsageError unless `most` is above 0 and `cloud` not empty.
   DistanceTo(std::string cloud, double most);
 
   std::string name() const override { return "distance_to"; }
-  Contract contract() const override;
-  std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
+  InOrderContract in_order_contract() const override;
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
   std::string other_cloud() const override { return cloud_; }
-  std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;
+  std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   double most() const { return most_; }
 
  protected:

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/drop.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -22,21 +20,16 @@ OperatorDeclaration drop_declaration() {
                        .positional = true,
                        .sample = std::string("intensity")}},
           .make = [](const OptionValues& options,
-                     const Facts&) { return std::make_shared<Drop>(words_of(options.word("attributes"))); },
+                     const Facts&) { return drop_of(words_of(options.word("attributes"))); },
           .undefined = "The coordinates x, y and z are never dropped.",
           .cost = "none: what is dropped is not computed either, unless a stage before reads it",
           .example = "knn(k=12) | normals | set(facing = nz * nz) | drop(normal)"};
 }
 
-Drop::Drop(std::vector<std::string> attributes) : attributes_(std::move(attributes)) {
-  if (attributes_.empty() || std::ranges::any_of(attributes_, &std::string::empty))
+Drop drop_of(std::vector<std::string> attributes) {
+  if (attributes.empty() || std::ranges::any_of(attributes, &std::string::empty))
     fail_usage("drop: names no attribute; write the names of those to leave out, as in drop(intensity, gps_time).");
-}
-
-Options Drop::own_options() const { return {{"attributes", fmt::format("{}", fmt::join(attributes_, ","))}}; }
-
-void AllRows::apply(const Neighborhoods& in, Columns& out) const {
-  std::fill_n(out.column<std::uint8_t>(0).begin(), in.size(), std::uint8_t{1});
+  return {std::move(attributes)};
 }
 
 }  // namespace pointsweep

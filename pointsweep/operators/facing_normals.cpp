@@ -23,10 +23,10 @@ FacingNormals::FacingNormals(std::string file, std::string checksum)
 }
 
 Contract FacingNormals::contract() const {
-  return {.reads = {normal_attribute(), time_}, .makes = {normal_attribute()}, .alone = true};
+  return {.reads = {normal_attribute(), time_}, .makes = {normal_attribute()}, .default_k = 0};
 }
 
-std::shared_ptr<const Operator> FacingNormals::bound(const Schema& input, std::span<const Attribute> made) const {
+std::shared_ptr<const LocalOperator> FacingNormals::bound(const Schema& input, std::span<const Attribute> made) const {
   const std::optional<Attribute> found = single_value("gps_time", input, made);
   if (!found) return nullptr;
   if (found->type != Type::f64)

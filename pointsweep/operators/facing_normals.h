@@ -12,7 +12,7 @@ namespace pointsweep {
 
 /// Makes normal: the one there is, turned so that n . (s - p) >= 0, s where the sensor was at the gps_time of the
 /// point.
-class FacingNormals final : public Operator {
+class FacingNormals final : public LocalOperator {
  public:
   /// A time that lies so far outside of a trajectory is of another system or survey.
   static constexpr double kMostSeconds = 1;
@@ -23,7 +23,7 @@ class FacingNormals final : public Operator {
 
   std::string name() const override { return "orient"; }
   Contract contract() const override;
-  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   /// Throws Error for a time that is more than kMostSeconds outside of the trajectory.
   void apply(const Neighborhoods& in, Columns& out) const override;
   const std::string& checksum() const { return checksum_; }

@@ -39,7 +39,7 @@ double area(float length, float ratio) {
 
 double square(double v) { return v * v; }
 
-std::shared_ptr<Operator> make_fair(const OptionValues& options, const Facts&) {
+MadeStage make_fair(const OptionValues& options, const Facts&) {
   return std::make_shared<FairInPercent>(FairOptions{.f = options.number("f"), .g = options.number("g")},
                                          options.where());
 }
@@ -104,7 +104,7 @@ Contract FairInPercent::contract() const {
   return contract;
 }
 
-std::shared_ptr<const Operator> FairInPercent::with_values(std::span<const std::vector<double>> values) const {
+std::shared_ptr<const LocalOperator> FairInPercent::with_values(std::span<const std::vector<double>> values) const {
   const double diagonal = values[0][0];
   if (!(diagonal > 0))
     fail_usage("{}: all points lie in one place, so there is nothing to smooth; leave the stage out.", place_);

@@ -2,6 +2,7 @@
 /// Feature-preserving smoothing in one pass (paper Section 4.3.4, Equation 3).
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -27,13 +28,14 @@ struct OperatorDeclaration;
 ///
 /// Makes "position". It is the old one, and the point counted as degenerate, where no neighbour has both a normal and a
 /// splat, or where every weight vanishes. Normals and splats describe the old positions until they are made again.
-class Fair : public Operator {
+class Fair : public LocalOperator {
  public:
   /// Throws UsageError unless both widths are positive.
   explicit Fair(const FairOptions& options);
   std::string name() const override { return "fair"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
+  std::array<bool, 3> changes_system() const override { return {}; }
   const FairOptions& options() const { return options_; }
 
  private:
@@ -49,7 +51,7 @@ OperatorDeclaration fair_declaration();
 
 /// The same with both widths in % of the diagonal of the box around the finite points of the INPUT that are left, for
 /// every `fair` of a chain: a second one, and one behind `reneighbor`, do not measure the moved cloud.
-class FairInPercent final : public Operator {
+class FairInPercent final : public LocalOperator {
  public:
   /// `place`: for messages, e.g. "pipeline, column 20: fair".
   explicit FairInPercent(const FairOptions& percent, std::string place = "fair")
@@ -57,8 +59,9 @@ class FairInPercent final : public Operator {
   std::string name() const override { return "fair"; }
   Contract contract() const override;
   void apply(const Neighborhoods&, Columns&) const override {}
+  std::array<bool, 3> changes_system() const override { return {}; }
   /// Fair. Throws UsageError if all points lie in one place.
-  std::shared_ptr<const Operator> with_values(std::span<const std::vector<double>> values) const override;
+  std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
 
  protected:
   Options own_options() const override { return {{"f", percent_.f}, {"g", percent_.g}}; }

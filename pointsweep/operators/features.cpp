@@ -82,7 +82,7 @@ std::vector<AttributeNote> notes() {
   return notes;
 }
 
-std::shared_ptr<Operator> make_features(const OptionValues& options, const Facts&) {
+MadeStage make_features(const OptionValues& options, const Facts&) {
   FeaturesOptions features;
   if (options.given("names")) features.names = words_of(options.word("names"));
   const auto scale = std::ranges::find(kScales, options.word("eigenvalues"));

@@ -45,7 +45,7 @@ struct OperatorDeclaration;
 ///
 /// Everything is in double and rounded to float32 at the end. Sums are about a point of P; eigenvalues are right to
 /// some n 2^-52 of the largest.
-class Features final : public Operator {
+class Features final : public LocalOperator {
  public:
   /// Throws UsageError for a name that is not one of those above, or is given twice.
   explicit Features(const FeaturesOptions& options = {});

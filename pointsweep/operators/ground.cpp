@@ -62,7 +62,7 @@ std::vector<OptionDeclaration> ground_options() {
            .choices = {"no", "yes"}}};
 }
 
-std::shared_ptr<Operator> make_ground(const OptionValues& options, const Facts&) {
+MadeStage make_ground(const OptionValues& options, const Facts&) {
   return std::make_shared<Ground>(GroundOptions{.cell = options.number("cell"),
                                                 .slope = options.number("slope"),
                                                 .window = options.number("window"),
@@ -162,11 +162,10 @@ GroundRule Ground::rule() const {
   return {options_.cell, options_.slope, static_cast<std::size_t>(std::ceil(options_.window / options_.cell))};
 }
 
-Contract Ground::contract() const {
+InOrderContract Ground::in_order_contract() const {
   return {.reads = reads_,
           .makes = {classification_attribute()},
-          .alone = true,
-          .has_places = true,
+          .places = Places::in_plane,
           .arrival = "those of a row of cells together"};
 }
 
@@ -181,7 +180,7 @@ Options Ground::own_options() const {
           {"noise", std::string(options_.noise ? "yes" : "no")}};
 }
 
-std::shared_ptr<const Operator> Ground::bound(const Schema& input, std::span<const Attribute> made) const {
+std::shared_ptr<const InOrderOperator> Ground::bound(const Schema& input, std::span<const Attribute> made) const {
   auto bound = std::make_shared<Ground>(*this);
   bound->reads_.clear();
   const auto read = [&](const char* name) -> std::optional<std::size_t> {
@@ -190,10 +189,10 @@ std::shared_ptr<const Operator> Ground::bound(const Schema& input, std::span<con
     bound->reads_.push_back(*value);
     return bound->reads_.size() - 1;
   };
-  bound->places_.classification = read("classification");
+  bound->numbers_.classification = read("classification");
   if (options_.all_returns) return bound;
-  bound->places_.return_number = read("return_number");
-  bound->places_.number_of_returns = read("number_of_returns");
+  bound->numbers_.return_number = read("return_number");
+  bound->numbers_.number_of_returns = read("number_of_returns");
   return bound;
 }
 
@@ -203,12 +202,12 @@ Vec3 Ground::place_of(Vec3 position) const {
   return {number(position.x), number(position.y), 0};
 }
 
-std::unique_ptr<OrderedWork> Ground::work(const OrderedSetup& setup) const {
-  return std::make_unique<GroundWork>(options_, rule(), places_, reads_.size(), setup);
+std::unique_ptr<InOrderWork> Ground::start(const InOrderSetup& setup) const {
+  return std::make_unique<GroundWork>(options_, rule(), numbers_, reads_.size(), setup);
 }
 
-std::uint64_t Ground::least_bytes(std::span<const Vec3> sample, int axis) const {
-  const std::size_t columns = columns_of(sample, axis, options_.cell, rule().axis_rule());
+std::uint64_t Ground::least_bytes(const CloudEstimate& cloud) const {
+  const std::size_t columns = columns_of(cloud.sample, cloud.axis, options_.cell, rule().axis_rule());
   return least_ground_bytes(rule(), columns + columns / 8);
 }
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "pointsweep/operators.h"
-#include "pointsweep/operators/ordered_operator.h"
+#include "pointsweep/in_order_operator.h"
 #include "pointsweep/raster/ground_surface.h"
 
 namespace pointsweep {
@@ -26,22 +26,21 @@ Attribute classification_attribute();
 /// Makes classification: 2 for ground; the class of the input, or of an earlier stage, for other points, but 1 in the
 /// place of 2, and 1 where there is none. Only points that take part can be ground: last returns without the classes 7
 /// and 18 (noise), unless the options ask for others; attributes that the cloud does not have rule nothing out.
-class Ground final : public OrderedOperator {
+class Ground final : public InOrderOperator {
  public:
   /// Throws UsageError for options that are no numbers in their ranges.
   explicit Ground(const GroundOptions& options = {});
   std::string name() const override { return "ground"; }
-  Contract contract() const override;
-  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  InOrderContract in_order_contract() const override;
+  std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   Vec3 place_of(Vec3 position) const override;
-  bool in_plane() const override { return true; }
-  std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
-  std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
+  std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   const GroundOptions& options() const { return options_; }
   GroundRule rule() const;
 
-  /// Where in the values of a point an attribute is; absent: the cloud does not have it.
-  struct Places {
+  /// Numbers of attributes among the values of a point; absent: the cloud does not have the attribute.
+  struct ValueNumbers {
     std::optional<std::size_t> return_number, number_of_returns, classification;
   };
 
@@ -51,7 +50,7 @@ class Ground final : public OrderedOperator {
  private:
   GroundOptions options_;
   std::vector<Attribute> reads_;
-  Places places_;
+  ValueNumbers numbers_;
 };
 
 }  // namespace pointsweep

@@ -36,21 +36,21 @@ double bilinear(const double (&corners)[2][2], double x, double y) {
 
 }  // namespace
 
-GroundWork::GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::Places& places,
-                       std::size_t values, const OrderedSetup& setup)
+GroundWork::GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& places,
+                       std::size_t values, const InOrderSetup& setup)
     : options_(options),
       rule_(rule),
-      places_(places),
+      numbers_(places),
       values_(values),
       setup_(setup),
       lowest_(rule.axis_rule(), setup.make_scratch()),
       rows_(rule.axis_rule()) {}
 
-void GroundWork::add(unsigned round, const OrderedPoints& points, MadeInOrder& made) {
-  round == 0 ? add_lowest(points) : classify(points, made);
+void GroundWork::add(unsigned round, const OrderedPoints& points, Findings& findings) {
+  round == 0 ? add_lowest(points) : classify(points, findings);
 }
 
-void GroundWork::end(unsigned round, MadeInOrder&) {
+void GroundWork::end(unsigned round, Findings&) {
   if (round > 0) return;
   lowest_.finish();
   require_ground_memory(rule_, lowest_.most_columns(), setup_.memory_bytes);
@@ -64,16 +64,16 @@ void GroundWork::open_band(std::size_t number) {
 }
 
 bool GroundWork::takes_part(const double* values) const {
-  if (places_.classification && !options_.noise) {
-    const double c = values[*places_.classification];
+  if (numbers_.classification && !options_.noise) {
+    const double c = values[*numbers_.classification];
     if (c == kLowNoise || c == kHighNoise) return false;
   }
-  if (!places_.return_number || !places_.number_of_returns) return true;
-  return !(values[*places_.return_number] < values[*places_.number_of_returns]);
+  if (!numbers_.return_number || !numbers_.number_of_returns) return true;
+  return !(values[*numbers_.return_number] < values[*numbers_.number_of_returns]);
 }
 
 std::uint8_t GroundWork::class_of_others(const double* values) const {
-  const double c = places_.classification ? values[*places_.classification] : kUnclassified;
+  const double c = numbers_.classification ? values[*numbers_.classification] : kUnclassified;
   const bool is_class = c >= 0 && c <= 255 && c != kGround;
   return static_cast<std::uint8_t>(is_class ? c : kUnclassified);
 }
@@ -84,7 +84,7 @@ void GroundWork::add_lowest(const OrderedPoints& points) {
       lowest_.add(row_number(points.places[i]), column_number(points.places[i]), points.positions[i].z);
 }
 
-void GroundWork::classify(const OrderedPoints& points, MadeInOrder& made) {
+void GroundWork::classify(const OrderedPoints& points, Findings& findings) {
   for (std::size_t i = 0; i < points.rows.size(); ++i) {
     const double* values = points.values.data() + i * values_;
     std::uint8_t result = class_of_others(values);
@@ -93,8 +93,8 @@ void GroundWork::classify(const OrderedPoints& points, MadeInOrder& made) {
       surface_->move_to(cell.row);
       if (is_ground(points.positions[i], cell)) result = static_cast<std::uint8_t>(kGround);
     }
-    made.rows.push_back(points.rows[i]);
-    made.values.push_back(std::byte{result});
+    findings.rows.push_back(points.rows[i]);
+    findings.values.push_back(std::byte{result});
   }
 }
 

@@ -12,14 +12,14 @@
 
 namespace pointsweep {
 
-class GroundWork final : public OrderedWork {
+class GroundWork final : public InOrderWork {
  public:
   /// `values`: of each point that comes; `places` says which of them are what.
-  GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::Places& places, std::size_t values,
-             const OrderedSetup& setup);
+  GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& places, std::size_t values,
+             const InOrderSetup& setup);
   unsigned rounds() const override { return 2; }
-  void add(unsigned round, const OrderedPoints& points, MadeInOrder& made) override;
-  void end(unsigned round, MadeInOrder& made) override;
+  void add(unsigned round, const OrderedPoints& points, Findings& findings) override;
+  void end(unsigned round, Findings& findings) override;
 
  private:
   /// The surface and its slope at a point.
@@ -33,7 +33,7 @@ class GroundWork final : public OrderedWork {
   bool takes_part(const double* values) const;
   std::uint8_t class_of_others(const double* values) const;
   void add_lowest(const OrderedPoints& points);
-  void classify(const OrderedPoints& points, MadeInOrder& made);
+  void classify(const OrderedPoints& points, Findings& findings);
   Cell cell_of(Vec3 place);
   void open_band(std::size_t number);
   bool is_ground(Vec3 p, Cell cell) const;
@@ -45,9 +45,9 @@ class GroundWork final : public OrderedWork {
 
   GroundOptions options_;
   GroundRule rule_;
-  Ground::Places places_;
+  Ground::ValueNumbers numbers_;
   std::size_t values_;
-  OrderedSetup setup_;
+  InOrderSetup setup_;
   LowestCells lowest_;
   BandedRows rows_;               ///< of the second round
   std::optional<std::size_t> opened_;

@@ -29,17 +29,17 @@ double height_above(double z, const std::vector<CellNeighbor>& ground) {
 }
 
 /// First the points of the ground are put into cells, then all points look for the nearest of them.
-class HeightWork final : public OrderedWork {
+class HeightWork final : public InOrderWork {
  public:
-  HeightWork(std::size_t k, const OrderedSetup& setup)
+  HeightWork(std::size_t k, const InOrderSetup& setup)
       : k_(k), ground_(PointCells::Space::plane, setup.axis, setup.memory_bytes, setup.make_scratch()) {}
   unsigned rounds() const override { return 2; }
 
-  void add(unsigned round, const OrderedPoints& points, MadeInOrder& made) override {
+  void add(unsigned round, const OrderedPoints& points, Findings& findings) override {
     if (points.rows.empty()) return;
-    round == 0 ? add_ground(points) : measure(points, made);
+    round == 0 ? add_ground(points) : measure(points, findings);
   }
-  void end(unsigned round, MadeInOrder&) override {
+  void end(unsigned round, Findings&) override {
     if (round == 0) ground_.finish();
   }
 
@@ -49,15 +49,15 @@ class HeightWork final : public OrderedWork {
       if (points.values[i] == kGroundClass) ground_.add(points.positions[i], points.rows[i]);
   }
 
-  void measure(const OrderedPoints& points, MadeInOrder& made) {
+  void measure(const OrderedPoints& points, Findings& findings) {
     const std::size_t n = points.rows.size();
     std::vector<double> heights(n);
     ground_.nearest_of_all(points.positions, {.k = k_}, [&](std::size_t i, const std::vector<CellNeighbor>& ground) {
       heights[i] = height_above(points.positions[i].z, ground);
     });
-    made.rows.insert(made.rows.end(), points.rows.begin(), points.rows.end());
+    findings.rows.insert(findings.rows.end(), points.rows.begin(), points.rows.end());
     const auto bytes = std::as_bytes(std::span(heights));
-    made.values.insert(made.values.end(), bytes.begin(), bytes.end());
+    findings.values.insert(findings.values.end(), bytes.begin(), bytes.end());
   }
 
   std::size_t k_;
@@ -107,17 +107,16 @@ Height::Height(std::uint64_t k) : k_(k), class_(classification_attribute()) {
   if (k < 1 || k > kMostNeighbors) fail_usage("height: k = {} is not from 1 to {}.", k, kMostNeighbors);
 }
 
-Contract Height::contract() const {
+InOrderContract Height::in_order_contract() const {
   return {.reads = {class_},
           .makes = {height_attribute()},
-          .alone = true,
-          .has_places = true,
+          .places = Places::in_plane,
           .arrival = "beside those of the ground"};
 }
 
 Options Height::own_options() const { return {{"from", std::string("ground")}, {"k", k_}}; }
 
-std::shared_ptr<const Operator> Height::bound(const Schema& input, std::span<const Attribute> made) const {
+std::shared_ptr<const InOrderOperator> Height::bound(const Schema& input, std::span<const Attribute> made) const {
   const std::optional<Attribute> found = single_value("classification", input, made);
   if (!found) return nullptr;
   auto bound = std::make_shared<Height>(*this);
@@ -125,10 +124,10 @@ std::shared_ptr<const Operator> Height::bound(const Schema& input, std::span<con
   return bound;
 }
 
-std::unique_ptr<OrderedWork> Height::work(const OrderedSetup& setup) const {
+std::unique_ptr<InOrderWork> Height::start(const InOrderSetup& setup) const {
   return std::make_unique<HeightWork>(static_cast<std::size_t>(k_), setup);
 }
 
-std::uint64_t Height::least_bytes(std::span<const Vec3>, int) const { return PointCells::least_bytes(); }
+std::uint64_t Height::least_bytes(const CloudEstimate&) const { return PointCells::least_bytes(); }
 
 }  // namespace pointsweep

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/operators/ordered_operator.h"
+#include "pointsweep/in_order_operator.h"
 
 namespace pointsweep {
 
@@ -22,19 +22,18 @@ Attribute height_attribute();
 /// Makes height: z - Σ w_j z_j / Σ w_j over the k points of class 2 that are nearest in x and y, w_j = 1 / d_j², summed
 /// nearest first; where the nearest has d = 0, z - z_1. Equal distances go by x, y, z, row. All ground points of the
 /// cloud are searched, however far away.
-class Height final : public OrderedOperator {
+class Height final : public InOrderOperator {
  public:
   /// Throws UsageError unless k is 1 to kMostNeighbors.
   explicit Height(std::uint64_t k = 1);
   static constexpr std::uint64_t kMostNeighbors = 1024;
 
   std::string name() const override { return "height"; }
-  Contract contract() const override;
-  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  InOrderContract in_order_contract() const override;
+  std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   Vec3 place_of(Vec3 position) const override { return {position.x, position.y, 0}; }
-  bool in_plane() const override { return true; }
-  std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
-  std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
+  std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   std::uint64_t k() const { return k_; }
 
  protected:

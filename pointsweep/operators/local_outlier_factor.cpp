@@ -94,7 +94,7 @@ void DensityRatio::apply(const Neighborhoods& in, Columns& out) const {
   });
 }
 
-std::vector<std::shared_ptr<const Operator>> LocalOutlierFactor::parts() const {
+std::vector<ChainStage> LocalOutlierFactor::parts() const {
   return {std::make_shared<KDistance>(), std::make_shared<ReachabilityDensity>(), std::make_shared<DensityRatio>()};
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/operator.h"
 
 namespace pointsweep {
@@ -21,7 +22,7 @@ Attribute reachability_density_attribute();
 Attribute lof_attribute();
 
 /// Makes k_distance: the distance to the farthest neighbour.
-class KDistance final : public Operator {
+class KDistance final : public LocalOperator {
  public:
   std::string name() const override { return "k_distance"; }
   Contract contract() const override { return {{}, {}, {k_distance_attribute()}}; }
@@ -30,7 +31,7 @@ class KDistance final : public Operator {
 
 /// Makes reachability_density: |N_i| / Σ_j max(k_distance_j, |p_j - p_i|), in the order of the neighbours; infinite
 /// where all of these are 0.
-class ReachabilityDensity final : public Operator {
+class ReachabilityDensity final : public LocalOperator {
  public:
   std::string name() const override { return "reachability_density"; }
   Contract contract() const override { return {{}, {k_distance_attribute()}, {reachability_density_attribute()}}; }
@@ -39,7 +40,7 @@ class ReachabilityDensity final : public Operator {
 
 /// Makes lof: 1/|N_i| Σ_j r_j / r_i with reachability densities r, in the order of the neighbours. The quotient of two
 /// infinite densities is 1.
-class DensityRatio final : public Operator {
+class DensityRatio final : public LocalOperator {
  public:
   std::string name() const override { return "density_ratio"; }
   Contract contract() const override {
@@ -49,14 +50,13 @@ class DensityRatio final : public Operator {
 };
 
 /// `lof`: these three, one after the other.
-class LocalOutlierFactor final : public Operator {
+class LocalOutlierFactor final : public CompositeOperator {
  public:
   std::string name() const override { return "lof"; }
   Contract contract() const override {
     return {.makes = {k_distance_attribute(), reachability_density_attribute(), lof_attribute()}, .default_k = 32};
   }
-  void apply(const Neighborhoods&, Columns&) const override {}
-  std::vector<std::shared_ptr<const Operator>> parts() const override;
+  std::vector<ChainStage> parts() const override;
 };
 
 }  // namespace pointsweep

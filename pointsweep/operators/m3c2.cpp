@@ -71,9 +71,9 @@ class Cylinder {
 };
 
 /// First the points of the cloud itself come and are put into cells beside those of the other one.
-class M3c2Work final : public OrderedWork {
+class M3c2Work final : public InOrderWork {
  public:
-  M3c2Work(const M3c2Options& options, const OrderedSetup& setup)
+  M3c2Work(const M3c2Options& options, const InOrderSetup& setup)
       : options_(options), own_(cells(setup)), other_(cells(setup)) {
     setup.other_points([&](std::span<const Vec3> positions, std::span<const std::uint64_t> rows) {
       for (std::size_t i = 0; i < rows.size(); ++i) other_.add(positions[i], rows[i]);
@@ -82,28 +82,28 @@ class M3c2Work final : public OrderedWork {
   }
   unsigned rounds() const override { return 2; }
 
-  void add(unsigned round, const OrderedPoints& points, MadeInOrder& made) override {
-    if (round == 1) return compare(points, made);
+  void add(unsigned round, const OrderedPoints& points, Findings& findings) override {
+    if (round == 1) return compare(points, findings);
     for (std::size_t i = 0; i < points.rows.size(); ++i) own_.add(points.positions[i], points.rows[i]);
   }
-  void end(unsigned round, MadeInOrder&) override {
+  void end(unsigned round, Findings&) override {
     if (round == 0) own_.finish();
   }
 
  private:
   using Values = std::array<double, 6>;
 
-  static PointCells cells(const OrderedSetup& setup) {
+  static PointCells cells(const InOrderSetup& setup) {
     return {PointCells::Space::all, setup.axis, setup.memory_bytes / 2, setup.make_scratch()};
   }
 
-  void compare(const OrderedPoints& points, MadeInOrder& made) {
+  void compare(const OrderedPoints& points, Findings& findings) {
     const std::vector<Section> own = sections(points, own_), other = sections(points, other_);
     std::vector<Values> values;
     for (std::size_t i = 0; i < own.size(); ++i) values.push_back(values_of(own[i], other[i]));
-    made.rows.insert(made.rows.end(), points.rows.begin(), points.rows.end());
+    findings.rows.insert(findings.rows.end(), points.rows.begin(), points.rows.end());
     const auto bytes = std::as_bytes(std::span(values));
-    made.values.insert(made.values.end(), bytes.begin(), bytes.end());
+    findings.values.insert(findings.values.end(), bytes.begin(), bytes.end());
   }
 
   std::vector<Section> sections(const OrderedPoints& points, PointCells& cloud) const {
@@ -212,16 +212,15 @@ M3c2::M3c2(M3c2Options options) : options_(std::move(options)) {
   if (!(options_.registration >= 0)) fail_usage("m3c2: registration = {} is not 0 or more.", options_.registration);
 }
 
-Contract M3c2::contract() const {
-  Contract contract{.reads = {normal_attribute()},
+InOrderContract M3c2::in_order_contract() const {
+  InOrderContract contract{.reads = {normal_attribute()},
                     .makes = {scalar("m3c2_distance", Type::f64, "length", "change to another cloud along the normal"),
                               scalar("m3c2_lod", Type::f64, "length", "level of detection at 95 %"),
                               scalar("m3c2_spread1", Type::f64, "length", "deviation along the normal, this cloud"),
                               scalar("m3c2_spread2", Type::f64, "length", "deviation along the normal, other cloud"),
                               scalar("m3c2_samples1", Type::f64, "1", "points in the cylinder, this cloud"),
                               scalar("m3c2_samples2", Type::f64, "1", "points in the cylinder, other cloud")},
-                    .alone = true,
-                    .has_places = true,
+                    .places = Places::of_operator,
                     .arrival = "beside those of the other cloud"};
   for (Attribute& a : contract.makes) a.fill = std::byte{0xff};  // NaN
   return contract;
@@ -234,10 +233,10 @@ Options M3c2::own_options() const {
           {"registration", options_.registration}};
 }
 
-std::unique_ptr<OrderedWork> M3c2::work(const OrderedSetup& setup) const {
+std::unique_ptr<InOrderWork> M3c2::start(const InOrderSetup& setup) const {
   return std::make_unique<M3c2Work>(options_, setup);
 }
 
-std::uint64_t M3c2::least_bytes(std::span<const Vec3>, int) const { return 2 * PointCells::least_bytes(); }
+std::uint64_t M3c2::least_bytes(const CloudEstimate&) const { return 2 * PointCells::least_bytes(); }
 
 }  // namespace pointsweep

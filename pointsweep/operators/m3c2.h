@@ -8,7 +8,7 @@
 #include <string>
 
 #include "pointsweep/operators.h"
-#include "pointsweep/operators/ordered_operator.h"
+#include "pointsweep/in_order_operator.h"
 
 namespace pointsweep {
 
@@ -19,16 +19,16 @@ OperatorDeclaration m3c2_declaration();
 /// D. Lague, N. Brodu and J. Leroux, "Accurate 3D comparison of complex topography with terrestrial laser scanner"
 /// (ISPRS Journal of Photogrammetry and Remote Sensing 82, 2013), Section 3, with every point as a core point and the
 /// normals that earlier stages have made, or the input has.
-class M3c2 final : public OrderedOperator {
+class M3c2 final : public InOrderOperator {
  public:
   /// Throws UsageError for options outside of their ranges.
   explicit M3c2(M3c2Options options);
 
   std::string name() const override { return "m3c2"; }
-  Contract contract() const override;
-  std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
+  InOrderContract in_order_contract() const override;
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
   std::string other_cloud() const override { return options_.cloud; }
-  std::uint64_t least_bytes(std::span<const Vec3> sample, int axis) const override;
+  std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   const M3c2Options& options() const { return options_; }
 
  protected:

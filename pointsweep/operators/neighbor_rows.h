@@ -18,7 +18,7 @@ struct OperatorDeclaration;
 /// Behind an operator that moves points N_i is still the set that was found before, and its k nearest at the moved
 /// positions are written, nearest first at these positions; equal distances go by moved x, y, z, then row. Neighbours
 /// moved to a place that is not finite come last, by row.
-class NeighborRows : public Operator {
+class NeighborRows : public LocalOperator {
  public:
   NeighborRows(std::size_t k, std::uint64_t rows, bool distances);
   std::string name() const override { return "neighbors"; }

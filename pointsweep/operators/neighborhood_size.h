@@ -14,7 +14,7 @@ struct OperatorDeclaration;
 /// the farthest neighbour, in length units, at the positions the stage sees; 0 where there is none, NaN where one has
 /// no finite place. It shows what a rule of neighbourhoods has chosen, and both can be the limits of a later run (PDAL
 /// keeps the same as OptimalKNN and OptimalRadius).
-class NeighborhoodSize final : public Operator {
+class NeighborhoodSize final : public LocalOperator {
  public:
   std::string name() const override { return "neighborhood_size"; }
   Contract contract() const override;

@@ -45,7 +45,7 @@ Orient orient_named(const std::string& name) {
   return static_cast<Orient>(i);
 }
 
-std::shared_ptr<Operator> make_normals(const OptionValues& options, const Facts&) {
+MadeStage make_normals(const OptionValues& options, const Facts&) {
   NormalsOptions normals;
   normals.orient = orient_named(options.word("orient"));
   const bool towards = normals.orient == Orient::viewpoint;

@@ -22,7 +22,7 @@ struct OperatorDeclaration;
 /// the length) or, more exactly, λ1 <= 1e-12 λ2 + ρ² mean_j θ, with ρ = 2^-51 of the largest coordinate of p_i, which
 /// is what rounding coordinates to double leaves; or offsets that overflow or are not finite (next to a point that was
 /// moved to such a place).
-class Normals : public Operator {
+class Normals : public LocalOperator {
  public:
   explicit Normals(const NormalsOptions& options = {});
   std::string name() const override { return "normals"; }

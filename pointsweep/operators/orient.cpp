@@ -13,7 +13,7 @@ namespace pointsweep {
 namespace {
 
 /// What outputs record also tells the content of the file.
-std::shared_ptr<Operator> make_facing(const OptionValues& options) {
+MadeStage make_facing(const OptionValues& options) {
   if (!options.given("trajectory") || options.given("viewpoint"))
     fail_usage("{}: method=trajectory needs trajectory=FILE and no viewpoint.", options.where());
   const std::string checksum = options.given("checksum") ? options.word("checksum") : "";
@@ -22,7 +22,7 @@ std::shared_ptr<Operator> make_facing(const OptionValues& options) {
   return op;
 }
 
-std::shared_ptr<Operator> make_orient(const OptionValues& options, const Facts&) {
+MadeStage make_orient(const OptionValues& options, const Facts&) {
   if (options.word("method") == "trajectory") return make_facing(options);
   if (options.given("trajectory") || options.given("checksum"))
     fail_usage("{}: a trajectory needs method=trajectory.", options.where());
@@ -137,7 +137,7 @@ Options OrientedNormals::own_options() const {
   return options;
 }
 
-std::vector<std::shared_ptr<const Operator>> OrientedNormals::parts() const {
+std::vector<ChainStage> OrientedNormals::parts() const {
   if (facing_) return {facing_};
   return {std::make_shared<NormalSigns>(viewpoint_), std::make_shared<TurnedNormals>()};
 }

@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/connecting_operator.h"
+#include "pointsweep/chain.h"
+#include "pointsweep/operators/connect_operator.h"
 #include "pointsweep/operators/facing_normals.h"
 #include "pointsweep/operators/orientation_votes.h"
 
@@ -24,7 +25,7 @@ Attribute normal_turned_attribute();
 
 /// Makes normal_turned: the signs of the minimum spanning forest of the graph of neighbours, an edge of which has the
 /// weight 1 - |n_i . n_j| and joins equal signs where n_i . n_j >= 0. OrientationVotes decides for each component.
-class NormalSigns final : public ConnectingOperator {
+class NormalSigns final : public ConnectOperator {
  public:
   explicit NormalSigns(std::optional<Vec3> viewpoint) : viewpoint_(viewpoint), votes_(viewpoint) {}
   std::string name() const override { return "normal_signs"; }
@@ -45,17 +46,17 @@ class NormalSigns final : public ConnectingOperator {
 };
 
 /// Makes normal: the one there is, turned where normal_turned says so.
-class TurnedNormals final : public Operator {
+class TurnedNormals final : public LocalOperator {
  public:
   std::string name() const override { return "turned_normals"; }
   Contract contract() const override {
-    return {.reads = {normal_attribute(), normal_turned_attribute()}, .makes = {normal_attribute()}, .alone = true};
+    return {.reads = {normal_attribute(), normal_turned_attribute()}, .makes = {normal_attribute()}, .default_k = 0};
   }
   void apply(const Neighborhoods& in, Columns& out) const override;
 };
 
 /// `orient`: these two, or FacingNormals.
-class OrientedNormals final : public Operator {
+class OrientedNormals final : public CompositeOperator {
  public:
   /// Throws UsageError for a viewpoint that is not finite.
   explicit OrientedNormals(std::optional<Vec3> viewpoint = std::nullopt);
@@ -65,8 +66,7 @@ class OrientedNormals final : public Operator {
   Contract contract() const override;
   /// Of one by a trajectory, whose content has the checksum.
   Options facing_options() const;
-  void apply(const Neighborhoods&, Columns&) const override {}
-  std::vector<std::shared_ptr<const Operator>> parts() const override;
+  std::vector<ChainStage> parts() const override;
 
  protected:
   Options own_options() const override;

@@ -168,7 +168,7 @@ std::string MeanAndDeviation::text() const {
 std::unique_ptr<Accumulator> MeanAndDeviation::start() const { return std::make_unique<DistanceMoments>(rule_); }
 
 Contract Outlier::contract() const {
-  Contract contract{{mean_distance_attribute()}, {}, {outlier_attribute()}, true};
+  Contract contract{.reads = {mean_distance_attribute()}, .makes = {outlier_attribute()}, .default_k = 0};
   contract.values = {std::make_shared<MeanAndDeviation>(mean_distance_attribute(), rule_of(definition_))};
   return contract;
 }
@@ -183,7 +183,7 @@ void Outlier::apply(const Neighborhoods& in, Columns& out) const {
   }
 }
 
-std::shared_ptr<const Operator> Outlier::with_values(std::span<const std::vector<double>> values) const {
+std::shared_ptr<const LocalOperator> Outlier::with_values(std::span<const std::vector<double>> values) const {
   return std::make_shared<Outlier>(multiplier_, definition_, values[0][0] + multiplier_ * values[0][1]);
 }
 
@@ -193,7 +193,7 @@ StatisticalOutliers::StatisticalOutliers(double multiplier, OutlierDefinition de
     fail_usage("sor: the multiplier {} is not a number of at least 0.", multiplier);
 }
 
-std::vector<std::shared_ptr<const Operator>> StatisticalOutliers::parts() const {
+std::vector<ChainStage> StatisticalOutliers::parts() const {
   return {std::make_shared<MeanDistance>(rule_of(definition_).counts_point),
           std::make_shared<Outlier>(multiplier_, definition_)};
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/operator.h"
 #include "pointsweep/operators.h"
 
@@ -36,7 +37,7 @@ Attribute outlier_attribute();
 
 /// Makes mean_distance: Σ_j |p_j - p_i| / |N_i|, or, if the rule counts the point, / (|N_i| + 1), summed in double in
 /// the order of the neighbours, at the positions the stage sees. Points without neighbours count as degenerate.
-class MeanDistance final : public Operator {
+class MeanDistance final : public LocalOperator {
  public:
   explicit MeanDistance(bool counts_point = false) : counts_point_(counts_point) {}
   std::string name() const override { return "mean_distance"; }
@@ -69,7 +70,7 @@ class MeanAndDeviation final : public Reduction {
 
 /// Makes outlier: 1 where mean_distance > mean + multiplier * deviation over all points that have one, or >= by some
 /// rules, and for points without one; else 0.
-class Outlier final : public Operator {
+class Outlier final : public LocalOperator {
  public:
   explicit Outlier(double multiplier, OutlierDefinition definition = OutlierDefinition::pointsweep,
                    double threshold = std::numeric_limits<double>::quiet_NaN())
@@ -77,7 +78,7 @@ class Outlier final : public Operator {
   std::string name() const override { return "outlier"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  std::shared_ptr<const Operator> with_values(std::span<const std::vector<double>> values) const override;
+  std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
   double multiplier() const { return multiplier_; }
   OutlierDefinition definition() const { return definition_; }
 
@@ -91,14 +92,13 @@ class Outlier final : public Operator {
 };
 
 /// `sor`: MeanDistance and Outlier, one after the other.
-class StatisticalOutliers final : public Operator {
+class StatisticalOutliers final : public CompositeOperator {
  public:
   /// Throws UsageError unless multiplier is a number of at least 0.
   explicit StatisticalOutliers(double multiplier = 2, OutlierDefinition definition = OutlierDefinition::pointsweep);
   std::string name() const override { return "sor"; }
   Contract contract() const override { return {{}, {}, {mean_distance_attribute(), outlier_attribute()}}; }
-  void apply(const Neighborhoods&, Columns&) const override {}
-  std::vector<std::shared_ptr<const Operator>> parts() const override;
+  std::vector<ChainStage> parts() const override;
 
  protected:
   Options own_options() const override { return {{"multiplier", multiplier_}, {"definition", name_of(definition_)}}; }

@@ -17,32 +17,37 @@ namespace {
 /// The radius of a point: what its attribute says, at most the limit; NaN and negative values count as 0.
 double own_radius(double value, double limit) { return value > 0 ? std::min(value, limit) : 0; }
 
-class PoissonFront final : public Thinning {
+/// Points that come between two decisions.
+constexpr std::uint64_t kHeldAtMost = 4096;
+
+class PoissonFront final : public InOrderWork {
  public:
   /// `values`: components of what is read of each point, of which number `component` is its radius; 0: nothing is read.
-  PoissonFront(const ThinningSetup& setup, double radius, std::size_t values, std::size_t component)
+  PoissonFront(const InOrderSetup& setup, double radius, std::size_t values, std::size_t component)
       : points_(setup.axis, radius, setup.memory_bytes / UndecidedPoints::kPointBytes),
         radius_(radius),
         values_(values),
         component_(component) {}
 
-  void add(const OrderedPoints& points, Decided& decided) override {
+  void add(unsigned, const OrderedPoints& points, Findings& findings) override {
     for (std::size_t i = 0; i < points.rows.size(); ++i) {
       const double r = values_ == 0 ? radius_ : own_radius(points.values[i * values_ + component_], radius_);
       const Vec3 p = points.positions[i];
       points_.hold({p, coordinate_hash(p, kPoissonSeed), points.rows[i], r * r});
+      if (++since_decision_ == kHeldAtMost) points_.decide(findings.dropped), since_decision_ = 0;
     }
-    points_.decide(decided);
+    points_.decide(findings.dropped);
   }
-  void finish(Decided& decided) override { points_.finish(decided); }
+  void end(unsigned, Findings& findings) override { points_.finish(findings.dropped); }
 
  private:
   UndecidedPoints points_;
   double radius_;
   std::size_t values_, component_;
+  std::size_t since_decision_ = 0;
 };
 
-std::shared_ptr<Operator> make_poisson(const OptionValues& options, const Facts&) {
+MadeStage make_poisson(const OptionValues& options, const Facts&) {
   return std::make_shared<Poisson>(
       PoissonOptions{.radius = options.number("radius"),
                      .radius_from = options.given("radius_from") ? options.word("radius_from") : ""});
@@ -92,14 +97,13 @@ Poisson::Poisson(PoissonOptions options) : options_(std::move(options)) {
     fail_usage("poisson: double precision cannot hold the square of the radius {}: scale the coordinates.", r);
 }
 
-Contract Poisson::contract() const {
-  return {.reads = reads_,
-          .makes = {selection_attribute()},
-          .alone = true,
-          .selects = Selects::in_order,
-          .arrival = "each held until all points within the radius have come",
-          .reach = options_.radius,
-          .held_bytes = UndecidedPoints::kPointBytes};
+InOrderContract Poisson::in_order_contract() const {
+  return {.reads = reads_, .drops_rows = true, .arrival = "each held until all points within the radius have come"};
+}
+
+std::uint64_t Poisson::least_bytes(const CloudEstimate& cloud) const {
+  const std::uint64_t near = cloud.slice_points(2 * options_.radius) + kHeldAtMost;
+  return UndecidedPoints::kPointBytes * std::min(cloud.points, near);
 }
 
 Options Poisson::own_options() const {
@@ -108,12 +112,12 @@ Options Poisson::own_options() const {
   return options;
 }
 
-std::unique_ptr<Thinning> Poisson::thinning(const ThinningSetup& setup) const {
+std::unique_ptr<InOrderWork> Poisson::start(const InOrderSetup& setup) const {
   const std::size_t values = reads_.empty() ? 0 : reads_.front().fields.size();
   return std::make_unique<PoissonFront>(setup, options_.radius, values, component_);
 }
 
-std::shared_ptr<const Operator> Poisson::bound(const Schema& input, std::span<const Attribute> made) const {
+std::shared_ptr<const InOrderOperator> Poisson::bound(const Schema& input, std::span<const Attribute> made) const {
   if (options_.radius_from.empty()) return nullptr;
   auto bound = std::make_shared<Poisson>(*this);
   const MeantValue meant = meant_value(options_.radius_from, input, made);

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operator.h"
+#include "pointsweep/in_order_operator.h"
 #include "pointsweep/operators.h"
 
 namespace pointsweep {
@@ -20,16 +20,17 @@ OperatorDeclaration poisson_declaration();
 /// Takes the points in ascending order of the hash of their coordinates, of equal ones by x, y, z, then row, and keeps
 /// a point unless a kept one lies within its own radius. So every point that is left out has a kept one within its
 /// radius, and of two kept points the later has the other beyond its radius. Points without a finite place all stay.
-class Poisson final : public Operator {
+class Poisson final : public InOrderOperator {
  public:
   /// Throws UsageError unless the radius is positive and its square can be represented.
   explicit Poisson(PoissonOptions options);
   std::string name() const override { return "poisson"; }
-  Contract contract() const override;
-  void apply(const Neighborhoods&, Columns&) const override {}
-  std::unique_ptr<Thinning> thinning(const ThinningSetup& setup) const override;
+  InOrderContract in_order_contract() const override;
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
+  /// Returns the memory of the points within the radius of the newest one, and of those that wait for one of these.
+  std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   /// Throws UsageError where radius_from names no single value of each point.
-  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   const PoissonOptions& options() const { return options_; }
 
  protected:

@@ -13,7 +13,7 @@
 namespace pointsweep {
 namespace {
 
-std::shared_ptr<Operator> make_ror(const OptionValues& options, const Facts& facts) {
+MadeStage make_ror(const OptionValues& options, const Facts& facts) {
   const double radius = options.number("radius");
   const std::uint64_t least = options.whole("min_neighbors");
   require_complete_lists(facts, static_cast<std::size_t>(least), radius, options.where());

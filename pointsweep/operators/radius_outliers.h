@@ -17,7 +17,7 @@ OperatorDeclaration ror_declaration();
 /// Makes outlier, N u8: 1 where fewer than `min_neighbors` of N_i lie within `radius`, inclusive, of the point at the
 /// positions the stage sees; else 0. N_i must hold the min_neighbors nearest, or all within the radius: k of at least
 /// min_neighbors and no smaller radius. Pipelines that do not give them are refused; C++ code has to see to it.
-class RadiusOutliers final : public Operator {
+class RadiusOutliers final : public LocalOperator {
  public:
   /// Throws UsageError unless the radius is a number above 0 and min_neighbors at least 1.
   RadiusOutliers(double radius, std::uint64_t min_neighbors);

@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-std::shared_ptr<Operator> make_segments(const OptionValues& options, const Facts& facts) {
+MadeStage make_segments(const OptionValues& options, const Facts& facts) {
   std::optional<double> distance;
   if (options.given("distance")) distance = options.number("distance");
   return std::make_shared<Segments>(options.number("angle"), distance, facts.points);
@@ -98,7 +98,7 @@ Contract Segments::contract() const {
           .default_k = 16};
 }
 
-std::shared_ptr<const Operator> Segments::bound(const Schema&, std::span<const Attribute> made) const {
+std::shared_ptr<const ConnectOperator> Segments::bound(const Schema&, std::span<const Attribute> made) const {
   if (std::ranges::find(made, position_attribute().name, &Attribute::name) == made.end()) return nullptr;
   auto bound = std::make_shared<Segments>(*this);
   bound->residual_ = PlaneResidual(true);

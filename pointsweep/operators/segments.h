@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/connecting_operator.h"
+#include "pointsweep/operators/connect_operator.h"
 #include "pointsweep/operators/plane_residual.h"
 
 namespace pointsweep {
@@ -24,7 +24,7 @@ OperatorDeclaration segments_declaration();
 /// Makes segment, segment_size and segment_residual: components of the points that are joined if one is a neighbour of
 /// the other, their normals differ by less than an angle, whatever their signs, and they are not farther from each
 /// other than a distance. A point without a normal is a segment of one point. PlaneResidual says how flat they are.
-class Segments final : public ConnectingOperator {
+class Segments final : public ConnectOperator {
  public:
   /// Throws UsageError unless the angle is above 0 and at most 90 degrees, and the distance at least 0.
   explicit Segments(double angle, std::optional<double> distance = std::nullopt, std::uint64_t points = 0);
@@ -32,7 +32,7 @@ class Segments final : public ConnectingOperator {
   Contract contract() const override;
   const VoteRule* votes() const override { return &residual_; }
   /// Behind stages that move points, the residual is that of the moved ones.
-  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  std::shared_ptr<const ConnectOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;
   double angle() const { return angle_; }

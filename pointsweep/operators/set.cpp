@@ -96,7 +96,7 @@ Assignment assignment_of(std::string_view text, const std::string& place) {
   return assignment;
 }
 
-std::shared_ptr<Operator> make_set(const OptionValues& options, const Facts&) {
+MadeStage make_set(const OptionValues& options, const Facts&) {
   const auto type = options.given("as") ? type_named(options.word("as")) : std::nullopt;
   auto set = std::make_shared<Set>(options.word("assign"), type, options.where());
   Options declared = {{"assign", set->canonical()}};
@@ -165,9 +165,9 @@ Set::Set(std::string_view assignments, std::optional<Type> type, const std::stri
 }
 
 Contract Set::contract() const {
-  Contract contract{.alone = true};
+  Contract contract{.default_k = 0};
   for (const auto& part : parts_)
-    for (const Attribute& a : part->contract().makes) contract.makes.push_back(a);
+    for (const Attribute& a : contract_of(part).makes) contract.makes.push_back(a);
   return contract;
 }
 
@@ -187,7 +187,7 @@ SetAttribute::SetAttribute(Assignment assignment, std::optional<Type> type, std:
 Options SetAttribute::own_options() const { return options_of_set(assignment_.canonical(), type_); }
 
 Contract SetAttribute::contract() const {
-  Contract contract{.makes = {target_}, .alone = true};
+  Contract contract{.makes = {target_}, .default_k = 0};
   const auto add = [&](const std::vector<Attribute>& reads) {
     contract.reads.insert(contract.reads.end(), reads.begin(), reads.end());
   };
@@ -197,7 +197,7 @@ Contract SetAttribute::contract() const {
   return contract;
 }
 
-std::shared_ptr<const Operator> SetAttribute::bound(const Schema& input, std::span<const Attribute> made) const {
+std::shared_ptr<const LocalOperator> SetAttribute::bound(const Schema& input, std::span<const Attribute> made) const {
   auto bound = std::make_shared<SetAttribute>(*this);
   bound->value_names_ = NamedValues(assignment_.value, place_, input, made);
   if (assignment_.condition) bound->condition_names_ = NamedValues(*assignment_.condition, place_, input, made);

@@ -2,12 +2,14 @@
 /// Assigning values to attributes, of all points or of those for which a condition holds.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/operator.h"
 #include "pointsweep/operators/expression.h"
 #include "pointsweep/operators/named_values.h"
@@ -38,7 +40,7 @@ struct TargetRange {
 };
 
 /// Makes a new version of one attribute. Values of whole-number types are rounded to the nearest, halves to even.
-class SetAttribute final : public Operator {
+class SetAttribute final : public LocalOperator {
  public:
   /// `type`: of a new attribute; absent: that of LAS if it has one of the name, else float64.
   SetAttribute(Assignment assignment, std::optional<Type> type, std::string place = "set");
@@ -46,7 +48,8 @@ class SetAttribute final : public Operator {
   Contract contract() const override;
   /// Throws RowError naming the lowest row with a value that the type of the attribute cannot hold.
   void apply(const Neighborhoods& in, Columns& out) const override;
-  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  std::array<bool, 3> changes_system() const override { return {component_ == 0, component_ == 1, component_ == 2}; }
+  std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
   const Assignment& assignment() const { return assignment_; }
   /// After bound().
@@ -87,20 +90,19 @@ class SetAttribute final : public Operator {
 };
 
 /// Several assignments, one after another: each sees what those before it have made.
-class Set final : public Operator {
+class Set final : public CompositeOperator {
  public:
   Set(std::string_view assignments, std::optional<Type> type, const std::string& place = "set");
   std::string name() const override { return "set"; }
   Contract contract() const override;
-  void apply(const Neighborhoods&, Columns&) const override {}
-  std::vector<std::shared_ptr<const Operator>> parts() const override { return parts_; }
+  std::vector<ChainStage> parts() const override { return parts_; }
   std::string canonical() const;
 
  protected:
   Options own_options() const override;
 
  private:
-  std::vector<std::shared_ptr<const Operator>> parts_;
+  std::vector<ChainStage> parts_;
   std::vector<Assignment> assignments_;
   std::optional<Type> type_;
 };

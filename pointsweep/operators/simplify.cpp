@@ -20,7 +20,7 @@ Options all_options(const SimplifyOptions& options) {
   return {{"error", options.error}, {"most", options.most}, {"least", options.least}};
 }
 
-std::shared_ptr<Operator> make_simplify(const OptionValues& options, const Facts&) {
+MadeStage make_simplify(const OptionValues& options, const Facts&) {
   const double error = options.number("error");
   const double most = options.given("most") ? options.number("most") : kMostOfErrors * error;
   return std::make_shared<Simplify>(SimplifyOptions{.error = error, .most = most, .least = options.number("least")});
@@ -70,7 +70,7 @@ Attribute simplify_radius_attribute() {
 }
 
 Contract SimplifyRadius::contract() const {
-  return {.reads = {k1_attribute()}, .makes = {simplify_radius_attribute()}, .alone = true};
+  return {.reads = {k1_attribute()}, .makes = {simplify_radius_attribute()}, .default_k = 0};
 }
 
 void SimplifyRadius::apply(const Neighborhoods& in, Columns& out) const {
@@ -94,12 +94,12 @@ Simplify::Simplify(SimplifyOptions options) : options_(options) {
 }
 
 Contract Simplify::contract() const {
-  return {.reads = {k1_attribute()}, .makes = {simplify_radius_attribute()}, .alone = true};
+  return {.reads = {k1_attribute()}, .makes = {simplify_radius_attribute()}, .default_k = 0};
 }
 
 Options Simplify::own_options() const { return all_options(options_); }
 
-std::vector<std::shared_ptr<const Operator>> Simplify::parts() const {
+std::vector<ChainStage> Simplify::parts() const {
   const PoissonOptions disks{.radius = options_.most, .radius_from = simplify_radius_attribute().name};
   return {std::make_shared<SimplifyRadius>(options_), std::make_shared<Poisson>(disks)};
 }

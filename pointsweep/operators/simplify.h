@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/operator.h"
 #include "pointsweep/operators.h"
 
@@ -20,7 +21,7 @@ Attribute simplify_radius_attribute();
 
 /// Makes simplify_radius = √(2 error / k1), between `least` and `most`: within it a surface of curvature k1 leaves its
 /// tangent plane by no more than the error, to second order. A point without curvature gets `most`.
-class SimplifyRadius final : public Operator {
+class SimplifyRadius final : public LocalOperator {
  public:
   explicit SimplifyRadius(SimplifyOptions options) : options_(options) {}
   std::string name() const override { return "simplify_radius"; }
@@ -35,14 +36,13 @@ class SimplifyRadius final : public Operator {
 };
 
 /// `simplify`: SimplifyRadius, and poisson with these radii.
-class Simplify final : public Operator {
+class Simplify final : public CompositeOperator {
  public:
   /// Throws UsageError unless error and most are positive and least is from 0 to most.
   explicit Simplify(SimplifyOptions options);
   std::string name() const override { return "simplify"; }
   Contract contract() const override;
-  void apply(const Neighborhoods&, Columns&) const override {}
-  std::vector<std::shared_ptr<const Operator>> parts() const override;
+  std::vector<ChainStage> parts() const override;
 
  protected:
   Options own_options() const override;

@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-std::shared_ptr<Operator> make_splats(const OptionValues& options, const Facts& facts) {
+MadeStage make_splats(const OptionValues& options, const Facts& facts) {
   const std::string& axes = options.word("axes");
   const bool curved = axes == "curvature" || (axes == "auto" && facts.made.contains(k1_direction_attribute().name));
   return std::make_shared<Splats>(SplatsOptions{.axes = curved ? SplatAxes::curvature : SplatAxes::positions});

@@ -29,7 +29,7 @@ struct OperatorDeclaration;
 /// Makes "splat_axis" (unit), "splat_length" (major semi-axis) and "splat_ratio" (minor over major, in [1/8, 1]). All
 /// are 0, and the point counted as degenerate, where it has no normal or no neighbour off p_i, or
 /// where an offset overflows or is not finite.
-class Splats : public Operator {
+class Splats : public LocalOperator {
  public:
   explicit Splats(const SplatsOptions& options = {}) : options_(options) {}
   std::string name() const override { return "splats"; }

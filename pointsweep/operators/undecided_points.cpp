@@ -99,17 +99,17 @@ void UndecidedPoints::hold(const DiskPoint& point) {
 }
 
 /// Cells are put in order again each time, so that a share of what is held must have come.
-void UndecidedPoints::decide(Decided& decided) {
+void UndecidedPoints::decide(std::vector<std::uint64_t>& dropped) {
   constexpr std::uint64_t kShare = 16, kLeast = 256;
   if (come_ < std::max(held() / kShare, kLeast)) return;
   come_ = 0;
   take_complete(front_);
-  decide_waiting(decided);
+  decide_waiting(dropped);
 }
 
-void UndecidedPoints::finish(Decided& decided) {
+void UndecidedPoints::finish(std::vector<std::uint64_t>& dropped) {
   take_complete(std::numeric_limits<double>::infinity());
-  decide_waiting(decided);
+  decide_waiting(dropped);
   assert(held() == 0);
 }
 
@@ -123,7 +123,7 @@ void UndecidedPoints::take_complete(double front) {
   }
 }
 
-void UndecidedPoints::decide_waiting(Decided& decided) {
+void UndecidedPoints::decide_waiting(std::vector<std::uint64_t>& dropped) {
   while (!to_decide_.empty()) {
     stop_if_cancelled();
     const Slot slot = to_decide_.back();
@@ -135,7 +135,7 @@ void UndecidedPoints::decide_waiting(Decided& decided) {
       slots_[lesser].first_waiter = slot;
       continue;
     }
-    if (!held.is_decided) keep(slot, decided);
+    if (!held.is_decided) keep(slot, dropped);
     release(slot);
   }
 }
@@ -158,7 +158,7 @@ UndecidedPoints::Slot UndecidedPoints::lesser_within(const DiskPoint& point) {
   return found;
 }
 
-void UndecidedPoints::keep(Slot slot, Decided& decided) {
+void UndecidedPoints::keep(Slot slot, std::vector<std::uint64_t>& dropped) {
   const DiskPoint& kept = slots_[slot].point;
   slots_[slot].is_decided = true;
   visit_cells_around(kept.position, [&](Cell& cell) {
@@ -167,7 +167,7 @@ void UndecidedPoints::keep(Slot slot, Decided& decided) {
       if (m.slot == slot) ++cell.decided;
       if (other.is_decided || !(kept < other.point)) continue;
       if (distance2(other.point.position, kept.position) > other.point.radius2) continue;
-      leave_out(m.slot, decided);
+      leave_out(m.slot, dropped);
       ++cell.decided;
     }
     forget_decided(cell);
@@ -182,10 +182,10 @@ void UndecidedPoints::keep(Slot slot, Decided& decided) {
   }
 }
 
-void UndecidedPoints::leave_out(Slot slot, Decided& decided) {
+void UndecidedPoints::leave_out(Slot slot, std::vector<std::uint64_t>& dropped) {
   Held& held = slots_[slot];
   held.is_decided = true;
-  decided.left_out.push_back(held.point.row);
+  dropped.push_back(held.point.row);
   for (Slot waiter = held.first_waiter; waiter != kNone; waiter = slots_[waiter].next_waiter)
     to_decide_.push_back(waiter);
   held.first_waiter = kNone;

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "pointsweep/geometry.h"
-#include "pointsweep/operator.h"
 
 namespace pointsweep {
 
@@ -42,9 +41,9 @@ class UndecidedPoints {
   /// if there are more to hold than allowed.
   void hold(const DiskPoint& point);
   /// Decides what can be decided by now, if enough points have come since the last time; appends the rows left out.
-  void decide(Decided& decided);
+  void decide(std::vector<std::uint64_t>& dropped);
   /// After the last point.
-  void finish(Decided& decided);
+  void finish(std::vector<std::uint64_t>& dropped);
   std::uint64_t held() const { return slots_.size() - free_.size(); }
 
   /// Of memory for each point held, with what grows in steps.
@@ -80,10 +79,10 @@ class UndecidedPoints {
   bool precedes(const Member& a, const Member& b) const;
   void sort(Cell& cell) const;
   void take_complete(double front);
-  void decide_waiting(Decided& decided);
+  void decide_waiting(std::vector<std::uint64_t>& dropped);
   Slot lesser_within(const DiskPoint& point);
-  void keep(Slot slot, Decided& decided);
-  void leave_out(Slot slot, Decided& decided);
+  void keep(Slot slot, std::vector<std::uint64_t>& dropped);
+  void leave_out(Slot slot, std::vector<std::uint64_t>& dropped);
   void forget_decided(Cell& cell);
   void release(Slot slot);
 

@@ -10,15 +10,14 @@ namespace pointsweep {
 namespace {
 
 /// Points of one place follow one another, that of the first row first.
-class FirstOfEqual final : public Thinning {
+class FirstOfEqual final : public InOrderWork {
  public:
-  void add(const OrderedPoints& points, Decided& decided) override {
+  void add(unsigned, const OrderedPoints& points, Findings& findings) override {
     for (std::size_t i = 0; i < points.rows.size(); ++i) {
-      if (last_ && points.places[i] == *last_) decided.left_out.push_back(points.rows[i]);
+      if (last_ && points.places[i] == *last_) findings.dropped.push_back(points.rows[i]);
       last_ = points.places[i];
     }
   }
-  void finish(Decided&) override {}
 
  private:
   std::optional<Vec3> last_;
@@ -35,6 +34,6 @@ OperatorDeclaration unique_declaration() {
           .example = "unique"};
 }
 
-std::unique_ptr<Thinning> Unique::thinning(const ThinningSetup&) const { return std::make_unique<FirstOfEqual>(); }
+std::unique_ptr<InOrderWork> Unique::start(const InOrderSetup&) const { return std::make_unique<FirstOfEqual>(); }
 
 }  // namespace pointsweep

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "pointsweep/operator.h"
+#include "pointsweep/in_order_operator.h"
 
 namespace pointsweep {
 
@@ -16,17 +16,13 @@ OperatorDeclaration unique_declaration();
 /// Keeps, of all points with equal coordinates at their current positions, the one of the first row. Coordinates are
 /// equal if all three are equal numbers (-0 and 0 are); points without a finite place are all kept. Needs no
 /// neighbourhoods: the points are put in order once.
-class Unique final : public Operator {
+class Unique final : public InOrderOperator {
  public:
   std::string name() const override { return "unique"; }
-  Contract contract() const override {
-    return {.makes = {selection_attribute()},
-            .alone = true,
-            .selects = Selects::in_order,
-            .arrival = "equal ones together"};
+  InOrderContract in_order_contract() const override {
+    return {.drops_rows = true, .arrival = "equal ones together"};
   }
-  void apply(const Neighborhoods&, Columns&) const override {}
-  std::unique_ptr<Thinning> thinning(const ThinningSetup&) const override;
+  std::unique_ptr<InOrderWork> start(const InOrderSetup&) const override;
 };
 
 }  // namespace pointsweep

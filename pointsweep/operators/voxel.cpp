@@ -9,9 +9,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/math/coordinate_hash.h"
 #include "pointsweep/operators/declaration.h"
-#include "pointsweep/operators/drop.h"
 #include "pointsweep/operators/voxel_candidate.h"
-#include "pointsweep/operators/voxel_centroid.h"
 
 namespace pointsweep {
 namespace {
@@ -20,21 +18,20 @@ namespace {
 constexpr const char* kKeepNames[] = {"center", "hash", "centroid"};
 
 /// Knows the best point so far of the voxel whose points come now.
-class OneOfEachVoxel final : public Thinning {
+class OneOfEachVoxel final : public InOrderWork {
  public:
   OneOfEachVoxel(double size, VoxelKeep keep) : size_(size), keep_(keep) {}
 
-  void add(const OrderedPoints& points, Decided& decided) override {
+  void add(unsigned, const OrderedPoints& points, Findings& findings) override {
     for (std::size_t i = 0; i < points.rows.size(); ++i) {
       const VoxelCandidate next = candidate(points.places[i], points.positions[i], points.rows[i]);
       const bool same = any_ && points.places[i] == voxel_;
-      if (same) decided.left_out.push_back(next < best_ ? best_.row : next.row);
+      if (same) findings.dropped.push_back(next < best_ ? best_.row : next.row);
       if (!same || next < best_) best_ = next;
       voxel_ = points.places[i];
       any_ = true;
     }
   }
-  void finish(Decided&) override {}
 
  private:
   VoxelCandidate candidate(Vec3 voxel, Vec3 p, std::uint64_t row) const {
@@ -49,7 +46,7 @@ class OneOfEachVoxel final : public Thinning {
   VoxelCandidate best_;
 };
 
-std::shared_ptr<Operator> make_voxel(const OptionValues& options, const Facts&) {
+MadeStage make_voxel(const OptionValues& options, const Facts&) {
   const auto keep = std::ranges::find(kKeepNames, options.word("keep")) - std::begin(kKeepNames);
   return std::make_shared<Voxel>(options.number("size"), static_cast<VoxelKeep>(keep));
 }
@@ -91,7 +88,7 @@ OperatorDeclaration voxel_declaration() {
           "finite is NaN.",
       .cost =
           "a pass that puts the points in order by voxel, without a search; memory does not depend on the size. "
-          "keep=centroid: the averaged attributes travel with the points, and one more reading of the rows",
+          "keep=centroid: the averaged attributes travel with the points",
       .example = "knn(k=12) | voxel(0.5) | normals"};
 }
 
@@ -100,28 +97,35 @@ Voxel::Voxel(double size, VoxelKeep keep) : size_(size), keep_(keep) {
     fail_usage("voxel: the size {} is not a positive length; give one in the length unit of the cloud.", size);
 }
 
-Contract Voxel::contract() const {
-  if (keep_ == VoxelKeep::centroid) return {.makes = {position_attribute()}, .alone = true};
-  return {.makes = {selection_attribute()},
-          .alone = true,
-          .selects = Selects::in_order,
-          .has_places = true,
-          .arrival = "those of a voxel together"};
+InOrderContract Voxel::in_order_contract() const {
+  InOrderContract contract{
+      .drops_rows = true, .places = Places::of_operator, .arrival = "those of a voxel together"};
+  if (keep_ != VoxelKeep::centroid) return contract;
+  contract.makes = {position_attribute()};
+  for (const AveragedAttribute& a : averaged_) {
+    contract.reads.insert(contract.reads.end(), a.reads.begin(), a.reads.end());
+    contract.makes.push_back(a.made);
+  }
+  return contract;
+}
+
+std::shared_ptr<const InOrderOperator> Voxel::bound(const Schema& input, std::span<const Attribute> made) const {
+  if (keep_ != VoxelKeep::centroid) return nullptr;
+  auto bound = std::make_shared<Voxel>(*this);
+  bound->averaged_ = averaged_attributes(input, made);
+  return bound;
 }
 
 Options Voxel::own_options() const {
   return {{"size", size_}, {"keep", std::string(kKeepNames[static_cast<std::size_t>(keep_)])}};
 }
 
-std::vector<std::shared_ptr<const Operator>> Voxel::parts() const {
-  if (keep_ != VoxelKeep::centroid) return {};
-  return {std::make_shared<VoxelMeans>(size_), std::make_shared<TakeVoxelMeans>(), std::make_shared<KeepVoxelMeans>(),
-          std::make_shared<Drop>(std::vector<std::string>{"voxel_means"})};
-}
-
-std::unique_ptr<Thinning> Voxel::thinning(const ThinningSetup&) const {
+std::unique_ptr<InOrderWork> Voxel::start(const InOrderSetup&) const {
+  if (keep_ == VoxelKeep::centroid) return means_of_voxels(size_, averaged_);
   return std::make_unique<OneOfEachVoxel>(size_, keep_);
 }
+
+std::uint64_t Voxel::least_bytes(const CloudEstimate&) const { return keep_ == VoxelKeep::centroid ? 1 << 20 : 0; }
 
 Vec3 Voxel::place_of(Vec3 position) const { return voxel_of_position(position, size_); }
 

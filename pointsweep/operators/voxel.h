@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "pointsweep/operator.h"
+#include "pointsweep/in_order_operator.h"
 #include "pointsweep/operators.h"
+#include "pointsweep/operators/voxel_centroid.h"
 
 namespace pointsweep {
 
@@ -19,20 +21,23 @@ OperatorDeclaration voxel_declaration();
 /// Keeps one of the points of each voxel. Along each axis, voxel v holds the coordinates whose quotient by the size,
 /// rounded to float64, lies in [v, v + 1): the grid is that of the coordinates, whatever the cloud, and a point on a
 /// face belongs to the voxel above it. Points without a finite place all stay. The points are put in order by voxel, so
-/// that memory holds one voxel's choice at a time, however large voxels are.
-class Voxel final : public Operator {
+/// that memory holds one voxel's choice at a time, however large voxels are. With VoxelKeep::centroid the point that
+/// stays moves to the mean position, and attributes become means.
+class Voxel final : public InOrderOperator {
  public:
   /// `size`: length of an edge. Throws UsageError unless it is positive and finite.
   explicit Voxel(double size, VoxelKeep keep = VoxelKeep::center);
   std::string name() const override { return "voxel"; }
-  Contract contract() const override;
-  std::vector<std::shared_ptr<const Operator>> parts() const override;
-  void apply(const Neighborhoods&, Columns&) const override {}
-  std::unique_ptr<Thinning> thinning(const ThinningSetup&) const override;
+  InOrderContract in_order_contract() const override;
+  std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  std::unique_ptr<InOrderWork> start(const InOrderSetup&) const override;
   /// The numbers of the voxel along the axes.
   Vec3 place_of(Vec3 position) const override;
+  std::uint64_t least_bytes(const CloudEstimate&) const override;
   double size() const { return size_; }
   VoxelKeep keep() const { return keep_; }
+  /// With VoxelKeep::centroid, after bound(): the attributes that become means beside the position.
+  const std::vector<AveragedAttribute>& averaged() const { return averaged_; }
 
  protected:
   Options own_options() const override;
@@ -40,6 +45,7 @@ class Voxel final : public Operator {
  private:
   double size_;
   VoxelKeep keep_;
+  std::vector<AveragedAttribute> averaged_;
 };
 
 /// The numbers of the voxel of a position along the axes.

@@ -1,59 +1,58 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/voxel_centroid.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <set>
+#include <type_traits>
 #include <utility>
 
 #include "pointsweep/math/exact_sum.h"
-#include "pointsweep/operators/voxel.h"
 #include "pointsweep/operators/voxel_candidate.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {
 namespace {
 
-constexpr const char* kVoxelMeans = "voxel_means";
-constexpr std::size_t kBesidesMeans = 4;  ///< 1, x, y and z
 /// Whole numbers that are measured; all others are labels or counts.
 constexpr std::string_view kMeasured[] = {"intensity", "red", "green", "blue", "nir", "alpha"};
 
 bool is_floating(Type type) { return type == Type::f32 || type == Type::f64; }
 
-std::size_t means_of(const std::vector<AveragedAttribute>& averaged) {
-  std::size_t n = 0;
-  for (const AveragedAttribute& a : averaged) n += a.made.fields.size();
-  return n;
+/// Unit vectors; 0 where the mean is 0, or not a number.
+void make_directions(double* v) {
+  const double most = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
+  const bool none = !(most > 0) || !std::isfinite(v[0] + v[1] + v[2]);
+  const Vec3 scaled = none ? Vec3{} : Vec3{v[0] / most, v[1] / most, v[2] / most};
+  const double size = none ? 1 : length(scaled);
+  for (int a = 0; a < 3; ++a) v[a] = scaled[a] / size;
 }
 
-Attribute voxel_means(std::size_t means) {
-  Attribute a{kVoxelMeans, Type::f64, Kind::scalar, {}, "1", "means of a voxel"};
-  for (std::size_t i = 0; i < kBesidesMeans + means; ++i) a.fields.push_back(fmt::format("{}_{}", kVoxelMeans, i));
-  return a;
+template <class T>
+void append(T value, std::vector<std::byte>& bytes) {
+  const auto own = std::as_bytes(std::span(&value, 1));
+  bytes.insert(bytes.end(), own.begin(), own.end());
 }
 
 /// Sums of the voxel whose points come now.
-class MeansOfVoxels final : public OrderedWork {
+class MeansOfVoxels final : public InOrderWork {
  public:
-  MeansOfVoxels(double size, std::size_t means) : size_(size), means_(means), terms_(3 + means) {}
-  unsigned rounds() const override { return 1; }
+  MeansOfVoxels(double size, std::vector<AveragedAttribute> averaged) : size_(size), averaged_(std::move(averaged)) {
+    for (const AveragedAttribute& a : averaged_) read_ += a.made.fields.size();
+    terms_.resize(3 + read_);
+  }
 
-  void add(unsigned, const OrderedPoints& points, MadeInOrder& made) override {
+  void add(unsigned, const OrderedPoints& points, Findings& findings) override {
     for (std::size_t i = 0; i < points.rows.size(); ++i) {
       if (!any_ || !(points.places[i] == voxel_)) {
-        finish_voxel(made);
+        finish_voxel(findings);
         voxel_ = points.places[i];
       }
-      take(points.positions[i], points.rows[i], points.values.data() + i * means_);
+      take(points.positions[i], points.rows[i], points.values.data() + i * read_, findings);
     }
   }
-  void end(unsigned, MadeInOrder& made) override { finish_voxel(made); }
+  void end(unsigned, Findings& findings) override { finish_voxel(findings); }
 
  private:
   /// Of the values that are finite.
@@ -75,52 +74,43 @@ class MeansOfVoxels final : public OrderedWork {
     }
   };
 
-  void take(Vec3 p, std::uint64_t row, const double* values) {
+  void take(Vec3 p, std::uint64_t row, const double* values, Findings& findings) {
     const VoxelCandidate next = nearest_to_center(voxel_, size_, p, row);
-    if (!any_ || next < best_) best_ = next;
+    const bool is_best = !any_ || next < best_;
+    if (any_) findings.dropped.push_back(is_best ? best_.row : row);
+    if (is_best) best_ = next;
     any_ = true;
     for (int a = 0; a < 3; ++a) terms_[static_cast<std::size_t>(a)].add(p[a]);
-    for (std::size_t m = 0; m < means_; ++m) terms_[3 + m].add(values[m]);
+    for (std::size_t m = 0; m < read_; ++m) terms_[3 + m].add(values[m]);
   }
 
-  void finish_voxel(MadeInOrder& made) {
+  void finish_voxel(Findings& findings) {
     if (!any_) return;
-    std::vector<double> values = {1};
-    for (const Term& term : terms_) values.push_back(term.mean());
-    made.rows.push_back(best_.row);
-    const auto* bytes = reinterpret_cast<const std::byte*>(values.data());
-    made.values.insert(made.values.end(), bytes, bytes + values.size() * sizeof(double));
-    terms_.assign(3 + means_, Term());
+    findings.rows.push_back(best_.row);
+    std::vector<double> means;
+    for (const Term& term : terms_) means.push_back(term.mean());
+    for (int a = 0; a < 3; ++a) append(means[static_cast<std::size_t>(a)], findings.values);
+    std::size_t next = 3;
+    for (const AveragedAttribute& a : averaged_) {
+      if (a.is_direction) make_directions(means.data() + next);
+      with_type(a.made.type, [&]<class T>() {
+        for (std::size_t c = 0; c < a.made.fields.size(); ++c, ++next)
+          append(static_cast<T>(std::is_floating_point_v<T> ? means[next] : std::nearbyint(means[next])),
+                 findings.values);
+      });
+    }
+    terms_.assign(terms_.size(), Term());
     any_ = false;
   }
 
   double size_;
-  std::size_t means_;
+  std::vector<AveragedAttribute> averaged_;
+  std::size_t read_ = 0;  ///< values of a point
   std::vector<Term> terms_;
   VoxelCandidate best_;
   Vec3 voxel_;
   bool any_ = false;
 };
-
-/// Unit vectors; 0 where the mean is 0, or not a number.
-void make_directions(double* v) {
-  const double most = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
-  const bool none = !(most > 0) || !std::isfinite(v[0] + v[1] + v[2]);
-  const Vec3 scaled = none ? Vec3{} : Vec3{v[0] / most, v[1] / most, v[2] / most};
-  const double size = none ? 1 : length(scaled);
-  for (int a = 0; a < 3; ++a) v[a] = scaled[a] / size;
-}
-
-/// The components of the attributes `reads` of point i, the first of which is read `first` of the stage.
-void copy_own(const Neighborhoods& in, std::size_t i, std::size_t first, const std::vector<Attribute>& reads,
-              std::vector<double>& values) {
-  std::size_t next = 0;
-  for (std::size_t r = 0; r < reads.size(); ++r) {
-    const Field field{.name = "", .type = reads[r].type};
-    const std::byte* value = in.values<std::byte>(first + r) + i * reads[r].bytes();
-    for (std::uint32_t c = 0; c < reads[r].fields.size(); ++c) values[next++] = value_of(field, value, c);
-  }
-}
 
 }  // namespace
 
@@ -131,7 +121,7 @@ std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::spa
   for (const Attribute& a : made) {
     for (const std::string& field : a.fields)
       if (const auto at = input.find(field)) taken.insert(*at);
-    if (a.name == kVoxelMeans || a.kind == Kind::position) continue;
+    if (a.kind == Kind::position) continue;
     const bool is_direction = a.kind == Kind::normal && a.fields.size() == 3;
     const bool is_number = is_floating(a.type) && (a.kind == Kind::scalar || a.kind == Kind::color);
     if (is_direction || is_number || a.kind == Kind::color) averaged.push_back({a, {a}, is_direction});
@@ -156,91 +146,8 @@ std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::spa
   return averaged;
 }
 
-Contract VoxelMeans::contract() const {
-  Contract contract{.makes = {voxel_means(means_of(averaged_))},
-                    .alone = true,
-                    .has_places = true,
-                    .arrival = "those of a voxel together"};
-  for (const AveragedAttribute& a : averaged_)
-    contract.reads.insert(contract.reads.end(), a.reads.begin(), a.reads.end());
-  return contract;
-}
-
-std::shared_ptr<const Operator> VoxelMeans::bound(const Schema& input, std::span<const Attribute> made) const {
-  auto bound = std::make_shared<VoxelMeans>(*this);
-  bound->averaged_ = averaged_attributes(input, made);
-  return bound;
-}
-
-Vec3 VoxelMeans::place_of(Vec3 position) const { return voxel_of_position(position, size_); }
-
-std::unique_ptr<OrderedWork> VoxelMeans::work(const OrderedSetup&) const {
-  return std::make_unique<MeansOfVoxels>(size_, means_of(averaged_));
-}
-
-Contract TakeVoxelMeans::contract() const {
-  Contract contract{.reads = {voxel_means(means_of(averaged_))}, .makes = {position_attribute()}, .alone = true};
-  for (const AveragedAttribute& a : averaged_) {
-    contract.reads.insert(contract.reads.end(), a.reads.begin(), a.reads.end());
-    contract.makes.push_back(a.made);
-  }
-  return contract;
-}
-
-std::shared_ptr<const Operator> TakeVoxelMeans::bound(const Schema& input, std::span<const Attribute> made) const {
-  auto bound = std::make_shared<TakeVoxelMeans>(*this);
-  bound->averaged_ = averaged_attributes(input, made);
-  return bound;
-}
-
-/// A row without means keeps its values: it is left out, or its point has no finite place.
-void TakeVoxelMeans::apply(const Neighborhoods& in, Columns& out) const {
-  const std::size_t stride = kBesidesMeans + means_of(averaged_);
-  const auto* const all = reinterpret_cast<const double*>(in.values<std::byte>(0));
-  const auto position = out.column<std::array<double, 3>>(0);
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    const double* mean = all + i * stride;
-    const Vec3 p = in.position(i);
-    position[i] = mean[0] != 0 ? std::array{mean[1], mean[2], mean[3]} : std::array{p.x, p.y, p.z};
-  }
-  std::size_t first = kBesidesMeans, read = 1;
-  for (std::size_t m = 0; m < averaged_.size(); ++m) {
-    const AveragedAttribute& attribute = averaged_[m];
-    const std::size_t width = attribute.made.fields.size();
-    with_type(attribute.made.type, [&]<class T>() {
-      T* to = reinterpret_cast<T*>(out.column<std::byte>(1 + m).data());
-      std::vector<double> values(width);
-      for (std::size_t i = 0; i < in.size(); ++i) {
-        const double* mean = all + i * stride;
-        if (mean[0] == 0) {
-          copy_own(in, i, read, attribute.reads, values);
-        } else {
-          std::copy_n(mean + first, width, values.begin());
-          if (attribute.is_direction) make_directions(values.data());
-        }
-        for (const double v : values) *to++ = static_cast<T>(std::is_floating_point_v<T> ? v : std::nearbyint(v));
-      }
-    });
-    first += width;
-    read += attribute.reads.size();
-  }
-}
-
-Contract KeepVoxelMeans::contract() const {
-  return {.reads = reads_, .makes = {selection_attribute()}, .alone = true, .selects = Selects::by_value};
-}
-
-std::shared_ptr<const Operator> KeepVoxelMeans::bound(const Schema&, std::span<const Attribute> made) const {
-  auto bound = std::make_shared<KeepVoxelMeans>(*this);
-  bound->reads_ = {*std::ranges::find(made, std::string(kVoxelMeans), &Attribute::name)};
-  return bound;
-}
-
-void KeepVoxelMeans::apply(const Neighborhoods& in, Columns& out) const {
-  const std::size_t stride = reads_.front().fields.size();
-  const auto* const means = reinterpret_cast<const double*>(in.values<std::byte>(0));
-  const auto kept = out.column<std::uint8_t>(0);
-  for (std::size_t i = 0; i < in.size(); ++i) kept[i] = means[i * stride] != 0 || !is_finite(in.position(i));
+std::unique_ptr<InOrderWork> means_of_voxels(double size, const std::vector<AveragedAttribute>& averaged) {
+  return std::make_unique<MeansOfVoxels>(size, averaged);
 }
 
 }  // namespace pointsweep

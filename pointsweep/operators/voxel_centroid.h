@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// The parts of voxel(keep=centroid): means of each voxel beside the row that stays, the attributes that they become,
-/// and the rows that are left.
+/// The means of voxel(keep=centroid).
 #pragma once
 
 #include <memory>
-#include <string>
+#include <span>
 #include <vector>
 
-#include "pointsweep/operator.h"
-#include "pointsweep/operators/ordered_operator.h"
+#include "pointsweep/in_order_operator.h"
 
 namespace pointsweep {
 
@@ -23,47 +21,8 @@ struct AveragedAttribute {
 /// vectors without a sign, arrays, packed or scaled fields.
 std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::span<const Attribute> made);
 
-/// Makes "voxel_means" of the row of each voxel that keep=center would keep: 1, the mean position, and the means of
-/// AveragedAttribute::reads. Of all other rows it is 0.
-class VoxelMeans final : public OrderedOperator {
- public:
-  explicit VoxelMeans(double size) : size_(size) {}
-  std::string name() const override { return "voxel"; }
-  Contract contract() const override;
-  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
-  Vec3 place_of(Vec3 position) const override;
-  std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override;
-  std::uint64_t least_bytes(std::span<const Vec3>, int) const override { return 1 << 20; }
-  double size() const { return size_; }
-
- private:
-  double size_;
-  std::vector<AveragedAttribute> averaged_;
-};
-
-/// Makes the position and the attributes out of "voxel_means". A point without a finite place keeps its own.
-class TakeVoxelMeans final : public Operator {
- public:
-  std::string name() const override { return "voxel"; }
-  Contract contract() const override;
-  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
-  void apply(const Neighborhoods& in, Columns& out) const override;
-  const std::vector<AveragedAttribute>& averaged() const { return averaged_; }
-
- private:
-  std::vector<AveragedAttribute> averaged_;
-};
-
-/// Keeps the rows that have means, and points without a finite place.
-class KeepVoxelMeans final : public Operator {
- public:
-  std::string name() const override { return "voxel"; }
-  Contract contract() const override;
-  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
-  void apply(const Neighborhoods& in, Columns& out) const override;
-
- private:
-  std::vector<Attribute> reads_;
-};
+/// Returns the work of voxel(keep=centroid), which drops all rows of a voxel but the one that keep=center would keep. It
+/// gives that row the mean position, then `averaged`.
+std::unique_ptr<InOrderWork> means_of_voxels(double size, const std::vector<AveragedAttribute>& averaged);
 
 }  // namespace pointsweep

@@ -9,7 +9,7 @@ namespace pointsweep {
 namespace {
 
 /// Conditions that differ in blanks only are the same.
-std::shared_ptr<Operator> make_where(const OptionValues& options, const Facts&) {
+MadeStage make_where(const OptionValues& options, const Facts&) {
   auto where = std::make_shared<Where>(options.word("condition"), options.where());
   where->declare_options({{"condition", where->condition().canonical()}});
   return where;
@@ -36,13 +36,13 @@ OperatorDeclaration where_declaration() {
 
 Where::Where(std::string_view condition, std::string place) : condition_(condition, place), place_(std::move(place)) {}
 
-void Where::apply(const Neighborhoods& in, Columns& out) const {
+void Where::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {
   assert(names_.sources().size() == condition_.names().size());
-  const NamedValues::Batch batch(names_, in);
-  condition_.evaluate(batch.values(), out.column<std::uint8_t>(0));
+  const NamedValues::Batch batch(names_, points);
+  condition_.evaluate(batch.values(), kept);
 }
 
-std::shared_ptr<const Operator> Where::bound(const Schema& input, std::span<const Attribute> made) const {
+std::shared_ptr<const SelectOperator> Where::bound(const Schema& input, std::span<const Attribute> made) const {
   auto bound = std::make_shared<Where>(*this);
   bound->names_ = NamedValues(condition_, place_, input, made);
   return bound;

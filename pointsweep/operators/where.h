@@ -20,15 +20,15 @@ OperatorDeclaration where_declaration();
 
 /// Keeps the rows for which `condition` holds, e.g. classification == 2 && z < 100. Points without a finite place are
 /// asked like all others: x, y and z are then NaN or infinite, made attributes have the documented value of none.
-class Where final : public Operator {
+class Where final : public SelectOperator {
  public:
   /// `place`: for messages, e.g. "pipeline, column 12: where". Throws UsageError for a text that is no condition.
   explicit Where(std::string_view condition, std::string place = "where");
   std::string name() const override { return "where"; }
-  Contract contract() const override { return {names_.reads(), {}, {selection_attribute()}, true, Selects::by_value}; }
-  void apply(const Neighborhoods& in, Columns& out) const override;
+  std::vector<Attribute> reads() const override { return names_.reads(); }
+  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
   /// Throws UsageError for a name that fits nothing, with those there are.
-  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   const Expression& condition() const { return condition_; }
   const NamedValues& names() const { return names_; }
 

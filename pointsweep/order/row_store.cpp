@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cstring>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/cancellation.h"
@@ -42,12 +43,21 @@ void consume_in_runs(std::uint64_t first_row, std::span<const std::byte> records
   }
 }
 
+/// Repeats a record over whole records.
+void repeat(std::span<const std::byte> record, std::span<std::byte> records) {
+  if (std::ranges::count(record, record.front()) == std::ssize(record))
+    return void(std::ranges::fill(records, record.front()));
+  for (std::size_t at = 0; at < records.size(); at += record.size()) std::ranges::copy(record, records.data() + at);
+}
+
+bool is_zero(std::byte b) { return b == std::byte{0}; }
+
 /// All rows as one array.
 class RowArray {
  public:
-  RowArray(std::uint64_t rows, std::size_t record_bytes, std::byte fill)
-      : record_bytes_(record_bytes), memory_(bytes_of(rows, record_bytes)) {
-    if (fill != std::byte{0}) std::fill_n(memory_.data(), memory_.size(), fill);
+  RowArray(std::uint64_t rows, const std::vector<std::byte>& fill)
+      : record_bytes_(fill.size()), memory_(bytes_of(rows, fill.size())) {
+    if (!std::ranges::all_of(fill, is_zero)) repeat(fill, {memory_.data(), memory_.size()});
   }
 
   void put(std::span<const std::uint64_t> rows, const std::byte* records) {
@@ -83,22 +93,21 @@ class RowArray {
 /// many. A bucket larger than the window is read more than once.
 class RowBuckets {
  public:
-  RowBuckets(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const SpillPlace& spill,
-             std::size_t buffer_bytes)
-      : RowBuckets(rows, record_bytes, fill, buffer_bytes) {
+  RowBuckets(std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& spill, std::size_t buffer_bytes)
+      : RowBuckets(rows, std::move(fill), buffer_bytes) {
     const auto too_many = [&](std::size_t block_bytes) { return buckets() > buffer_bytes / 2 / block_bytes + 1; };
-    shift_ = std::countr_zero(std::min<std::uint64_t>(window_rows_, std::bit_ceil(kCachedBytes / record_bytes + 1)));
+    shift_ = std::countr_zero(std::min<std::uint64_t>(window_rows_, std::bit_ceil(kCachedBytes / record_bytes_ + 1)));
     while (shift_ < 32 && too_many(kGoodBlockBytes) && (std::uint64_t{1} << shift_) < window_rows_) ++shift_;
     while (shift_ < 32 && too_many(kLeastBlockBytes)) ++shift_;
     window_rows_ = std::min(window_rows_, std::uint64_t{1} << shift_);
-    store_ = std::make_unique<SlabStore>(buckets(), kOffsetBytes + record_bytes, block_bytes(buffer_bytes), spill);
+    store_ = std::make_unique<SlabStore>(buckets(), kOffsetBytes + record_bytes_, block_bytes(buffer_bytes), spill);
   }
-  RowBuckets(Unpacker& packed, std::uint64_t rows, std::size_t record_bytes, std::byte fill, const SpillPlace& kept,
+  RowBuckets(Unpacker& packed, std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& kept,
              std::size_t buffer_bytes)
-      : RowBuckets(rows, record_bytes, fill, buffer_bytes) {
+      : RowBuckets(rows, std::move(fill), buffer_bytes) {
     shift_ = packed.get<int>();
     window_rows_ = std::min(window_rows_, std::uint64_t{1} << shift_);
-    store_ = std::make_unique<SlabStore>(packed, kOffsetBytes + record_bytes, block_bytes(buffer_bytes), kept);
+    store_ = std::make_unique<SlabStore>(packed, kOffsetBytes + record_bytes_, block_bytes(buffer_bytes), kept);
   }
 
   void put(std::span<const std::uint64_t> rows, const std::byte* records) {
@@ -112,7 +121,7 @@ class RowBuckets {
     const PageMemory window(std::min(rows_, window_rows_) * record_bytes_);
     for (std::uint64_t first = 0; first < rows_; first += window_rows_) {
       const std::span<std::byte> records(window.data(), std::min(rows_ - first, window_rows_) * record_bytes_);
-      std::ranges::fill(records, fill_);
+      if (!records.empty()) repeat(fill_, records);
       fill_window(first, records);
       consume_in_runs(first, records, record_bytes_, consume);
     }
@@ -127,11 +136,11 @@ class RowBuckets {
   }
 
  private:
-  RowBuckets(std::uint64_t rows, std::size_t record_bytes, std::byte fill, std::size_t buffer_bytes)
+  RowBuckets(std::uint64_t rows, std::vector<std::byte> fill, std::size_t buffer_bytes)
       : rows_(rows),
-        record_bytes_(record_bytes),
-        fill_(fill),
-        window_rows_(std::bit_floor(std::max<std::size_t>(1, buffer_bytes / 2 / record_bytes))) {}
+        record_bytes_(fill.size()),
+        fill_(std::move(fill)),
+        window_rows_(std::bit_floor(std::max<std::size_t>(1, buffer_bytes / 2 / record_bytes_))) {}
 
   std::uint64_t buckets() const { return rows_ == 0 ? 0 : ((rows_ - 1) >> shift_) + 1; }
   std::size_t block_bytes(std::size_t buffer_bytes) const {
@@ -187,7 +196,7 @@ class RowBuckets {
 
   std::uint64_t rows_;
   std::size_t record_bytes_;
-  std::byte fill_;
+  std::vector<std::byte> fill_;
   std::uint64_t window_rows_;
   int shift_ = 0;
   std::unique_ptr<SlabStore> store_;
@@ -200,19 +209,18 @@ struct RowStore::State {
   std::unique_ptr<RowBuckets> buckets;
 };
 
-RowStore::RowStore(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const SpillPlace& spill,
-                   std::size_t buffer_bytes)
+RowStore::RowStore(std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& spill, std::size_t buffer_bytes)
     : state_(std::make_unique<State>()) {
   if (spill)
-    state_->buckets = std::make_unique<RowBuckets>(rows, record_bytes, fill, spill, buffer_bytes);
+    state_->buckets = std::make_unique<RowBuckets>(rows, std::move(fill), spill, buffer_bytes);
   else
-    state_->array = std::make_unique<RowArray>(rows, record_bytes, fill);
+    state_->array = std::make_unique<RowArray>(rows, fill);
 }
 
-RowStore::RowStore(Unpacker& packed, std::uint64_t rows, std::size_t record_bytes, std::byte fill,
-                   const SpillPlace& kept, std::size_t buffer_bytes)
+RowStore::RowStore(Unpacker& packed, std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& kept,
+                   std::size_t buffer_bytes)
     : state_(std::make_unique<State>()) {
-  state_->buckets = std::make_unique<RowBuckets>(packed, rows, record_bytes, fill, kept, buffer_bytes);
+  state_->buckets = std::make_unique<RowBuckets>(packed, rows, std::move(fill), kept, buffer_bytes);
 }
 
 RowStore::~RowStore() = default;

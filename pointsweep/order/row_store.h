@@ -8,21 +8,21 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "pointsweep/order/packed.h"
 #include "pointsweep/order/spill_file.h"
 
 namespace pointsweep {
 
-/// One record of `record_bytes` per row, 0 <= row < rows. In memory an array; spilled, one list per range of rows.
-/// A row that is never put reads as bytes of value `fill`.
+/// One record per row, 0 <= row < rows. In memory an array; spilled, one list per range of rows.
+/// A row that is never put reads as the record `fill`, whose size is that of all records.
 class RowStore {
  public:
-  /// In memory an array of rows * record_bytes. Spilling, memory stays under `buffer_bytes`.
-  RowStore(std::uint64_t rows, std::size_t record_bytes, std::byte fill, const SpillPlace& spill,
-           std::size_t buffer_bytes);
+  /// In memory an array of all records. Spilling, memory stays under `buffer_bytes`.
+  RowStore(std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& spill, std::size_t buffer_bytes);
   /// As it was when it was packed, in the file it kept then; another `buffer_bytes` may be given.
-  RowStore(Unpacker& packed, std::uint64_t rows, std::size_t record_bytes, std::byte fill, const SpillPlace& kept,
+  RowStore(Unpacker& packed, std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& kept,
            std::size_t buffer_bytes);
   ~RowStore();
 

@@ -8,9 +8,7 @@
 #include <array>
 #include <vector>
 
-#include "pointsweep/operators/set.h"
 #include "pointsweep/pipeline/output_formats.h"
-#include "pointsweep/pipeline/registry.h"
 
 namespace pointsweep {
 namespace {
@@ -20,14 +18,11 @@ struct Moves {
   std::array<bool, 3> axes{};       ///< x, y, z
 };
 
-/// Adds what the stage `op`, which makes positions, moves freely.
-void add_moves(const Operator& op, Moves& moves) {
-  const auto* assignment = dynamic_cast<const SetAttribute*>(&op);
-  if (assignment == nullptr && declaration_of(op.name()) != nullptr) return;
-  if (assignment != nullptr)
-    moves.axes[assignment->component()] = true;
-  else
-    moves.axes = {true, true, true};
+/// Adds what the stage `op`, which makes positions, may take to another system.
+void add_moves(const LocalOperator& op, Moves& moves) {
+  const std::array<bool, 3> axes = op.changes_system();
+  if (axes == std::array<bool, 3>{}) return;
+  for (std::size_t axis = 0; axis < 3; ++axis) moves.axes[axis] |= axes[axis];
   if (std::ranges::find(moves.stages, op.name()) == moves.stages.end()) moves.stages.push_back(op.name());
 }
 
@@ -35,8 +30,9 @@ Moves moves_of(const ChainGraph& graph) {
   Moves moves;
   for (const GraphNode& node : graph.nodes)
     for (const std::size_t v : node.makes)
-      if (node.kind == NodeKind::stage && graph.versions[v].attribute.name == position_attribute().name)
-        add_moves(*node.op, moves);
+      if (const auto* op = std::get_if<std::shared_ptr<const LocalOperator>>(node.op());
+          op != nullptr && graph.versions[v].attribute.name == position_attribute().name)
+        add_moves(**op, moves);
   return moves;
 }
 

@@ -29,7 +29,7 @@ bool is_made_of_lengths(const Attribute& attribute) {
 bool needs_lengths(const ChainStage& stage) {
   if (operator_of(stage) == nullptr) return false;
   const Contract contract = contract_of(stage);
-  if (!contract.alone || std::ranges::any_of(contract.makes, is_made_of_lengths)) return true;
+  if (contract.default_k > 0 || std::ranges::any_of(contract.makes, is_made_of_lengths)) return true;
   const OperatorDeclaration* declaration = declaration_of(name_of(stage));
   return declaration != nullptr && std::ranges::any_of(declaration->options, is_length);
 }

@@ -200,7 +200,7 @@ class Division {
     const std::uint64_t results = demand_.points * demand_.result_record_bytes;
     out_.window_bytes = cells_bytes(plan_, out_.slab_points, demand_, lists_) +
                         threads * thread_bytes(plan_, out_.slab_points, budget_, demand_);
-    out_.expected_bytes = kFixedBytes + demand_.codec_bytes + demand_.thinning_bytes +
+    out_.expected_bytes = kFixedBytes + demand_.codec_bytes + demand_.in_order_bytes +
                           std::max(out_.window_bytes, demand_.connect_bytes) +
                           index_bytes(plan_, out_.slab_points, demand_) + out_.stream_buffer_bytes;
     if (out_.on_demand)
@@ -240,7 +240,7 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
   out.cells_bytes = (budget - std::min(budget, others)) / kLostBetweenAllocations * (kLostBetweenAllocations - 1);
   // The window is empty by then, and the distribution pass is over.
   out.recall_bytes = std::max(kMega, out.cells_bytes + (out.on_demand ? 0 : out.stream_buffer_bytes));
-  out.thinning_bytes = demand.thinning_bytes + (budget - std::min(budget, out.expected_bytes));
+  out.in_order_bytes = demand.in_order_bytes + (budget - std::min(budget, out.expected_bytes));
   return out;
 }
 

@@ -16,7 +16,7 @@ struct MemoryDemand {
   std::uint64_t slab_points = 0;
   unsigned threads = 1;
   std::uint32_t cell_points = 1024;
-  std::uint64_t thinning_bytes = 0;     ///< estimate of what a Thinning holds
+  std::uint64_t in_order_bytes = 0;     ///< the least that an in-order operator holds
   std::uint64_t connect_bytes = 0;      ///< estimate of a forest, which grows when the window is empty
   std::uint64_t listed_edge_bytes = 0;  ///< of the edges of one neighbour in the lists that a thread has in hand
   std::uint64_t codec_bytes = 0;        ///< for decoding the inputs and encoding the output
@@ -39,7 +39,7 @@ struct MemoryPlan {
   std::uint64_t recall_bytes = 0;
   std::uint64_t window_bytes = 0;    ///< expected
   std::uint64_t cells_bytes = 0;     ///< what the cells of the window may take of the budget
-  std::uint64_t thinning_bytes = 0;  ///< what a Thinning may hold
+  std::uint64_t in_order_bytes = 0;  ///< what an in-order operator may hold
   std::uint64_t lists_bytes = 0;     ///< for the lists that each thread has in hand
   std::uint64_t expected_bytes = 0;  ///< in all
   std::uint64_t needed_bytes = 0;    ///< the least budget that does, in whole MB, if this one does not; otherwise 0

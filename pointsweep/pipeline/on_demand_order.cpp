@@ -18,7 +18,7 @@ std::string ruled_out_by_request(const ChainPlan& planned, const EngineOptions& 
   if (options.spill && !forced) return "everything is to be spilled";
   const std::size_t first = first_ordered_pass(planned);
   if (first < planned.passes.size() && planned.passes[first].has_places())
-    return fmt::format("{} does not order points by their positions", planned.passes[first].thinner().name());
+    return fmt::format("{} does not order points by their positions", planned.passes[first].in_order()->name());
   for (std::size_t p = 0; p < first; ++p)
     if (planned.passes[p].selects || !planned.passes[p].carried.empty())
       return "a pass before leaves out rows or carries values on";

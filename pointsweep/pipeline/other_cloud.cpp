@@ -105,7 +105,7 @@ void OtherCloud::give_in_order(int axis, const SpillPlace& spill,
 std::vector<std::optional<OtherCloud>> open_others(const ChainPlan& plan, const InputCloud& cloud) {
   std::vector<std::optional<OtherCloud>> others(plan.passes.size());
   for (std::size_t p = 0; p < others.size(); ++p) {
-    const OrderedOperator* op = plan.passes[p].ordered_operator();
+    const InOrderOperator* op = plan.passes[p].in_order();
     if (op != nullptr && !op->other_cloud().empty()) others[p].emplace(op->other_cloud(), cloud);
   }
   return others;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Another cloud that an OrderedOperator reads beside the one that goes through the chain.
+/// Another cloud that an InOrderOperator reads beside the one that goes through the chain.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "pointsweep/formats/input_cloud.h"
-#include "pointsweep/operators/ordered_operator.h"
+#include "pointsweep/in_order_operator.h"
 #include "pointsweep/order/spill_file.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 

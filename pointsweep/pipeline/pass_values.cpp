@@ -72,7 +72,7 @@ void give_values(PlannedPass& pass, const CloudValues& values) {
     std::vector<std::vector<double>> given;
     for (const std::size_t number : pass.values_of_stages[s]) given.push_back(values.at(number));
     Stage& stage = pass.plan.stages[s];
-    stage.op = stage.op->with_values(given);
+    stage.op = std::get<std::shared_ptr<const LocalOperator>>(stage.op)->with_values(given);
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
+#include <utility>
 
 #include "pointsweep/sweep/file_column.h"
 #include "pointsweep/threads.h"
@@ -12,12 +14,25 @@ namespace {
 
 constexpr std::size_t kBatch = 1024;
 
-void copy_values(const Attribute& from, const std::byte* values, const Attribute& to, std::size_t size,
-                 std::byte* out) {
-  if (from.type == to.type) return void(std::memcpy(out, values, size * to.bytes()));
-  const Field read{.name = "", .type = from.type}, made{.name = "", .type = to.type};
-  for (std::size_t i = 0; i < size * to.fields.size(); ++i)
-    set_value(made, out + i * size_of(to.type), value_of(read, values + i * size_of(from.type)));
+/// Where a stage reads a field: the number of the read, and of the component in it; nothing if it does not.
+std::optional<std::pair<std::size_t, std::size_t>> find_read(const std::string& field,
+                                                             const std::vector<Attribute>& reads) {
+  for (std::size_t r = 0; r < reads.size(); ++r)
+    if (const auto at = std::ranges::find(reads[r].fields, field); at != reads[r].fields.end())
+      return std::pair(r, static_cast<std::size_t>(at - reads[r].fields.begin()));
+  return std::nullopt;
+}
+
+/// Copies component `c` of the values `from` to component `to_c` of the values `to`.
+void copy_component(const Attribute& read, std::size_t c, const std::byte* from, const Attribute& made,
+                    std::size_t to_c, std::byte* to, std::size_t size) {
+  const Field before{.name = "", .type = read.type}, after{.name = "", .type = made.type};
+  for (std::size_t i = 0; i < size; ++i, from += read.bytes(), to += made.bytes()) {
+    if (read.type == made.type)
+      std::memcpy(to + to_c * size_of(made.type), from + c * size_of(read.type), size_of(made.type));
+    else
+      set_value(after, to, value_of(before, from, static_cast<std::uint32_t>(c)), static_cast<std::uint32_t>(to_c));
+  }
 }
 
 void copy_positions(const Neighborhoods& in, std::byte* out) {
@@ -30,18 +45,21 @@ void copy_positions(const Neighborhoods& in, std::byte* out) {
 /// Fills the results of a stage for points without a finite place, if the stage needs neighbours or the order of all
 /// points: their values stay unchanged.
 void leave_unchanged(const Stage& stage, const Batch& batch) {
-  const Contract contract = stage.op->contract();
+  const Contract contract = contract_of(stage.op);
   for (std::size_t m = 0; m < stage.makes.size(); ++m) {
     const Attribute& made = contract.makes[m];
     std::byte* const to = batch.made[stage.makes[m]];
-    const auto read = std::ranges::find(contract.reads, made.name, &Attribute::name);
-    if (made.name == position_attribute().name)
+    const auto is_read = [&](const std::string& field) { return find_read(field, contract.reads).has_value(); };
+    if (made.name == position_attribute().name) {
       copy_positions({batch.own, batch.size, batch.slots, batch.begin, batch.refs, {}, {}, stage.position}, to);
-    else if (read != contract.reads.end() && read->fields.size() == made.fields.size())
-      copy_values(*read, batch.made[stage.reads[static_cast<std::size_t>(read - contract.reads.begin())]], made,
-                  batch.size, to);
-    else
+    } else if (!std::ranges::all_of(made.fields, is_read)) {
       std::fill_n(to, batch.size * made.bytes(), made.fill);
+    } else {
+      for (std::size_t c = 0; c < made.fields.size(); ++c) {
+        const auto [read, component] = *find_read(made.fields[c], contract.reads);
+        copy_component(contract.reads[read], component, batch.made[stage.reads[read]], made, c, to, batch.size);
+      }
+    }
   }
 }
 
@@ -77,7 +95,7 @@ void PointwiseStages::run_batch(const std::byte* records, std::span<const std::u
   const std::vector<std::uint32_t> no_lists(size + 1, 0);
   const Batch batch{{x, y, z, rows.data(), own.data()}, size, nullptr, no_lists.data(), nullptr, made.data()};
   for (std::size_t s = 0; s < plan.stages.size(); ++s) {
-    if (!is_pointwise(*plan.stages[s].op)) {
+    if (!is_pointwise(plan.stages[s].op)) {
       leave_unchanged(plan.stages[s], batch);
       continue;
     }

@@ -30,7 +30,7 @@ std::string stages_text(const SweepPlan& plan, std::size_t first_stage) {
   for (std::size_t s = 0; s < plan.stages.size(); ++s) {
     const std::size_t step = step_of(plan, s);
     const bool waits = step > 0 && plan.steps[step] == s;
-    text += fmt::format("  {:<12}{:>4}  {}\n", fmt::format("{} {}", first_stage + s + 1, plan.stages[s].op->name()),
+    text += fmt::format("  {:<12}{:>4}  {}\n", fmt::format("{} {}", first_stage + s + 1, name_of(plan.stages[s].op)),
                         step + 1,
                         waits ? "pre-buffer: waits until all neighbours have finished the step before"
                               : "through: runs in the same pass");
@@ -79,10 +79,9 @@ std::string slabs_text(const MemoryPlan& memory, std::uint64_t points, std::uint
                                          : "in memory");
 }
 
-/// The axis along which the points of a pass of kind order come.
-std::string axis_text(const PlannedPass& pass, std::optional<int> asked) {
-  const OrderedOperator* op = pass.ordered_operator();
-  const bool in_plane = op != nullptr && op->in_plane();
+/// The axis along which the points come to an in-order operator.
+std::string axis_text(const InOrderContract& contract, std::optional<int> asked) {
+  const bool in_plane = contract.places == Places::in_plane;
   if (asked && !(in_plane && *asked == 2)) return std::string(1, "xyz"[*asked]);
   return in_plane ? "x or y" : "their longest axis";
 }
@@ -91,17 +90,17 @@ std::string axis_text(const PlannedPass& pass, std::optional<int> asked) {
 std::string passage_text(const Preview& p, std::size_t s) {
   const PlannedPass& pass = p.planned.passes[s];
   if (pass.kind == PassKind::rows) return "reads         the rows in their order; no neighbours are searched\n";
-  if (pass.kind == PassKind::order) {
-    const std::string how = pass.thinner().contract().arrival;
+  if (const InOrderOperator* op = pass.in_order()) {
+    const InOrderContract contract = op->in_order_contract();
     return fmt::format("reads         the points in order along {}{}; no neighbours are searched\n",
-                       axis_text(pass, p.axis), how.empty() ? "" : ", " + how);
+                       axis_text(contract, p.axis), contract.arrival.empty() ? "" : ", " + contract.arrival);
   }
   std::string text = fmt::format("neighbours    {}\n", neighborhood_text(pass.plan.neighborhood));
   if (const Effort& effort = p.memory.efforts[s]; effort.neighbors_per_point > 0)
     text += fmt::format("effort        {}\n", effort_text(effort.neighbors_per_point, effort.seconds));
   if (const Stage* stage = pass.connecting_stage())
     text += fmt::format("connects      neighbours by edges, in the temporary folder; '{}' is known after the pass\n",
-                        stage->op->name());
+                        name_of(stage->op));
   return text;
 }
 

@@ -93,7 +93,7 @@ RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, doubl
 
 double neighbor_seconds(const SweepPlan& plan, double neighbors) {
   double cost = kSearchCost * static_cast<double>(plan.step_count());  // where lists are not kept
-  for (const Stage& stage : plan.stages) cost += cost_of(stage.op->name());
+  for (const Stage& stage : plan.stages) cost += cost_of(name_of(stage.op));
   return 1e-9 * cost * neighbors;
 }
 

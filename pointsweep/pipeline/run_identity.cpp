@@ -50,7 +50,7 @@ std::string kept_text(const KeptFields& kept, const Schema& input) {
 std::string pass_text(const PlannedPass& pass) {
   const SweepPlan& plan = pass.plan;
   std::string text = "pass of";
-  for (const Stage& stage : plan.stages) text += " " + stage.op->name();
+  for (const Stage& stage : plan.stages) text += " " + name_of(stage.op);
   text += ", making";
   for (const Attribute& a : pass.made) text += " " + a.name;
   return text + "\n";

@@ -14,7 +14,6 @@
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/radius_estimate.h"
 #include "pointsweep/pipeline/row_mask.h"
-#include "pointsweep/pipeline/thinning_pass.h"
 #include "pointsweep/sweep/edge_emitter.h"
 
 namespace pointsweep {
@@ -60,17 +59,18 @@ int axis_of_places(const Survey& survey, const EngineOptions& options) {
   return extent.x >= extent.y ? 0 : 1;
 }
 
-/// What a thinning holds of the points within its reach behind the front and of those that wait for one of these.
-void add_thinning(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey, const EngineOptions& options) {
-  if (pass.kind != PassKind::order) return;
-  if (const OrderedOperator* op = pass.ordered_operator()) {
-    demand.thinning_bytes = op->least_bytes(survey.sample, axis_of_places(survey, options));
-    if (!op->other_cloud().empty()) demand.thinning_bytes += OtherCloud::working_bytes(demand.threads);
-  }
-  const Contract contract = pass.thinner().contract();
-  if (contract.reach == 0) return;
-  const RadiusEstimate estimate = estimate_radius(survey, demand.points, contract.reach, 2 * contract.reach);
-  demand.thinning_bytes = contract.held_bytes * std::min(demand.points, estimate.slice_points + kThinningBatch);
+/// The least memory of an in-order operator.
+void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey, const EngineOptions& options) {
+  const InOrderOperator* op = pass.in_order();
+  if (op == nullptr) return;
+  const auto slice_points = [&](double thickness) {
+    return estimate_radius(survey, demand.points, thickness / 2, thickness).slice_points;
+  };
+  demand.in_order_bytes = op->least_bytes({.points = demand.points,
+                                           .sample = survey.sample,
+                                           .axis = axis_of_places(survey, options),
+                                           .slice_points = slice_points});
+  if (!op->other_cloud().empty()) demand.in_order_bytes += OtherCloud::working_bytes(demand.threads);
 }
 
 /// What a forest holds: supernodes of a bucket and of the points whose neighbours are not all in earlier ones. And what
@@ -81,8 +81,8 @@ void add_forest(MemoryDemand& demand, const PlannedPass& pass, const Survey& sur
   const std::size_t k = pass.plan.neighborhood.k;
   const std::uint64_t open =
       k == Neighborhood::kUnlimited ? demand.slice_points : estimate_open_points(survey, demand.points, k);
-  const bool weighted = stage->connects->weighted();
-  const std::uint64_t votes = stage->connects->votes() != nullptr ? stage->connects->votes()->bytes() : 0;
+  const bool weighted = stage->connects()->weighted();
+  const std::uint64_t votes = stage->connects()->votes() != nullptr ? stage->connects()->votes()->bytes() : 0;
   demand.connect_bytes = (open + std::min(demand.points, kBucketPoints)) * (votes + (weighted ? 450 : 150));
   demand.listed_edge_bytes = EdgeEmitter::bytes_per_neighbor(weighted);
 }
@@ -170,7 +170,7 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
     MemoryDemand needs = demand(whole ? pass.input.stride : pass.travelling_bytes(),
                                 whole ? output_bytes : stages.result_bytes, points, survey, options, codec_bytes);
     memory.efforts.push_back(add_radius(needs, stages, survey));
-    add_thinning(needs, pass, survey, options);
+    add_in_order(needs, pass, survey, options);
     add_forest(needs, pass, survey);
     memory.record_bytes.push_back(needs.working_record_bytes);
     if (memory.passes.size() == memory.ordered_pass) {
@@ -197,7 +197,7 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
   memory.spill_rows = memory.row_bytes > 0 && (memory.spills() || memory.expected_bytes + memory.row_bytes > budget);
   if (memory.spill_rows) return memory;
   memory.expected_bytes += memory.row_bytes;
-  for (MemoryPlan& pass : memory.passes) pass.thinning_bytes -= std::min(pass.thinning_bytes, memory.row_bytes);
+  for (MemoryPlan& pass : memory.passes) pass.in_order_bytes -= std::min(pass.in_order_bytes, memory.row_bytes);
   return memory;
 }
 

@@ -76,9 +76,9 @@ void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& swe
   to.recall_seconds += sweep.recall_seconds;
   to.read_seconds += sweep.read_seconds, to.search_seconds += sweep.search_seconds;
   for (std::size_t i = 0; i < plan.stages.size(); ++i) {
-    to.operator_seconds.emplace_back(plan.stages[i].op->name(), sweep.stage_seconds[i]);
+    to.operator_seconds.emplace_back(name_of(plan.stages[i].op), sweep.stage_seconds[i]);
     const DegenerateRows& rows = sweep.degenerate[i];
-    to.degenerate_results.push_back({plan.stages[i].op->name(), rows.count(), rows.lowest()});
+    to.degenerate_results.push_back({name_of(plan.stages[i].op), rows.count(), rows.lowest()});
     to.degenerate += rows.count();
   }
 

@@ -15,7 +15,7 @@ PointKey key_in(const PointColumns& points, std::size_t i) {
 
 }  // namespace
 
-void EdgeEmitter::take(const ConnectingOperator& op, const Neighborhoods& in, const Batch& batch) {
+void EdgeEmitter::take(const ConnectOperator& op, const Neighborhoods& in, const Batch& batch) {
   const VoteRule* votes = op.votes();
   edges_.clear();
   ballots_.assign(votes != nullptr ? batch.size * votes->ballot_bytes() : 0, std::byte{0});

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pointsweep/connect/edge_buckets.h"
-#include "pointsweep/operators/connecting_operator.h"
+#include "pointsweep/operators/connect_operator.h"
 
 namespace pointsweep {
 
@@ -18,7 +18,7 @@ struct Batch;
 class EdgeEmitter {
  public:
   explicit EdgeEmitter(EdgeBuckets& buckets) : buckets_(buckets) {}
-  void take(const ConnectingOperator& op, const Neighborhoods& in, const Batch& batch);
+  void take(const ConnectOperator& op, const Neighborhoods& in, const Batch& batch);
 
   /// What the edges of a neighbour take in memory while the batch is in hand.
   static constexpr std::uint64_t bytes_per_neighbor(bool weighted) {

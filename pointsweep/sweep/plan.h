@@ -9,8 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operator.h"
-#include "pointsweep/operators/connecting_operator.h"
+#include "pointsweep/operators/stage_operator.h"
 #include "pointsweep/search/best_list.h"
 
 namespace pointsweep {
@@ -25,10 +24,15 @@ enum class Lifetime : std::uint8_t {
 /// An operator at its place in the chain (the paper's Φ_k). Columns are numbered; remaking an attribute makes a new
 /// column, so that no column is ever overwritten while a neighbour may still be read.
 struct Stage {
-  std::shared_ptr<const Operator> op;
+  StageOperator op;
   std::vector<std::uint16_t> reads, reads_neighbors, makes;
   int position = -1;  ///< the column of the moved positions it sees; negative: those of the input
-  const ConnectingOperator* connects = nullptr;  ///< `op`, if it emits edges instead of filling its columns
+
+  /// `op`, if it emits edges instead of filling its columns; else null.
+  const ConnectOperator* connects() const {
+    const auto* connecting = std::get_if<std::shared_ptr<const ConnectOperator>>(&op);
+    return connecting != nullptr ? connecting->get() : nullptr;
+  }
 };
 
 /// A column that comes from the file: field `field` (and the next components) of the working record, bit for bit.

@@ -23,7 +23,7 @@ void count_distances(const Batch& batch, NeighborDistances& distances) {
 /// Goes on after a row that is refused: a lower one may be refused later.
 void apply(const Stage& stage, const Neighborhoods& in, Columns& out, FirstRowError& refused) {
   try {
-    stage.op->apply(in, out);
+    pointsweep::apply(stage.op, in, out);
   } catch (const RowError& error) {
     refused.note(error);
   }
@@ -50,10 +50,11 @@ void run_stage(const SweepPlan& plan, std::size_t s, const Batch& batch, StageTa
                          stage.reads_neighbors, stage.position, false, plan.column_bytes.data());
   tally.marked[s] = {};
   Columns out(made, batch.size, tally.marked[s], std::move(unwanted), std::move(bytes));
-  if (stage.connects == nullptr)
+  const ConnectOperator* connects = stage.connects();
+  if (connects == nullptr)
     apply(stage, in, out, tally.refused);
   else if (tally.edges)
-    tally.edges->take(*stage.connects, in, batch);
+    tally.edges->take(*connects, in, batch);
   tally.seconds[s] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 

@@ -23,7 +23,7 @@ decltype(SweepStatistics::buffers) named_buffers(const SweepPlan& plan) {
   for (std::size_t step = 0; step < plan.step_count(); ++step) {
     std::string name = step == 0 ? "knn" : "";
     for (std::size_t s = plan.steps[step]; s < plan.steps[step + 1]; ++s)
-      name += (name.empty() ? "" : ", ") + plan.stages[s].op->name();
+      name += (name.empty() ? "" : ", ") + name_of(plan.stages[s].op);
     buffers.push_back({name, {}});
   }
   buffers.push_back({"finished", {}});

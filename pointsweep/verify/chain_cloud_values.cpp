@@ -19,7 +19,7 @@ std::vector<const Operator*> ChainValues::makers_of_reads(const Contract& contra
     makers.push_back(nullptr);
     for (const auto& [name, column] : latest_)
       if (name == a.name && maker_[column] >= 0)
-        makers.back() = stages_[static_cast<std::size_t>(maker_[column])].op.get();
+        makers.back() = operator_of(stages_[static_cast<std::size_t>(maker_[column])].op);
   }
   return makers;
 }
@@ -37,8 +37,8 @@ std::optional<ColumnSource> ChainValues::source_of(std::uint16_t column, const O
   ColumnSource source{.attribute = attribute};
   if (last->second != column) {
     const Stage& turning = stages_[static_cast<std::size_t>(maker_[last->second])];
-    if (turning.op->name() != "turned_normals" || turning.reads[0] != column) return std::nullopt;
-    const auto turned = in_output(turning.op->contract().reads[1]);
+    if (name_of(turning.op) != "turned_normals" || turning.reads[0] != column) return std::nullopt;
+    const auto turned = in_output(contract_of(turning.op).reads[1]);
     if (!turned) return std::nullopt;
     source.turned_by = turned->front();
   }
@@ -109,7 +109,7 @@ std::vector<double> ChainValues::made_by_operators(const std::string& attribute,
       look_at_cloud(rows, neighborhood, nullptr, [](const Attribute&) { return std::nullopt; });
   if (!untold.empty()) throw NotTold(untold.front());
   for (Stage& stage : stages_) {
-    if (stage.ring >= 0 && !stage.op->contract().values.empty())
+    if (stage.ring >= 0 && !contract_of(stage.op).values.empty())
       throw NotTold("what it reads depends on values of the whole cloud");
     if (!stage.cloud) stage.formula = nullptr, stage.applied = true;
   }
@@ -151,9 +151,9 @@ std::vector<double> ChainValues::made_by_operators(const std::string& attribute,
 /// Of an attribute that the output has not of all rows.
 std::optional<ColumnSource> ChainValues::source_again(std::uint16_t column, CloudRows& rows) const {
   const auto maker = static_cast<std::size_t>(maker_[column]);
-  std::vector<std::shared_ptr<const Operator>> before;
+  std::vector<StageOperator> before;
   for (std::size_t s = 0; s <= maker; ++s)
-    if (stages_[s].op->contract().selects == Selects::nothing) before.push_back(stages_[s].op);
+    if (!drops_rows(stages_[s].op)) before.push_back(stages_[s].op);
   const Attribute& a = columns_[column];
   ChainValues again(std::move(before), {a.name}, rows.input().schema(), rule_);
   return ColumnSource{

@@ -19,16 +19,12 @@ Surroundings without_neighbors(std::span<const KnownPoint> points, std::size_t r
   return around;
 }
 
-bool is_pointwise(const Contract& contract) {
-  return contract.alone && contract.reads_neighbors.empty() && contract.selects != Selects::in_order;
-}
-
 }  // namespace
 
 /// The position, and an attribute that the stage reads and makes again, stay; all else is the value of none.
 void ChainValues::leave_unchanged(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
                                   ColumnEstimates& estimates) const {
-  const Contract contract = stage.op->contract();
+  const Contract contract = contract_of(stage.op);
   for (std::size_t m = 0; m < stage.makes.size(); ++m) {
     const std::uint16_t column = stage.makes[m];
     const Attribute& a = columns_[column];
@@ -76,7 +72,7 @@ ChainResults ChainValues::evaluate_unplaced(std::span<const KnownPoint> points, 
   for (const Stage& stage : stages_) {
     if (stage.ring < 0) continue;
     if (stage.cloud && take_unplaced(stage, around, bits, estimates)) continue;
-    if (stage.cloud || !is_pointwise(stage.op->contract())) {
+    if (stage.cloud || !is_pointwise(stage.op)) {
       leave_unchanged(stage, around, bits, estimates);
       continue;
     }

@@ -69,7 +69,7 @@ std::vector<PointColumns> slots_of(const Surroundings& around, const std::vector
 
 }  // namespace
 
-ChainValues::ChainValues(std::vector<std::shared_ptr<const Operator>> operators, const std::vector<std::string>& keep,
+ChainValues::ChainValues(std::vector<StageOperator> operators, const std::vector<std::string>& keep,
                          const Schema& input, SharedRule rule, const CloudThreshold& threshold)
     : rule_(std::move(rule)) {
   if (rule_) rule_formula_ = formula_of(*rule_);
@@ -81,17 +81,25 @@ ChainValues::ChainValues(std::vector<std::shared_ptr<const Operator>> operators,
   }
   int position = -1;
   for (const auto& op : operators) {
-    const Contract contract = op->contract();
-    Stage stage{
-        .op = op, .reads = {}, .reads_neighbors = {}, .makes = {}, .position = position, .alone = contract.alone};
-    stage.formula = formula_of(*op, threshold);
-    stage.cloud = cloud_formula_of(*op, makers_of_reads(contract));
+    const Contract contract = contract_of(op);
+    Stage stage{.op = op,
+                .reads = {},
+                .reads_neighbors = {},
+                .makes = {},
+                .position = position,
+                .alone = contract.default_k == 0};
+    stage.formula = formula_of(*operator_of(op), threshold);
+    stage.cloud = cloud_formula_of(*operator_of(op), makers_of_reads(contract));
     stage.alone = stage.alone || stage.cloud;
-    for (const Attribute& a : contract.reads) stage.reads.push_back(column_of(a, *op, input));
+    for (const Attribute& a : contract.reads) stage.reads.push_back(column_of(a, name_of(op), input));
     if (!stage.cloud)
-      for (const Attribute& a : contract.reads_neighbors) stage.reads_neighbors.push_back(column_of(a, *op, input));
+      for (const Attribute& a : contract.reads_neighbors)
+        stage.reads_neighbors.push_back(column_of(a, name_of(op), input));
     for (Attribute a : contract.makes) {
-      if (contract.selects != Selects::nothing) a.name = selection_name(stages_.size());
+      if (a.name == selection_attribute().name) {
+        if (contract.makes.size() > 1) continue;  // the input has the rows that are left
+        a.name = selection_name(stages_.size());
+      }
       make(a, stage);
       if (a.name == position_attribute().name) position = stage.makes.back();
     }
@@ -121,11 +129,11 @@ std::uint16_t ChainValues::new_column(const Attribute& attribute) {
   return column;
 }
 
-std::uint16_t ChainValues::column_of(const Attribute& wanted, const Operator& op, const Schema& input) {
+std::uint16_t ChainValues::column_of(const Attribute& wanted, const std::string& stage, const Schema& input) {
   for (const auto& [name, column] : latest_)
     if (name == wanted.name) return column;
   const std::uint16_t column = new_column(wanted);
-  add_file_column(column, wanted, op.name(), input);
+  add_file_column(column, wanted, stage, input);
   return column;
 }
 
@@ -216,7 +224,7 @@ void ChainValues::apply(const Stage& stage, const Surroundings& around, ColumnBy
                            stage.position);
     DegeneratePoints degenerate;
     Columns out(made, size, degenerate);
-    stage.op->apply(in, out);
+    pointsweep::apply(stage.op, in, out);
   }
 }
 

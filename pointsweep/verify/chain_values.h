@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pointsweep/neighborhood.h"
-#include "pointsweep/operator.h"
+#include "pointsweep/operators/stage_operator.h"
 #include "pointsweep/verify/cloud_formula.h"
 #include "pointsweep/verify/row_source.h"
 #include "pointsweep/verify/stage_formula.h"
@@ -31,7 +31,7 @@ class ChainValues {
   /// `keep`: names of the made attributes that count; empty: all. `rule`: what is left of the neighbours found. Throws
   /// UsageError if an operator reads what neither the input nor an earlier stage has, or the rule what the input has
   /// not. A select makes selection_name(), which counts in any case.
-  ChainValues(std::vector<std::shared_ptr<const Operator>> operators, const std::vector<std::string>& keep,
+  ChainValues(std::vector<StageOperator> operators, const std::vector<std::string>& keep,
               const Schema& input, SharedRule rule = {}, const CloudThreshold& threshold = {});
   /// Of the `number`-th operator.
   static std::string selection_name(std::size_t number);
@@ -70,7 +70,7 @@ class ChainValues {
 
  private:
   struct Stage {
-    std::shared_ptr<const Operator> op;
+    StageOperator op;
     std::shared_ptr<const StageFormula> formula = {};  ///< neither this nor the next: the operator itself is applied
     std::shared_ptr<CloudFormula> cloud = {};
     std::vector<std::optional<ColumnSource>> sources = {};  ///< of what the cloud formula reads of all rows
@@ -90,7 +90,7 @@ class ChainValues {
   using ColumnBytes = std::vector<std::vector<std::byte>>;  ///< by column number
   using ColumnEstimates = std::vector<std::vector<formulas::Estimate>>;
 
-  std::uint16_t column_of(const Attribute& wanted, const Operator& op, const Schema& input);
+  std::uint16_t column_of(const Attribute& wanted, const std::string& stage, const Schema& input);
   void add_file_column(std::uint16_t column, const Attribute& wanted, const std::string& who, const Schema& input);
   void find_applied();
   std::vector<const Operator*> makers_of_reads(const Contract& contract) const;

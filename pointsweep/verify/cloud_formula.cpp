@@ -2,10 +2,8 @@
 #include "pointsweep/verify/cloud_formula.h"
 
 #include <algorithm>
-#include <typeinfo>
 #include <vector>
 
-#include "pointsweep/operators/voxel_centroid.h"
 #include "pointsweep/verify/change_formulas.h"
 #include "pointsweep/verify/graph_formulas.h"
 #include "pointsweep/verify/ground_formula.h"
@@ -15,15 +13,9 @@
 namespace pointsweep {
 namespace {
 
-/// Exactly this class: one derived from it may mean something else.
-template <class Op>
-const Op* as(const Operator* op) {
-  return op != nullptr && typeid(*op) == typeid(Op) ? static_cast<const Op*>(op) : nullptr;
-}
-
 const std::vector<NamedCloudFormula>& all_cloud_formulas() {
   static const std::vector<NamedCloudFormula> all = [] {
-    std::vector<NamedCloudFormula> list = {ground_formula(), height_formula()};
+    std::vector<NamedCloudFormula> list = {ground_formula(), height_formula(), voxel_formula()};
     for (const auto& more : {change_formulas(), graph_formulas()}) list.insert(list.end(), more.begin(), more.end());
     return list;
   }();
@@ -38,13 +30,10 @@ const ColumnSource& CloudInput::source(std::size_t read) const {
 }
 
 bool has_cloud_formula(const Operator& op) {
-  return as<VoxelMeans>(&op) != nullptr || as<TakeVoxelMeans>(&op) != nullptr ||
-         std::ranges::find(all_cloud_formulas(), op.name(), &NamedCloudFormula::name) != all_cloud_formulas().end();
+  return std::ranges::find(all_cloud_formulas(), op.name(), &NamedCloudFormula::name) != all_cloud_formulas().end();
 }
 
 std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers) {
-  if (const auto* means = as<VoxelMeans>(&op)) return voxel_formula_of(*means);
-  if (const auto* taken = as<TakeVoxelMeans>(&op)) return voxel_formula_of(*taken, as<VoxelMeans>(makers[0]));
   const auto found = std::ranges::find(all_cloud_formulas(), op.name(), &NamedCloudFormula::name);
   if (found == all_cloud_formulas().end()) return nullptr;
   FormulaSetup stage = setup_of(op);

@@ -35,11 +35,11 @@ std::vector<double> value_in(InputCloud& cloud, const Reduction& reduction) {
 
 }  // namespace
 
-std::vector<std::shared_ptr<const Operator>> with_input_values(std::vector<std::shared_ptr<const Operator>> operators,
+std::vector<StageOperator> with_input_values(std::vector<StageOperator> operators,
                                                                InputCloud& cloud) {
   std::map<std::string, std::vector<double>> known;
   for (auto& op : operators) {
-    const Contract contract = op->contract();
+    const Contract contract = contract_of(op);
     const auto of_input = [](const auto& reduction) { return reduction->of_input(); };
     if (contract.values.empty() || !std::ranges::all_of(contract.values, of_input)) continue;
     std::vector<std::vector<double>> values;
@@ -48,7 +48,7 @@ std::vector<std::shared_ptr<const Operator>> with_input_values(std::vector<std::
       if (is_new) at->second = value_in(cloud, *reduction);
       values.push_back(at->second);
     }
-    op = op->with_values(values);
+    op = std::get<std::shared_ptr<const LocalOperator>>(op)->with_values(values);
   }
   return operators;
 }

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "pointsweep/formats/input_cloud.h"
-#include "pointsweep/operator.h"
+#include "pointsweep/operators/stage_operator.h"
 
 namespace pointsweep {
 
 /// Gives operators that need values of the input (Reduction::of_input) these values. Reads the cloud once for each
 /// value; returns all other operators unchanged.
-std::vector<std::shared_ptr<const Operator>> with_input_values(std::vector<std::shared_ptr<const Operator>> operators,
+std::vector<StageOperator> with_input_values(std::vector<StageOperator> operators,
                                                                InputCloud& cloud);
 
 }  // namespace pointsweep

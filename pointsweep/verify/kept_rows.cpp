@@ -125,7 +125,7 @@ void put_value(const Field& field, const std::byte* record, Type type, std::byte
 }
 
 /// Asks the operator about one row at a time.
-Mask by_condition(InputCloud& cloud, const Operator& op, const PhaseProgress& progress) {
+Mask by_condition(InputCloud& cloud, const SelectOperator& op, const PhaseProgress& progress) {
   const Contract contract = op.contract();
   const PositionFields position = position_fields(cloud.schema(), "the input");
   std::vector<std::uint16_t> reads;
@@ -150,24 +150,24 @@ Mask by_condition(InputCloud& cloud, const Operator& op, const PhaseProgress& pr
         put_value(fields[f], record, contract.reads[f].type, values[f].data());
       const double x = value_of(position.x, record), y = value_of(position.y, record), z = value_of(position.z, record);
       const std::uint32_t no_list[2] = {0, 0};
-      std::byte decision{0};
-      std::byte* const made[] = {&decision};
-      DegeneratePoints degenerate;
-      Columns out(made, 1, degenerate);
-      op.apply({{&x, &y, &z, &row, columns.data()}, 1, nullptr, no_list, nullptr, reads, {}}, out);
-      kept.push_back(decision != std::byte{0});
+      std::uint8_t decision = 0;
+      op.keep({{&x, &y, &z, &row, columns.data()}, 1, nullptr, no_list, nullptr, reads, {}}, {&decision, 1});
+      kept.push_back(decision != 0);
     }
     if (progress) progress("reading", row, source.count());
   }
   return kept;
 }
 
-Mask kept_by(const Operator& op, InputCloud& cloud, std::uint64_t memory_bytes, const PhaseProgress& progress) {
+Mask kept_by(const StageOperator& stage, InputCloud& cloud, std::uint64_t memory_bytes,
+             const PhaseProgress& progress) {
+  const Operator& op = *operator_of(stage);
   const NamedOptions options(op.name(), op.declared_options());
   const std::string name = op.name();
   if (name == "decimate") return by_hash(cloud, options, progress);
   if (name == "crop") return by_region(cloud, options, progress);
-  if (op.contract().selects == Selects::by_value) return by_condition(cloud, op, progress);
+  if (const auto* select = std::get_if<std::shared_ptr<const SelectOperator>>(&stage))
+    return by_condition(cloud, **select, progress);
   if (name == "poisson" && !options.has("radius_from"))
     return rows_of_disks(cloud, options.number("radius"), memory_bytes, progress);
   Competes competes;
@@ -203,12 +203,12 @@ RowSelection selection_of(const InputCloud& cloud, const Mask& kept) {
 
 }  // namespace
 
-std::size_t select_kept_rows(InputCloud& cloud, const std::vector<std::shared_ptr<const Operator>>& operators,
+std::size_t select_kept_rows(InputCloud& cloud, const std::vector<StageOperator>& operators,
                              std::uint64_t memory_bytes, const PhaseProgress& progress) {
   std::size_t done = 0;
   for (; done < operators.size(); ++done) {
-    if (operators[done]->contract().selects == Selects::nothing) break;
-    const Mask kept = kept_by(*operators[done], cloud, memory_bytes, progress);
+    if (!drops_rows(operators[done])) break;
+    const Mask kept = kept_by(operators[done], cloud, memory_bytes, progress);
     cloud.select(selection_of(cloud, kept));
   }
   return done;

@@ -25,7 +25,7 @@ void for_each_finite(RowSource& source, const Field& field, const PhaseProgress&
 
 constexpr const char* kMeanDistance = "mean_distance";
 
-bool is_outlier(const std::shared_ptr<const Operator>& op) { return op->name() == "outlier"; }
+bool is_outlier(const StageOperator& op) { return name_of(op) == "outlier"; }
 
 /// `for_each(use)`: of the finite mean distances; as of the type that holds them.
 template <class ForEach>
@@ -48,7 +48,7 @@ CloudThreshold threshold_of(ForEach for_each, Type type, const NamedOptions& opt
 
 }  // namespace
 
-CloudThreshold outlier_threshold(Reader& out, const std::vector<std::shared_ptr<const Operator>>& operators,
+CloudThreshold outlier_threshold(Reader& out, const std::vector<StageOperator>& operators,
                                  const std::string& prefix, const PhaseProgress& progress) {
   const auto op = std::ranges::find_if(operators, is_outlier);
   if (op == operators.end()) return {};
@@ -57,16 +57,16 @@ CloudThreshold outlier_threshold(Reader& out, const std::vector<std::shared_ptr<
   if (!at) return {};
   const Field& field = source.schema().fields[*at];
   const auto for_each = [&](const auto& use) { for_each_finite(source, field, progress, use); };
-  return threshold_of(for_each, field.type, setup_of(**op).options);
+  return threshold_of(for_each, field.type, setup_of(*operator_of(*op)).options);
 }
 
-CloudThreshold outlier_threshold_of_all(InputCloud& in, const std::vector<std::shared_ptr<const Operator>>& operators,
+CloudThreshold outlier_threshold_of_all(InputCloud& in, const std::vector<StageOperator>& operators,
                                         const SharedRule& rule, const NeighborRule& neighborhood,
                                         std::uint64_t memory_bytes) {
   const auto op = std::ranges::find_if(operators, is_outlier);
   if (op == operators.end()) return {};
-  std::vector<std::shared_ptr<const Operator>> before(operators.begin(), op);
-  std::erase_if(before, [](const auto& any) { return any->contract().selects != Selects::nothing; });
+  std::vector<StageOperator> before(operators.begin(), op);
+  std::erase_if(before, [](const StageOperator& any) { return drops_rows(any); });
   const std::string name = kMeanDistance;
   ChainValues chain(before, {name}, in.schema(), rule);
   RowSource source(in);
@@ -77,7 +77,7 @@ CloudThreshold outlier_threshold_of_all(InputCloud& in, const std::vector<std::s
     for (const double v : distances)
       if (std::isfinite(v)) use(v);
   };
-  return threshold_of(for_each, Type::f64, setup_of(**op).options);
+  return threshold_of(for_each, Type::f64, setup_of(*operator_of(*op)).options);
 }
 
 }  // namespace pointsweep

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/operators/stage_operator.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/verify/row_source.h"
 #include "pointsweep/verify/stage_formula.h"
@@ -16,12 +17,12 @@ namespace pointsweep {
 /// mean + multiplier * deviation, by the operator's definition, of the finite mean distances of all points of `out`, in
 /// extended precision, for the first Outlier among the operators. `prefix`: of the names of made attributes. NaN if
 /// there is none, or if the output has no mean distances. Reads it twice.
-CloudThreshold outlier_threshold(Reader& out, const std::vector<std::shared_ptr<const Operator>>& operators,
+CloudThreshold outlier_threshold(Reader& out, const std::vector<StageOperator>& operators,
                                  const std::string& prefix, const PhaseProgress& progress);
 
 /// The same of the mean distances of all points of the input, where the output has not all: those that the operators
 /// themselves make. Throws NotTold.
-CloudThreshold outlier_threshold_of_all(InputCloud& in, const std::vector<std::shared_ptr<const Operator>>& operators,
+CloudThreshold outlier_threshold_of_all(InputCloud& in, const std::vector<StageOperator>& operators,
                                         const SharedRule& rule, const NeighborRule& neighborhood,
                                         std::uint64_t memory_bytes);
 

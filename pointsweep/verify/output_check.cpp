@@ -135,7 +135,7 @@ std::shared_ptr<InputCloud> opened_input(const OutputCheck& check, std::uint64_t
 }
 
 void refuse_resorted(const OutputCheck& check, const ChainGraph& graph) {
-  if (graph.has(NodeKind::order) && check.options.order != Order::input)
+  if (graph.has_order() && check.options.order != Order::input)
     fail_usage(
         "verify: rows in the order of moved points cannot be told from the input; verify an output in the order of the "
         "input, and say --order input.");
@@ -223,7 +223,7 @@ MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out
     made.outlier_threshold = outlier_threshold(out, made.operators, options.prefix, options.progress);
   if (!options.pipeline.empty() || !options.keep.empty()) return made;
   for (const auto& op : made.operators)
-    for (const Attribute& a : op->contract().makes)
+    for (const Attribute& a : contract_of(op).makes)
       if (attributes.has(a)) made.keep.push_back(a.name);
   return made;
 }

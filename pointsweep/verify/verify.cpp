@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/verify/arrivals.h"
 #include "pointsweep/verify/chain_values.h"
 #include "pointsweep/verify/input_values.h"
 #include "pointsweep/verify/made_fields.h"

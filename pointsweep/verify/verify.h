@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "pointsweep/neighborhood.h"
-#include "pointsweep/operator.h"
+#include "pointsweep/operators/stage_operator.h"
 #include "pointsweep/verify.h"
 #include "pointsweep/verify/own_fields.h"
 #include "pointsweep/verify/row_source.h"
@@ -23,7 +23,7 @@ namespace pointsweep {
 struct MadeBy {
   NeighborRule neighborhood = {};
   SharedRule rule = {};  ///< what is left of that
-  std::vector<std::shared_ptr<const Operator>> operators = {};
+  std::vector<StageOperator> operators = {};
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
   /// Made too, but from neighbours of moved points, which no sample of the input tells: they are not checked.
   std::vector<Attribute> unchecked = {};

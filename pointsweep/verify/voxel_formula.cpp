@@ -6,7 +6,6 @@
 #include <unordered_map>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/operators/voxel_centroid.h"
 #include "pointsweep/verify/formulas/mean.h"
 #include "pointsweep/verify/formulas/thinning.h"
 
@@ -15,38 +14,43 @@ namespace {
 
 using formulas::Estimate;
 
-class Unwritten final : public CloudFormula {
- public:
-  explicit Unwritten(std::size_t values) : values_(values) {}
-  void prepare(const CloudInput&) override {}
-  std::vector<std::vector<Estimate>> evaluate(std::span<const CloudPoint> points, const CloudInput&) override {
-    return {points.size(), std::vector<Estimate>(values_, formulas::open())};
-  }
-
- private:
-  std::size_t values_;
-};
-
 struct VoxelHash {
   std::size_t operator()(const formulas::Coordinates& voxel) const {
     return static_cast<std::size_t>(formulas::hash_of(voxel, 0));
   }
 };
 
+/// An attribute that becomes a mean, and how many of the attributes that the stage reads are its components.
+struct MeanAttribute {
+  Attribute made;
+  std::size_t reads = 1;
+};
+
+std::vector<MeanAttribute> mean_attributes(const Contract& contract) {
+  std::vector<MeanAttribute> all;
+  std::size_t read = 0;
+  for (const Attribute& made : contract.makes) {
+    if (made.name == position_attribute().name || made.name == selection_attribute().name) continue;
+    all.push_back({made, made.fields.size() / contract.reads[read].fields.size()});
+    read += all.back().reads;
+  }
+  return all;
+}
+
 class MeanFormula final : public CloudFormula {
  public:
-  MeanFormula(const TakeVoxelMeans& op, std::optional<double> size) : averaged_(op.averaged()), size_(size) {}
+  MeanFormula(const Contract& contract, double size)
+      : reads_(contract.reads), averaged_(mean_attributes(contract)), size_(size) {}
 
   void prepare(const CloudInput& in) override {
-    if (!size_ || in.before_means == nullptr) throw NotTold("its voxels are not known");
+    if (in.before_means == nullptr) throw NotTold("its voxels are not known");
     fields_.clear();
-    for (const AveragedAttribute& a : averaged_)
-      for (const Attribute& read : a.reads)
-        for (const std::string& name : read.fields) {
-          const auto at = in.before_means->schema().find(name);
-          if (!at) throw NotTold("it averages what earlier stages made");
-          fields_.push_back(in.before_means->schema().fields[*at]);
-        }
+    for (const Attribute& read : reads_)
+      for (const std::string& name : read.fields) {
+        const auto at = in.before_means->schema().find(name);
+        if (!at) throw NotTold("it averages what earlier stages made");
+        fields_.push_back(in.before_means->schema().fields[*at]);
+      }
   }
 
   std::vector<std::vector<Estimate>> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
@@ -67,23 +71,23 @@ class MeanFormula final : public CloudFormula {
     return made;
   }
 
-  /// It keeps what the stage reads of it behind the means: each attribute as a whole, or its components.
+  /// It keeps what the stage reads of it: each attribute as a whole, or its components.
   std::optional<std::vector<Estimate>> unplaced(const CloudPoint& point) const override {
     const Vec3 p = point.at.position;
     std::vector<Estimate> made = {{.value = {p.x, p.y, p.z}}};
-    std::size_t read = 1;
-    for (const AveragedAttribute& a : averaged_) {
+    std::size_t read = 0;
+    for (const MeanAttribute& a : averaged_) {
       Estimate own = point.reads[read];
-      if (a.reads.size() == 3) own.value.y = point.reads[read + 1].value.x, own.value.z = point.reads[read + 2].value.x;
+      if (a.reads == 3) own.value.y = point.reads[read + 1].value.x, own.value.z = point.reads[read + 2].value.x;
       made.push_back(own);
-      read += a.reads.size();
+      read += a.reads;
     }
     return made;
   }
 
  private:
   formulas::Coordinates voxel_of(Vec3 p) const {
-    formulas::Coordinates voxel = formulas::voxel_of({p.x, p.y, p.z}, *size_);
+    formulas::Coordinates voxel = formulas::voxel_of({p.x, p.y, p.z}, size_);
     for (double& v : voxel) v += 0.0;
     return voxel;
   }
@@ -102,9 +106,9 @@ class MeanFormula final : public CloudFormula {
   std::vector<Estimate> estimates_of_means(const std::vector<formulas::Mean>& means) const {
     std::vector<Estimate> made = {formulas::mean_vector({means[0], means[1], means[2]})};
     std::size_t next = 3;
-    for (const AveragedAttribute& a : averaged_) {
+    for (const MeanAttribute& a : averaged_) {
       const Type type = a.made.type;
-      if (a.is_direction)
+      if (a.made.kind == Kind::normal)
         made.push_back(formulas::mean_direction({means[next], means[next + 1], means[next + 2]}));
       else
         made.push_back(type == Type::f64   ? means[next].real()
@@ -115,19 +119,19 @@ class MeanFormula final : public CloudFormula {
     return made;
   }
 
-  std::vector<AveragedAttribute> averaged_;
-  std::optional<double> size_;
+  std::vector<Attribute> reads_;
+  std::vector<MeanAttribute> averaged_;
+  double size_;
   std::vector<Field> fields_;  ///< of the input, one after another those of each attribute
 };
 
 }  // namespace
 
-std::unique_ptr<CloudFormula> voxel_formula_of(const VoxelMeans& op) {
-  return std::make_unique<Unwritten>(op.contract().makes.front().fields.size());
-}
-
-std::unique_ptr<CloudFormula> voxel_formula_of(const TakeVoxelMeans& op, const VoxelMeans* means) {
-  return std::make_unique<MeanFormula>(op, means != nullptr ? std::optional(means->size()) : std::nullopt);
+NamedCloudFormula voxel_formula() {
+  return {"voxel", [](const FormulaSetup& stage) -> std::unique_ptr<CloudFormula> {
+            if (stage.options.word("keep") != "centroid") return nullptr;
+            return std::make_unique<MeanFormula>(stage.contract, stage.options.number("size"));
+          }};
 }
 
 }  // namespace pointsweep

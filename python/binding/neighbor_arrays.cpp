@@ -45,7 +45,7 @@ NeighborArrays::NeighborArrays(std::size_t k, std::uint64_t points)
       rows_(points * k * size_of(row_type_)),
       distances_(points * k * sizeof(double)) {}
 
-std::shared_ptr<const Operator> NeighborArrays::op() {
+std::shared_ptr<const LocalOperator> NeighborArrays::op() {
   return std::make_shared<NeighborSink>("neighbor_arrays", [this](const Neighborhoods& in) { write(in); });
 }
 

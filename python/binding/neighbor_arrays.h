@@ -22,7 +22,7 @@ class NeighborArrays {
 
   /// An operator that makes "neighbor_count", u32, and writes the neighbours of each point to *this, which outlives it.
   /// A point may come twice, with the same neighbours.
-  std::shared_ptr<const Operator> op();
+  std::shared_ptr<const LocalOperator> op();
   /// For Outputs::writer: marks the rows of points that have no neighbours as missing. *this outlives the run.
   std::unique_ptr<Writer> writer(const OutputPlan& plan);
   /// After the run: (rows u32 or u64, distances f64), both N×k for the N points of the output. Empties *this.

@@ -42,7 +42,7 @@ std::vector<std::byte> missing_value(const Attribute& attribute) {
 
 PointBatch::PointBatch(const Neighborhoods& in, const Contract& contract, std::size_t first, std::size_t size)
     : in_(&in),
-      alone_(contract.alone),
+      alone_(contract.default_k == 0),
       reads_(contract.reads),
       reads_neighbors_(contract.reads_neighbors),
       first_(first),

@@ -24,7 +24,6 @@
 namespace nb = nanobind;
 
 namespace pointsweep {
-namespace {
 
 /// The function of Python, the threads of the run that call it, and the first exception it raised. These threads call at
 /// the same time where the interpreter has no lock; one that is not attached to it destroys this object.
@@ -68,6 +67,8 @@ class PythonFunction {
   std::exception_ptr raised_;
   std::atomic<bool> failed_ = false;
 };
+
+namespace {
 
 std::shared_ptr<PythonFunction> function_of(nb::handle op) {
   return {new PythonFunction(nb::borrow(op)), [](PythonFunction* function) {
@@ -122,66 +123,54 @@ Attribute made_attribute(const std::tuple<std::string, std::string, std::size_t>
   return attribute;
 }
 
-class PythonOperator final : public Operator {
+/// What the operators of Python have in common: what the pointsweep.Operator says of itself, and calls of its function.
+class PythonCall {
  public:
-  explicit PythonOperator(nb::handle op)
+  PythonCall(nb::handle op, std::shared_ptr<PythonFunction> function)
       : name_(nb::cast<std::string>(op.attr("name"))),
         digest_(nb::cast<std::string>(op.attr("_digest"))),
         reads_(nb::cast<std::vector<std::string>>(op.attr("reads"))),
         reads_neighbors_(nb::cast<std::vector<std::string>>(op.attr("reads_neighbors"))),
         most_places_(nb::cast<std::size_t>(op.attr("_most_places"))),
-        function_(function_of(op)) {
+        function_(std::move(function)) {
     using Made = std::vector<std::tuple<std::string, std::string, std::size_t>>;
     for (const auto& made : nb::cast<Made>(op.attr("_makes"))) contract_.makes.push_back(made_attribute(made));
-    contract_.alone = !nb::cast<bool>(op.attr("sees_neighbors"));
-    if (contract_.makes.empty()) {
-      contract_.makes = {selection_attribute()};
-      contract_.selects = Selects::by_value;
-    }
-    contract_.reads = all_resolved(reads_, {}, {});
-    contract_.reads_neighbors = all_resolved(reads_neighbors_, {}, {});
+    if (!nb::cast<bool>(op.attr("sees_neighbors"))) contract_.default_k = 0;
+    bind({}, {});
   }
 
-  std::string name() const override { return name_; }
-  Contract contract() const override { return contract_; }
-  std::shared_ptr<const Operator> bound(const Schema& input, std::span<const Attribute> made) const override {
-    auto bound = std::make_shared<PythonOperator>(*this);
-    bound->contract_.reads = all_resolved(reads_, input, made);
-    bound->contract_.reads_neighbors = all_resolved(reads_neighbors_, input, made);
-    return bound;
+  const std::string& name() const { return name_; }
+  /// Of an operator that makes nothing: without the selection.
+  const Contract& contract() const { return contract_; }
+  Options options() const { return digest_.empty() ? Options{} : Options{{"python", digest_}}; }
+  void bind(const Schema& input, std::span<const Attribute> made) {
+    contract_.reads = all_resolved(reads_, input, made);
+    contract_.reads_neighbors = all_resolved(reads_neighbors_, input, made);
   }
 
-  void apply(const Neighborhoods& in, Columns& out) const override {
-    function_->threads().call([&] { call_function(in, out); });
+  /// Takes the points of the batch to the function: put(m, first, array) gets its result m, of the points from `first`
+  /// on.
+  template <class Put>
+  void call(const Neighborhoods& in, Put put) const {
+    function_->threads().call([&] {
+      for (std::size_t first = 0, size = 0; first < in.size(); first += size) {
+        size = size_at(in, first);
+        const nb::object results = function_->call(PointBatch(in, contract_, first, size));
+        for (std::size_t m = 0; m < nb::len(results); ++m) put(m, first, size, results[m]);
+      }
+    });
   }
-
-  void call_on(PythonThreads& threads) const { function_->call_on(threads); }
-  void rethrow() const { function_->rethrow(); }
 
  private:
-  void call_function(const Neighborhoods& in, Columns& out) const {
-    for (std::size_t first = 0, size = 0; first < in.size(); first += size) {
-      size = size_at(in, first);
-      const nb::object results = function_->call(PointBatch(in, contract_, first, size));
-      for (std::size_t m = 0; m < contract_.makes.size(); ++m) {
-        const std::size_t bytes = contract_.makes[m].bytes();
-        const ArrayColumn made = borrow_array(results[m], contract_.makes[m].fields);
-        std::memcpy(out.column<std::byte>(m).data() + first * bytes, made.first, size * bytes);
-      }
-    }
-  }
-
   /// Points from `first` on, so that the padded lists have at most most_places_.
   std::size_t size_at(const Neighborhoods& in, std::size_t first) const {
     std::size_t width = 1, size = 0;
     for (; first + size < in.size(); ++size) {
-      if (!contract_.alone) width = std::max(width, in.count(first + size));
+      if (contract_.default_k > 0) width = std::max(width, in.count(first + size));
       if (size > 0 && (size + 1) * width > most_places_) break;
     }
     return size;
   }
-
-  Options own_options() const override { return digest_.empty() ? Options{} : Options{{"python", digest_}}; }
 
   std::string name_, digest_;
   std::vector<std::string> reads_, reads_neighbors_;
@@ -190,30 +179,69 @@ class PythonOperator final : public Operator {
   std::shared_ptr<PythonFunction> function_;
 };
 
-}  // namespace
+/// Copies the values of one result.
+void copy_values(nb::handle result, const std::vector<std::string>& fields, std::size_t bytes, std::byte* to) {
+  std::memcpy(to, borrow_array(result, fields).first, bytes);
+}
 
-std::shared_ptr<const Operator> python_operator(nb::handle op) { return std::make_shared<PythonOperator>(op); }
-
-namespace {
-
-/// Calls visit(operator) for each operator of Python in `chain`.
-template <class Visit>
-void for_each_python_operator(const Chain& chain, Visit visit) {
-  for (const ChainStage& stage : chain.stages) {
-    const auto* op = std::get_if<std::shared_ptr<const Operator>>(&stage);
-    const auto* python = op != nullptr ? dynamic_cast<const PythonOperator*>(op->get()) : nullptr;
-    if (python != nullptr) visit(*python);
+class PythonLocal final : public LocalOperator {
+ public:
+  explicit PythonLocal(PythonCall call) : call_(std::move(call)) {}
+  std::string name() const override { return call_.name(); }
+  Contract contract() const override { return call_.contract(); }
+  std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override {
+    auto bound = std::make_shared<PythonLocal>(*this);
+    bound->call_.bind(input, made);
+    return bound;
   }
-}
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    call_.call(in, [&](std::size_t m, std::size_t first, std::size_t size, nb::handle result) {
+      const Attribute& made = call_.contract().makes[m];
+      copy_values(result, made.fields, size * made.bytes(), out.column<std::byte>(m).data() + first * made.bytes());
+    });
+  }
+
+ private:
+  Options own_options() const override { return call_.options(); }
+  PythonCall call_;
+};
+
+class PythonSelect final : public SelectOperator {
+ public:
+  explicit PythonSelect(PythonCall call) : call_(std::move(call)) {}
+  std::string name() const override { return call_.name(); }
+  std::vector<Attribute> reads() const override { return call_.contract().reads; }
+  std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const override {
+    auto bound = std::make_shared<PythonSelect>(*this);
+    bound->call_.bind(input, made);
+    return bound;
+  }
+  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override {
+    call_.call(points, [&](std::size_t, std::size_t first, std::size_t size, nb::handle result) {
+      copy_values(result, selection_attribute().fields, size, std::as_writable_bytes(kept.subspan(first)).data());
+    });
+  }
+
+ private:
+  Options own_options() const override { return call_.options(); }
+  PythonCall call_;
+};
 
 }  // namespace
 
-void call_python_on(PythonThreads& threads, const Chain& chain) {
-  for_each_python_operator(chain, [&](const PythonOperator& op) { op.call_on(threads); });
+ChainStage python_operator(nb::handle op, PythonFunctions& functions) {
+  functions.push_back(function_of(op));
+  PythonCall call(op, functions.back());
+  if (call.contract().makes.empty()) return std::make_shared<const PythonSelect>(std::move(call));
+  return std::make_shared<const PythonLocal>(std::move(call));
 }
 
-void rethrow_python_exception(const Chain& chain) {
-  for_each_python_operator(chain, [](const PythonOperator& op) { op.rethrow(); });
+void call_python_on(PythonThreads& threads, const PythonFunctions& functions) {
+  for (const auto& function : functions) function->call_on(threads);
+}
+
+void rethrow_python_exception(const PythonFunctions& functions) {
+  for (const auto& function : functions) function->rethrow();
 }
 
 }  // namespace pointsweep

@@ -9,19 +9,23 @@
 #include <vector>
 
 #include "pointsweep/chain.h"
-#include "pointsweep/operator.h"
 
 namespace pointsweep {
 
+class PythonFunction;
 class PythonThreads;
 
-/// The operator that `op`, a pointsweep.Operator, describes.
-std::shared_ptr<const Operator> python_operator(nanobind::handle op);
+/// The functions that the operators of Python in a chain call.
+using PythonFunctions = std::vector<std::shared_ptr<PythonFunction>>;
 
-/// The operators of Python in `chain` call their functions on `threads`, which outlives the run.
-void call_python_on(PythonThreads& threads, const Chain& chain);
+/// The stage that `op`, a pointsweep.Operator, describes: a select if it makes nothing. Appends its function to
+/// `functions`.
+ChainStage python_operator(nanobind::handle op, PythonFunctions& functions);
 
-/// Throws the exception that an operator of Python in `chain` has raised, if one has.
-void rethrow_python_exception(const Chain& chain);
+/// The functions are called on `threads`, which outlives the run.
+void call_python_on(PythonThreads& threads, const PythonFunctions& functions);
+
+/// Throws the exception that a function has raised, if one has.
+void rethrow_python_exception(const PythonFunctions& functions);
 
 }  // namespace pointsweep

@@ -13,7 +13,7 @@ namespace nb = nanobind;
 
 namespace pointsweep {
 
-std::shared_ptr<const Operator> RadiusLists::op() {
+std::shared_ptr<const LocalOperator> RadiusLists::op() {
   return std::make_shared<NeighborSink>("radius_lists", [this](const Neighborhoods& in) { add(lists_of(in)); });
 }
 

@@ -22,7 +22,7 @@ class RadiusLists {
   ~RadiusLists();
 
   /// An operator that makes "neighbor_count", u32, and gives the lists of each batch to *this, which outlives it.
-  std::shared_ptr<const Operator> op();
+  std::shared_ptr<const LocalOperator> op();
 
   /// After the run: (offsets i64 N+1, rows u32 or u64, distances f64); the neighbours of point i, nearest first, are
   /// those from offsets[i] up to offsets[i + 1]. Empties *this.

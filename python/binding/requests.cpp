@@ -14,7 +14,6 @@
 #include "pointsweep/pipeline/parse.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/crs_values.h"
-#include "python/binding/python_operator.h"
 
 namespace nb = nanobind;
 
@@ -24,21 +23,6 @@ namespace {
 template <class T>
 T option(const nb::dict& options, const char* name) {
   return nb::cast<T>(options[name]);
-}
-
-/// Whether `holds` for the contract of an operator, or of one that it is short for.
-template <class Holds>
-bool any_contract(const Operator& op, Holds holds) {
-  if (holds(op.contract())) return true;
-  return std::ranges::any_of(op.parts(), [&](const auto& part) { return any_contract(*part, holds); });
-}
-
-template <class Holds>
-bool any_contract(const Chain& chain, Holds holds) {
-  return std::ranges::any_of(chain.stages, [&](const ChainStage& stage) {
-    const auto* op = std::get_if<std::shared_ptr<const Operator>>(&stage);
-    return op != nullptr && any_contract(**op, holds);
-  });
 }
 
 bool is_path(nb::handle item) { return nb::isinstance<nb::str>(item); }
@@ -55,15 +39,15 @@ Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options
   return Cloud(std::make_unique<ColumnsOfArrays>(std::move(columns), with_rows, crs_from(options["crs"])), how);
 }
 
-Chain chain_of(const nb::list& pipeline, const Facts& facts) {
-  Chain chain;
+PythonChain chain_of(const nb::list& pipeline, const Facts& facts) {
+  PythonChain chain;
   bool first = true;
   for (const nb::handle item : pipeline) {
     if (!nb::isinstance<nb::str>(item)) {
-      chain.stages.emplace_back(python_operator(item));
+      chain.stages.push_back(python_operator(item, chain.functions));
     } else {
       const std::vector<StageText> stages = parse_pipeline(nb::cast<std::string>(item));
-      first ? void(chain = build_chain(stages, facts)) : append_to(chain, stages, facts);
+      first ? void(static_cast<Chain&>(chain) = build_chain(stages, facts)) : append_to(chain, stages, facts);
     }
     first = false;
   }
@@ -72,12 +56,14 @@ Chain chain_of(const nb::list& pipeline, const Facts& facts) {
 
 bool changes_rows(const Chain& chain, const RunOptions& options) {
   if (options.order != Order::input || options.nonfinite == Nonfinite::drop) return true;
-  return any_contract(chain, [](const Contract& contract) { return contract.selects != Selects::nothing; });
+  return std::ranges::any_of(chain.stages, [](const ChainStage& stage) { return drops_rows(stage); });
 }
 
 bool moves_points(const Chain& chain) {
-  const auto moves = [](const Attribute& made) { return made.name == position_attribute().name; };
-  return any_contract(chain, [&](const Contract& contract) { return std::ranges::any_of(contract.makes, moves); });
+  return std::ranges::any_of(chain.stages, [](const ChainStage& stage) {
+    const std::vector<Attribute> made = contract_of(stage).makes;
+    return std::ranges::find(made, position_attribute().name, &Attribute::name) != made.end();
+  });
 }
 
 RunOptions run_options(const nb::dict& given) {

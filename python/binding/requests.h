@@ -8,14 +8,20 @@
 #include "pointsweep/cloud.h"
 #include "pointsweep/operators/declaration.h"
 #include "pointsweep/run.h"
+#include "python/binding/python_operator.h"
 
 namespace pointsweep {
+
+/// A chain, and the functions that its operators of Python call.
+struct PythonChain : Chain {
+  PythonFunctions functions = {};
+};
 
 /// `source`: a list of paths, or of pairs (names, N×m array). `with_rows`: arrays get kRowField. Throws as Cloud.
 Cloud open_cloud(const nanobind::list& source, bool with_rows, const nanobind::dict& options);
 
 /// `pipeline`: a list of texts and of operators of Python, for the cloud of `facts`. Throws as parse_chain().
-Chain chain_of(const nanobind::list& pipeline, const Facts& facts);
+PythonChain chain_of(const nanobind::list& pipeline, const Facts& facts);
 
 /// Whether the rows of the output are not those of the input: some are left out, or their order is another.
 bool changes_rows(const Chain& chain, const RunOptions& options);

@@ -36,24 +36,24 @@ namespace pointsweep {
 namespace {
 
 /// Runs the chain; returns the statistics as JSON.
-std::string run_watched(Cloud& cloud, const Chain& chain, const Outputs& outputs, RunOptions options,
+std::string run_watched(Cloud& cloud, const PythonChain& chain, const Outputs& outputs, RunOptions options,
                         const Callbacks& callbacks) {
   std::string statistics;
   try {
     watch(callbacks, [&](Observer& observer) {
       PythonThreads threads;
-      call_python_on(threads, chain);
+      call_python_on(threads, chain.functions);
       options.observer = &observer;
       statistics = to_json(run(cloud, chain, outputs, options));
     });
   } catch (const Error&) {
-    rethrow_python_exception(chain);
+    rethrow_python_exception(chain.functions);
     throw;
   }
   return statistics;
 }
 
-std::string run_into(ResultArrays& results, Cloud& cloud, const Chain& chain, const RunOptions& options,
+std::string run_into(ResultArrays& results, Cloud& cloud, const PythonChain& chain, const RunOptions& options,
                      const Callbacks& callbacks) {
   Outputs outputs;
   outputs.writer = [&](const OutputPlan& plan) { return results.writer(plan); };
@@ -61,7 +61,7 @@ std::string run_into(ResultArrays& results, Cloud& cloud, const Chain& chain, co
 }
 
 /// The same with results as arrays.
-nb::tuple run_to_arrays(Cloud& cloud, const Chain& chain, const WantedArrays& wanted, const RunOptions& options,
+nb::tuple run_to_arrays(Cloud& cloud, const PythonChain& chain, const WantedArrays& wanted, const RunOptions& options,
                         const Callbacks& callbacks) {
   ResultArrays results(wanted);
   const std::string statistics = run_into(results, cloud, chain, options, callbacks);
@@ -91,7 +91,7 @@ nb::tuple run_pipeline(const nb::list& source, const nb::list& pipeline, const s
   const Callbacks callbacks{progress, warn};
   const RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, to.is_none(), given);
-  Chain chain = chain_of(pipeline, facts_of(cloud.inputs()));
+  PythonChain chain = chain_of(pipeline, facts_of(cloud.inputs()));
   chain.keep = keep;
   if (to.is_none()) {
     WantedArrays wanted = wanted_arrays(chain, options, groups);
@@ -114,7 +114,7 @@ std::string plan(const nb::list& source, const nb::list& pipeline, const std::ve
                  const nb::dict& given, const std::vector<FieldGroup>& groups, const std::filesystem::path& to) {
   const RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, to.empty(), given);
-  Chain chain = chain_of(pipeline, facts_of(cloud.inputs()));
+  PythonChain chain = chain_of(pipeline, facts_of(cloud.inputs()));
   chain.keep = keep;
   if (to.empty()) wanted_arrays(chain, options, groups);
   return plan_text(cloud, chain, to, options);
@@ -132,11 +132,11 @@ nb::tuple run_to_blocks(const nb::list& source, const nb::list& pipeline, const 
                         const nb::object& progress, const nb::object& warn) {
   const RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, true, given);
-  Chain chain = chain_of(pipeline, facts_of(cloud.inputs()));
+  PythonChain chain = chain_of(pipeline, facts_of(cloud.inputs()));
   const bool changed = changes_rows(chain, options);
   chain.keep = keep;
   if (changed && !keep.empty()) chain.keep.emplace_back(kRowField);
-  if (changed && !numbers.is_none()) chain.stages.insert(chain.stages.begin(), python_operator(numbers));
+  if (changed && !numbers.is_none()) chain.stages.insert(chain.stages.begin(), python_operator(numbers, chain.functions));
   auto results = std::make_unique<ResultArrays>(wanted_arrays(chain, options, groups), options.resources.temp_folder);
   const std::string statistics = run_into(*results, cloud, chain, options, {progress, warn});
   return nb::make_tuple(nb::cast(std::move(results)), changed, statistics);
@@ -146,7 +146,8 @@ nb::tuple neighbors(const nb::list& source, std::size_t k, double radius, const 
                     const nb::object& progress, const nb::object& warn) {
   Cloud cloud = open_cloud(source, false, given);
   NeighborArrays made(k, cloud.count());
-  const Chain chain{.neighborhood = {.k = k, .radius = radius}, .stages = {made.op()}, .keep = {"neighbor_count", "x"}};
+  const PythonChain chain{
+      {.neighborhood = {.k = k, .radius = radius}, .stages = {made.op()}, .keep = {"neighbor_count", "x"}}, {}};
   Outputs outputs;
   outputs.writer = [&](const OutputPlan& plan) { return made.writer(plan); };
   run_watched(cloud, chain, outputs, run_options(given), {progress, warn});
@@ -157,9 +158,10 @@ nb::tuple radius_neighbors(const nb::list& source, double radius, const nb::dict
                            const nb::object& warn) {
   Cloud cloud = open_cloud(source, false, given);
   RadiusLists lists;
-  const Chain chain{.neighborhood = {.k = Neighborhood::kUnlimited, .radius = radius},
-                    .stages = {lists.op()},
-                    .keep = {"neighbor_count", "x"}};
+  const PythonChain chain{{.neighborhood = {.k = Neighborhood::kUnlimited, .radius = radius},
+                           .stages = {lists.op()},
+                           .keep = {"neighbor_count", "x"}},
+                          {}};
   run_to_arrays(cloud, chain, {{}, {"neighbor_count"}, false}, run_options(given), {progress, warn});
   return lists.arrays(cloud.count());
 }

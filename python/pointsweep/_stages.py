@@ -850,7 +850,7 @@ def voxel(size: float, *, keep: Literal["center", "hash", "centroid"] = "center"
     Cost
     ----
     A pass that puts the points in order by voxel, without a search; memory does not depend on the size.
-    keep=centroid: the averaged attributes travel with the points, and one more reading of the rows.
+    keep=centroid: the averaged attributes travel with the points.
 
     In a text
     ---------

@@ -45,7 +45,7 @@ TEST_F(OperatorListing, JsonHoldsEveryOptionWithTypeDefaultAndRange) {
     EXPECT_EQ(json["name"], declaration.name);
     EXPECT_EQ(json["options"].size(), declaration.options.size());
     const Contract contract = contract_of(declaration);
-    EXPECT_EQ(json["default_k"], contract.alone ? 0 : contract.default_k) << declaration.name;
+    EXPECT_EQ(json["default_k"], contract.default_k) << declaration.name;
   }
   const auto fair = nlohmann::json::parse(tool("operators fair --json").out).at(0);
   EXPECT_EQ(fair["options"][0]["default"], 0.5);

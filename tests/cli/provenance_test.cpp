@@ -177,7 +177,7 @@ TEST_F(Provenance, LetsVerifyLookInTheFolderOfTheOutputAndInItsOwn) {
 }
 
 /// An operator that the tool does not know.
-class Height final : public Operator {
+class Height final : public LocalOperator {
  public:
   std::string name() const override { return "height"; }
   Contract contract() const override { return {{}, {}, {scalar("height", Type::f64, "length", "")}}; }

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <map>
 
-#include "pointsweep/operators/ordered_operator.h"
+#include "pointsweep/in_order_operator.h"
 #include "pointsweep/pipeline/preview.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/support/every_operator.h"
@@ -50,7 +50,7 @@ std::map<std::string, std::string> expected(const std::string& axis, const std::
       {"unique", in_order(axis, "equal ones together")},
       {"decimate", kRows},
       {"voxel", voxels},
-      {"voxel keep=centroid", voxels + " / " + kRows},
+      {"voxel keep=centroid", voxels},
       {"poisson", disks},
       {"simplify", kRows + " / " + disks},
       {"ground", in_order(in_plane, "those of a row of cells together")},
@@ -102,24 +102,21 @@ class DryRun : public testing::Test {
 };
 
 /// Notes along which axis the places of its points come, and checks that they do.
-class AxisNote final : public OrderedOperator {
+class AxisNote final : public InOrderOperator {
  public:
   explicit AxisNote(bool in_plane) : in_plane_(in_plane) {}
   std::string name() const override { return "axis"; }
-  Contract contract() const override {
-    return {.makes = {scalar("noted", Type::u8, "1", "")}, .alone = true, .has_places = true};
+  InOrderContract in_order_contract() const override {
+    return {.makes = {scalar("noted", Type::u8, "1", "")},
+            .places = in_plane_ ? Places::in_plane : Places::of_operator};
   }
-  bool in_plane() const override { return in_plane_; }
-  std::uint64_t least_bytes(std::span<const Vec3>, int) const override { return 0; }
-  std::unique_ptr<OrderedWork> work(const OrderedSetup& setup) const override {
-    class Ascending final : public OrderedWork {
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override {
+    class Ascending final : public InOrderWork {
      public:
       explicit Ascending(int axis) : axis_(axis) {}
-      unsigned rounds() const override { return 1; }
-      void add(unsigned, const OrderedPoints& points, MadeInOrder&) override {
+      void add(unsigned, const OrderedPoints& points, Findings&) override {
         EXPECT_TRUE(std::ranges::is_sorted(points.places, {}, [&](Vec3 p) { return p[axis_]; }));
       }
-      void end(unsigned, MadeInOrder&) override {}
 
      private:
       int axis_;

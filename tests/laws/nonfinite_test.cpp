@@ -150,9 +150,14 @@ class Judgement {
     const AttributeVersion& version = plan_.graph.versions[v];
     const Attribute& a = version.attribute;
     const GraphNode& maker = plan_.graph.nodes[*version.producer];
-    const std::vector<Attribute> reads = maker.op->contract().reads;
-    const bool moves = a.name == position_attribute().name, pointwise = is_pointwise(*maker.op);
-    const bool remade = moves || std::ranges::find(reads, a.name, &Attribute::name) != reads.end();
+    const std::vector<Attribute> reads = contract_of(*maker.op()).reads;
+    const bool moves = a.name == position_attribute().name, pointwise = is_pointwise(*maker.op());
+    const auto is_read = [&](const std::string& field) {
+      return std::ranges::any_of(reads, [&](const Attribute& read) {
+        return std::ranges::find(read.fields, field) != read.fields.end();
+      });
+    };
+    const bool remade = moves || std::ranges::all_of(a.fields, is_read);
     for (const std::string& field : a.fields) {
       if (!out_.schema.find(field)) continue;
       const double found = at(out_.schema, record, field);

@@ -29,9 +29,7 @@ class PromisedTypes : public testing::Test {
     const EveryOperator every({}, "", other_);
     for (const OperatorDeclaration& declaration : all_operators()) {
       const auto stage = make_stage(declaration, every.values_of(declaration), {});
-      const auto* op = std::get_if<std::shared_ptr<const Operator>>(&stage);
-      if (op == nullptr) continue;
-      const Contract contract = (*op)->contract();
+      const Contract contract = contract_of(stage);
       for (const auto* reads : {&contract.reads, &contract.reads_neighbors})
         for (const Attribute& a : *reads)
           if (a.name != position_attribute().name && known.insert(a.name).second) attributes_.push_back(a);
@@ -77,9 +75,8 @@ TEST_F(PromisedTypes, DoublesOfTheInputAreRoundedForEveryOperator) {
     InputCloud whole = doubles.cloud();
     std::vector<std::string> made;
     for (const auto& entry : build_chain(parse_pipeline(one.pipeline), whole).stages)
-      if (const auto* op = std::get_if<std::shared_ptr<const Operator>>(&entry))
-        for (const Attribute& a : (*op)->contract().makes)
-          if (a.name != selection_attribute().name) made.insert(made.end(), a.fields.begin(), a.fields.end());
+      for (const Attribute& a : contract_of(entry).makes)
+        if (a.name != selection_attribute().name) made.insert(made.end(), a.fields.begin(), a.fields.end());
     EngineOptions options = tiny(90);
     for (const std::string& field : made)
       if (doubles.schema.find(field).value_or(0) >= 3) options.replace.push_back(field);

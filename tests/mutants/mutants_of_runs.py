@@ -174,7 +174,7 @@ MUTANTS = [
 
     # What nobody names
     Mutant("a chain has the neighbours that its first operator wants", "defaults", PIPELINE + "plan/default_neighborhood.cpp",
-           "k = std::max(k, default_k(op->contract()));", "k = k != 0 ? k : default_k(op->contract());",
+           "k = std::max(k, op->contract().default_k);", "k = k != 0 ? k : op->contract().default_k;",
            ("pipeline:DefaultNeighborhood.*",)),
     Mutant("degrees are taken for lengths", "defaults", PIPELINE + "length_units.cpp",
            "cloud.crs()->kind != CrsKind::geographic", "cloud.crs()->kind != CrsKind::geocentric", ("cli:Units.*",)),
@@ -189,11 +189,11 @@ MUTANTS = [
     Mutant("undefined values are in no count of the report", "pictures", "pointsweep/report/value_summary.cpp",
            "void(++summary.undefined)", "void()", ("report:ValueSummaries.*",)),
     Mutant("points without a place lose an attribute that is made again", "nonfinite", PIPELINE + "pointwise_stages.cpp",
-           "else if (read != contract.reads.end() &&", "else if (false && read != contract.reads.end() &&", ("laws:NonfiniteLaw*",)),
+           "} else if (!std::ranges::all_of(made.fields, is_read)) {", "} else if (made.fields.size() > 0) {", ("laws:NonfiniteLaw*",)),
     Mutant("points without a place get no value of a stage that looks at its own point", "nonfinite", PIPELINE + "pointwise_stages.cpp",
-           "if (!is_pointwise(*plan.stages[s].op)) {", "if (!is_pointwise(*plan.stages[s].op) || pass_.kind == PassKind::sweep) {",
+           "if (!is_pointwise(plan.stages[s].op)) {", "if (!is_pointwise(plan.stages[s].op) || pass_.kind == PassKind::sweep) {",
            ("laws:NonfiniteLaw*",)),
     Mutant("operators that take points in order along x or y for z", "order", PIPELINE + "run/order_phase.cpp",
-           "pass.ordered_operator() != nullptr && pass.ordered_operator()->in_plane();", "pass.ordered_operator() != nullptr;",
+           "pass.in_order()->in_order_contract().places == Places::in_plane;", "true;",
            ("laws:Axis*",)),
 ]

@@ -13,7 +13,7 @@
 namespace pointsweep {
 
 /// A rule as an operator that makes its choice an attribute.
-class Choice final : public Operator {
+class Choice final : public LocalOperator {
  public:
   explicit Choice(const NeighborhoodRule& rule) : rule_(rule) {}
   std::string name() const override { return "choice"; }

@@ -42,7 +42,7 @@ struct MovedCloud {
   std::vector<Vec3> points;
   Lists lists;
 
-  InCoreResult apply(const Operator& op, const std::vector<Column>& reads = {}, const std::vector<Column>& near = {},
+  InCoreResult apply(const LocalOperator& op, const std::vector<Column>& reads = {}, const std::vector<Column>& near = {},
                      std::size_t cell_points = kCellCapacity) const {
     return InCoreCloud(points, lists, cell_points, true).apply(op, reads, near);
   }

@@ -22,7 +22,7 @@ namespace {
 
 using Normal = std::array<float, 3>;
 
-class Unoriented : public Operator {
+class Unoriented : public LocalOperator {
  public:
   std::string name() const override { return "unoriented"; }
   Contract contract() const override { return {{}, {}, {normal_attribute()}}; }

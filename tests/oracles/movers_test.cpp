@@ -33,7 +33,7 @@ TEST(OraclesOfMovedPoints, RealModelsAreFaired) {
 }
 
 /// A mover that a user might write: it leaves neighbourhoods full of ties, copies and planes.
-class Snap final : public Operator {
+class Snap final : public LocalOperator {
  public:
   explicit Snap(double step) : step_(step) {}
   std::string name() const override { return "snap"; }
@@ -104,7 +104,8 @@ TEST(OraclesOfMovedPoints, NewNeighborhoodsAreThoseOfTheMovedPositions) {
     Chain chain = build_chain(parse_pipeline("knn(k=11) | " + behind), after.cloud());
     // The widths of fairing are those of the input's diagonal.
     for (ChainStage& stage : chain.stages)
-      if (name_of(stage) == "fair") stage = with_input_values(operators_of({stage}), points.cloud()).front();
+      if (name_of(stage) == "fair") stage = std::get<std::shared_ptr<const LocalOperator>>(
+            with_input_values(operators_of({stage}), points.cloud()).front());
     const OracleReport report = Oracle(after.cloud(), chain).compare(whole);
     EXPECT_EQ(report.wrong, 0u) << behind << ", of " << report.values;
     for (const std::string& difference : report.differences) ADD_FAILURE() << behind << ": " << difference;

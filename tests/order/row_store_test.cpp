@@ -51,10 +51,11 @@ void put_all(RowStore& store, const Case& c, std::size_t threads) {
 void check(const Case& c) {
   SCOPED_TRACE(testing::Message() << c.rows << " rows of " << c.record_bytes << " bytes, spilled " << c.spilled
                                   << ", buffers " << c.buffer_bytes);
-  constexpr std::byte kFill{0xff};
+  std::vector<std::byte> fill;
+  for (std::size_t b = 0; b < c.record_bytes; ++b) fill.push_back(std::byte(0xff - b));
   std::optional<TempFolder> folder;
   if (c.spilled) folder.emplace(std::filesystem::temp_directory_path());
-  RowStore store(c.rows, c.record_bytes, kFill, c.spilled ? &*folder : nullptr, c.buffer_bytes);
+  RowStore store(c.rows, fill, c.spilled ? &*folder : nullptr, c.buffer_bytes);
   put_all(store, c, 3);
   std::uint64_t next = 0;
   store.drain([&](std::uint64_t first, std::span<const std::byte> records) {
@@ -63,7 +64,7 @@ void check(const Case& c) {
     for (std::size_t at = 0; at < records.size(); at += c.record_bytes, ++next)
       for (std::size_t b = 0; b < c.record_bytes; ++b) {
         const bool missing = c.missing_every != 0 && next % c.missing_every == 0;
-        ASSERT_EQ(records[at + b], missing ? kFill : byte_of(next, b)) << "row " << next;
+        ASSERT_EQ(records[at + b], missing ? fill[b] : byte_of(next, b)) << "row " << next;
       }
   });
   EXPECT_EQ(next, c.rows);
@@ -97,7 +98,7 @@ TEST(RowStore, HasRowsPastFourBillion) {
   // Nearly none is ever put: one byte each, of which memory never holds more than the buffers.
   const TempFolder folder(std::filesystem::temp_directory_path());
   constexpr std::uint64_t kRows = 4'300'000'000;
-  RowStore store(kRows, 1, std::byte{0}, &folder, 64 << 20);
+  RowStore store(kRows, {std::byte{0}}, &folder, 64 << 20);
   const std::vector<std::uint64_t> rows = {kRows - 1, 4'294'967'296, 4'294'967'295, 17};
   const std::vector<std::byte> records = {std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}};
   store.put(rows, records);
@@ -133,7 +134,7 @@ TEST(RowStore, GoesOnFromWhereItWasPacked) {
   };
   Packer packed;
   {
-    RowStore store(kRows, 8, std::byte{0}, kept, 1 << 16);
+    RowStore store(kRows, std::vector<std::byte>(8), kept, 1 << 16);
     put(store, 0, 1000, 7);
     store.pack(packed);  // what is put between two of them is in the second
     put(store, 1000, 2500, 7);
@@ -142,7 +143,7 @@ TEST(RowStore, GoesOnFromWhereItWasPacked) {
     put(store, 2500, 4000, 99);  // lost
   }
   Unpacker saved(packed.bytes());
-  RowStore store(saved, kRows, 8, std::byte{0}, kept, 1 << 20);
+  RowStore store(saved, kRows, std::vector<std::byte>(8), kept, 1 << 20);
   EXPECT_TRUE(saved.at_end());
   put(store, 2500, kRows, 7);
   std::vector<std::byte> all;

@@ -48,15 +48,15 @@ TEST(DefaultNeighborhood, IsTheOneThatEachOperatorOfTheRegistryDeclares) {
   for (const OperatorDeclaration& declaration : all_operators()) {
     const Chain chain{.stages = {make_stage(declaration, sample_values(declaration), {})}};
     const Contract contract = contract_of(chain.stages.front());
-    if (operator_of(chain.stages.front()) == nullptr || contract.alone) continue;
+    if (operator_of(chain.stages.front()) == nullptr || contract.default_k == 0) continue;
     EXPECT_GE(contract.default_k, 1u) << declaration.name;
     EXPECT_EQ(with_named_neighborhoods(chain).neighborhood.k, contract.default_k) << declaration.name;
   }
 }
 
 TEST(DefaultNeighborhood, OfAChainIsTheLargestOfItsOperators) {
-  const std::size_t normals = default_k(operators::normals()->contract());
-  const std::size_t curvature = default_k(operators::curvature()->contract());
+  const std::size_t normals = contract_of(operators::normals()).default_k;
+  const std::size_t curvature = contract_of(operators::curvature()).default_k;
   ASSERT_LT(normals, curvature);
   EXPECT_EQ(named("normals").neighborhood.k, normals);
   EXPECT_EQ(named("normals | curvature").neighborhood.k, curvature);

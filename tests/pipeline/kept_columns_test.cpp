@@ -62,7 +62,7 @@ std::map<std::string, Lifetime> lifetimes(const std::vector<std::string>& keep) 
   const SweepPlan plan = plan_chain(ridges(keep), input).passes.front().plan;
   std::map<std::string, Lifetime> by_name;
   for (const Stage& stage : plan.stages) {
-    const Contract contract = stage.op->contract();
+    const Contract contract = contract_of(stage.op);
     for (std::size_t m = 0; m < stage.makes.size(); ++m)
       by_name[contract.makes[m].name] = plan.lifetimes[stage.makes[m]];
   }
@@ -83,7 +83,7 @@ TEST(KeptColumns, LetsAColumnLastAsLongAsAnybodyLooks) {
 }
 
 /// Makes two attributes, of which the second is not wanted: it needs a place all the same.
-class TwoNumbers final : public Operator {
+class TwoNumbers final : public LocalOperator {
  public:
   std::string name() const override { return "two_numbers"; }
   Contract contract() const override {
@@ -106,7 +106,7 @@ TEST(KeptColumns, TellsOperatorsWhichColumnsAreNotWanted) {
 }
 
 /// Has something to say of every third row only.
-class EveryThird final : public Operator {
+class EveryThird final : public LocalOperator {
  public:
   std::string name() const override { return "every_third"; }
   Contract contract() const override { return {{}, {}, {scalar("third", Type::f32, "1", "")}}; }

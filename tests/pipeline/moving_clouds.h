@@ -24,7 +24,7 @@ namespace pointsweep {
 using Stages = std::vector<ChainStage>;
 
 /// Throws every point somewhere else, by up to `reach` along each axis; one in fifty out of space.
-class Throw final : public Operator {
+class Throw final : public LocalOperator {
  public:
   explicit Throw(double reach, std::uint64_t seed = 1) : reach_(reach), seed_(seed) {}
   std::string name() const override { return "throw"; }
@@ -49,14 +49,14 @@ class Throw final : public Operator {
   std::uint64_t seed_;
 };
 
-inline std::shared_ptr<const Operator> thrown(double reach, std::uint64_t seed = 1) {
+inline std::shared_ptr<const LocalOperator> thrown(double reach, std::uint64_t seed = 1) {
   return std::make_shared<Throw>(reach, seed);
 }
 inline ChainStage reneighbor() { return Reneighbor(); }
 inline ChainStage reneighbor(std::size_t k) { return Reneighbor(Neighborhood{.k = k}); }
 inline ChainStage resort() { return Resort(); }
-inline std::shared_ptr<const Operator> normals() { return std::make_shared<Normals>(); }
-inline std::shared_ptr<const Operator> graph(std::size_t k, std::size_t n) {
+inline std::shared_ptr<const LocalOperator> normals() { return std::make_shared<Normals>(); }
+inline std::shared_ptr<const LocalOperator> graph(std::size_t k, std::size_t n) {
   return std::make_shared<NeighborRows>(k, n, false);
 }
 

@@ -61,7 +61,7 @@ struct Attributed {
 };
 
 /// The largest neighbor_count among the neighbours and the point itself: needs what neighbours have made.
-class LargestCount final : public Operator {
+class LargestCount final : public LocalOperator {
  public:
   std::string name() const override { return "largest_count"; }
   Contract contract() const override {

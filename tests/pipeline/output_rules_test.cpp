@@ -89,7 +89,7 @@ TEST(OutputRules, AnAttributeOfTheInputIsOverwrittenOnlyByItsOwnNameOrOnRequest)
 }
 
 /// Makes an attribute under a name that other programs store as "scalar_intensity".
-class Intensities final : public Operator {
+class Intensities final : public LocalOperator {
  public:
   std::string name() const override { return "intensities"; }
   Contract contract() const override { return {{}, {}, {scalar("intensity", Type::f32, "1", "a number")}}; }

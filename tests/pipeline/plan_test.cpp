@@ -31,7 +31,12 @@ ChainPlan plan_of(const std::string& text, bool ordered = false, const std::vect
 /// Kinds of nodes, in their order.
 std::string kinds_of(const ChainPlan& plan) {
   std::string kinds;
-  for (const GraphNode& node : plan.graph.nodes) kinds += "snrlo"[static_cast<std::size_t>(node.kind)];
+  for (const GraphNode& node : plan.graph.nodes)
+    kinds += node.neighborhood() != nullptr ? 'n'
+             : node.reduction() != nullptr  ? 'r'
+             : node.is_order()              ? 'o'
+             : node.drops_rows()            ? 'l'
+                                            : 's';
   return kinds;
 }
 
@@ -114,13 +119,13 @@ TEST(ChainPlan, SaysOfEveryColumnWhoMakesItAndHowLongItIsNeeded) {
 }
 
 /// Counts how often a chain is resolved.
-class CountsBindings final : public Operator {
+class CountsBindings final : public LocalOperator {
  public:
   explicit CountsBindings(int& count) : count_(count) {}
   std::string name() const override { return "counts_bindings"; }
   Contract contract() const override { return {{}, {}, {scalar("one", Type::f32, "1", "")}}; }
   void apply(const Neighborhoods&, Columns&) const override {}
-  std::shared_ptr<const Operator> bound(const Schema&, std::span<const Attribute>) const override {
+  std::shared_ptr<const LocalOperator> bound(const Schema&, std::span<const Attribute>) const override {
     ++count_;
     return nullptr;
   }

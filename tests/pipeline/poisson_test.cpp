@@ -302,14 +302,14 @@ TEST(UndecidedPoints, HoldASliceBehindTheFront) {
   std::ranges::sort(points, {}, &Vec3::x);
   for (const double radius : {0.01, 0.05, 0.1}) {
     UndecidedPoints held(0, radius, points.size());
-    Decided decided;
+    std::vector<std::uint64_t> dropped;
     std::uint64_t most = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       held.hold({points[i], disk_hash(points[i]), i, radius * radius});
-      held.decide(decided);
+      held.decide(dropped);
       most = std::max(most, held.held());
     }
-    held.finish(decided);
+    held.finish(dropped);
     EXPECT_EQ(held.held(), 0u);
     EXPECT_LT(static_cast<double>(most), 30'000 * 2 * radius + 256) << radius;
     UndecidedPoints few(0, radius, most - 1);
@@ -317,7 +317,7 @@ TEST(UndecidedPoints, HoldASliceBehindTheFront) {
         {
           for (std::size_t i = 0; i < points.size(); ++i) {
             few.hold({points[i], disk_hash(points[i]), i, radius * radius});
-            few.decide(decided);
+            few.decide(dropped);
           }
         },
         Error);
@@ -330,8 +330,8 @@ TEST(UndecidedPoints, StopWhenTheRunIsCancelled) {
   CancellationToken token;
   token.cancel();
   const CancellationScope scope(&token);
-  Decided decided;
-  EXPECT_THROW(held.finish(decided), Cancelled);
+  std::vector<std::uint64_t> dropped;
+  EXPECT_THROW(held.finish(dropped), Cancelled);
 }
 
 }  // namespace

@@ -346,7 +346,7 @@ TEST(Keep, WritesOnlyWhatItNames) {
 }
 
 /// Makes two attributes that are told apart by their values.
-class Pair final : public Operator {
+class Pair final : public LocalOperator {
  public:
   std::string name() const override { return "pair"; }
   Contract contract() const override {
@@ -382,7 +382,7 @@ TEST(Keep, UnknownNamesAreRefusedWithWhatIsMade) {
 }
 
 /// Looks at its neighbours' normals.
-class Across final : public Operator {
+class Across final : public LocalOperator {
  public:
   std::string name() const override { return "across"; }
   Contract contract() const override {

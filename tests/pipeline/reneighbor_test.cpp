@@ -115,7 +115,7 @@ TEST(Reneighbor, MovedPositionsAreRoundedNeitherBetweenSweepsNorInTheOutput) {
 }
 
 /// How far the normal that is there is from the one given to the input; reads what only the file has.
-class Marked final : public Operator {
+class Marked final : public LocalOperator {
  public:
   std::string name() const override { return "marked"; }
   Contract contract() const override {

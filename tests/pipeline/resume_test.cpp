@@ -311,7 +311,7 @@ TEST_F(Refused, IfAnyOptionOfAStageIsAnother) {
 }
 
 /// The number of neighbours times a factor that only the operator knows.
-class Counted final : public Operator {
+class Counted final : public LocalOperator {
  public:
   explicit Counted(double factor) : factor_(factor) {}
   std::string name() const override { return "counted"; }

@@ -51,7 +51,7 @@ TEST(Run, WithoutAnOutputIsRefused) {
 }
 
 /// Reads a normal and makes a number, each as another type than it is.
-class WrongTypes final : public Operator {
+class WrongTypes final : public LocalOperator {
  public:
   explicit WrongTypes(bool makes_wrong) : makes_wrong_(makes_wrong) {}
   std::string name() const override { return "wrong_types"; }
@@ -173,7 +173,7 @@ TEST(Run, ShufflingTheInputShufflesTheOutputAndNothingElse) {
 }
 
 /// Mean of the neighbours' normals: looks at what an earlier stage made, so that it must wait for its neighbours.
-class MeanNormal final : public Operator {
+class MeanNormal final : public LocalOperator {
  public:
   std::string name() const override { return "mean_normal"; }
   Contract contract() const override {
@@ -197,7 +197,7 @@ class MeanNormal final : public Operator {
 };
 
 /// And one that looks at that: the largest agreement around.
-class LargestAgreement final : public Operator {
+class LargestAgreement final : public LocalOperator {
  public:
   std::string name() const override { return "largest"; }
   Contract contract() const override {
@@ -258,7 +258,7 @@ TEST(Run, NeighborhoodsFoundAgainAreThoseKept) {
 }
 
 /// Looks at what the file says of the neighbours.
-class SumOfMarks final : public Operator {
+class SumOfMarks final : public LocalOperator {
  public:
   std::string name() const override { return "sum_of_marks"; }
   Contract contract() const override {
@@ -296,7 +296,7 @@ TEST(Run, AttributesOfTheFileAreThereForNeighborsAsLongAsAnybodyLooks) {
 }
 
 /// Moves a point to the mean of its neighbourhood and itself.
-class MoveToMean final : public Operator {
+class MoveToMean final : public LocalOperator {
  public:
   std::string name() const override { return "move_to_mean"; }
   Contract contract() const override { return {{}, {}, {position_attribute()}}; }
@@ -437,7 +437,7 @@ TEST(Run, ACloudWhoseDistancesHaveNoSquaresIsRefused) {
 }
 
 /// Throws at one point of the cloud.
-class Failing final : public Operator {
+class Failing final : public LocalOperator {
  public:
   explicit Failing(std::uint64_t row) : row_(row) {}
   std::string name() const override { return "failing"; }

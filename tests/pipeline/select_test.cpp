@@ -50,14 +50,14 @@ const std::vector<std::pair<std::string, Keeps>>& conditions() {
 }
 
 /// Makes 7 of every point once the diagonal of the input is known: its pass reads rows and searches nothing.
-class Stamp final : public Operator {
+class Stamp final : public LocalOperator {
  public:
   std::string name() const override { return "stamp"; }
   Contract contract() const override {
     return {
-        .makes = {scalar("stamp", Type::f64, "1", "7")}, .alone = true, .values = {std::make_shared<InputDiagonal>()}};
+        .makes = {scalar("stamp", Type::f64, "1", "7")}, .values = {std::make_shared<InputDiagonal>()}, .default_k = 0};
   }
-  std::shared_ptr<const Operator> with_values(std::span<const std::vector<double>>) const override {
+  std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>>) const override {
     return std::make_shared<Stamp>();
   }
   void apply(const Neighborhoods& in, Columns& out) const override {
@@ -241,7 +241,7 @@ TEST(Unique, KeepsTheFirstRowOfEqualCoordinates) {
 }
 
 /// Moves every point to a corner of a coarse grid.
-class Snap final : public Operator {
+class Snap final : public LocalOperator {
  public:
   std::string name() const override { return "snap"; }
   Contract contract() const override { return {{}, {}, {position_attribute()}}; }

@@ -27,9 +27,9 @@ class WholeCloud {
       if (const auto* update = std::get_if<Reneighbor>(&stage)) {
         if (update->neighborhood) neighborhood_ = *update->neighborhood;
         begin_sweep();
-      } else if (const Operator* op = operator_of(stage)) {
-        const std::vector<std::vector<double>> values = values_for(*op);
-        apply(values.empty() ? *op : *op->with_values(values));
+      } else if (const auto* op = std::get_if<std::shared_ptr<const LocalOperator>>(&stage)) {
+        const std::vector<std::vector<double>> values = values_for(**op);
+        apply(values.empty() ? **op : *(*op)->with_values(values));
       }
     }
   }
@@ -46,7 +46,7 @@ class WholeCloud {
 
  private:
   /// All values of the input that the operator needs.
-  std::vector<std::vector<double>> values_for(const Operator& op) const {
+  std::vector<std::vector<double>> values_for(const LocalOperator& op) const {
     std::vector<std::vector<double>> values;
     const Contract contract = op.contract();
     for (const auto& reduction : contract.values) {
@@ -64,7 +64,7 @@ class WholeCloud {
     for (const Vec3& p : points_) is_somewhere_.push_back(is_finite(p));
   }
 
-  void apply(const Operator& op) {
+  void apply(const LocalOperator& op) {
     const Contract contract = op.contract();
     std::vector<Column> own, of_neighbors;
     for (const Attribute& a : contract.reads) own.push_back(made_.at(a.name));

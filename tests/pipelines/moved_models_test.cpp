@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kNeighbors = 64;
 
 /// Onto a grid so coarse that many points come to lie in one place.
-class Snap final : public Operator {
+class Snap final : public LocalOperator {
  public:
   explicit Snap(double side) : side_(side) {}
   std::string name() const override { return "snap"; }

@@ -16,7 +16,7 @@ namespace {
 
 /// Makes "order", the number of neighbours whose "order" was smaller, from the "order" of the stage before: what it
 /// reads of its neighbours is what it overwrites.
-class Smaller : public Operator {
+class Smaller : public LocalOperator {
  public:
   explicit Smaller(bool first) : first_(first) {}
   std::string name() const override { return "smaller"; }

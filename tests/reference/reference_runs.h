@@ -27,7 +27,7 @@ using Stages = std::vector<ChainStage>;
 inline constexpr Order kOrders[] = {Order::input, Order::sweep};
 
 /// Notes the rows of the points that pass, in their order. Only for an engine of one thread.
-class Passing final : public Operator {
+class Passing final : public LocalOperator {
  public:
   explicit Passing(std::vector<std::uint32_t>& rows) : rows_(rows) {}
   std::string name() const override { return "passing"; }

@@ -219,7 +219,7 @@ TEST(Reference, ShortListsWithinARadiusFitIntoLittleMemory) {
 }
 
 /// Takes its time.
-class Slow final : public Operator {
+class Slow final : public LocalOperator {
  public:
   explicit Slow(std::size_t& points) : points_(points) {}
   std::string name() const override { return "slow"; }

@@ -47,10 +47,10 @@ class EveryOperator {
   OperatorCase case_of(const OperatorDeclaration& declaration, const OptionValues& values) const {
     const auto stage = make_stage(declaration, values, {});
     const std::string text = canonical_text(stage, Presets::left_out);
-    if (!std::holds_alternative<std::shared_ptr<const Operator>>(stage))
+    if (operator_of(stage) == nullptr && !std::holds_alternative<Drop>(stage))
       return {&declaration, text, neighborhood_ + " | set(z = z + 1) | " + text + " | neighborhood_size"};
     std::set<std::string> known = of_input_;
-    return {&declaration, text, neighborhood_ + makers_of(operator_in(stage), known) + " | " + text};
+    return {&declaration, text, neighborhood_ + makers_of(stage, known) + " | " + text};
   }
 
   /// Samples of the options that have to be given, or whose names may be left out.
@@ -63,10 +63,6 @@ class EveryOperator {
   }
 
  private:
-  static const Operator& operator_in(const ChainStage& stage) {
-    return *std::get<std::shared_ptr<const Operator>>(stage);
-  }
-
   static std::vector<OptionValue> others_than_preset(const OptionDeclaration& option) {
     std::vector<OptionValue> others;
     if (option.kind == OptionKind::choice)
@@ -85,19 +81,18 @@ class EveryOperator {
     }
   }
 
-  /// " | normals | splats": stages of the registry that make what `op` needs.
-  std::string makers_of(const Operator& op, std::set<std::string>& known) const {
+  /// " | normals | splats": stages of the registry that make what `needy` needs.
+  std::string makers_of(const ChainStage& needy, std::set<std::string>& known) const {
     std::string text;
-    const Contract contract = op.contract();
+    const Contract contract = contract_of(needy);
     for (const auto* needs : {&contract.reads, &contract.reads_neighbors})
       for (const Attribute& need : *needs) {
         if (known.contains(need.name)) continue;
         for (const OperatorDeclaration& maker : all_operators()) {
           const auto stage = make_stage(maker, values_of(maker), {});
-          if (!std::holds_alternative<std::shared_ptr<const Operator>>(stage)) continue;
-          const std::vector<Attribute> made = operator_in(stage).contract().makes;
+          const std::vector<Attribute> made = contract_of(stage).makes;
           if (std::ranges::find(made, need.name, &Attribute::name) == made.end()) continue;
-          text += makers_of(operator_in(stage), known) + " | " + canonical_text(stage, Presets::left_out);
+          text += makers_of(stage, known) + " | " + canonical_text(stage, Presets::left_out);
           for (const Attribute& a : made) known.insert(a.name);
           break;
         }

@@ -43,7 +43,7 @@ class InCoreCloud {
   }
 
   /// `reads` and `reads_neighbors`: the values of every attribute of the contract, one element per point.
-  InCoreResult apply(const Operator& op, std::span<const std::vector<std::byte>> reads = {},
+  InCoreResult apply(const LocalOperator& op, std::span<const std::vector<std::byte>> reads = {},
                      std::span<const std::vector<std::byte>> reads_neighbors = {}) const {
     const Contract contract = op.contract();
     std::vector<const std::vector<std::byte>*> inputs;

@@ -77,7 +77,7 @@ class Verify : public testing::Test {
     MadeBy made = made_by(chain(pipeline));
     made.operators.clear();  // as they are bound to the attributes of the cloud
     for (const GraphNode& node : plan_chain(chain(pipeline), cloud.schema()).graph.nodes)
-      if (node.kind == NodeKind::stage) made.operators.push_back(node.op);
+      if (node.op() != nullptr && !node.is_order() && !node.drops_rows()) made.operators.push_back(*node.op());
     return verify(cloud, *reader, false, made, options);
   }
   /// Writes the output again after `change` had its records.
@@ -343,7 +343,7 @@ TEST_F(Verify, AttributesOfTheFileReachTheOperators) {
 }
 
 /// Reads what the library makes and makes what it has no formula for.
-class Steepness final : public Operator {
+class Steepness final : public LocalOperator {
  public:
   std::string name() const override { return "steepness"; }
   Contract contract() const override {
@@ -374,7 +374,7 @@ TEST_F(Verify, OperatorsOfUsersAreAppliedAgainAndNamedAsNotIndependent) {
 }
 
 /// Has the name of an operator of the library and no options.
-class OwnRor final : public Operator {
+class OwnRor final : public LocalOperator {
  public:
   std::string name() const override { return "ror"; }
   Contract contract() const override { return {.makes = {scalar("rare", Type::f32, "1", "of its own")}}; }

@@ -2,14 +2,12 @@
 #include "pointsweep/pipeline/plan/chain_graph.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <string>
 #include <tuple>
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/drop.h"
 #include "pointsweep/operators/moved_bounds.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
 
@@ -24,20 +22,6 @@ std::string field_names(const Schema& schema) {
   return names;
 }
 
-/// Remembers where the points are when the stream is sorted again.
-class NoteStreamPosition final : public Operator {
- public:
-  std::string name() const override { return "resort"; }
-  Contract contract() const override { return {{}, {}, {stream_position_attribute()}, true}; }
-  void apply(const Neighborhoods& in, Columns& out) const override {
-    const auto position = out.column<std::array<double, 3>>(0);
-    for (std::size_t i = 0; i < in.size(); ++i) {
-      const Vec3 p = in.position(i);
-      position[i] = {p.x, p.y, p.z};
-    }
-  }
-};
-
 void require_neighbors(const Neighborhood& neighborhood) {
   if (neighborhood.k == 0) fail_usage("k = 0 gives no neighbours: choose k of at least 1.");
   if (!(neighborhood.radius >= 0))
@@ -50,7 +34,7 @@ class GraphBuilder {
 
   void add(const Neighborhood& neighborhood) {
     require_neighbors(neighborhood);
-    GraphNode node{.kind = NodeKind::neighborhood, .neighborhood = neighborhood};
+    GraphNode node{.what = neighborhood};
     if (neighborhood.rule)
       for (const Attribute& a : neighborhood.rule->reads())
         node.reads.push_back(version_ruled_by(a, *neighborhood.rule));
@@ -61,16 +45,24 @@ class GraphBuilder {
   void operator()(const Reneighbor& update) {
     add(Neighborhood(update.neighborhood ? *update.neighborhood : neighborhood_));
   }
-  void operator()(const Resort&) { graph_.nodes.push_back({.kind = NodeKind::order, .position = position_}); }
-  void operator()(const std::shared_ptr<const Operator>& op) {
-    const auto parts = op->parts();
-    stage_ = op->name();
-    if (parts.empty()) return add(op);
-    for (const auto& part : parts) add(part);
+  void operator()(const Resort&) {
+    graph_.nodes.push_back({.what = StageOperator(NotePosition()), .position = position_});
   }
+  void operator()(const Drop& drop) { this->drop(drop.attributes); }
+  void operator()(const std::shared_ptr<const CompositeOperator>& op) {
+    const std::string name = is_part_of_.empty() ? op->name() : is_part_of_;
+    for (const ChainStage& part : op->parts()) {
+      is_part_of_ = name;
+      std::visit(*this, part);
+    }
+    is_part_of_.clear();
+  }
+  void operator()(const std::shared_ptr<const LocalOperator>& op) { add(op); }
+  void operator()(const std::shared_ptr<const SelectOperator>& op) { add(op); }
+  void operator()(const std::shared_ptr<const InOrderOperator>& op) { add(op); }
+  void operator()(const std::shared_ptr<const ConnectOperator>& op) { add(op); }
 
   ChainGraph finish(OutputNeeds needs) {
-    if (graph_.drops && made_.empty() && selects_ == 0) add(std::make_shared<AllRows>());
     if (needs.stream_order) note_stream_position();
     if (needs.bounds && position_) find_moved_bounds();
     for (const Attribute& a : made_) graph_.made.push_back(latest_.at(a.name));
@@ -78,27 +70,26 @@ class GraphBuilder {
   }
 
  private:
-  void add(std::shared_ptr<const Operator> op) {
-    if (auto bound = bound_to_what_is_there(*op)) op = std::move(bound);
-    const Contract contract = op->contract();
-    if (!contract.drops.empty()) return drop(contract.drops);
-    const bool selects = contract.selects != Selects::nothing;
-    GraphNode node{
-        .kind = selects ? NodeKind::select : NodeKind::stage, .op = op, .stage = stage_, .position = position_};
-    for (const Attribute& a : contract.reads) node.reads.push_back(version_read(a, *op));
-    for (const Attribute& a : contract.reads_neighbors) node.reads_neighbors.push_back(version_read(a, *op));
-    for (const auto& reduction : contract.values) node.values.push_back(reduce_node(reduction, *op));
+  void add(const StageOperator& stage) {
+    const StageOperator op = bound_to_what_is_there(stage);
+    const Contract contract = contract_of(op);
+    const std::string name = name_of(op);
+    GraphNode node{.what = op, .stage = is_part_of_.empty() ? name : is_part_of_, .position = position_};
+    for (const Attribute& a : contract.reads) node.reads.push_back(version_read(a, name));
+    for (const Attribute& a : contract.reads_neighbors) node.reads_neighbors.push_back(version_read(a, name));
+    for (const auto& reduction : contract.values) node.values.push_back(reduce_node(reduction, name));
     const std::size_t number = graph_.nodes.size();
     for (const std::size_t v : node.reads) note_reader(v, number, ReadAs::self);
     for (const std::size_t v : node.reads_neighbors) note_reader(v, number, ReadAs::neighbors);
-    for (const Attribute& a : contract.makes) node.makes.push_back(selects ? new_version(a, number) : make(a, number));
+    for (const Attribute& a : contract.makes)
+      node.makes.push_back(a.name == selection_attribute().name ? new_version(a, number) : make(a, number));
+    if (node.drops_rows()) ++drops_rows_;
     graph_.nodes.push_back(std::move(node));
-    if (selects) ++selects_;
   }
 
-  std::shared_ptr<const Operator> bound_to_what_is_there(const Operator& op) const {
+  StageOperator bound_to_what_is_there(const StageOperator& op) const {
     try {
-      return op.bound(visible_, made_);
+      return bound(op, visible_, made_);
     } catch (const UsageError& error) {
       if (dropped_.empty()) throw;
       throw UsageError(fmt::format("{} Dropped before: {}.", error.what(), fmt::join(dropped_, ", ")));
@@ -160,45 +151,44 @@ class GraphBuilder {
   }
 
   /// Stages that need the same value of the same versions, of the same rows, share a node.
-  std::size_t reduce_node(const std::shared_ptr<const Reduction>& reduction, const Operator& op) {
-    GraphNode node{.kind = NodeKind::reduce, .reduction = reduction};
+  std::size_t reduce_node(const std::shared_ptr<const Reduction>& reduction, const std::string& stage) {
+    GraphNode node{.what = reduction};
     for (const Attribute& a : reduction->reads()) {
       const bool made = !reduction->of_input() && latest_.contains(a.name);
-      if (!made) require_in_input(a, op);
+      if (!made) require_in_input(a, stage);
       node.reads.push_back(made ? latest_.at(a.name) : input_version(a));
     }
     const auto [known, is_new] =
-        reduce_nodes_.try_emplace({reduction->text(), node.reads, selects_}, graph_.nodes.size());
+        reduce_nodes_.try_emplace({reduction->text(), node.reads, drops_rows_}, graph_.nodes.size());
     if (!is_new) return known->second;
     for (const std::size_t v : node.reads) note_reader(v, known->second, ReadAs::whole_cloud);
     graph_.nodes.push_back(std::move(node));
     return known->second;
   }
 
-  std::size_t version_read(const Attribute& wanted, const Operator& op) {
+  std::size_t version_read(const Attribute& wanted, const std::string& stage) {
     if (!latest_.contains(wanted.name)) {
-      require_in_input(wanted, op);
+      require_in_input(wanted, stage);
       latest_[wanted.name] = input_version(wanted);
     }
     const std::size_t version = latest_.at(wanted.name);
     const Attribute& has = graph_.versions[version].attribute;
     if (has.type != wanted.type || has.fields.size() != wanted.fields.size()) {
-      fail_usage("{}: needs '{}' as {} x {}, but it is made as {} x {}.", op.name(), wanted.name, wanted.fields.size(),
+      fail_usage("{}: needs '{}' as {} x {}, but it is made as {} x {}.", stage, wanted.name, wanted.fields.size(),
                  name_of(wanted.type), has.fields.size(), name_of(has.type));
     }
     return version;
   }
 
-  void require_in_input(const Attribute& wanted, const Operator& op) const {
+  void require_in_input(const Attribute& wanted, const std::string& stage) const {
     for (const std::string& name : wanted.fields) {
       if (field_meant(visible_, name)) continue;
       if (dropped_.contains(name))
-        fail_usage("{}: needs '{}', which was dropped before; put drop behind '{}'.", op.name(), wanted.name,
-                   op.name());
+        fail_usage("{}: needs '{}', which was dropped before; put drop behind '{}'.", stage, wanted.name, stage);
       fail_usage(
           "{}: needs '{}', which no earlier stage makes and the input does not have. Add the operator that makes "
           "it before '{}'.",
-          op.name(), wanted.name, op.name());
+          stage, wanted.name, stage);
     }
   }
 
@@ -228,9 +218,8 @@ class GraphBuilder {
   /// The last Resort decides the order of the output, if points may have moved before it.
   void note_stream_position() {
     for (std::size_t n = graph_.nodes.size(); n-- > 0;) {
-      if (graph_.nodes[n].kind != NodeKind::order) continue;
+      if (!graph_.nodes[n].is_order()) continue;
       if (!graph_.nodes[n].position) return;
-      graph_.nodes[n].op = std::make_shared<NoteStreamPosition>();
       graph_.nodes[n].makes = {new_version(stream_position_attribute(), n)};
       return;
     }
@@ -239,32 +228,25 @@ class GraphBuilder {
   void find_moved_bounds() {
     graph_.moved_bounds = graph_.nodes.size();
     note_reader(*position_, *graph_.moved_bounds, ReadAs::whole_cloud);
-    graph_.nodes.push_back(
-        {.kind = NodeKind::reduce, .reduction = std::make_shared<MovedBounds>(), .reads = {*position_}});
+    graph_.nodes.push_back({.what = std::make_shared<const MovedBounds>(), .reads = {*position_}});
   }
 
   const Schema& input_;
   Schema visible_;                 ///< what of it is not dropped
   std::set<std::string> dropped_;  ///< names of fields
   ChainGraph graph_;
-  std::string stage_;  ///< name of the one that is being added
+  std::string is_part_of_;  ///< name of the composite whose parts are being added; empty: of none
   Neighborhood neighborhood_;
   Attributes made_;                                               ///< so far, the last versions
   std::map<std::string, std::size_t> latest_;                     ///< version by name of the attribute
   std::map<std::pair<std::string, Type>, std::size_t> of_input_;  ///< version by name and type, of what the input has
   std::map<std::string, std::size_t> versions_made_;
   std::map<std::tuple<std::string, std::vector<std::size_t>, std::size_t>, std::size_t> reduce_nodes_;
-  std::size_t selects_ = 0;              ///< so far
+  std::size_t drops_rows_ = 0;           ///< stages so far that do
   std::optional<std::size_t> position_;  ///< version of the moved positions
 };
 
 }  // namespace
-
-Attribute stream_position_attribute() {
-  return {"stream_position", Type::f64,
-          Kind::position,    {"stream_x", "stream_y", "stream_z"},
-          "length",          "position where the stream was last sorted"};
-}
 
 std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<Attribute>& made) {
   for (const Attribute& a : made) {
@@ -306,7 +288,8 @@ std::vector<Attribute> ChainGraph::made_attributes() const {
   return attributes;
 }
 
-bool ChainGraph::has(NodeKind kind) const { return std::ranges::find(nodes, kind, &GraphNode::kind) != nodes.end(); }
+bool ChainGraph::drops_rows() const { return std::ranges::any_of(nodes, &GraphNode::drops_rows); }
+bool ChainGraph::has_order() const { return std::ranges::any_of(nodes, &GraphNode::is_order); }
 
 ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs) {
   GraphBuilder builder(input);

@@ -10,22 +10,16 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "pointsweep/chain.h"
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operator.h"
+#include "pointsweep/operators/stage_operator.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
-
-enum class NodeKind : std::uint8_t {
-  stage,         ///< a local operator
-  neighborhood,  ///< how the neighbours are found from here on
-  reduce,        ///< a value of the whole cloud
-  select,        ///< which rows are left from here on
-  order,         ///< the order of the output's rows
-};
 
 /// What a node looks at when it reads a version of an attribute.
 enum class ReadAs : std::uint8_t {
@@ -50,16 +44,25 @@ struct AttributeVersion {
 
 /// Indices of versions are places in ChainGraph::versions, those of nodes in ChainGraph::nodes.
 struct GraphNode {
-  NodeKind kind;
-  std::shared_ptr<const Operator> op = {};          ///< of a stage, of a select, and of the order that counts
-  std::string stage = {};                           ///< name of the chain's stage that `op` is, or a part of
-  Neighborhood neighborhood = {};                   ///< of a neighborhood
-  std::shared_ptr<const Reduction> reduction = {};  ///< of a reduce
-  std::vector<std::size_t> reads = {};              ///< versions, in the order of the contract
+  /// An operator; how the neighbours are found from here on; or a value of the whole cloud.
+  std::variant<StageOperator, Neighborhood, std::shared_ptr<const Reduction>> what;
+  std::string stage = {};               ///< name of the chain's stage that the operator is, or a part of
+  std::vector<std::size_t> reads = {};  ///< versions, in the order of the contract
   std::vector<std::size_t> reads_neighbors = {};
   std::vector<std::size_t> makes = {};
   std::vector<std::size_t> values = {};      ///< the reduce nodes whose values it needs
   std::optional<std::size_t> position = {};  ///< version of the moved positions that it sees; absent: the input's
+
+  /// Null for a node that is something else.
+  const StageOperator* op() const { return std::get_if<StageOperator>(&what); }
+  const Neighborhood* neighborhood() const { return std::get_if<Neighborhood>(&what); }
+  const Reduction* reduction() const {
+    const auto* shared = std::get_if<std::shared_ptr<const Reduction>>(&what);
+    return shared != nullptr ? shared->get() : nullptr;
+  }
+  bool drops_rows() const { return op() != nullptr && pointsweep::drops_rows(*op()); }
+  /// Returns whether the node stands for a Resort. Only the one that decides makes something.
+  bool is_order() const { return op() != nullptr && std::holds_alternative<NotePosition>(*op()); }
 };
 
 struct ChainGraph {
@@ -74,7 +77,9 @@ struct ChainGraph {
   bool drops = false;  ///< a stage drops some of these, or something made
 
   std::vector<Attribute> made_attributes() const;
-  bool has(NodeKind kind) const;
+  bool drops_rows() const;
+  /// Returns whether the chain has a Resort.
+  bool has_order() const;
 };
 
 /// Requirements of an output on the plan of a chain.
@@ -87,9 +92,6 @@ struct OutputNeeds {
 /// attribute that neither the input nor an earlier stage has, or a rule of neighbourhoods one that the cloud has not.
 /// `input` names the cloud's fields.
 ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs);
-
-/// The position a point had at the last Resort of the chain; made only where the order of the output needs it.
-Attribute stream_position_attribute();
 
 /// `before`, with the newer versions and the new ones of `made`.
 std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<Attribute>& made);

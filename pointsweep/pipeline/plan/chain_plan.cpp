@@ -61,7 +61,7 @@ Names reads_of_pass(const Draft& draft, const ChainGraph& graph, const Schema& i
   const auto note = [&](const Attribute& a) {
     for (const std::string& field : a.fields) read.insert(carried_with(field, input, draft.carried));
   };
-  if (const auto& rule = graph.nodes[draft.pass.neighborhood].neighborhood.rule)
+  if (const auto& rule = graph.nodes[draft.pass.neighborhood].neighborhood()->rule)
     std::ranges::for_each(rule->reads(), note);
   std::set<std::size_t> made;
   for (const std::size_t n : draft.pass.stages) {
@@ -85,8 +85,8 @@ void find_needed(std::vector<Draft>& drafts, Names needed, const ChainGraph& gra
     Draft& draft = drafts[d];
     std::erase_if(draft.pass.reduces, [&](std::size_t node) { return !needed_values.contains(node); });
     for (const std::size_t node : draft.pass.reduces)
-      if (!graph.nodes[node].reduction->of_input())
-        for (const Attribute& a : graph.nodes[node].reduction->reads()) needed.insert(a.name);
+      if (!graph.nodes[node].reduction()->of_input())
+        for (const Attribute& a : graph.nodes[node].reduction()->reads()) needed.insert(a.name);
     const auto is_needed = [&](const Attribute& a) { return needed.contains(a.name); };
     if (std::ranges::none_of(draft.makes, is_needed) && !draft.pass.selects && draft.pass.reduces.empty()) {
       drafts.erase(drafts.begin() + static_cast<std::ptrdiff_t>(d));
@@ -114,7 +114,8 @@ PlannedPass planned_pass(const Draft& draft, const ChainGraph& graph, const Attr
   PlannedPass pass;
   pass.kind = draft.pass.kind;
   pass.selects = draft.pass.selects;
-  for (const std::size_t node : draft.pass.reduces) pass.values.push_back({graph.nodes[node].reduction, node});
+  for (const std::size_t node : draft.pass.reduces)
+    pass.values.push_back({std::get<std::shared_ptr<const Reduction>>(graph.nodes[node].what), node});
   pass.input = with_carried(input, carried);
   PassPlanner planner(graph, carried, first_stage, pass);
   planner.add_neighborhood(draft.pass.neighborhood);
@@ -176,13 +177,13 @@ void find_written(ChainPlan& plan, const Schema& input) {
   for (const std::size_t v : plan.graph.made)
     plan.graph.versions[v].is_written =
         std::ranges::find(plan.made, plan.graph.versions[v].attribute.name, &Attribute::name) != plan.made.end();
-  if (plan.made.empty() && !plan.selects())
+  if (plan.made.empty() && !plan.selects() && !plan.graph.drops)
     fail_usage(
         "the pipeline computes nothing; add an operator, as in knn(k=8) | normals, or copy the points with decimate(1).");
 }
 
 bool orders_by_moved_positions(const ChainGraph& graph) {
-  return std::ranges::any_of(graph.nodes, [](const GraphNode& n) { return n.kind == NodeKind::order && n.op; });
+  return std::ranges::any_of(graph.nodes, [](const GraphNode& n) { return n.is_order() && !n.makes.empty(); });
 }
 
 /// Whether the only pass makes all that is written, and where it is written.
@@ -210,6 +211,7 @@ ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs)
   if (plan.by_moved_positions) needed.insert(stream_position_attribute().name);
   std::vector<Draft> drafts = draft_passes(PassSchedule(plan.graph).passes(), plan.graph);
   find_needed(drafts, std::move(needed), plan.graph, input);
+  if (drafts.empty()) drafts.emplace_back().pass.kind = PassKind::rows;  // the chain only drops attributes
   if (plan.graph.moved_bounds) drafts.back().pass.reduces.push_back(*plan.graph.moved_bounds);
   std::size_t stages = 0;
   for (const Draft& draft : drafts) {
@@ -222,7 +224,7 @@ ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs)
 }
 
 bool ChainPlan::leaves_rows(std::size_t p) const {
-  return reorders || passes[p].selects || graph.moved_bounds || p + 1 < passes.size();
+  return reorders || passes[p].selects || passes[p].made.empty() || graph.moved_bounds || p + 1 < passes.size();
 }
 
 std::uint64_t ChainPlan::most_carried_bytes() const {
@@ -235,13 +237,24 @@ std::uint64_t ChainPlan::most_carried_bytes() const {
   return most;
 }
 
-const OrderedOperator* PlannedPass::ordered_operator() const {
-  return kind == PassKind::order ? dynamic_cast<const OrderedOperator*>(&thinner()) : nullptr;
+const InOrderOperator* PlannedPass::in_order() const {
+  if (kind != PassKind::order) return nullptr;
+  return std::get<std::shared_ptr<const InOrderOperator>>(plan.stages.front().op).get();
+}
+
+bool PlannedPass::has_places() const {
+  return kind == PassKind::order && in_order()->in_order_contract().places != Places::positions;
+}
+
+std::vector<std::byte> PlannedPass::fill_record() const {
+  std::vector<std::byte> record;
+  for (const Attribute& a : made) record.resize(record.size() + a.bytes(), a.fill);
+  return record;
 }
 
 const Stage* PlannedPass::connecting_stage() const {
   for (const Stage& stage : plan.stages)
-    if (stage.connects != nullptr) return &stage;
+    if (stage.connects() != nullptr) return &stage;
   return nullptr;
 }
 

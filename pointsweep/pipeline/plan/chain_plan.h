@@ -14,7 +14,6 @@
 
 #include "pointsweep/chain.h"
 #include "pointsweep/operator.h"
-#include "pointsweep/operators/ordered_operator.h"
 #include "pointsweep/pipeline/plan/chain_graph.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
 #include "pointsweep/pipeline/plan/pass_schedule.h"
@@ -58,12 +57,12 @@ struct PlannedPass {
   /// By stage, the numbers of the values it is to be given.
   std::vector<std::vector<std::size_t>> values_of_stages;
 
-  /// Of kind order: the stage whose Thinning decides, or whose work makes an attribute.
-  const Operator& thinner() const { return *plan.stages.front().op; }
-  /// Whether the points are put in order by Operator::place_of() their positions.
-  bool has_places() const { return kind == PassKind::order && thinner().contract().has_places; }
-  /// Of kind order: that stage if it has a work, else null.
-  const OrderedOperator* ordered_operator() const;
+  /// The operator of a pass of kind order; null for another pass.
+  const InOrderOperator* in_order() const;
+  /// Returns whether the points are put in order by InOrderOperator::place_of() their positions.
+  bool has_places() const;
+  /// The result record of a row that the pass says nothing about.
+  std::vector<std::byte> fill_record() const;
   /// The stage that emits edges; null if there is none. What it makes is known when the sweep has ended.
   const Stage* connecting_stage() const;
   /// Indices of the fields of `input` that must travel with the points.
@@ -90,7 +89,7 @@ struct ChainPlan {
   /// input's.
   bool by_moved_positions = false;
 
-  bool selects() const { return graph.has(NodeKind::select); }
+  bool selects() const { return graph.drops_rows(); }
   /// Returns whether the output can be opened only after all passes.
   bool opens_late() const { return selects() || graph.moved_bounds.has_value(); }
   /// Whether what pass `p` makes becomes the rows of another pass, or of the reordering, and not the output at once.

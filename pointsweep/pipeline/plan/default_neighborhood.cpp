@@ -14,14 +14,12 @@ std::size_t wanted_k(const std::vector<ChainStage>& stages, std::size_t first) {
   for (std::size_t s = first; s < stages.size(); ++s) {
     const auto* next = std::get_if<Reneighbor>(&stages[s]);
     if (next != nullptr && next->neighborhood) break;
-    if (const Operator* op = operator_of(stages[s])) k = std::max(k, default_k(op->contract()));
+    if (const Operator* op = operator_of(stages[s])) k = std::max(k, op->contract().default_k);
   }
   return k == 0 ? Contract().default_k : k;
 }
 
 }  // namespace
-
-std::size_t default_k(const Contract& contract) { return contract.alone ? 0 : contract.default_k; }
 
 Chain with_named_neighborhoods(Chain chain) {
   const auto is_open = [](const Neighborhood& n) { return n.k == Neighborhood::kOfOperators; };

@@ -2,16 +2,11 @@
 /// Number of neighbours of a chain whose author gives none.
 #pragma once
 
-#include <cstddef>
-
 #include "pointsweep/chain.h"
 
 namespace pointsweep {
 
-/// The number of neighbours that an operator with this contract wants; 0 if it never looks at one.
-std::size_t default_k(const Contract& contract);
-
-/// The chain with a number in the place of each Neighborhood::kOfOperators: the largest default_k() of the operators
+/// The chain with a number in the place of each Neighborhood::kOfOperators: the largest default_k of the operators
 /// that the neighbourhood is for, which stand before the next Reneighbor that names its own.
 Chain with_named_neighborhoods(Chain chain);
 

@@ -16,25 +16,24 @@ PassPlanner::PassPlanner(const ChainGraph& graph, const std::vector<Attribute>& 
 
 /// A rule looks at points as they come, before any stage.
 void PassPlanner::add_neighborhood(std::size_t node) {
-  plan_.neighborhood = graph_.nodes[node].neighborhood;
+  plan_.neighborhood = *graph_.nodes[node].neighborhood();
   if (!plan_.neighborhood.rule) return;
   for (const Attribute& a : plan_.neighborhood.rule->reads()) plan_.rule_reads.push_back(file_column(a));
 }
 
 void PassPlanner::add_stage(std::size_t number) {
   const GraphNode& node = graph_.nodes[number];
-  const Contract contract = node.op->contract();
-  Stage stage{.op = node.op, .reads = {}, .reads_neighbors = {}, .makes = {}};
+  const StageOperator& op = *node.op();
+  Stage stage{.op = op, .reads = {}, .reads_neighbors = {}, .makes = {}};
   stage.position = column_moved_to(node);
-  stage.connects = dynamic_cast<const ConnectingOperator*>(node.op.get());
   for (const std::size_t v : node.reads) stage.reads.push_back(column_of(v));
   for (const std::size_t v : node.reads_neighbors) stage.reads_neighbors.push_back(column_of(v));
   // Every stage behind one that moves points reads the moved positions of the neighbours.
-  const bool sees_moved =
-      !contract.alone && stage.position >= 0 && made_in_this_step(static_cast<std::uint16_t>(stage.position));
+  const bool sees_moved = contract_of(op).default_k > 0 && stage.position >= 0 &&
+                          made_in_this_step(static_cast<std::uint16_t>(stage.position));
   const auto is_new = [&](std::uint16_t column) { return made_in_this_step(column); };
   if (sees_moved || std::ranges::any_of(stage.reads_neighbors, is_new)) plan_.steps.push_back(plan_.stages.size());
-  const std::string maker = fmt::format("{} {}", first_stage_ + plan_.stages.size() + 1, node.op->name());
+  const std::string maker = fmt::format("{} {}", first_stage_ + plan_.stages.size() + 1, name_of(op));
   for (const std::size_t v : node.makes) {
     const Attribute& a = graph_.versions[v].attribute;
     stage.makes.push_back(column_of_version_[v] = new_column(a, maker));

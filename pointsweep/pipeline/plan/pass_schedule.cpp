@@ -4,13 +4,12 @@
 #include <algorithm>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/connecting_operator.h"
-#include "pointsweep/operators/ordered_operator.h"
+#include "pointsweep/overloaded.h"
 
 namespace pointsweep {
 namespace {
 
-/// Every stage may look at its own position, and one that is not alone at those of its neighbours.
+/// Every stage may look at its own position, and one that looks at neighbours at theirs.
 std::vector<std::string> read_by(const Contract& contract) {
   std::vector<std::string> names = {position_attribute().name};
   for (const auto* attributes : {&contract.reads, &contract.reads_neighbors})
@@ -18,27 +17,20 @@ std::vector<std::string> read_by(const Contract& contract) {
   return names;
 }
 
-bool connects(const Operator& op) { return dynamic_cast<const ConnectingOperator*>(&op) != nullptr; }
-bool takes_in_order(const Operator& op) { return dynamic_cast<const OrderedOperator*>(&op) != nullptr; }
+bool connects(const StageOperator& op) { return std::holds_alternative<std::shared_ptr<const ConnectOperator>>(op); }
 
 /// Whether a stage of the first segment needs a value of the input, for which the rows are read first.
 bool begins_with_input_values(const ChainGraph& graph) {
   bool any_stage = false;
   for (const GraphNode& node : graph.nodes) {
-    if (node.kind == NodeKind::select || (node.kind == NodeKind::neighborhood && any_stage)) return false;
-    if (node.kind == NodeKind::reduce && node.reduction->of_input()) return true;
-    any_stage |= node.kind == NodeKind::stage;
+    if (node.drops_rows() || (node.neighborhood() != nullptr && any_stage)) return false;
+    if (node.reduction() != nullptr && node.reduction()->of_input()) return true;
+    any_stage |= node.op() != nullptr && !node.is_order();
   }
   return false;
 }
 
 }  // namespace
-
-bool is_pointwise(const Operator& op) {
-  const Contract contract = op.contract();
-  const bool is_in_order = contract.selects == Selects::in_order || takes_in_order(op);
-  return contract.alone && contract.reads_neighbors.empty() && !is_in_order;
-}
 
 PassSchedule::PassSchedule(const ChainGraph& graph) : graph_(graph) {
   if (begins_with_input_values(graph)) new_pass(PassKind::rows);
@@ -47,47 +39,57 @@ PassSchedule::PassSchedule(const ChainGraph& graph) : graph_(graph) {
 /// A pass of pointwise stages alone needs no search and only reads the rows.
 std::vector<ScheduledPass> PassSchedule::passes() {
   for (std::size_t n = 1; n < graph_.nodes.size(); ++n) add(n);
-  const auto needs_no_search = [&](std::size_t n) { return is_pointwise(*graph_.nodes[n].op); };
+  const auto needs_no_search = [&](std::size_t n) { return is_pointwise(*graph_.nodes[n].op()); };
   for (ScheduledPass& pass : passes_)
     if (pass.kind == PassKind::sweep && std::ranges::all_of(pass.stages, needs_no_search)) pass.kind = PassKind::rows;
   return std::move(passes_);
 }
 
 void PassSchedule::add(std::size_t node) {
-  switch (graph_.nodes[node].kind) {
-    case NodeKind::stage:
-      return add_stage(node);
-    case NodeKind::select:
-      return add_select(node);
-    case NodeKind::neighborhood:
-      neighborhood_ = node;
-      return begin_segment();
-    case NodeKind::order:
-      if (graph_.nodes[node].op) add_stage(node);
-      return;
-    case NodeKind::reduce:  // with the first stage that needs it
-      return;
-  }
+  std::visit(overloaded{[&](const StageOperator& op) { add(node, op); },
+                        [&](const Neighborhood&) {
+                          neighborhood_ = node;
+                          begin_segment();
+                        },
+                        [](const std::shared_ptr<const Reduction>&) {}},  // comes with the first stage that needs it
+             graph_.nodes[node].what);
 }
 
-void PassSchedule::add_stage(std::size_t node) {
-  const Operator& op = *graph_.nodes[node].op;
-  const Contract contract = op.contract();
+void PassSchedule::add(std::size_t node, const StageOperator& op) {
+  std::visit(overloaded{[&](const std::shared_ptr<const LocalOperator>&) { add_stage(node, op); },
+                        [&](const std::shared_ptr<const SelectOperator>&) { add_select(node); },
+                        [&](const std::shared_ptr<const InOrderOperator>& in_order) { add_in_order(node, *in_order); },
+                        [&](const std::shared_ptr<const ConnectOperator>&) { add_stage(node, op); },
+                        [&](const NotePosition&) {
+                          if (!graph_.nodes[node].makes.empty()) add_stage(node, op);
+                        }},
+             op);
+}
+
+void PassSchedule::add_stage(std::size_t node, const StageOperator& op) {
+  const Contract contract = contract_of(op);
   const std::size_t readable = earliest(contract), known = known_after_values(graph_.nodes[node].values);
-  const std::size_t pass = takes_in_order(op)
-                               ? (new_pass(PassKind::order), passes_.size() - 1)
-                               : pass_for(op, contract, std::max(readable, known));
+  const std::size_t pass = pass_for(op, contract, std::max(readable, known));
   passes_[pass].stages.push_back(node);
   passes_[pass].connects |= connects(op);
   note_use(contract, pass, connects(op) ? pass + 1 : pass);
 }
 
-/// A select is the last of its segment: whatever was asked for before it is made of all rows.
+void PassSchedule::add_in_order(std::size_t node, const InOrderOperator& op) {
+  ScheduledPass& pass = new_pass(PassKind::order);
+  if (op.in_order_contract().drops_rows) return end_rows_with(pass, node);
+  pass.stages.push_back(node);
+  note_use(op.contract(), passes_.size() - 1, passes_.size() - 1);
+}
+
 void PassSchedule::add_select(std::size_t node) {
-  const bool by_value = graph_.nodes[node].op->contract().selects == Selects::by_value;
   const bool last_may =
       passes_.size() > segment_ && passes_.back().kind == PassKind::rows && passes_.back().reduces.empty();
-  ScheduledPass& pass = by_value && last_may ? passes_.back() : new_pass(by_value ? PassKind::rows : PassKind::order);
+  end_rows_with(last_may ? passes_.back() : new_pass(PassKind::rows), node);
+}
+
+/// What drops rows is the last of its segment: whatever was asked for before it is made of all rows.
+void PassSchedule::end_rows_with(ScheduledPass& pass, std::size_t node) {
   pass.selects = true;
   pass.stages.push_back(node);
   begin_segment();
@@ -136,7 +138,7 @@ std::size_t PassSchedule::known_after_values(const std::vector<std::size_t>& red
   std::size_t known = 0;
   for (const std::size_t reduce : reduces) {
     if (!value_of_.contains(reduce)) {
-      const Reduction& reduction = *graph_.nodes[reduce].reduction;
+      const Reduction& reduction = *graph_.nodes[reduce].reduction();
       const std::size_t after = reduction.of_input() ? find_input_value() : find_value(reduction);
       value_of_[reduce] = after;
       passes_[after].reduces.push_back(reduce);
@@ -146,10 +148,10 @@ std::size_t PassSchedule::known_after_values(const std::vector<std::size_t>& red
   return known;
 }
 
-std::size_t PassSchedule::pass_for(const Operator& op, const Contract& contract, std::size_t earliest) {
+std::size_t PassSchedule::pass_for(const StageOperator& op, const Contract& contract, std::size_t earliest) {
   const bool alone = is_pointwise(op);
   for (std::size_t p = earliest; p < passes_.size(); ++p)
-    if (takes(passes_[p], op, alone)) {
+    if (takes(passes_[p], op)) {
       if (!alone) require_search_positions(op, p);
       return p;
     }
@@ -159,20 +161,20 @@ std::size_t PassSchedule::pass_for(const Operator& op, const Contract& contract,
   return passes_.size() - 1;
 }
 
-bool PassSchedule::takes(const ScheduledPass& pass, const Operator& op, bool alone) const {
+bool PassSchedule::takes(const ScheduledPass& pass, const StageOperator& op) const {
   if (connects(op)) return pass.kind == PassKind::sweep && !pass.connects;
-  return pass.kind == PassKind::sweep || (alone && pass.kind == PassKind::rows);
+  return pass.kind == PassKind::sweep || (is_pointwise(op) && pass.kind == PassKind::rows);
 }
 
 /// A sweep searches at the positions with which it begins.
-void PassSchedule::require_search_positions(const Operator& op, std::size_t pass) const {
+void PassSchedule::require_search_positions(const StageOperator& op, std::size_t pass) const {
   const auto moved = used_.find(position_attribute().name);
   if (moved == used_.end() || !moved->second.is_made || moved->second.made >= pass) return;
   fail_usage(
       "{}: needs a value of the whole cloud and the neighbours that points had before they moved; add reneighbor "
       "before "
       "'{}', or move the points later.",
-      op.name(), op.name());
+      name_of(op), name_of(op));
 }
 
 void PassSchedule::note_use(const Contract& contract, std::size_t pass, std::size_t made) {

@@ -15,11 +15,8 @@ namespace pointsweep {
 enum class PassKind : std::uint8_t {
   sweep,  ///< finds neighbourhoods
   rows,   ///< reads the rows in their order: its stages look at their own point only
-  order,  ///< puts the points in order, by position or by place, for a Thinning or an OrderedWork
+  order,  ///< puts the points in order, by position or by place, for an InOrderOperator
 };
-
-/// Returns whether the operator reads only the point itself: no neighbour, and no other point in an order.
-bool is_pointwise(const Operator& op);
 
 /// A pass of which only the nodes are known.
 struct ScheduledPass {
@@ -47,15 +44,18 @@ class PassSchedule {
     bool is_made = false;  ///< by a stage of this segment
   };
   void add(std::size_t node);
-  void add_stage(std::size_t node);
+  void add(std::size_t node, const StageOperator& op);
+  void add_stage(std::size_t node, const StageOperator& op);
+  void add_in_order(std::size_t node, const InOrderOperator& op);
   void add_select(std::size_t node);
+  void end_rows_with(ScheduledPass& pass, std::size_t node);
   std::size_t earliest(const Contract& contract) const;
-  std::size_t pass_for(const Operator& op, const Contract& contract, std::size_t earliest);
-  bool takes(const ScheduledPass& pass, const Operator& op, bool alone) const;
+  std::size_t pass_for(const StageOperator& op, const Contract& contract, std::size_t earliest);
+  bool takes(const ScheduledPass& pass, const StageOperator& op) const;
   std::size_t find_input_value();
   std::size_t find_value(const Reduction& reduction);
   std::size_t known_after_values(const std::vector<std::size_t>& reduces);
-  void require_search_positions(const Operator& op, std::size_t pass) const;
+  void require_search_positions(const StageOperator& op, std::size_t pass) const;
   std::size_t known_after(const Reduction& reduction) const;
   void note_use(const Contract& contract, std::size_t pass, std::size_t made);
   ScheduledPass& new_pass(PassKind kind);

@@ -88,7 +88,7 @@ class BatchedRows {
 };
 
 /// Puts the values of each point into a record of `bytes`, at the places of `part`.
-void put_values(const Components& components, const ConnectingOperator& op, const ResultPart& part, RowStore& store,
+void put_values(const Components& components, const ConnectOperator& op, const ResultPart& part, RowStore& store,
                 std::size_t bytes) {
   BatchedRows rows(store, bytes);
   std::vector<std::byte> values(part.bytes);
@@ -124,8 +124,8 @@ void put_both(RowStore& swept, const ResultPart& swept_part, RowStore& connected
 SweepStatistics sweep_and_connect(RunState& run, std::size_t p, SweepOptions options) {
   const PlannedPass& pass = run.plan.passes[p];
   const Stage& stage = *pass.connecting_stage();
-  const ConnectingOperator& op = *stage.connects;
-  const RunScratch scratch(run);
+  const ConnectOperator& op = *stage.connects();
+  RunScratch scratch(run);
   EdgeBuckets edges(bucket_begins(*run.stream, run.bucket_places), run.stream->axis(), op.weighted(),
                     op.votes() != nullptr ? op.votes()->ballot_bytes() : 0, scratch.make());
   SweepPlan plan = pass.plan;
@@ -137,7 +137,7 @@ SweepStatistics sweep_and_connect(RunState& run, std::size_t p, SweepOptions opt
   std::optional<RowStore> swept;
   std::unique_ptr<Sink> sink = std::make_unique<NoSink>();
   if (swept_part.bytes > 0) {
-    swept.emplace(run.cloud.count(), swept_part.bytes, std::byte{0}, spill, buffer);
+    swept.emplace(run.cloud.count(), std::vector<std::byte>(swept_part.bytes), spill, buffer);
     sink = std::make_unique<InputOrderSink>(*swept, swept_part.bytes);
   }
   options.edges = &edges;
@@ -151,7 +151,7 @@ SweepStatistics sweep_and_connect(RunState& run, std::size_t p, SweepOptions opt
   const Components components(edges, setup);
   const std::size_t bytes = pass.plan.result_bytes;
   if (swept) {
-    RowStore told(run.cloud.count(), told_part.bytes, std::byte{0}, spill, buffer);
+    RowStore told(run.cloud.count(), std::vector<std::byte>(told_part.bytes), spill, buffer);
     ResultPart whole{{{0, 0, told_part.bytes}}, told_part.bytes};
     put_values(components, op, whole, told, told_part.bytes);
     put_both(*swept, swept_part, told, told_part, spill, run, bytes);

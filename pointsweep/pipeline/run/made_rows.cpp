@@ -12,7 +12,7 @@ namespace {
 void note_rows_pass(RunState& run, const SweepPlan& plan, const StageTally& tally) {
   const std::size_t before = run.statistics.degenerate_results.size();
   for (std::size_t i = 0; i < plan.stages.size(); ++i) {
-    const std::string name = plan.stages[i].op->name();
+    const std::string name = name_of(plan.stages[i].op);
     run.statistics.operator_seconds.emplace_back(name, tally.seconds[i]);
     run.statistics.degenerate_results.push_back({name, tally.degenerate[i].count(), tally.degenerate[i].lowest()});
     run.statistics.degenerate += tally.degenerate[i].count();
@@ -46,13 +46,13 @@ std::unique_ptr<RowStore> results_of_pass(const RunState& run, std::size_t p) {
   const MemoryPlan& memory = run.memory.passes[p];
   const PlannedPass& pass = run.plan.passes[p];
   const std::size_t bytes = run.makes_output(p) ? run.layout->schema().stride : pass.plan.result_bytes;
-  const std::byte fill = pass.kind == PassKind::order ? pass.made.front().fill : std::byte{0};
+  const std::vector<std::byte> fill = pass.in_order() != nullptr ? pass.fill_record() : std::vector<std::byte>(bytes);
   const SpillPlace spill = run.place("results", p, memory.spill_results);
   const std::uint64_t rows = run.cloud.count(), buffer = memory.result_buffer_bytes;
   if (!run.checkpoints || run.checkpoints->last().results.empty())
-    return std::make_unique<RowStore>(rows, bytes, fill, spill, buffer);
+    return std::make_unique<RowStore>(rows, fill, spill, buffer);
   Unpacker packed(run.checkpoints->last().results);
-  return std::make_unique<RowStore>(packed, rows, bytes, fill, spill, buffer);
+  return std::make_unique<RowStore>(packed, rows, fill, spill, buffer);
 }
 
 MadeRows made_by_pass(RunState& run, std::size_t p) {

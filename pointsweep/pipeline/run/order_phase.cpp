@@ -8,7 +8,7 @@
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/survey_input.h"
-#include "pointsweep/pipeline/thinning_pass.h"
+#include "pointsweep/pipeline/in_order_pass.h"
 
 namespace pointsweep {
 namespace {
@@ -108,9 +108,9 @@ void order_output(RunState& run) {
 /// Puts the points in order by the places that an operator gives them. `run.survey` stays that of their positions.
 void order_places(RunState& run, std::size_t p) {
   const PlannedPass& pass = run.plan.passes[p];
-  const PlacedSource placed(run.source, pass.payload(), pass.thinner());
+  const PlacedSource placed(run.source, pass.payload(), *pass.in_order());
   Survey of_places;
-  const bool in_plane = pass.ordered_operator() != nullptr && pass.ordered_operator()->in_plane();
+  const bool in_plane = pass.in_order()->in_order_contract().places == Places::in_plane;
   const std::optional<int> axis = in_plane && run.options.axis == 2 ? std::nullopt : run.options.axis;
   if (!is_in_order(run)) of_places = survey(placed.source, axis, false);
   make_stream(run, {.source = placed.source,

@@ -7,7 +7,6 @@
 
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/registry.h"
-#include "pointsweep/operators/crop.h"
 #include "pointsweep/pipeline/canonical_text.h"
 #include "pointsweep/pipeline/output_formats.h"
 #include "pointsweep/pipeline/provenance_record.h"
@@ -20,8 +19,8 @@ namespace {
 bool leaves_out(const ChainPlan& plan) {
   std::set<std::string> made;
   for (const ChainStage& stage : plan.chain.stages)
-    if (const Contract contract = contract_of(stage); contract.selects == Selects::nothing)
-      for (const Attribute& a : contract.makes) made.insert(a.name);
+    for (const Attribute& a : contract_of(stage).makes) made.insert(a.name);
+  made.erase(selection_attribute().name);
   return plan.kept.input || !plan.kept.left_out.empty() || plan.kept.attributes.size() < made.size();
 }
 
@@ -94,10 +93,12 @@ std::string boxes_of_crop(const RunState& run) {
   for (const auto& reader : run.cloud.readers())
     if (const std::optional<Box>& stated = reader->info().bounds) cloud.include(*stated);
   for (const GraphNode& node : run.plan.graph.nodes) {
-    const auto* const crop = dynamic_cast<const Crop*>(node.op.get());
-    if (crop == nullptr || crop->options().outside) continue;
+    const auto* const select =
+        node.op() == nullptr ? nullptr : std::get_if<std::shared_ptr<const SelectOperator>>(node.op());
+    const std::optional<Box> extent = select == nullptr ? std::nullopt : (*select)->extent();
+    if (!extent) continue;
     const std::string of_input = cloud.empty() ? "" : fmt::format(", the input {}", text_of(cloud));
-    return fmt::format(": crop spans {}{}", text_of(crop->box()), of_input);
+    return fmt::format(": {} spans {}{}", (*select)->name(), text_of(*extent), of_input);
   }
   return "";
 }

@@ -5,10 +5,14 @@
 
 namespace pointsweep {
 
-RunScratch::RunScratch(const RunState& run) {
-  if (!run.folder) own_.emplace(temp_parent(run.options.resources.temp_folder));
-  folder_ = run.folder ? &*run.folder : &*own_;
-  make_ = [folder = folder_]() -> std::unique_ptr<Scratch> { return std::make_unique<SpilledScratch>(*folder); };
+const TempFolder& RunScratch::folder() {
+  if (run_.folder) return *run_.folder;
+  if (!own_) own_.emplace(temp_parent(run_.options.resources.temp_folder));
+  return *own_;
+}
+
+MakeScratch RunScratch::make() {
+  return [this]() -> std::unique_ptr<Scratch> { return std::make_unique<SpilledScratch>(folder()); };
 }
 
 }  // namespace pointsweep

@@ -13,15 +13,15 @@ namespace pointsweep {
 
 class RunScratch {
  public:
-  /// Uses the temporary folder of the run, or makes one if the run has none.
-  explicit RunScratch(const RunState& run);
-  const TempFolder& folder() const { return *folder_; }
-  const MakeScratch& make() const { return make_; }
+  explicit RunScratch(const RunState& run) : run_(run) {}
+  /// The temporary folder of the run. If the run has none, the first call makes one.
+  const TempFolder& folder();
+  /// Makes files in folder(). *this must outlive the function.
+  MakeScratch make();
 
  private:
+  const RunState& run_;
   std::optional<TempFolder> own_;
-  const TempFolder* folder_;
-  MakeScratch make_;
 };
 
 }  // namespace pointsweep

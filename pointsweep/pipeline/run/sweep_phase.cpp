@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "pointsweep/pipeline/in_order_pass.h"
 #include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/observation.h"
 #include "pointsweep/pipeline/pointwise_stages.h"
@@ -12,7 +13,6 @@
 #include "pointsweep/pipeline/run/connect_points.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/run_scratch.h"
-#include "pointsweep/pipeline/thinning_pass.h"
 #include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
@@ -103,20 +103,21 @@ void sweep_stages(RunState& run, std::size_t p) {
 void take_in_order(RunState& run, std::size_t p) {
   const PlannedPass& pass = run.plan.passes[p];
   const auto start = std::chrono::steady_clock::now();
-  const ThinningPass in_order{.stream = *run.stream,
-                              .pass = pass,
-                              .memory_bytes = run.memory.passes[p].thinning_bytes,
-                              .results = *run.results,
-                              .progress = [&run](std::uint64_t done) { run.report("updating", done, 0); }};
-  const OrderedOperator* op = pass.ordered_operator();
-  if (op == nullptr) return run_thinning(in_order);
-  const RunScratch scratch(run);
-  run_ordered_work(in_order, *op, scratch.make(), [&](const auto& take) {
+  RunScratch scratch(run);
+  const auto other_points = [&](const auto& take) {
     const auto report = [&](std::uint64_t rows) { run.report("ordering", rows, 0); };
     run.others[p]->give_in_order(run.stream->axis(), &scratch.folder(), report, take);
-  });
+  };
+  run_in_order({.stream = *run.stream,
+                .pass = pass,
+                .setup = {.axis = run.stream->axis(),
+                          .memory_bytes = run.memory.passes[p].in_order_bytes,
+                          .make_scratch = scratch.make(),
+                          .other_points = other_points},
+                .results = *run.results,
+                .progress = [&run](std::uint64_t done) { run.report("updating", done, 0); }});
   put_nonfinite(run, p);
-  run.statistics.operator_seconds.emplace_back(op->name(), seconds_since(start));
+  run.statistics.operator_seconds.emplace_back(pass.in_order()->name(), seconds_since(start));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/thinning_pass.h"
+#include "pointsweep/pipeline/in_order_pass.h"
 
 #include <algorithm>
 #include <array>
@@ -26,7 +26,7 @@ std::string position_name(const char* axis) { return std::string("position ") + 
 /// From records of a source to records that begin with a place.
 class Placement {
  public:
-  Placement(const Schema& source, const std::vector<std::size_t>& payload, const Operator& op)
+  Placement(const Schema& source, const std::vector<std::size_t>& payload, const InOrderOperator& op)
       : position_(position_fields(source, "the input")), stride_(source.stride), op_(op) {
     for (const char* axis : kAxes) schema_.append(axis, Type::f64);
     const std::array<const Field*, 3> own = {&position_.x, &position_.y, &position_.z};
@@ -65,7 +65,7 @@ class Placement {
 
   PositionFields position_;
   std::uint32_t stride_;
-  const Operator& op_;
+  const InOrderOperator& op_;
   Schema schema_;
   std::vector<Piece> pieces_;
 };
@@ -82,7 +82,7 @@ ReadRows placing(ReadRows read, std::shared_ptr<const Placement> placement) {
   };
 }
 
-/// Makes the arguments of a Thinning or an OrderedWork out of working records.
+/// Makes the arguments of an InOrderWork out of working records.
 class OrderedBatch {
  public:
   OrderedBatch(const Schema& record, const PlannedPass& pass)
@@ -136,62 +136,79 @@ class OrderedBatch {
   std::vector<double> values_;
 };
 
-/// Gives all points in order, at most so many at once.
+/// Gives all points in order.
 template <class Use>
-void for_each_batch(const ThinningPass& run, std::size_t most, Use use) {
+void for_each_batch(const InOrderPass& run, Use use) {
   const std::size_t stride = run.stream.record_schema().stride;
   OrderedBatch batch(run.stream.record_schema(), run.pass);
   const auto take = [&](std::span<const std::byte> records) {
-    for (std::size_t at = 0; at < records.size(); at += most * stride) {
+    for (std::size_t at = 0; at < records.size(); at += kOrderedBatch * stride) {
       stop_if_cancelled();
-      const std::size_t n = std::min(most, (records.size() - at) / stride);
+      const std::size_t n = std::min(kOrderedBatch, (records.size() - at) / stride);
       use(batch.of(records.data() + at, n));
     }
   };
   write_in_order(run.stream, stride, take, run.progress);
 }
 
-/// Of the values that an OrderedWork makes those that the pass keeps, in its order.
-class KeptValues {
+/// Result records of what a work finds, which hold the attributes that the pass keeps, in the order of the pass.
+class FoundRecords {
  public:
-  KeptValues(const OrderedOperator& op, const PlannedPass& pass) {
-    const std::vector<Attribute> made = op.contract().makes;
+  FoundRecords(const InOrderOperator& op, const PlannedPass& pass) : filled_(pass.fill_record()), dropped_(filled_) {
+    const std::vector<Attribute> made = op.in_order_contract().makes;
+    for (const Attribute& a : made) value_bytes_ += a.bytes();
+    std::size_t to = 0;
     for (const Attribute& kept : pass.made) {
-      std::size_t at = 0, a = 0;
-      while (made[a].name != kept.name) at += made[a++].bytes();
-      pieces_.push_back({at, made[a].bytes()});
-      kept_bytes_ += made[a].bytes();
+      if (kept.name == selection_attribute().name)
+        dropped_[to] = std::byte{0};
+      else
+        pieces_.push_back({offset_of(kept, made), to, kept.bytes()});
+      to += kept.bytes();
     }
-    for (const Attribute& a : made) made_bytes_ += a.bytes();
-    std::size_t next = 0;
-    for (const Piece& piece : pieces_) keeps_all_ &= std::exchange(next, next + piece.bytes) == piece.at;
-    keeps_all_ &= kept_bytes_ == made_bytes_;
   }
-  std::span<const std::byte> of(const MadeInOrder& made) {
-    if (keeps_all_) return made.values;
-    values_.resize(made.rows.size() * kept_bytes_);
-    std::byte* to = values_.data();
-    for (std::size_t i = 0; i < made.rows.size(); ++i)
-      for (const Piece& piece : pieces_) {
-        std::memcpy(to, made.values.data() + i * made_bytes_ + piece.at, piece.bytes);
-        to += piece.bytes;
-      }
-    return values_;
+
+  void put(Findings& found, RowStore& results) {
+    records_.clear();
+    for (std::size_t i = 0; i < found.dropped.size(); ++i)
+      records_.insert(records_.end(), dropped_.begin(), dropped_.end());
+    results.put(found.dropped, records_);
+    results.put(found.rows, values_of(found));
+    found.dropped.clear(), found.rows.clear(), found.values.clear();
   }
 
  private:
   struct Piece {
-    std::size_t at, bytes;
+    std::size_t from, to, bytes;
   };
+  static std::size_t offset_of(const Attribute& kept, const std::vector<Attribute>& made) {
+    std::size_t at = 0, a = 0;
+    while (made[a].name != kept.name) at += made[a++].bytes();
+    return at;
+  }
+
+  std::span<const std::byte> values_of(const Findings& found) {
+    const bool keeps_all = filled_.size() == value_bytes_ &&
+                           std::ranges::all_of(pieces_, [](const Piece& p) { return p.from == p.to; });
+    if (keeps_all) return found.values;
+    records_.clear();
+    for (std::size_t i = 0; i < found.rows.size(); ++i) {
+      records_.insert(records_.end(), filled_.begin(), filled_.end());
+      const std::byte* const values = found.values.data() + i * value_bytes_;
+      std::byte* const record = records_.data() + i * filled_.size();
+      for (const Piece& p : pieces_) std::memcpy(record + p.to, values + p.from, p.bytes);
+    }
+    return records_;
+  }
+
   std::vector<Piece> pieces_;
-  std::size_t made_bytes_ = 0, kept_bytes_ = 0;
-  bool keeps_all_ = true;  ///< in the order in which it is made
-  std::vector<std::byte> values_;
+  std::size_t value_bytes_ = 0;
+  std::vector<std::byte> filled_, dropped_, records_;
 };
 
 }  // namespace
 
-PlacedSource::PlacedSource(const PointSource& from, const std::vector<std::size_t>& fields, const Operator& op) {
+PlacedSource::PlacedSource(const PointSource& from, const std::vector<std::size_t>& fields,
+                           const InOrderOperator& op) {
   const auto placement = std::make_shared<const Placement>(from.schema, fields, op);
   source = {placement->schema(), from.count, placing(from.read, placement)};
   if (from.for_thread) {
@@ -206,38 +223,18 @@ PlacedSource::PlacedSource(const PointSource& from, const std::vector<std::size_
   for (std::size_t f = kAxes.size(); f < source.schema.fields.size(); ++f) payload.push_back(f);
 }
 
-void run_thinning(const ThinningPass& run) {
-  const std::unique_ptr<Thinning> thinning = run.pass.thinner().thinning({run.stream.axis(), run.memory_bytes});
-  Decided decided;
-  const auto put = [&] {
-    run.results.put(decided.left_out, std::vector<std::byte>(decided.left_out.size() * run.pass.plan.result_bytes));
-    decided.left_out.clear();
-  };
-  for_each_batch(run, kThinningBatch, [&](const OrderedPoints& points) {
-    thinning->add(points, decided);
-    put();
-  });
-  thinning->finish(decided);
-  put();
-}
-
-void run_ordered_work(const ThinningPass& run, const OrderedOperator& op, const MakeScratch& make_scratch,
-                      const OtherPoints& other_points) {
-  const std::unique_ptr<OrderedWork> work = op.work({run.stream.axis(), run.memory_bytes, make_scratch, other_points});
-  KeptValues kept(op, run.pass);
-  MadeInOrder made;
-  const auto put = [&] {
-    run.results.put(made.rows, kept.of(made));
-    made.rows.clear();
-    made.values.clear();
-  };
+void run_in_order(const InOrderPass& run) {
+  const InOrderOperator& op = *run.pass.in_order();
+  const std::unique_ptr<InOrderWork> work = op.start(run.setup);
+  FoundRecords records(op, run.pass);
+  Findings found;
   for (unsigned round = 0; round < work->rounds(); ++round) {
-    for_each_batch(run, kOrderedBatch, [&](const OrderedPoints& points) {
-      work->add(round, points, made);
-      put();
+    for_each_batch(run, [&](const OrderedPoints& points) {
+      work->add(round, points, found);
+      records.put(found, run.results);
     });
-    work->end(round, made);
-    put();
+    work->end(round, found);
+    records.put(found, run.results);
   }
 }
 

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "pointsweep/connect/forest_log.h"
@@ -23,7 +25,7 @@ struct NeighborEdge {
 
 /// A stage that emits edges. What it makes is known when its pass has ended, for each point from the component that it
 /// is in and from its sign in the minimum spanning forest (docs/adr/0014). It is the only one of its kind in its pass.
-class ConnectingOperator : public Operator {
+class ConnectOperator : public Operator {
  public:
   /// Whether weights and parities matter; otherwise all edges are alike.
   virtual bool weighted() const { return false; }
@@ -34,8 +36,11 @@ class ConnectingOperator : public Operator {
   virtual void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const = 0;
   /// Sets the values of a point, those of all that it makes one after another.
   virtual void put_values(const ComponentLabel& label, std::byte* values) const = 0;
-  /// Never called.
-  void apply(const Neighborhoods&, Columns&) const override {}
+  /// As LocalOperator::bound().
+  virtual std::shared_ptr<const ConnectOperator> bound(const Schema& input, std::span<const Attribute> made) const {
+    (void)input, (void)made;
+    return nullptr;
+  }
 };
 
 }  // namespace pointsweep

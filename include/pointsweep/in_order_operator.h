@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+/// Operators that take all points of the cloud in order along an axis: they drop rows, make attributes, or both.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/attribute.h"
+#include "pointsweep/export.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/operator.h"
+
+namespace pointsweep {
+
+class Scratch;
+
+/// Points on their way into an InOrderWork. They ascend by place along one axis, then by x, y and z of the place, then
+/// by row: points of one place follow one another.
+struct OrderedPoints {
+  std::span<const Vec3> places;
+  std::span<const Vec3> positions;      ///< finite
+  std::span<const std::uint64_t> rows;  ///< of those that earlier stages have left
+  std::span<const double> values;       ///< the components of InOrderContract::reads, of one point after another
+};
+
+/// What an InOrderWork has found out. Each row is named once at most. A row that is named nowhere stays, and has
+/// Attribute::fill of what the operator makes.
+struct Findings {
+  std::vector<std::uint64_t> dropped;  ///< rows that are left out from here on
+  std::vector<std::uint64_t> rows;     ///< rows whose values are known
+  std::vector<std::byte> values;       ///< what the operator makes of `rows`, of one row after another
+};
+
+/// One run of an operator over all points. Its findings depend only on the set of points, not on how they are divided
+/// into calls, nor on the axis.
+class POINTSWEEP_EXPORT InOrderWork {
+ public:
+  virtual ~InOrderWork() = default;
+  /// Number of times that the points come.
+  virtual unsigned rounds() const { return 1; }
+  /// Takes the next points of round `round`, which counts from 0, and appends what is known by now, also of points that
+  /// came before.
+  virtual void add(unsigned round, const OrderedPoints& points, Findings& findings) = 0;
+  /// Follows the last point of a round.
+  virtual void end(unsigned round, Findings& findings) {
+    (void)round, (void)findings;
+  }
+};
+
+/// Makes an empty file in the temporary folder.
+using MakeScratch = std::function<std::unique_ptr<Scratch>()>;
+
+/// Gives all finite points of another cloud, in ascending order along the axis.
+using OtherPoints = std::function<void(
+    const std::function<void(std::span<const Vec3> positions, std::span<const std::uint64_t> rows)>& take)>;
+
+/// What an InOrderWork has to know before the first point.
+struct InOrderSetup {
+  int axis = 0;                    ///< along which places ascend; with Places::in_plane 0 or 1
+  std::uint64_t memory_bytes = 0;  ///< that the work may hold
+  MakeScratch make_scratch = {};
+  OtherPoints other_points = {};  ///< of InOrderOperator::other_cloud()
+};
+
+/// What is known of the cloud before the work.
+struct CloudEstimate {
+  std::uint64_t points = 0;
+  std::span<const Vec3> sample;  ///< finite positions
+  int axis = 0;                  ///< along which places will ascend
+  /// Estimates the most points between two planes across the axis, which are so far apart.
+  std::function<std::uint64_t(double thickness)> slice_points;
+};
+
+/// What puts the points in order.
+enum class Places : std::uint8_t {
+  positions,    ///< their positions
+  of_operator,  ///< InOrderOperator::place_of() their positions
+  in_plane,     ///< the same, whose z is always 0: the points ascend along x or y
+};
+
+struct InOrderContract {
+  std::vector<Attribute> reads = {};  ///< of the point itself, in addition to its position
+  std::vector<Attribute> makes = {};
+  bool drops_rows = false;  ///< later stages and the output have the other rows alone
+  Places places = Places::positions;
+  std::string arrival = {};  ///< how points come, for the dry run: "equal ones together"
+};
+
+/// Takes all points with a finite place in order. A point without one stays, keeps its position and what the operator
+/// reads of it and makes again, and has Attribute::fill of all else.
+class POINTSWEEP_EXPORT InOrderOperator : public Operator {
+ public:
+  virtual InOrderContract in_order_contract() const = 0;
+  /// Returns a new work for one run over the cloud.
+  virtual std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const = 0;
+  /// Returns where a point with a finite position comes in the order. Called from many threads at once.
+  virtual Vec3 place_of(Vec3 position) const { return position; }
+  /// Returns the least memory of a work on such a cloud.
+  virtual std::uint64_t least_bytes(const CloudEstimate& cloud) const {
+    (void)cloud;
+    return 0;
+  }
+  /// The name of the files of another cloud that it reads, as an input of a command names them; empty: it reads none.
+  virtual std::string other_cloud() const { return {}; }
+  /// As LocalOperator::bound().
+  virtual std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const {
+    (void)input, (void)made;
+    return nullptr;
+  }
+
+  Contract contract() const final {
+    InOrderContract own = in_order_contract();
+    if (own.drops_rows) own.makes.push_back(selection_attribute());
+    return {.reads = std::move(own.reads), .makes = std::move(own.makes), .default_k = 0};
+  }
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+/// A pass that takes all points in order, to an InOrderOperator.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "pointsweep/in_order_operator.h"
+#include "pointsweep/order/row_store.h"
+#include "pointsweep/order/source.h"
+#include "pointsweep/order/stream.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
+
+namespace pointsweep {
+
+/// The points of `source` at the places that `op` gives them. Behind a place follow the position, in its type, and the
+/// fields `payload` of the source. A point without a finite position has no place. `op` must outlive the source.
+struct PlacedSource {
+  PlacedSource(const PointSource& source, const std::vector<std::size_t>& payload, const InOrderOperator& op);
+  PointSource source;
+  std::vector<std::size_t> payload;  ///< indices of the fields that follow a place
+};
+
+struct InOrderPass {
+  const Stream& stream;  ///< canonical; of a PlacedSource if the pass has places
+  const PlannedPass& pass;
+  InOrderSetup setup;
+  RowStore& results;  ///< gets a record for each row that is dropped or has values, and nothing for the others
+  std::function<void(std::uint64_t points)> progress;
+};
+
+/// Takes all points with a finite place through the work of the operator.
+void run_in_order(const InOrderPass& run);
+
+}  // namespace pointsweep
