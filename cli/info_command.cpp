@@ -14,7 +14,7 @@
 #include "cli/progress.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/input_list.h"
+#include "pointsweep/files.h"
 #include "pointsweep/info.h"
 #include "pointsweep/info/summary_json.h"
 

@@ -12,11 +12,11 @@
 
 #include "cli/help.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/files.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/folder_entries.h"
 #include "pointsweep/formats/files/same_file.h"
 #include "pointsweep/formats/files/standard_streams.h"
-#include "pointsweep/formats/input_list.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/points/lower_case.h"
 

@@ -44,7 +44,7 @@ void add_output_format_option(CLI::App& verb, std::string& format);
 /// -o, --output
 void add_output_option(CLI::App& verb, std::filesystem::path& output);
 
-/// Lists the inputs (formats/input_list.h); `format`: of --format, or "". Where OUT is a folder, or ends in '/', each
+/// Lists the inputs (pointsweep/files.h); `format`: of --format, or "". Where OUT is a folder, or ends in '/', each
 /// input has an output in it. Throws UsageError where no input or no output is named, where a list of several inputs
 /// ends with a file or a folder of point files that exists (a pattern such as *.las with OUT forgotten), where an
 /// output is an input or another output, and where inputs have no format that is written; Error for a folder without

@@ -2,6 +2,7 @@
 # A layer is a folder with sources, named by its path without `pointsweep/`; a folder that is not named here is refused. A file may
 # include its own folder, the layers named for it, and pointsweep/fail.h, cancellation.h, leftovers.h, free_memory.h, threads.h, prefetch.h.
 # A header of include/pointsweep/ belongs to the layer named for it here, and includes other public headers alone.
+# The tool is to be built on public headers: includes of other headers of pointsweep/ in cli/ are counted, and their limit may only fall.
 cmake_minimum_required(VERSION 3.25)
 set(layer_of_header_error top)
 set(layer_of_header_export top)
@@ -12,7 +13,7 @@ endforeach()
 foreach(header chain in_order_operator operator operators)
   set(layer_of_header_${header} operators)
 endforeach()
-foreach(header cloud crs reader writer)
+foreach(header cloud crs files reader writer)
   set(layer_of_header_${header} formats)
 endforeach()
 foreach(header arrays pointsweep run statistics)
@@ -54,6 +55,9 @@ set(may_include_python/binding points math order operators formats formats/files
 set(pointsweep/formats/registry.cpp_may_include formats/e57 formats/kitti formats/las formats/mesh formats/npy
   formats/pcd formats/ply formats/ptx formats/qsplat formats/text formats/vtk)
 
+if(NOT DEFINED INNER_INCLUDES_OF_CLI)
+  set(INNER_INCLUDES_OF_CLI 81)
+endif()
 if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)
 endif()
@@ -83,6 +87,7 @@ file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/include/*.h ${ROOT}/pointsweep/
   ${ROOT}/reference/*.cpp ${ROOT}/cli/*.h ${ROOT}/cli/*.cpp
   ${ROOT}/python/*.h ${ROOT}/python/*.cpp)
 set(wrong "")
+set(inner_includes 0)
 foreach(file ${files})
   layer_of(${file} layer)
   if(NOT layer STREQUAL "top" AND NOT DEFINED may_include_${layer})
@@ -94,6 +99,9 @@ foreach(file ${files})
     string(REGEX MATCH "\"(.*)\"" path ${line})
     set(path ${CMAKE_MATCH_1})
     layer_of(${path} target)
+    if(file MATCHES "^cli/" AND path MATCHES "^pointsweep/" AND NOT EXISTS ${ROOT}/include/${path})
+      math(EXPR inner_includes "${inner_includes} + 1")
+    endif()
     if(file MATCHES "^include/" AND NOT EXISTS ${ROOT}/include/${path})
       string(APPEND wrong "${file}: a public header must not include ${path}, which is not installed\n")
       continue()
@@ -113,6 +121,12 @@ foreach(file ${files})
     string(APPEND wrong "${file}: layer '${layer}' must not include ${path}\n")
   endforeach()
 endforeach()
+
+if(inner_includes GREATER INNER_INCLUDES_OF_CLI)
+  string(APPEND wrong "cli/ includes inner headers of pointsweep/ in ${inner_includes} lines, but must not in more than ${INNER_INCLUDES_OF_CLI}\n")
+elseif(inner_includes LESS INNER_INCLUDES_OF_CLI)
+  message(STATUS "cli/ includes inner headers in ${inner_includes} lines: lower INNER_INCLUDES_OF_CLI in cmake/check_layers.cmake")
+endif()
 
 if(NOT files)
   message(FATAL_ERROR "${ROOT} holds no sources of the library")

@@ -2,6 +2,7 @@
 /// The public interface of the core. In reading order:
 ///   attribute.h     what points carry, and how a record holds it
 ///   reader.h        inputs: files, arrays, readers of your own
+///   files.h         the files that folders and patterns stand for
 ///   cloud.h         several inputs as one cloud
 ///   neighborhood.h  which points are neighbours, and a batch of points as operators see it
 ///   operator.h      operators of your own; in_order_operator.h: those that take all points in order
@@ -23,6 +24,7 @@
 #include "pointsweep/crs.h"
 #include "pointsweep/error.h"
 #include "pointsweep/export.h"
+#include "pointsweep/files.h"
 #include "pointsweep/geometry.h"
 #include "pointsweep/in_order_operator.h"
 #include "pointsweep/neighborhood.h"

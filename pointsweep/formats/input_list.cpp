@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/input_list.h"
+#include "pointsweep/files.h"
 
 #include <sys/stat.h>
 

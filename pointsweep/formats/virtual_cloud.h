@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "pointsweep/formats/input_list.h"
+#include "pointsweep/files.h"
 
 namespace pointsweep {
 

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/files.h"
 #include "pointsweep/formats/common_crs.h"
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/input_list.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/working_record.h"

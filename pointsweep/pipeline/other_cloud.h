@@ -19,7 +19,7 @@ namespace pointsweep {
 
 class OtherCloud {
  public:
-  /// Opens the files that `name` stands for (input_list.h). Throws Error where there is none, UsageError where they
+  /// Opens the files that `name` stands for (files.h). Throws Error where there is none, UsageError where they
   /// state another coordinate reference system than `cloud` and the latter does not ignore that.
   OtherCloud(const std::string& name, const InputCloud& cloud);
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pointsweep/formats/input_list.h"
+#include "pointsweep/files.h"
 #include "pointsweep/verify/ball_index.h"
 #include "pointsweep/verify/formulas/cylinder.h"
 #include "pointsweep/verify/nearest_of_cloud.h"

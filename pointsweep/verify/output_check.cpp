@@ -10,8 +10,8 @@
 #include <string>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/files.h"
 #include "pointsweep/formats/cloud_reader.h"
-#include "pointsweep/formats/input_list.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/neighbor_rows.h"
 #include "pointsweep/pipeline/build_chain.h"

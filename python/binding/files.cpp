@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/formats/input_list.h"
+#include "pointsweep/files.h"
 #include "python/binding/crs_values.h"
 #include "python/binding/requests.h"
 #include "python/binding/result_arrays.h"

@@ -2,10 +2,11 @@
 """A program of a user, which mypy --strict checks and nobody runs: each type is what it should be, and what is wrong is an error."""
 
 from pathlib import Path
-from typing import Any, assert_type
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from typing_extensions import assert_type
 
 import pointsweep as ps
 
