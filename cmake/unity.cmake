@@ -9,6 +9,7 @@ mark_as_advanced(POINTSWEEP_COMPILED_ALONE)
 # pointsweep_group_by_folder(TARGET [GROUPS]): one group for each folder, or GROUPS of them. Sources that Highway compiles
 # once per instruction set include themselves and stay alone, as do those in POINTSWEEP_COMPILED_ALONE: script/mutants
 # changes one at a time, and compiles it at -O1, which takes half the time and gives the same bytes in every result.
+# threads.cpp stays alone, so that a program can bring other threads (bench/span).
 # Vector code makes many temporaries. With the address sanitizer's check of scopes curvature_kernel.cpp takes 7 minutes of CPU time
 # to compile (GCC 12.2), without it 8 seconds, so the check is off there.
 function(pointsweep_group_by_folder target)
@@ -32,7 +33,7 @@ function(pointsweep_group_by_folder target)
       if(POINTSWEEP_SANITIZE MATCHES address)
         set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS -fno-sanitize-address-use-after-scope)
       endif()
-    else()
+    elseif(NOT name STREQUAL "pointsweep/threads.cpp")
       math(EXPR part "${place} % ${groups}")
       math(EXPR place "${place} + 1")
       set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group}_${part})
