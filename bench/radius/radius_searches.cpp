@@ -83,10 +83,11 @@ struct Cells {
     Found found;
     SearchScratch scratch;
     CellNeighbors lists;
+    const Neighborhood what{.k = Neighborhood::kUnlimited, .radius = radius};
     const Stopwatch watch;
     for (std::uint32_t slot = 0; queries > 0; ++slot) {
       const Cell& cell = *cells[slot];
-      search_cell(directory, slot, {.k = Neighborhood::kUnlimited, .radius = radius}, scratch, lists);
+      pointsweep::search({directory, slot, what}, cell, kAllLists, scratch, lists);
       const auto wanted = static_cast<std::uint32_t>(std::min<std::size_t>(queries, cell.size()));
       for (std::uint32_t i = 0; i < wanted; ++i)
         for (std::uint32_t j = lists.begin[i]; j < lists.begin[i + 1]; ++j, ++found.neighbors) {

@@ -68,11 +68,12 @@ void search_surface(benchmark::State& state) {
     cells[i]->seal();
     directory.add(static_cast<std::uint32_t>(i), cells[i].get());
   }
+  const Neighborhood what{.k = static_cast<std::size_t>(state.range(0))};
   SearchScratch scratch;
   CellNeighbors found;
   for (auto _ : state) {
     for (std::uint32_t slot = 0; slot < cells.size(); ++slot) {
-      search_cell(directory, slot, {.k = static_cast<std::size_t>(state.range(0))}, scratch, found);
+      search({directory, slot, what}, *cells[slot], kAllLists, scratch, found);
       benchmark::DoNotOptimize(found.refs.data());
     }
   }

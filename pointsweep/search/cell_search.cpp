@@ -33,55 +33,41 @@ namespace HWY_NAMESPACE {
 template <std::size_t K>
 class CellSearch {
  public:
-  CellSearch(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
-             CellNeighbors& out)
-      : directory_(directory), cell_(directory.cell(slot)), slot_(slot), what_(what), scratch_(scratch), out_(out) {}
+  CellSearch(const CellQuery& query, SearchScratch& scratch, CellNeighbors& out)
+      : query_(query), cell_(query.cell()), what_(query.what), scratch_(scratch), out_(out) {}
 
-  void run() {
-    find_cells(0);
-    for (std::uint32_t leaf = 0; leaf < cell_.leaf_count(); ++leaf) {
+  /// Goes leaf by leaf, and takes successive leaves that lie at one place together.
+  void run(const CellSubset& points) {
+    scratch_.near.find(query_, 0);
+    for (std::uint32_t n = 0, end = 0; n < points.size(); n = end) {
       stop_if_cancelled();
-      if (const std::uint32_t end = end_of_copies(cell_, leaf); end > leaf) {
-        search_copies(directory_, cell_, leaf * kLeafCapacity, std::min(end * kLeafCapacity, cell_.size()), what_,
-                      scratch_, reach2_, out_);
-        leaf = end - 1;
-        continue;
-      }
-      search_leaf(leaf);
-    }
-  }
-
-  /// The same for some of the points, which ascend.
-  void run(std::span<const std::uint32_t> points) {
-    find_cells(0);
-    for (std::size_t n = 0, end = 0; n < points.size(); n = end) {
-      stop_if_cancelled();
-      const std::uint32_t leaf = points[n] / kLeafCapacity;
-      while (end < points.size() && points[end] / kLeafCapacity == leaf) ++end;
-      const std::span<const std::uint32_t> here = points.subspan(n, end - n);
-      end_of_copies(cell_, leaf) > leaf ? search_some_copies(here) : search_some(leaf, here);
+      const std::uint32_t leaf = points[n] / kLeafCapacity, end_of_same = end_of_copies(cell_, leaf);
+      end = points.count_below(std::max(leaf + 1, end_of_same) * kLeafCapacity);
+      const CellSubset here = points.part(n, end - n);
+      end_of_same > leaf ? search_some_copies(here) : search_some(leaf, here);
     }
   }
 
  private:
-  void search_some_copies(std::span<const std::uint32_t> points) {
-    for (std::size_t n = 0, end = 0; n < points.size(); n = end) {
+  void search_some_copies(const CellSubset& points) {
+    for (std::uint32_t n = 0, end = 0; n < points.size(); n = end) {
       for (end = n + 1; end < points.size() && points[end] == points[end - 1] + 1;) ++end;
-      search_copies(directory_, cell_, points[n], points[end - 1] + 1, what_, scratch_, reach2_, out_);
+      search_copies(query_, points[n], points[end - 1] + 1, scratch_, out_);
     }
   }
 
   /// Searches the leaf and keeps the lists of `points` alone.
-  void search_some(std::uint32_t leaf, std::span<const std::uint32_t> points) {
+  void search_some(std::uint32_t leaf, const CellSubset& points) {
     const std::size_t before = out_.reach2.size();
-    wanted_ = 0;
-    for (const std::uint32_t point : points) wanted_ |= 1u << point % kLeafCapacity;
+    const bool all = points.size() == cell_.leaf_size(leaf);
+    wanted_ = all ? ~0u : 0;
+    for (std::uint32_t n = 0; !all && n < points.size(); ++n) wanted_ |= 1u << points[n] % kLeafCapacity;
     search_leaf(leaf);
-    if (points.size() == cell_.leaf_size(leaf)) return;
+    if (all) return;
     std::size_t kept = before;
     std::uint32_t end = out_.begin[before];
-    for (const std::uint32_t point : points) {
-      const std::size_t from = before + point % kLeafCapacity;
+    for (std::uint32_t n = 0; n < points.size(); ++n) {
+      const std::size_t from = before + points[n] % kLeafCapacity;
       const std::uint32_t begin = out_.begin[from], behind = out_.begin[from + 1];
       std::copy(out_.refs.begin() + begin, out_.refs.begin() + behind, out_.refs.begin() + end);
       out_.reach2[kept] = out_.reach2[from];
@@ -97,17 +83,12 @@ class CellSearch {
   static constexpr float kWide = 64;               ///< a leaf so many times as wide as that of the queries
   static constexpr std::size_t kFew = 2 * K + 16;  ///< so many are put in order by insertion
 
-  void find_cells(double reach2) {
-    reach2_ = reach2;
-    directory_.find(cell_.box, reach2, scratch_.near);
-  }
-
   void search_leaf(std::uint32_t leaf) {
     const std::uint32_t first = leaf * kLeafCapacity, queries = cell_.leaf_size(leaf);
     if (!choose_frame(leaf)) return search_in_double(first, queries);
     group_count_ = (queries + kGroup - 1) / kGroup;
     packed_.leaves = 0, packed_.farthest = 0;
-    take(cell_, slot_, leaf);
+    take(cell_, query_.slot, leaf);
     for (std::uint32_t g = 0; g < group_count_; ++g) {
       start(groups_[g], first + g * kGroup);
       groups_[g].try_own_leaf(d_, packed_, g * kGroup);
@@ -115,7 +96,7 @@ class CellSearch {
     const auto [begin, end] = branch_around(leaf);
     for (std::uint32_t l = begin; l < end; ++l) {
       if (l == leaf) continue;
-      take(cell_, slot_, l);
+      take(cell_, query_.slot, l);
       for (std::uint32_t g = 0; g < group_count_; ++g) groups_[g].try_last_leaf(d_, packed_);
     }
     for (std::uint32_t g = 0; g < group_count_; ++g) bound(g);
@@ -187,10 +168,10 @@ class CellSearch {
   /// Collects the leaves that a query may need, nearest first, except those of its own cell tried before.
   void find_leaves(std::uint32_t begin, std::uint32_t end) {
     const double reach2 = unscaled(farthest_reach2());
-    if (reach2 > reach2_) find_cells(4 * reach2);
-    const auto untried = [&](std::uint32_t slot, std::uint32_t l) { return slot != slot_ || l < begin || l >= end; };
+    if (reach2 > scratch_.near.reach2) scratch_.near.find(query_, 4 * reach2);
+    const auto untried = [&](std::uint32_t slot, std::uint32_t l) { return slot != query_.slot || l < begin || l >= end; };
     constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
-    collect_near_leaves(directory_, scratch_.near, query_box_, reach2, kAll, untried, scratch_.leaves);
+    collect_near_leaves(query_.directory, scratch_.near.cells, query_box_, reach2, kAll, untried, scratch_.leaves);
   }
 
   /// Tries the collected leaves until none can matter. False if there are too many.
@@ -198,8 +179,8 @@ class CellSearch {
     float limit = not_near(unscaled(farthest_reach2()));
     for (const std::uint64_t key : scratch_.leaves) {
       if (NearLeaf::distance2(key) > limit) break;
-      const std::uint32_t slot = scratch_.near[NearLeaf::place(key)].slot, leaf = NearLeaf::leaf(key);
-      const Cell& cell = directory_.cell(slot);
+      const std::uint32_t slot = scratch_.near.cells[NearLeaf::place(key)].slot, leaf = NearLeaf::leaf(key);
+      const Cell& cell = query_.directory.cell(slot);
       const LocalBox box = frame_.local(cell, leaf);
       bool taken = false;
       for (std::uint32_t g = 0; g < group_count_; ++g) {
@@ -286,7 +267,7 @@ class CellSearch {
       const std::uint32_t number = std::bit_cast<std::uint32_t>(keys_[i][lane]) & (kCandidates - 1);
       refs[size++] = packed_.first[number / kLeafCapacity] + number % kLeafCapacity;
     }
-    if (close_to_next != 0) order_runs(directory_, cell_.position(point), close_to_next, refs);
+    if (close_to_next != 0) order_runs(query_.directory, cell_.position(point), close_to_next, refs);
     written_ += size;
   }
 
@@ -310,8 +291,8 @@ class CellSearch {
     const Vec3 p = cell_.position(point);
     for (std::size_t n = 0; n < near; ++n) {
       const NeighborRef ref = packed_.first[near_[n] / kLeafCapacity] + near_[n] % kLeafCapacity;
-      if (index_of(ref) >= directory_.cell(slot_of(ref)).size()) continue;
-      const Candidate c = candidate_from(directory_, ref, p);
+      if (index_of(ref) >= query_.directory.cell(slot_of(ref)).size()) continue;
+      const Candidate c = candidate_from(query_.directory, ref, p);
       if (c.row != cell_.row[point]) use(c);
     }
   }
@@ -340,7 +321,7 @@ class CellSearch {
         continue;
       }
       ++scratch_.settled_in_double;
-      search_point_plainly(directory_, cell_, q, what_, scratch_, reach2_);
+      search_point_plainly(query_, q, scratch_);
       append_best(what_, scratch_, out_);
     }
   }
@@ -359,13 +340,11 @@ class CellSearch {
   }
 
   const Lanes d_{};
-  const CellDirectory& directory_;
+  const CellQuery query_;
   const Cell& cell_;
-  const std::uint32_t slot_;
   const Neighborhood what_;
   SearchScratch& scratch_;
   CellNeighbors& out_;
-  double reach2_ = 0;           ///< scratch_.near holds every cell within it of the cell's box
   std::uint32_t wanted_ = ~0u;  ///< points of the leaf in hand; the lists of the others may be wrong
   double leaf_extent_ = 1;
   bool limited_ = false;
@@ -382,30 +361,11 @@ class CellSearch {
   std::array<std::uint16_t, kCandidates> near_;  ///< numbers of packed candidates
 };
 
-template <std::size_t K, class... Points>
-void search_with(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
-                 CellNeighbors& out, Points... points) {
-  CellSearch<K> search(directory, slot, what, scratch, out);
-  search.run(points...);
-}
-
-template <class... Points>
-void search_with_lists(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
-                       SearchScratch& scratch, CellNeighbors& out, Points... points) {
-  if (what.k <= 8) return search_with<8>(directory, slot, what, scratch, out, points...);
-  if (what.k <= 16) return search_with<16>(directory, slot, what, scratch, out, points...);
-  if (what.k <= 32) return search_with<32>(directory, slot, what, scratch, out, points...);
-  return search_with<64>(directory, slot, what, scratch, out, points...);
-}
-
-void search_lanes(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
-                  CellNeighbors& out) {
-  search_with_lists(directory, slot, what, scratch, out);
-}
-
-void search_chosen_lanes(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
-                         SearchScratch& scratch, CellNeighbors& out, std::span<const std::uint32_t> points) {
-  search_with_lists(directory, slot, what, scratch, out, points);
+void search_lanes(const CellQuery& query, const CellSubset& points, SearchScratch& scratch, CellNeighbors& out) {
+  if (query.what.k <= 8) return CellSearch<8>(query, scratch, out).run(points);
+  if (query.what.k <= 16) return CellSearch<16>(query, scratch, out).run(points);
+  if (query.what.k <= 32) return CellSearch<32>(query, scratch, out).run(points);
+  return CellSearch<64>(query, scratch, out).run(points);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -414,13 +374,8 @@ HWY_AFTER_NAMESPACE();
 #else
 namespace pointsweep {
 namespace HWY_NAMESPACE {
-void search_lanes(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
-                  CellNeighbors& out) {
-  search_cell_plainly(directory, slot, what, scratch, out);
-}
-void search_chosen_lanes(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what,
-                         SearchScratch& scratch, CellNeighbors& out, std::span<const std::uint32_t> points) {
-  search_chosen_plainly(directory, slot, points, ~std::uint64_t{0}, what, scratch, out);
+void search_lanes(const CellQuery& query, const CellSubset& points, SearchScratch& scratch, CellNeighbors& out) {
+  search_plainly(query, points, kAllLists, scratch, out);
 }
 }  // namespace HWY_NAMESPACE
 }  // namespace pointsweep
@@ -429,41 +384,17 @@ void search_chosen_lanes(const CellDirectory& directory, std::uint32_t slot, con
 #if HWY_ONCE
 namespace pointsweep {
 HWY_EXPORT(search_lanes);
-HWY_EXPORT(search_chosen_lanes);
-
-namespace {
-
-void clear(CellNeighbors& lists) {
-  lists.refs.clear();
-  lists.reach2.clear();
-  lists.begin.assign(1, 0);
-}
-
-}  // namespace
-
-void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
-                 CellNeighbors& out) {
-  search_points(directory, slot, 0, std::numeric_limits<std::uint64_t>::max(), what, scratch, out);
-}
 
 /// With few neighbours a point, the lists of a whole cell are smaller than any limit worth setting.
-std::uint32_t search_points(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first, std::uint64_t most,
-                            const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out) {
-  clear(out);
-  if (what.k > kMostInLanes) return search_points_gathered(directory, slot, first, most, what, scratch, out);
-  if (what.k == 0)
-    search_cell_plainly(directory, slot, what, scratch, out);
-  else
-    HWY_DYNAMIC_DISPATCH(search_lanes)(directory, slot, what, scratch, out);
-  return directory.cell(slot).size();
-}
-
-std::size_t search_chosen(const CellDirectory& directory, std::uint32_t slot, std::span<const std::uint32_t> points,
-                          std::uint64_t most, const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out) {
-  clear(out);
-  if (what.k > kMostInLanes) return search_chosen_gathered(directory, slot, points, most, what, scratch, out);
-  if (what.k == 0) return search_chosen_plainly(directory, slot, points, most, what, scratch, out);
-  HWY_DYNAMIC_DISPATCH(search_chosen_lanes)(directory, slot, what, scratch, out, points);
+std::uint32_t search(const CellQuery& query, const CellSubset& points, std::uint64_t most, SearchScratch& scratch,
+                     CellNeighbors& out) {
+  out.refs.clear();
+  out.reach2.clear();
+  out.begin.assign(1, 0);
+  if (points.size() == 0) return 0;
+  if (query.what.k > kMostInLanes) return search_gathered(query, points, most, scratch, out);
+  if (query.what.k == 0) return search_plainly(query, points, most, scratch, out);
+  HWY_DYNAMIC_DISPATCH(search_lanes)(query, points, scratch, out);
   return points.size();
 }
 

@@ -9,10 +9,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "pointsweep/search/best_list.h"
+#include "pointsweep/search/cell_subset.h"
 #include "pointsweep/search/directory.h"
 
 namespace pointsweep {
@@ -62,31 +62,45 @@ inline constexpr std::size_t kMostGathered = 1 << 15;
 /// Memory for each of them: GatheredPoints, with leaves that are not full.
 inline constexpr std::uint64_t kGatheredPointBytes = 64;
 
+/// A cell whose points ask, the cells among which it is, and the neighbourhood that it asks for.
+struct CellQuery {
+  const CellDirectory& directory;
+  std::uint32_t slot;
+  const Neighborhood& what;
+
+  const Cell& cell() const { return directory.cell(slot); }
+};
+
+/// The cells near that of a query, nearest first.
+struct NearCells {
+  std::vector<CellDirectory::Near> cells;
+  double reach2 = 0;  ///< `cells` holds every cell within this squared distance of the box of the query's cell
+
+  void find(const CellQuery& query, double within2) {
+    reach2 = within2;
+    query.directory.find(query.cell().box, within2, cells);
+  }
+};
+
 /// Memory reused from cell to cell by one thread.
 struct SearchScratch {
-  std::vector<CellDirectory::Near> near;
+  NearCells near;
   std::vector<std::uint64_t> leaves;
   GatheredPoints gathered;
   BestList best;
   std::uint64_t settled_in_double = 0;  ///< points that single precision could not decide
 };
 
-/// Finds the neighbourhood of every point of the cell in `slot` among the cells of `directory`. Thread-safe with one
-/// scratch per thread.
-void search_cell(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
-                 CellNeighbors& out);
+/// Finds the neighbourhoods of the first of `points`, until `most` neighbours are found (a list is never cut) or there
+/// are no more points. Returns how many; `out` holds their lists alone. Thread-safe with one scratch per thread.
+///
+/// Where k is at most 64 all points are searched, and a leaf is searched as a whole if any of its points is among them,
+/// at the cost of all 16. Memory in addition to `out`: 8 bytes for each point within the radius of one point, or 100
+/// bytes for each of k.
+std::uint32_t search(const CellQuery& query, const CellSubset& points, std::uint64_t most, SearchScratch& scratch,
+                     CellNeighbors& out);
 
-/// The same for a run of the cell's points: those from `first` on until `most` neighbours are found (a list is never
-/// cut) or the cell ends. Returns the end of the run; `out` holds its lists alone. Where k is at most 64 runs begin and
-/// end at leaves and may be longer. Memory in addition to `out`: 8 bytes for each point within the radius of one point,
-/// or 100 bytes for each of k.
-std::uint32_t search_points(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first, std::uint64_t most,
-                            const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out);
-
-/// The same for some of the cell's points, in ascending order: the first ones of `points`, until `most` neighbours are
-/// found or there are no more. Returns how many. Where k is at most 64 a leaf is searched as a whole if any of its
-/// points is among them, at the cost of all 16, and the lists of the others are dropped.
-std::size_t search_chosen(const CellDirectory& directory, std::uint32_t slot, std::span<const std::uint32_t> points,
-                          std::uint64_t most, const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out);
+/// A value of `most` that all lists stay below.
+inline constexpr std::uint64_t kAllLists = ~std::uint64_t{0};
 
 }  // namespace pointsweep

@@ -16,12 +16,14 @@ std::uint32_t end_of_copies(const Cell& cell, std::uint32_t leaf) {
   return end;
 }
 
-void search_copies(const CellDirectory& directory, const Cell& cell, std::uint32_t first, std::uint32_t end,
-                   const Neighborhood& what, SearchScratch& scratch, double& reach2, CellNeighbors& out) {
+void search_copies(const CellQuery& query, std::uint32_t first, std::uint32_t end, SearchScratch& scratch,
+                   CellNeighbors& out) {
   constexpr std::uint64_t kNoRow = ~std::uint64_t{0};
+  const Neighborhood& what = query.what;
+  const Cell& cell = query.cell();
   Neighborhood with_self = what;
   if (what.k != Neighborhood::kUnlimited) ++with_self.k;
-  search_place_plainly(directory, cell, cell.position(first), kNoRow, with_self, scratch, reach2);
+  search_place_plainly({query.directory, query.slot, with_self}, cell.position(first), kNoRow, scratch);
   const std::vector<Candidate>& found = scratch.best.finish();
   for (std::uint32_t i = first; i < end; ++i) {
     std::size_t size = 0;

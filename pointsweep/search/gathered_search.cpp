@@ -33,39 +33,19 @@ namespace HWY_NAMESPACE {
 /// point p ends within the reach of any point q plus |p - q|.
 class GatheredSearch {
  public:
-  GatheredSearch(const CellDirectory& directory, std::uint32_t slot, const Neighborhood& what, SearchScratch& scratch,
-                 CellNeighbors& out)
-      : directory_(directory), cell_(directory.cell(slot)), slot_(slot), what_(what), scratch_(scratch), out_(out) {}
+  GatheredSearch(const CellQuery& query, std::uint64_t most, SearchScratch& scratch, CellNeighbors& out)
+      : query_(query), cell_(query.cell()), what_(query.what), scratch_(scratch), out_(out), most_(most) {}
 
-  /// From point `first` on until `most` neighbours are found. Returns the end.
-  std::uint32_t run(std::uint32_t first, std::uint64_t most) {
-    most_ = most;
-    directory_.find(cell_.box, known2_, scratch_.near);
-    if (!unlimited()) settle_first(first);
-    std::uint32_t i = first;
-    while (i < cell_.size() && (i == first || out_.refs.size() < most)) {
-      const std::uint32_t leaf = i / kLeafCapacity, end = leaf * kLeafCapacity + cell_.leaf_size(leaf);
-      const std::uint32_t end_of_same = end_of_copies(cell_, leaf);
-      if (end_of_same > leaf) {
-        i = search_same(i, std::min(end_of_same * kLeafCapacity, cell_.size()));
-      } else {
-        i = search_leaf(leaf, i, end);
-      }
-    }
-    return i;
-  }
-
-  /// The same for the first of `points`. Returns how many.
-  std::size_t run(std::span<const std::uint32_t> points, std::uint64_t most) {
-    most_ = most;
-    directory_.find(cell_.box, known2_, scratch_.near);
-    if (!unlimited()) settle_first(points.front());
-    std::size_t n = 0;
-    while (n < points.size() && (n == 0 || out_.refs.size() < most)) {
+  /// Returns how many of the points it has searched.
+  std::uint32_t run(const CellSubset& points) {
+    scratch_.near.find(query_, 0);
+    if (!unlimited()) settle_first(points[0]);
+    std::uint32_t n = 0;
+    while (n < points.size() && (n == 0 || out_.refs.size() < most_)) {
       const std::uint32_t i = points[n], leaf = i / kLeafCapacity;
       const std::uint32_t end_of_same = std::min(end_of_copies(cell_, leaf) * kLeafCapacity, cell_.size());
       if (end_of_same > leaf * kLeafCapacity) {
-        n += search_same(i, behind_run(points, n, end_of_same)) - i;
+        n += search_same(i, end_of_run(points.from(n), end_of_same)) - i;
         continue;
       }
       const bool gathered = gather(leaf);
@@ -79,12 +59,11 @@ class GatheredSearch {
   }
 
  private:
-  /// The end of the successive points that begin with points[n], at most `end`.
-  static std::uint32_t behind_run(std::span<const std::uint32_t> points, std::size_t n, std::uint32_t end) {
-    const std::uint32_t first = points[n];
-    std::uint32_t i = first;
-    while (i < end && n + (i - first) < points.size() && points[n + (i - first)] == i) ++i;
-    return i;
+  /// Returns the end of the successive indices with which `points` begin, at most `end`.
+  static std::uint32_t end_of_run(const CellSubset& points, std::uint32_t end) {
+    std::uint32_t n = 1;
+    while (n < points.size() && points[n] < end && points[n] == points[0] + n) ++n;
+    return points[0] + n;
   }
 
   static constexpr std::uint64_t kDistanceBits = ~std::uint64_t{0} << 32;
@@ -93,21 +72,12 @@ class GatheredSearch {
 
   bool unlimited() const { return what_.k == Neighborhood::kUnlimited; }
 
-  /// Points [i, end) of a leaf, until there are enough neighbours.
-  std::uint32_t search_leaf(std::uint32_t leaf, std::uint32_t i, std::uint32_t end) {
-    const bool gathered = gather(leaf);
-    for (const std::uint32_t begin = i; i < end && (i == begin || out_.refs.size() < most_); ++i) {
-      search_one(i, gathered);
-    }
-    return i;
-  }
-
   void search_one(std::uint32_t i, bool gathered) {
     stop_if_cancelled();
     if (gathered) {
       search_point(i);
     } else if (unlimited()) {
-      append_all(cell_.position(i), make_ref(slot_, i));
+      append_all(cell_.position(i), make_ref(query_.slot, i));
       finish_point(i, what_.radius2());
     } else {
       settle_plainly(i);
@@ -119,7 +89,7 @@ class GatheredSearch {
     if (!unlimited()) {
       const std::uint64_t points = std::max<std::uint64_t>((most_ - out_.refs.size()) / what_.k, 1);
       const auto behind = static_cast<std::uint32_t>(std::min<std::uint64_t>(end, i + points));
-      search_copies(directory_, cell_, i, behind, what_, scratch_, known2_, out_);
+      search_copies(query_, i, behind, scratch_, out_);
       settled(i, out_.reach2.back());
       return behind;
     }
@@ -128,7 +98,7 @@ class GatheredSearch {
     for (const std::uint32_t begin = i; i < end && (i == begin || out_.refs.size() < most_); ++i) {
       stop_if_cancelled();
       make_room(keys.size());
-      const NeighborRef self = make_ref(slot_, i);
+      const NeighborRef self = make_ref(query_.slot, i);
       for (const std::uint64_t key : keys)
         if (static_cast<NeighborRef>(key) != self) out_.refs.push_back(static_cast<NeighborRef>(key));
       finish_point(i, what_.radius2());
@@ -138,13 +108,13 @@ class GatheredSearch {
 
   /// The reach of a first point, from which all others follow.
   void settle_first(std::uint32_t i) {
-    search_point_plainly(directory_, cell_, i, what_, scratch_, known2_);
+    search_point_plainly(query_, i, scratch_);
     const std::vector<Candidate>& found = scratch_.best.finish();
     settled(i, found.size() == what_.k ? found.back().distance2 : what_.radius2());
   }
 
   void settle_plainly(std::uint32_t i) {
-    search_point_plainly(directory_, cell_, i, what_, scratch_, known2_);
+    search_point_plainly(query_, i, scratch_);
     append_best(what_, scratch_, out_);
     settled(i, out_.reach2.back());
   }
@@ -172,12 +142,10 @@ class GatheredSearch {
   /// Names the leaves within sqrt(reach2) of a box in the cell, nearest first; in no order if they are more than
   /// `most`.
   void find_leaves(const Box& around, double reach2, std::size_t most) {
-    if (!(reach2 <= known2_)) {
-      known2_ = unlimited() ? reach2 : 4 * reach2;  // no reach exceeds the radius
-      directory_.find(cell_.box, known2_, scratch_.near);
-    }
+    if (!(reach2 <= scratch_.near.reach2))
+      scratch_.near.find(query_, unlimited() ? reach2 : 4 * reach2);  // no reach exceeds the radius
     const auto all = [](std::uint32_t, std::uint32_t) { return true; };
-    collect_near_leaves(directory_, scratch_.near, around, reach2, most, all, scratch_.leaves);
+    collect_near_leaves(query_.directory, scratch_.near.cells, around, reach2, most, all, scratch_.leaves);
   }
 
   /// The keys of all points within the radius of p but `self`, in order, straight from the leaves that were found.
@@ -194,8 +162,8 @@ class GatheredSearch {
     const auto distance_bits = hn::Set(du, kDistanceBits), own = hn::Set(du, self);
     std::size_t count = 0;
     for (const std::uint64_t leaf_key : scratch_.leaves) {
-      const std::uint32_t slot = scratch_.near[NearLeaf::place(leaf_key)].slot, l = NearLeaf::leaf(leaf_key);
-      const Cell& cell = directory_.cell(slot);
+      const std::uint32_t slot = scratch_.near.cells[NearLeaf::place(leaf_key)].slot, l = NearLeaf::leaf(leaf_key);
+      const Cell& cell = query_.directory.cell(slot);
       const std::uint32_t from = l * kLeafCapacity, size = cell.leaf_size(l);
       for (std::uint32_t i = 0; i < size; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
         const auto dx = hn::Sub(hn::LoadU(d, cell.x + from + i), px);
@@ -241,10 +209,10 @@ class GatheredSearch {
     to.end.clear();
     std::uint32_t n = 0;
     for (const std::uint64_t key : scratch_.leaves) {
-      const std::uint32_t slot = scratch_.near[NearLeaf::place(key)].slot, l = NearLeaf::leaf(key);
-      const Cell& cell = directory_.cell(slot);
+      const std::uint32_t slot = scratch_.near.cells[NearLeaf::place(key)].slot, l = NearLeaf::leaf(key);
+      const Cell& cell = query_.directory.cell(slot);
       const std::uint32_t from = l * kLeafCapacity, size = cell.leaf_size(l);
-      if (slot == slot_ && l == leaf) own_begin_ = n;
+      if (slot == query_.slot && l == leaf) own_begin_ = n;
       for (std::uint32_t i = 0; i < kLeafCapacity; ++i) {  // whole leaves; what is behind their end is overwritten
         to.x[n + i] = cell.x[from + i], to.y[n + i] = cell.y[from + i], to.z[n + i] = cell.z[from + i];
         to.ref[n + i] = make_ref(slot, from + i);
@@ -266,7 +234,7 @@ class GatheredSearch {
   /// Adds the list of a point whose candidates are the first so many of those gathered. Returns how many of them are
   /// within sqrt(limit2).
   std::size_t append_by_distances(std::uint32_t i, Vec3 p, double limit2, std::size_t candidates) {
-    const std::size_t count = keep_within(limit2, p, make_ref(slot_, i), candidates);
+    const std::size_t count = keep_within(limit2, p, make_ref(query_.slot, i), candidates);
     std::uint64_t* keys = scratch_.gathered.key.data();
     sort_(keys, count, hwy::SortAscending());
     const std::size_t size = std::min(count, what_.k);
@@ -293,7 +261,7 @@ class GatheredSearch {
   void order_refs(Vec3 p, std::span<NeighborRef> refs) {
     std::vector<Candidate>& run = scratch_.gathered.run;
     run.clear();
-    for (const NeighborRef ref : refs) run.push_back(candidate_from(directory_, ref, p));
+    for (const NeighborRef ref : refs) run.push_back(candidate_from(query_.directory, ref, p));
     std::sort(run.begin(), run.end(), nearer);
     for (std::size_t j = 0; j < refs.size(); ++j) refs[j] = run[j].ref;
   }
@@ -347,7 +315,7 @@ class GatheredSearch {
     std::vector<Candidate>& run = scratch_.gathered.run;
     run.clear();
     for (std::size_t i = 0; i < size; ++i)
-      run.push_back(candidate_from(directory_, static_cast<NeighborRef>(keys[i]), p));
+      run.push_back(candidate_from(query_.directory, static_cast<NeighborRef>(keys[i]), p));
     std::partial_sort(run.begin(), run.begin() + static_cast<std::ptrdiff_t>(wanted), run.end(), nearer);
     for (std::size_t i = 0; i < wanted; ++i) keys[i] = run[i].ref;
   }
@@ -355,13 +323,13 @@ class GatheredSearch {
   /// In place: as many points at one distance as copies of a point or a grid may have take no more memory.
   void order_long_run(Vec3 p, std::uint64_t* keys, std::size_t size, std::size_t wanted) const {
     const auto candidate = [&](std::uint64_t key) {
-      return candidate_from(directory_, static_cast<NeighborRef>(key), p);
+      return candidate_from(query_.directory, static_cast<NeighborRef>(key), p);
     };
     std::partial_sort(keys, keys + wanted, keys + size,
                       [&](std::uint64_t a, std::uint64_t b) { return nearer(candidate(a), candidate(b)); });
   }
 
-  Vec3 position(NeighborRef ref) const { return directory_.cell(slot_of(ref)).position(index_of(ref)); }
+  Vec3 position(NeighborRef ref) const { return query_.directory.cell(slot_of(ref)).position(index_of(ref)); }
 
   void finish_point(std::uint32_t i, double reach2) {
     out_.reach2.push_back(reach2);
@@ -374,31 +342,22 @@ class GatheredSearch {
     settled_reach_ = std::sqrt(reach2);
   }
 
-  const CellDirectory& directory_;
+  const CellQuery query_;
   const Cell& cell_;
-  const std::uint32_t slot_;
   const Neighborhood& what_;
   SearchScratch& scratch_;
   CellNeighbors& out_;
   const hwy::Sorter sort_;
-  std::uint64_t most_ = 0;
-  double known2_ = 0;            ///< scratch_.near holds every cell within it of the cell's box
+  const std::uint64_t most_;
   std::uint32_t own_begin_ = 0;  ///< number of the first point of the leaf searched among the gathered
   bool by_bins_ = true;          ///< until in a leaf too many neighbours share bins
   Vec3 settled_at_;
   double settled_reach_ = std::numeric_limits<double>::infinity();
 };
 
-std::uint32_t search_gathered(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first,
-                              std::uint64_t most, const Neighborhood& what, SearchScratch& scratch,
-                              CellNeighbors& out) {
-  return GatheredSearch(directory, slot, what, scratch, out).run(first, most);
-}
-
-std::size_t search_some_gathered(const CellDirectory& directory, std::uint32_t slot,
-                                 std::span<const std::uint32_t> points, std::uint64_t most, const Neighborhood& what,
+std::uint32_t search_in_gathered(const CellQuery& query, const CellSubset& points, std::uint64_t most,
                                  SearchScratch& scratch, CellNeighbors& out) {
-  return GatheredSearch(directory, slot, what, scratch, out).run(points, most);
+  return GatheredSearch(query, most, scratch, out).run(points);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -407,16 +366,9 @@ HWY_AFTER_NAMESPACE();
 #else
 namespace pointsweep {
 namespace HWY_NAMESPACE {
-std::uint32_t search_gathered(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first,
-                              std::uint64_t most, const Neighborhood& what, SearchScratch& scratch,
-                              CellNeighbors& out) {
-  return search_points_plainly(directory, slot, first, most, what, scratch, out);
-}
-
-std::size_t search_some_gathered(const CellDirectory& directory, std::uint32_t slot,
-                                 std::span<const std::uint32_t> points, std::uint64_t most, const Neighborhood& what,
+std::uint32_t search_in_gathered(const CellQuery& query, const CellSubset& points, std::uint64_t most,
                                  SearchScratch& scratch, CellNeighbors& out) {
-  return search_chosen_plainly(directory, slot, points, most, what, scratch, out);
+  return search_plainly(query, points, most, scratch, out);
 }
 }  // namespace HWY_NAMESPACE
 }  // namespace pointsweep
@@ -424,19 +376,11 @@ std::size_t search_some_gathered(const CellDirectory& directory, std::uint32_t s
 
 #if HWY_ONCE
 namespace pointsweep {
-HWY_EXPORT(search_gathered);
-HWY_EXPORT(search_some_gathered);
+HWY_EXPORT(search_in_gathered);
 
-std::uint32_t search_points_gathered(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first,
-                                     std::uint64_t most, const Neighborhood& what, SearchScratch& scratch,
-                                     CellNeighbors& out) {
-  return HWY_DYNAMIC_DISPATCH(search_gathered)(directory, slot, first, most, what, scratch, out);
-}
-
-std::size_t search_chosen_gathered(const CellDirectory& directory, std::uint32_t slot,
-                                   std::span<const std::uint32_t> points, std::uint64_t most, const Neighborhood& what,
-                                   SearchScratch& scratch, CellNeighbors& out) {
-  return HWY_DYNAMIC_DISPATCH(search_some_gathered)(directory, slot, points, most, what, scratch, out);
+std::uint32_t search_gathered(const CellQuery& query, const CellSubset& points, std::uint64_t most,
+                              SearchScratch& scratch, CellNeighbors& out) {
+  return HWY_DYNAMIC_DISPATCH(search_in_gathered)(query, points, most, scratch, out);
 }
 
 }  // namespace pointsweep

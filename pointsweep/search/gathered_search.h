@@ -9,16 +9,10 @@
 
 namespace pointsweep {
 
-/// As search_points(), for any k > 0 and any radius; appends to `out`. Where more than 32,768 points lie around a leaf
+/// The function search() for any k > 0 and any radius; appends to `out`. Where more than 32,768 points lie around a leaf
 /// they are not gathered: each point of the leaf looks at their cells, or, with a limit k, is searched plainly.
 /// 15 to 30 ns per neighbour on one core with AVX-512, about half of it for putting them in order.
-std::uint32_t search_points_gathered(const CellDirectory& directory, std::uint32_t slot, std::uint32_t first,
-                                     std::uint64_t most, const Neighborhood& what, SearchScratch& scratch,
-                                     CellNeighbors& out);
-
-/// As search_chosen(), for any k > 0 and any radius; appends to `out`.
-std::size_t search_chosen_gathered(const CellDirectory& directory, std::uint32_t slot,
-                                   std::span<const std::uint32_t> points, std::uint64_t most, const Neighborhood& what,
-                                   SearchScratch& scratch, CellNeighbors& out);
+std::uint32_t search_gathered(const CellQuery& query, const CellSubset& points, std::uint64_t most,
+                              SearchScratch& scratch, CellNeighbors& out);
 
 }  // namespace pointsweep

@@ -7,6 +7,7 @@
 #include <functional>
 #include <span>
 
+#include "pointsweep/sweep/window_cell.h"
 #include "pointsweep/sweep/worker.h"
 
 namespace pointsweep {
@@ -17,17 +18,15 @@ void place_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, 
 /// The same without a place for columns that do not outlast the step, which stay null.
 void place_cell_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
 
-/// Applies the step to the points of the cell from `first` on that are not deferred; `lists` holds one list for each.
-/// Notes in the cell which of them are degenerate.
-/// Operators get a bounded number of neighbours at a time, so that a run can be cancelled soon.
-void apply_step(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, std::uint32_t first,
-                const CellNeighbors& lists, const PointColumns* slots, Worker& worker);
+/// Drops all lists but those with the numbers `kept`, which ascend.
+void keep_lists_of(std::span<const std::uint32_t> kept, CellNeighbors& lists);
 
-/// Applies the step to the points `chosen` of the cell, in ascending order. After each part calls `done` with the
-/// number of its first point in `chosen`; worker.chosen then holds the part with all columns, and tally.marked what of
-/// it is degenerate.
-void apply_step_to(const SweepPlan& plan, std::uint32_t step, const WindowCell& cell,
-                   std::span<const std::uint32_t> chosen, const CellNeighbors& lists, const PointColumns* slots,
-                   Worker& worker, StageTally& tally, const std::function<void(std::size_t first)>& done);
+/// Applies the step to `points` of the cell; `lists` holds one list for each. Operators get a bounded number of
+/// neighbours at a time, so that a run can be cancelled soon: after each part of the points, `done` is called with the
+/// part, and tally.marked says which points of the part are degenerate. Chosen points are copied to worker.chosen, which
+/// then holds the part with all columns.
+void apply_step(const SweepPlan& plan, std::uint32_t step, const Cell& cell, const CellSubset& points,
+                const CellNeighbors& lists, const PointColumns* slots, Worker& worker, StageTally& tally,
+                const std::function<void(const CellSubset& part)>& done);
 
 }  // namespace pointsweep

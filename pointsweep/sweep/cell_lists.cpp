@@ -4,12 +4,11 @@
 #include <algorithm>
 
 #include "pointsweep/sweep/stopwatch.h"
-#include "pointsweep/sweep/truncate_lists.h"
 
 namespace pointsweep {
 
 bool CellLists::find_reaches(std::uint32_t slot, Worker& worker) const {
-  const std::uint32_t size = window_.at(slot).cell.size();
+  const std::uint32_t size = cells_.at(slot).cell.size();
   worker.reach2.clear();
   if (plan_.neighborhood.k == Neighborhood::kUnlimited) {
     worker.reach2.assign(size, plan_.neighborhood.radius2());
@@ -19,20 +18,25 @@ bool CellLists::find_reaches(std::uint32_t slot, Worker& worker) const {
   bool one_run = true;
   while (end < size) {
     one_run = end == 0;
-    end = find(slot, end, worker);
+    end += find(slot, {end, size}, worker);
     worker.reach2.insert(worker.reach2.end(), worker.neighbors.reach2.begin(), worker.neighbors.reach2.end());
   }
   return one_run;
 }
 
-std::uint32_t CellLists::find(std::uint32_t slot, std::uint32_t first, Worker& worker) const {
+std::uint32_t CellLists::find(std::uint32_t slot, const CellSubset& points, Worker& worker) const {
   const Stopwatch watch(worker.search_seconds);
   const std::uint64_t most = memory_.lists_bytes / sizeof(NeighborRef);
-  return search_points(window_.directory(), slot, first, most, plan_.neighborhood, worker.search, worker.neighbors);
+  return search({cells_.directory(), slot, plan_.neighborhood}, points, most, worker.search, worker.neighbors);
 }
 
-/// The points of a cell from `first` on, with what the file gave.
-PointColumns CellLists::own_from(const WindowCell& cell, std::uint32_t first, Worker& worker) const {
+/// Returns the points of the cell with what the file gave. Chosen points are copied.
+PointColumns CellLists::own(const WindowCell& cell, const CellSubset& points, Worker& worker) const {
+  if (!points.is_run()) {
+    worker.chosen.take(plan_, cell.cell, points, cell.column_pointers.data());
+    return worker.chosen.view();
+  }
+  const std::uint32_t first = points[0];
   worker.own_columns.clear();
   for (std::size_t c = 0; c < cell.column_pointers.size(); ++c) {
     const std::byte* const column = cell.column_pointers[c];
@@ -40,6 +44,25 @@ PointColumns CellLists::own_from(const WindowCell& cell, std::uint32_t first, Wo
   }
   const Cell& c = cell.cell;
   return {c.x + first, c.y + first, c.z + first, c.row + first, worker.own_columns.data()};
+}
+
+void CellLists::truncate(const WindowCell& cell, const CellSubset& points, Worker& worker) const {
+  if (!plan_.neighborhood.rule) return;
+  CellNeighbors& lists = worker.neighbors;
+  std::vector<std::uint32_t> counts(points.size());
+  plan_.neighborhood.rule->choose(Neighborhoods(own(cell, points, worker), points.size(), cells_.slots(),
+                                                lists.begin.data(), lists.refs.data(), plan_.rule_reads, {}),
+                                  counts);
+  std::uint32_t end = 0;
+  for (std::uint32_t n = 0; n < points.size(); ++n) {
+    const std::uint32_t from = lists.begin[n], kept = std::min(counts[n], lists.begin[n + 1] - from);
+    const auto first = lists.refs.begin() + from;
+    std::copy(first, first + kept, lists.refs.begin() + end);
+    lists.begin[n] = end;
+    end += kept;
+  }
+  lists.begin[points.size()] = end;
+  lists.refs.resize(end);
 }
 
 /// Most neighbours are in one of two cells, so sixteen at a time are compared with these first.
@@ -82,7 +105,7 @@ void CellLists::hold_references(WindowCell& cell, Worker& worker) {
 
 bool CellLists::keep(WindowCell& cell, const CellNeighbors& found) const {
   const std::uint64_t bytes = found.list_bytes();
-  if (bytes_.fetch_add(bytes) + bytes + window_.points() * point_bytes_ > memory_.cells_bytes) {
+  if (bytes_.fetch_add(bytes) + bytes + cells_.points() * point_bytes_ > memory_.cells_bytes) {
     bytes_ -= bytes;
     return false;
   }
@@ -95,11 +118,6 @@ bool CellLists::keep(WindowCell& cell, const CellNeighbors& found) const {
 void CellLists::release(WindowCell& cell) const {
   for (const CellNeighbors& lists : cell.lists) bytes_ -= lists.list_bytes();
   cell.lists = {};
-}
-
-void CellLists::truncate(const WindowCell& cell, std::uint32_t first, Worker& worker) const {
-  if (!plan_.neighborhood.rule) return;
-  truncate_lists(plan_, own_from(cell, first, worker), worker.neighbors.size(), window_.slots(), worker.neighbors);
 }
 
 }  // namespace pointsweep

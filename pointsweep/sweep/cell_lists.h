@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Neighbour lists of the cells of a window: finds them, keeps those that later steps need as far as there is memory,
-/// and notes which cells they name.
+/// Neighbour lists of the cells of a window or a region: finds and shortens them, keeps those that later steps of a sweep
+/// need as far as there is memory, and notes which cells they name.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 
-#include "pointsweep/sweep/window.h"
+#include "pointsweep/sweep/cell_set.h"
 #include "pointsweep/sweep/worker.h"
 
 namespace pointsweep {
@@ -23,17 +23,17 @@ struct ListMemory {
 /// Thread-safe for different cells, if each thread has its own worker.
 class CellLists {
  public:
-  CellLists(const SweepPlan& plan, const Window& window, const ListMemory& memory)
-      : plan_(plan), window_(window), memory_(memory), point_bytes_(window_point_bytes(plan)) {}
+  CellLists(const SweepPlan& plan, const CellSet& cells, const ListMemory& memory)
+      : plan_(plan), cells_(cells), memory_(memory), point_bytes_(window_point_bytes(plan)) {}
 
   /// Fills worker.reach2: how far each neighbourhood of the cell reaches. True if all lists were found on the way and
   /// are in worker.neighbors. Without a limit k the reach is the radius, and no search is needed to know it.
   bool find_reaches(std::uint32_t slot, Worker& worker) const;
-  /// Lists of the points from `first` on, as many as the memory for them allows, in worker.neighbors, before the rule.
-  /// Returns their end.
-  std::uint32_t find(std::uint32_t slot, std::uint32_t first, Worker& worker) const;
-  /// Applies the rule of the plan to worker.neighbors, which begin with point `first`.
-  void truncate(const WindowCell& cell, std::uint32_t first, Worker& worker) const;
+  /// Finds the lists of the first of `points`, as many as the memory for them allows, in worker.neighbors, before the
+  /// rule. Returns how many.
+  std::uint32_t find(std::uint32_t slot, const CellSubset& points, Worker& worker) const;
+  /// Applies the rule of the plan to worker.neighbors, the lists of `points`.
+  void truncate(const WindowCell& cell, const CellSubset& points, Worker& worker) const;
 
   /// Notes in the worker which cells the lists name.
   static void note_references(const WindowCell& cell, std::uint32_t first, const CellNeighbors& lists, Worker& worker);
@@ -45,10 +45,10 @@ class CellLists {
   void release(WindowCell& cell) const;
 
  private:
-  PointColumns own_from(const WindowCell& cell, std::uint32_t first, Worker& worker) const;
+  PointColumns own(const WindowCell& cell, const CellSubset& points, Worker& worker) const;
 
   const SweepPlan& plan_;
-  const Window& window_;
+  const CellSet& cells_;
   ListMemory memory_;
   std::uint64_t point_bytes_;                     ///< of a point in the window, with its columns
   mutable std::atomic<std::uint64_t> bytes_ = 0;  ///< of all lists kept now

@@ -36,12 +36,14 @@ void CellRunner::run_first_step(std::uint32_t slot, bool all_found, Worker& work
   WindowCell& cell = window_.at(slot);
   const bool later = plan_.step_count() > 1;
   bool kept = later;
-  for (std::uint32_t first = 0, end = 0; first < cell.cell.size(); first = end) {
-    end = all_found ? cell.cell.size() : lists_.find(slot, first, worker);
+  for (std::uint32_t first = 0, size = cell.cell.size(); first < size;) {
+    const CellSubset rest(first, size);
+    const CellSubset run = rest.part(0, all_found ? size : lists_.find(slot, rest, worker));
     if (later) CellLists::note_references(cell, first, worker.neighbors, worker);
-    lists_.truncate(cell, first, worker);
+    lists_.truncate(cell, run, worker);
     kept = kept && lists_.keep(cell, worker.neighbors);
-    apply_step(plan_, 0, cell, first, worker.neighbors, window_.slots(), worker);
+    apply(0, cell, run, worker.neighbors, worker);
+    first += run.size();
   }
   if (!later) return;
   CellLists::hold_references(cell, worker);
@@ -59,18 +61,41 @@ void CellRunner::run_first_step(std::uint32_t slot, bool all_found, Worker& work
 /// they name has stayed.
 void CellRunner::run_later_step(std::uint32_t slot, std::uint32_t step, Worker& worker) const {
   WindowCell& cell = window_.at(slot);
+  const std::uint32_t size = cell.cell.size();
   std::uint32_t first = 0;
   const auto use = [&](const CellNeighbors& lists) {
     defer_dependents(plan_.neighborhood, cell, first, lists, window_);
-    apply_step(plan_, step, cell, first, lists, window_.slots(), worker);
+    apply(step, cell, {first, first + lists.size()}, lists, worker);
     first += lists.size();
   };
   for (const CellNeighbors& lists : cell.lists) use(lists);
-  while (first < cell.cell.size()) {
-    lists_.find(slot, first, worker);
-    lists_.truncate(cell, first, worker);
+  while (first < size) {
+    const CellSubset rest(first, size);
+    lists_.truncate(cell, rest.part(0, lists_.find(slot, rest, worker)), worker);
     use(worker.neighbors);
   }
+}
+
+/// Applies the step to those points of the run that are not deferred, and notes in the cell which are degenerate.
+void CellRunner::apply(std::uint32_t step, WindowCell& cell, const CellSubset& run, const CellNeighbors& lists,
+                       Worker& worker) const {
+  const auto mark = [&](const CellSubset& part) {
+    for_each_marked(plan_, step, worker.tally, [&](std::size_t stage, std::size_t n) {
+      if (cell.degenerate.empty()) cell.degenerate.resize(plan_.stages.size());
+      cell.degenerate[stage].mark(part[static_cast<std::uint32_t>(n)]);
+    });
+  };
+  if (cell.deferred.empty())
+    return apply_step(plan_, step, cell.cell, run, lists, window_.slots(), worker, worker.tally, mark);
+  std::vector<std::uint32_t> chosen, numbers;
+  for (std::uint32_t n = 0; n < run.size(); ++n) {
+    if (cell.is_deferred(run[n])) continue;
+    chosen.push_back(run[n]);
+    numbers.push_back(n);
+  }
+  worker.chosen_lists = lists;
+  keep_lists_of(numbers, worker.chosen_lists);
+  apply_step(plan_, step, cell.cell, chosen, worker.chosen_lists, window_.slots(), worker, worker.tally, mark);
 }
 
 void CellRunner::finish(WindowCell& cell, Worker& worker) const {
@@ -83,6 +108,7 @@ void CellRunner::finish(WindowCell& cell, Worker& worker) const {
 
 void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
   worker.certified += cell.certified;
+  worker.tally.degenerate.resize(plan_.stages.size());
   for (std::size_t s = 0; s < cell.degenerate.size(); ++s)
     cell.degenerate[s].for_each([&](std::size_t i) { worker.tally.degenerate[s].add(cell.cell.row[i]); });
   worker.deferred.insert(worker.deferred.end(), cell.left_to_recall.begin(), cell.left_to_recall.end());

@@ -8,6 +8,7 @@
 
 #include "pointsweep/sweep/cell_lists.h"
 #include "pointsweep/sweep/frontier.h"
+#include "pointsweep/sweep/window.h"
 
 namespace pointsweep {
 
@@ -21,6 +22,8 @@ class CellRunner {
  private:
   void run_first_step(std::uint32_t slot, bool all_found, Worker& worker) const;
   void run_later_step(std::uint32_t slot, std::uint32_t step, Worker& worker) const;
+  void apply(std::uint32_t step, WindowCell& cell, const CellSubset& run, const CellNeighbors& lists,
+             Worker& worker) const;
   void finish(WindowCell& cell, Worker& worker) const;
   void hand_over(const WindowCell& cell, Worker& worker) const;
   void drop_columns(WindowCell& cell) const;

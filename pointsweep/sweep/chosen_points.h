@@ -4,23 +4,21 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
+#include "pointsweep/search/cell_subset.h"
 #include "pointsweep/sweep/plan.h"
-#include "pointsweep/sweep/window_cell.h"
 
 namespace pointsweep {
 
 class ChosenPoints {
  public:
-  /// Copies the points `chosen`, by index in the cell, with those of `columns` (by column number) that are not null.
-  void take(const SweepPlan& plan, const Cell& cell, std::span<const std::uint32_t> chosen,
-            std::span<std::byte* const> columns);
+  /// Copies points of the cell with those of the plan's columns that are not null.
+  void take(const SweepPlan& plan, const Cell& cell, const CellSubset& points, const std::byte* const* columns);
   /// Gives every column that the step makes and that was not copied a place, filled with 0.
   void make_columns(const SweepPlan& plan, std::size_t step);
   /// Copies what the step has made to the columns that are not null.
-  void give_back(const SweepPlan& plan, std::size_t step, std::span<std::byte* const> columns) const;
+  void give_back(const SweepPlan& plan, std::size_t step, std::byte* const* columns) const;
 
   std::size_t size() const { return chosen_.size(); }
   PointColumns view() const { return {x_.data(), y_.data(), z_.data(), row_.data(), pointers_.data()}; }

@@ -45,8 +45,9 @@ bool PointCollector::run(std::size_t slabs_at_once) {
       },
       0, slabs.size(), slabs_at_once);
   for (const std::uint32_t slab : slabs) {
-    CollectedPoints found = search(slab, read.next());
-    ++slabs_read_;
+    const std::vector<std::byte> records = read.next();
+    slabs_read_.add({1, records.size()});
+    CollectedPoints found = search(slab, records);
     points_ += found.index_in_slab.size();
     if (!found.index_in_slab.empty()) found_.push_back(std::move(found));
     if (points_ > wanted_.most_points) drop_points_outside();

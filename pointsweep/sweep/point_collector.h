@@ -57,6 +57,12 @@ struct CollectedPoints {
   }
 };
 
+/// Slabs that were read, and the bytes of their working records.
+struct SlabsRead {
+  std::uint64_t slabs = 0, bytes = 0;
+  void add(const SlabsRead& more) { slabs += more.slabs, bytes += more.bytes; }
+};
+
 /// One reading of the stream for wanted points. Superfluous points (see Frontier) are found by their places only.
 class PointCollector {
  public:
@@ -67,7 +73,7 @@ class PointCollector {
   bool run(std::size_t slabs_at_once);
   /// Returns the collected points by slab, ascending.
   std::vector<CollectedPoints> take() { return std::move(found_); }
-  std::uint64_t slabs_read() const { return slabs_read_; }
+  const SlabsRead& slabs_read() const { return slabs_read_; }
 
  private:
   std::vector<std::uint32_t> touched_slabs() const;
@@ -92,7 +98,8 @@ class PointCollector {
   BallCover cover_;
   std::array<std::mutex, 64> mutexes_;  ///< of the heaps of every 64th ball
   std::vector<CollectedPoints> found_;
-  std::uint64_t points_ = 0, slabs_read_ = 0;
+  std::uint64_t points_ = 0;
+  SlabsRead slabs_read_;
 };
 
 }  // namespace pointsweep

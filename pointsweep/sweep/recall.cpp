@@ -24,13 +24,38 @@ std::size_t Recall::first_guess() const {
       1, static_cast<std::size_t>(static_cast<double>(memory_.bytes) / (k * width * width * point)));
 }
 
-std::size_t Recall::run(const std::vector<DeferredPoint>& points, Sink& sink) {
-  if (group_ == 0) group_ = first_guess();
+void Recall::run(Sink& sink, const std::function<void(std::size_t points, std::size_t left)>& done) {
+  Worker& worker = workers_.front();
+  worker.deferred = take_deferred();
+  group_ = first_guess();
+  while (!worker.deferred.empty()) {
+    const std::size_t points = run_group(worker.deferred, sink);
+    worker.deferred.erase(worker.deferred.end() - static_cast<std::ptrdiff_t>(points), worker.deferred.end());
+    worker.certified += points;
+    done(points, worker.deferred.size());
+  }
+}
+
+/// Returns the deferred points of all workers, against the order of the stream: the recall begins at the end.
+std::vector<DeferredPoint> Recall::take_deferred() {
+  std::vector<DeferredPoint> deferred;
+  for (Worker& worker : workers_) {
+    deferred.insert(deferred.end(), worker.deferred.begin(), worker.deferred.end());
+    worker.deferred = {};
+  }
+  std::ranges::sort(deferred, [](const DeferredPoint& a, const DeferredPoint& b) {
+    return a.slab != b.slab ? a.slab > b.slab : a.row > b.row;
+  });
+  return deferred;
+}
+
+/// Finishes as many points from the end of `points` as there is memory for, at least one, and returns how many.
+std::size_t Recall::run_group(const std::vector<DeferredPoint>& points, Sink& sink) {
   for (;;) {
     const std::size_t size = std::min(group_, points.size());
     RecalledPoints recalled(stream_, plan_, loader_, frontier_, memory_, workers_);
     const bool fits = recalled.gather(std::span(points).last(size));
-    slabs_read_ += recalled.slabs_read();
+    slabs_read_.add(recalled.slabs_read());
     if (!fits) {
       group_ = std::max<std::size_t>(1, size / 2);
       continue;

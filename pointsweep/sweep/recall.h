@@ -9,9 +9,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "pointsweep/sweep/frontier.h"
+#include "pointsweep/sweep/point_collector.h"
 #include "pointsweep/sweep/slab_loader.h"
 #include "pointsweep/sweep/worker.h"
 
@@ -29,13 +31,14 @@ class Recall {
          const RecallMemory& memory, std::vector<Worker>& workers)
       : stream_(stream), plan_(plan), loader_(loader), frontier_(frontier), memory_(memory), workers_(workers) {}
 
-  /// Finishes as many points from the end of `points` as there is memory for, at least one, hands them to `sink` and
-  /// returns how many. Fastest where successive points follow one another
-  /// along the stream.
-  std::size_t run(const std::vector<DeferredPoint>& points, Sink& sink);
-  std::uint64_t slabs_read() const { return slabs_read_; }
+  /// Finishes the deferred points of all workers and hands them to `sink`, group after group from the end of the stream.
+  /// Calls done(points of the group, points left) after each; the points left are those of the first worker then.
+  void run(Sink& sink, const std::function<void(std::size_t points, std::size_t left)>& done);
+  const SlabsRead& slabs_read() const { return slabs_read_; }
 
  private:
+  std::vector<DeferredPoint> take_deferred();
+  std::size_t run_group(const std::vector<DeferredPoint>& points, Sink& sink);
   std::size_t first_guess() const;
 
   const Stream& stream_;
@@ -45,7 +48,7 @@ class Recall {
   RecallMemory memory_;
   std::vector<Worker>& workers_;
   std::size_t group_ = 0;  ///< how many points to try next
-  std::uint64_t slabs_read_ = 0;
+  SlabsRead slabs_read_;
 };
 
 }  // namespace pointsweep

@@ -8,8 +8,6 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/sweep/apply_step.h"
-#include "pointsweep/sweep/stopwatch.h"
-#include "pointsweep/sweep/truncate_lists.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -38,20 +36,6 @@ void lower_to(double& bound, double value) {
   double now = at.load(std::memory_order_relaxed);
   while (value < now && !at.compare_exchange_weak(now, value, std::memory_order_relaxed)) {
   }
-}
-
-/// Drops all lists but those with the numbers `kept`, which ascend.
-void keep_lists_of(const std::vector<std::uint32_t>& kept, CellNeighbors& lists) {
-  std::uint32_t end = 0;
-  for (std::uint32_t n = 0; n < kept.size(); ++n) {
-    const std::uint32_t begin = lists.begin[kept[n]], behind = lists.begin[kept[n] + 1];
-    std::copy(lists.refs.begin() + begin, lists.refs.begin() + behind, lists.refs.begin() + end);
-    lists.begin[n] = end;
-    end += behind - begin;
-  }
-  lists.begin[kept.size()] = end;
-  lists.begin.resize(kept.size() + 1);
-  lists.refs.resize(end);
 }
 
 }  // namespace
@@ -130,7 +114,7 @@ bool RecalledPoints::collect(WantedPoints wanted) {
   if (!fits()) return false;
   wanted.most_points = alone_ ? ~std::uint64_t{0} : (memory_.bytes - bytes()) / (point_bytes_ + record_bytes_);
   const bool fitted = region_.collect(std::move(wanted));
-  for (std::size_t slot = cells_.size(); slot < region_.size(); ++slot) {
+  for (std::size_t slot = cells_.size(); slot < region_.slot_count(); ++slot) {
     const std::size_t points = region_.at(static_cast<std::uint32_t>(slot)).cell.size();
     cells_.emplace_back();
     cells_.back().reached.resize(points, 0);
@@ -145,7 +129,7 @@ void RecalledPoints::place(std::span<const DeferredPoint> points, std::span<cons
   std::map<std::uint32_t, std::map<std::uint32_t, std::size_t>> by_place;  // by slab and place in it
   for (std::size_t n = 0; n < points.size(); ++n) by_place[points[n].slab][points[n].index_in_slab] = n;
   std::size_t placed = 0;
-  for (std::uint32_t slot = 0; slot < region_.size(); ++slot) {
+  for (std::uint32_t slot = 0; slot < region_.slot_count(); ++slot) {
     const WindowCell& cell = region_.at(slot);
     const auto of_slab = by_place.find(cell.slab);
     if (of_slab == by_place.end()) continue;
@@ -208,11 +192,11 @@ void RecalledPoints::bound_by_points_in_memory() {
   const std::vector<std::uint32_t> slots = cells_with([](const CellState& cell) { return !cell.pending.empty(); });
   for_cells(slots, [&](std::uint32_t slot, Worker& worker) {
     CellState& cell = cells_[slot];
-    const std::span<const std::uint32_t> points(cell.pending);
-    for (std::size_t first = 0, end = 0; first < points.size(); first = end) {
-      end = first + search(slot, points.subspan(first), worker);
-      for (std::size_t n = first; n < end; ++n)
-        cell.bound2[points[n]] = std::min(cell.bound2[points[n]], worker.neighbors.reach2[n - first]);
+    for (CellSubset rest = cell.pending; rest.size() > 0;) {
+      const std::uint32_t found = lists_.find(slot, rest, worker);
+      for (std::uint32_t n = 0; n < found; ++n)
+        cell.bound2[rest[n]] = std::min(cell.bound2[rest[n]], worker.neighbors.reach2[n]);
+      rest = rest.from(found);
     }
   });
 }
@@ -222,30 +206,22 @@ void RecalledPoints::find_level(std::uint32_t level) {
   for_cells(slots, [&](std::uint32_t slot, Worker& worker) { find_lists(slot, level, worker); });
 }
 
-/// Finds the lists of the first of `points`, in worker.neighbors. Returns their number.
-std::size_t RecalledPoints::search(std::uint32_t slot, std::span<const std::uint32_t> points, Worker& worker) {
-  const Stopwatch watch(worker.search_seconds);
-  return search_chosen(region_.directory(), slot, points, most_listed(), plan_.neighborhood, worker.search,
-                       worker.neighbors);
-}
-
 /// Finds the lists of the pending points of a cell.
 void RecalledPoints::find_lists(std::uint32_t slot, std::uint32_t level, Worker& worker) {
-  const std::vector<std::uint32_t> points = std::move(cells_[slot].pending);
+  const std::vector<std::uint32_t> pending = std::move(cells_[slot].pending);
   cells_[slot].pending.clear();
-  for (std::size_t first = 0, end = 0; first < points.size(); first = end) {
-    end = first + search(slot, std::span(points).subspan(first), worker);
-    std::vector<std::uint32_t> listed(points.begin() + static_cast<std::ptrdiff_t>(first),
-                                      points.begin() + static_cast<std::ptrdiff_t>(end));
+  for (CellSubset rest = pending; rest.size() > 0;) {
+    const CellSubset listed = rest.part(0, lists_.find(slot, rest, worker));
     expect_complete(slot, listed, worker.neighbors);
-    keep(slot, level, std::move(listed), worker);
+    lists_.truncate(region_.at(slot), listed, worker);
+    keep(slot, level, listed, worker);
+    rest = rest.from(listed.size());
   }
 }
 
 /// Throws if a neighbourhood reaches beyond its bound. Within the bound it is complete, because the region holds all
 /// points within the bound.
-void RecalledPoints::expect_complete(std::uint32_t slot, std::span<const std::uint32_t> points,
-                                     const CellNeighbors& lists) const {
+void RecalledPoints::expect_complete(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists) const {
   const Cell& cell = region_.at(slot).cell;
   for (std::uint32_t n = 0; n < points.size(); ++n) {
     const double bound2 = cells_[slot].bound2[points[n]];
@@ -259,20 +235,10 @@ void RecalledPoints::expect_complete(std::uint32_t slot, std::span<const std::ui
   }
 }
 
-/// Applies the rule of the plan to worker.neighbors.
-void RecalledPoints::truncate_found_lists(std::uint32_t slot, std::span<const std::uint32_t> points, Worker& worker) {
-  if (!plan_.neighborhood.rule) return;
-  WindowCell& cell = region_.at(slot);
-  std::vector<std::byte*> columns;
-  for (auto& column : cell.columns) columns.push_back(column.empty() ? nullptr : column.data());
-  worker.chosen.take(plan_, cell.cell, points, columns);
-  truncate_lists(plan_, worker.chosen.view(), points.size(), region_.slots(), worker.neighbors);
-}
-
-void RecalledPoints::keep(std::uint32_t slot, std::uint32_t level, std::vector<std::uint32_t> points, Worker& worker) {
-  truncate_found_lists(slot, points, worker);
+void RecalledPoints::keep(std::uint32_t slot, std::uint32_t level, const CellSubset& points, Worker& worker) {
   if (level > 0) bound_neighbors(slot, points, worker.neighbors);
-  Listed listed{.level = level, .points = std::move(points), .lists = {}, .has_lists = true};
+  Listed listed{.level = level, .points = {}, .lists = {}, .has_lists = true};
+  for (std::uint32_t n = 0; n < points.size(); ++n) listed.points.push_back(points[n]);
   const std::uint64_t bytes = worker.neighbors.list_bytes() + listed.points.size() * sizeof(std::uint32_t);
   if (alone_ && list_bytes_ + bytes + region_.points() * point_bytes_ > memory_.bytes) {
     listed.has_lists = false;
@@ -285,8 +251,7 @@ void RecalledPoints::keep(std::uint32_t slot, std::uint32_t level, std::vector<s
 }
 
 /// The points that the lists name are to come into the level before, and so they get a bound.
-void RecalledPoints::bound_neighbors(std::uint32_t slot, std::span<const std::uint32_t> points,
-                                     const CellNeighbors& lists) {
+void RecalledPoints::bound_neighbors(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists) {
   for (std::uint32_t n = 0; n < points.size(); ++n) {
     const Vec3 p = region_.at(slot).cell.position(points[n]);
     for (std::uint32_t j = lists.begin[n]; j < lists.begin[n + 1]; ++j) {
@@ -300,29 +265,30 @@ void RecalledPoints::bound_neighbors(std::uint32_t slot, std::span<const std::ui
 }
 
 void RecalledPoints::take_step(std::uint32_t slot, std::uint32_t step, Worker& worker, Sink& sink) {
-  place_cell_columns(plan_, step, region_.at(slot), worker);
-  const auto use = [&](std::uint32_t level, std::span<const std::uint32_t> points, const CellNeighbors& lists) {
+  WindowCell& cell = region_.at(slot);
+  place_cell_columns(plan_, step, cell, worker);
+  const auto use = [&](std::uint32_t level, const CellSubset& points, const CellNeighbors& lists) {
     if (level == last_level()) return apply_deferred(slot, step, points, lists, worker, sink);
-    apply_step_to(plan_, step, region_.at(slot), points, lists, region_.slots(), worker, worker.halo,
-                  [](std::size_t) {});
+    apply_step(plan_, step, cell.cell, points, lists, region_.slots(), worker, worker.halo, [](const CellSubset&) {});
   };
   for (const Listed& listed : cells_[slot].listed) {
     if (listed.level < step) continue;
-    const std::span<const std::uint32_t> points(listed.points);
+    CellSubset rest = listed.points;
     if (listed.has_lists) {
-      use(listed.level, points, listed.lists);
+      use(listed.level, rest, listed.lists);
       continue;
     }
-    for (std::size_t first = 0, end = 0; first < points.size(); first = end) {
-      end = first + search(slot, points.subspan(first), worker);
-      truncate_found_lists(slot, points.subspan(first, end - first), worker);
-      use(listed.level, points.subspan(first, end - first), worker.neighbors);
+    while (rest.size() > 0) {
+      const CellSubset found = rest.part(0, lists_.find(slot, rest, worker));
+      lists_.truncate(cell, found, worker);
+      use(listed.level, found, worker.neighbors);
+      rest = rest.from(found.size());
     }
   }
 }
 
 /// The sweep has counted what the steps before made of a deferred point; these are not counted again.
-void RecalledPoints::apply_deferred(std::uint32_t slot, std::uint32_t step, std::span<const std::uint32_t> points,
+void RecalledPoints::apply_deferred(std::uint32_t slot, std::uint32_t step, const CellSubset& points,
                                     const CellNeighbors& lists, Worker& worker, Sink& sink) const {
   const auto& counted_from = cells_[slot].counted_from;
   for (const bool counted : {true, false}) {
@@ -335,19 +301,13 @@ void RecalledPoints::apply_deferred(std::uint32_t slot, std::uint32_t step, std:
       numbers.push_back(n);
     }
     if (chosen.empty()) continue;
-    CellNeighbors some;
-    if (chosen.size() < points.size()) {
-      some = lists;
-      keep_lists_of(numbers, some);
-    }
-    const CellNeighbors& chosen_lists = chosen.size() < points.size() ? some : lists;
-    StageTally& tally = counted ? worker.tally : worker.halo;
-    apply_step_to(plan_, step, region_.at(slot), chosen, chosen_lists, region_.slots(), worker, tally,
-                  [&](std::size_t first) {
-                    if (counted) count_degenerate(step, worker);
-                    if (step == last_level())
-                      hand_over(slot, std::span(chosen).subspan(first, worker.chosen.size()), worker, sink);
-                  });
+    worker.chosen_lists = lists;
+    keep_lists_of(numbers, worker.chosen_lists);
+    apply_step(plan_, step, region_.at(slot).cell, chosen, worker.chosen_lists, region_.slots(), worker,
+               counted ? worker.tally : worker.halo, [&](const CellSubset& part) {
+                 if (counted) count_degenerate(step, worker);
+                 if (step == last_level()) hand_over(slot, part, worker, sink);
+               });
   }
 }
 
@@ -358,12 +318,11 @@ void RecalledPoints::count_degenerate(std::uint32_t step, Worker& worker) const 
 }
 
 /// The deferred points in worker.chosen, which have taken the last step.
-void RecalledPoints::hand_over(std::uint32_t slot, std::span<const std::uint32_t> points, Worker& worker,
-                               Sink& sink) const {
+void RecalledPoints::hand_over(std::uint32_t slot, const CellSubset& points, Worker& worker, Sink& sink) const {
   const WindowCell& cell = region_.at(slot);
   collect_results(plan_, worker.chosen.columns(), points.size(), worker.results);
   std::vector<std::uint32_t> index_in_slab;
-  for (const std::uint32_t i : points) index_in_slab.push_back(cell.index_in_slab[i]);
+  for (std::uint32_t n = 0; n < points.size(); ++n) index_in_slab.push_back(cell.index_in_slab[points[n]]);
   sink.recalled({cell.slab, index_in_slab.data(), worker.chosen.rows(), worker.results.data(), points.size()});
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "pointsweep/sweep/cell_lists.h"
 #include "pointsweep/sweep/recall.h"
 #include "pointsweep/sweep/region.h"
 
@@ -31,6 +32,7 @@ class RecalledPoints {
         memory_(memory),
         workers_(workers),
         region_(stream, loader, frontier, memory.slabs_at_once),
+        lists_(plan, region_, {memory.bytes, memory.lists_bytes}),
         point_bytes_(window_point_bytes(plan) + kStateBytes),
         record_bytes_(stream.record_schema().stride + sizeof(std::uint32_t)) {}
 
@@ -40,10 +42,10 @@ class RecalledPoints {
   /// Takes everything through the steps and hands the deferred points over.
   void finish(Sink& sink);
 
-  std::uint64_t slabs_read() const { return region_.slabs_read(); }
+  const SlabsRead& slabs_read() const { return region_.slabs_read(); }
   /// Memory of points and lists, as long as the last lists are being found.
   std::uint64_t bytes() const {
-    return region_.points() * point_bytes_ + region_.size() * sizeof(WindowCell) + list_bytes_ + pending_bytes_;
+    return region_.points() * point_bytes_ + region_.slot_count() * sizeof(WindowCell) + list_bytes_ + pending_bytes_;
   }
 
  private:
@@ -66,7 +68,6 @@ class RecalledPoints {
   };
 
   std::uint32_t last_level() const { return static_cast<std::uint32_t>(plan_.step_count()) - 1; }
-  std::uint64_t most_listed() const { return memory_.lists_bytes / sizeof(NeighborRef); }
   bool fits() const { return alone_ || bytes() <= memory_.bytes; }
   bool collect(WantedPoints wanted);
   bool collect_deferred(std::span<const DeferredPoint> points);
@@ -81,22 +82,21 @@ class RecalledPoints {
   std::vector<std::uint32_t> cells_with(Has has) const;
   template <class Work>
   void for_cells(const std::vector<std::uint32_t>& slots, Work work);
-  std::size_t search(std::uint32_t slot, std::span<const std::uint32_t> points, Worker& worker);
   void find_lists(std::uint32_t slot, std::uint32_t level, Worker& worker);
-  void expect_complete(std::uint32_t slot, std::span<const std::uint32_t> points, const CellNeighbors& lists) const;
-  void truncate_found_lists(std::uint32_t slot, std::span<const std::uint32_t> points, Worker& worker);
-  void keep(std::uint32_t slot, std::uint32_t level, std::vector<std::uint32_t> points, Worker& worker);
-  void bound_neighbors(std::uint32_t slot, std::span<const std::uint32_t> points, const CellNeighbors& lists);
+  void expect_complete(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists) const;
+  void keep(std::uint32_t slot, std::uint32_t level, const CellSubset& points, Worker& worker);
+  void bound_neighbors(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists);
   void take_step(std::uint32_t slot, std::uint32_t step, Worker& worker, Sink& sink);
-  void apply_deferred(std::uint32_t slot, std::uint32_t step, std::span<const std::uint32_t> points,
-                      const CellNeighbors& lists, Worker& worker, Sink& sink) const;
+  void apply_deferred(std::uint32_t slot, std::uint32_t step, const CellSubset& points, const CellNeighbors& lists,
+                      Worker& worker, Sink& sink) const;
   void count_degenerate(std::uint32_t step, Worker& worker) const;
-  void hand_over(std::uint32_t slot, std::span<const std::uint32_t> points, Worker& worker, Sink& sink) const;
+  void hand_over(std::uint32_t slot, const CellSubset& points, Worker& worker, Sink& sink) const;
 
   const SweepPlan& plan_;
   const RecallMemory& memory_;
   std::vector<Worker>& workers_;
   Region region_;
+  const CellLists lists_;
   static constexpr std::uint64_t kStateBytes = sizeof(double) + 1;  ///< of a point in CellState
   std::uint64_t point_bytes_;
   std::uint64_t record_bytes_;  ///< of a point while it is collected

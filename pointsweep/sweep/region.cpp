@@ -42,7 +42,7 @@ struct WholeCells {
 bool Region::collect(WantedPoints wanted) {
   PointCollector collector(stream_, frontier_, std::move(wanted));
   const bool fits = collector.run(slabs_at_once_);
-  slabs_read_ += collector.slabs_read();
+  slabs_read_.add(collector.slabs_read());
   if (!fits) return false;
   std::vector<CollectedPoints> found = collector.take();
   std::vector<std::vector<std::unique_ptr<WindowCell>>> cells(found.size());
@@ -53,19 +53,12 @@ bool Region::collect(WantedPoints wanted) {
     found[i].records = {};
   });
   for (std::size_t i = 0; i < found.size(); ++i) {
-    for (auto& cell : cells[i]) admit(std::move(cell));
+    for (auto& cell : cells[i]) add(std::move(cell));
     std::vector<std::uint32_t>& held = held_[found[i].slab];
     const auto middle = held.insert(held.end(), found[i].index_in_slab.begin(), found[i].index_in_slab.end());
     std::inplace_merge(held.begin(), middle, held.end());
   }
   return true;
-}
-
-void Region::admit(std::unique_ptr<WindowCell> cell) {
-  directory_.add(size(), &cell->cell);
-  points_ += cell->cell.size();
-  views_.push_back(cell->view());
-  cells_.push_back(std::move(cell));
 }
 
 bool Region::touches_more_than(std::uint64_t count, Vec3 p, double reach2) const {

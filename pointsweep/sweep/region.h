@@ -6,15 +6,15 @@
 #include <memory>
 #include <vector>
 
-#include "pointsweep/search/directory.h"
+#include "pointsweep/sweep/cell_set.h"
 #include "pointsweep/sweep/point_collector.h"
 #include "pointsweep/sweep/slab_loader.h"
 
 namespace pointsweep {
 
-/// Points come in by collect() and stay, in cells of their own; a slot names the same cell for ever. Only collect()
-/// changes the region, all else is thread-safe.
-class Region {
+/// Points come in by collect() and stay, in cells of their own; slots are 0, 1, ... and name the same cells for ever.
+/// Only collect() changes the region, all else is thread-safe.
+class Region : public CellSet {
  public:
   /// `frontier` is that of a sweep that has ended: it holds the boxes of all cells but superfluous ones.
   Region(const Stream& stream, const SlabLoader& loader, const Frontier& frontier, std::size_t slabs_at_once)
@@ -32,26 +32,15 @@ class Region {
   /// A squared distance from `p` within which `count` points lie for certain; infinite if all cells hold fewer.
   double reach2_that_holds(Vec3 p, std::uint64_t count) const;
 
-  const CellDirectory& directory() const { return directory_; }
-  const PointColumns* slots() const { return views_.data(); }
-  WindowCell& at(std::uint32_t slot) { return *cells_[slot]; }
-  const WindowCell& at(std::uint32_t slot) const { return *cells_[slot]; }
-  std::uint32_t size() const { return static_cast<std::uint32_t>(cells_.size()); }  ///< cells; slots are 0, 1, ...
-  std::uint64_t points() const { return points_; }
-  std::uint64_t slabs_read() const { return slabs_read_; }
+  const SlabsRead& slabs_read() const { return slabs_read_; }
 
  private:
-  void admit(std::unique_ptr<WindowCell> cell);
-
   const Stream& stream_;
   const SlabLoader& loader_;
   const Frontier& frontier_;
   std::size_t slabs_at_once_;
   std::vector<std::vector<std::uint32_t>> held_;  ///< by slab: the places of its points in the region, ascending
-  std::vector<std::unique_ptr<WindowCell>> cells_;
-  std::vector<PointColumns> views_;
-  CellDirectory directory_;
-  std::uint64_t points_ = 0, slabs_read_ = 0;
+  SlabsRead slabs_read_;
 };
 
 }  // namespace pointsweep

@@ -30,6 +30,7 @@ enum class PointState : std::uint8_t {
 struct SweepOptions {
   std::uint32_t cell_points = 1024;      ///< a multiple of 16, at most kCellCapacity
   std::size_t read_ahead = 1;            ///< slabs being read and cut while others are worked on
+  std::uint32_t slabs_per_turn = 1;      ///< slabs that come into the window before the steps are taken; at least 1
   std::size_t recall_bytes = 64u << 20;  ///< memory for a batch of recalled points
   /// Memory for the cells of the window. They take what they must; lists for later steps only what is left of it.
   std::uint64_t cells_bytes = std::numeric_limits<std::uint64_t>::max();
@@ -46,7 +47,7 @@ struct SweepOptions {
   /// What a keeper was given, by another process perhaps, of the same stream and plan and cells of the same size, with
   /// a sink that holds what had been handed over then. Not together with half_way.
   const SweepProgress* resume_from = nullptr;
-  /// Called by the sweep's thread after each slab with the points read and finished so far; may throw to end the run.
+  /// Called by the sweep's thread after each turn with the points read and finished so far; may throw to end the run.
   std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
 };
 
@@ -54,12 +55,13 @@ struct SweepStatistics {
   std::uint64_t certified = 0;  ///< points whose neighbourhood is proven exact; in the end all of them
   std::uint64_t recalled = 0;   ///< of these, in the recall
   std::uint64_t recalled_slabs = 0;
+  std::uint64_t recalled_bytes = 0;  ///< of slabs that the recall of this process has read
   std::vector<DegenerateRows> degenerate;                           ///< by stage
   double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads (recall: wall)
   std::vector<double> stage_seconds;                                ///< by stage, summed over threads
   std::uint64_t peak_points = 0;
   double mean_points = 0;
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active; one entry a slab
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active; one entry a turn
   /// By step, what waits for it or for its own neighbours: points read, points waiting; last, what is finished and kept
   /// for others. Named after the operators of the step.
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;

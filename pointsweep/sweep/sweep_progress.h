@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How far a sweep has come, between two slabs: all that another process needs to go on with it (docs/adr/0008).
+/// How far a sweep has come, between two turns: all that another process needs to go on with it (docs/adr/0008).
 #pragma once
 
 #include <cstdint>
@@ -49,7 +49,7 @@ struct SweepProgress {
 class ProgressKeeper {
  public:
   virtual ~ProgressKeeper() = default;
-  /// Asked after every slab and every batch of recalled points.
+  /// Asked after every turn and every batch of recalled points.
   virtual bool wants_progress() = 0;
   /// Everything that the progress calls finished has been handed to the sink, and nothing else.
   virtual void keep(const SweepProgress& progress) = 0;

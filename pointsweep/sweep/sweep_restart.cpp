@@ -15,6 +15,32 @@ constexpr std::uint64_t kLeftBehind = 64;
 
 }  // namespace
 
+SweepProgress progress_of(const Stream& stream, const SweepPlan& plan, const Frontier& frontier, const Window& window,
+                          const std::vector<Worker>& workers, const SweepStatistics& statistics) {
+  SweepProgress p;
+  p.slabs_read = static_cast<std::uint32_t>(frontier.slabs_read());
+  for (const Worker& worker : workers) {
+    p.deferred.insert(p.deferred.end(), worker.deferred.begin(), worker.deferred.end());
+    p.certified += worker.certified;
+    add_rows(p.degenerate, worker.tally.degenerate);
+  }
+  p.recalled = statistics.recalled;
+  p.recalled_slabs = statistics.recalled_slabs;
+  p.peak_points = statistics.peak_points;
+  for (std::uint32_t slab = 0; slab < p.slabs_read; ++slab)
+    for (const DroppedCell& cell : frontier.dropped_of(slab)) p.dropped.push_back({slab, cell});
+  frontier.for_each_saturated_location([&](Vec3 place, std::uint64_t row) {
+    p.saturated_locations.push_back({place, row});
+  });
+  if (p.slabs_read == stream.slabs().size()) return p;  // the recall needs nothing of the window
+  for (const std::uint32_t slot : window.occupied()) {
+    const WindowCell& cell = window.at(slot);
+    const bool finished = cell.was_finished || cell.steps_done == plan.step_count();
+    p.window.push_back({cell.slab, cell.number, cell.cell.size(), finished, cell.reach});
+  }
+  return p;
+}
+
 SweepRestart::SweepRestart(const SweepProgress& from, const Stream& stream, const SweepPlan& plan)
     : from_(from), stream_(stream), plan_(plan), first_slab_(slab_to_begin_with()) {
   for (const WindowedCell& cell : from.window) window_[{cell.slab, cell.number}] = cell;
@@ -43,7 +69,11 @@ std::uint32_t SweepRestart::slab_to_begin_with() const {
   return slab - std::min(slab, static_cast<std::uint32_t>(plan_.step_count()));
 }
 
-void SweepRestart::restore(const SlabLoader& loader, Window& window, Frontier& frontier, Sink& sink) const {
+void SweepRestart::restore(const SlabLoader& loader, Window& window, Frontier& frontier, Sink& sink,
+                           Worker& worker) const {
+  worker.deferred = from_.deferred;
+  worker.certified = from_.certified;
+  worker.tally.degenerate = from_.degenerate;
   frontier.slabs_were_read(first_slab_);
   for (const auto& [slab, cell] : from_.dropped)
     if (slab < first_slab_) frontier.cell_was_dropped(static_cast<std::uint32_t>(slab), cell);
@@ -63,7 +93,7 @@ bool SweepRestart::was_in_window(std::uint32_t slab) const {
 }
 
 void SweepRestart::prepare(std::uint32_t slab, LoadedSlab& loaded, Sink& sink) const {
-  if (slab >= from_.slabs_read) return;
+  if (!was_read(slab)) return;
   std::uint64_t unfinished = 0;
   for (const auto& cell : loaded.cells) {
     mark(*cell);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// Puts a sweep back to where another process has left it (docs/adr/0008).
+/// Takes down how far a sweep has come, and puts another sweep, of another process perhaps, back to that place
+/// (docs/adr/0008).
 ///
-/// The cells that were in the window come back to it, and the boxes of dropped ones to what lies frontier. Where later
-/// steps look at what earlier ones made, the last slabs are read again and their cells go through all steps once more,
-/// for others to look at; what had been handed over is not handed over again. No value depends on how far this goes
-/// back: what cannot be certified is recalled.
+/// The cells that were in the window come back to it, and the boxes of dropped cells to the frontier. Where later steps
+/// look at what earlier steps made, the last slabs are read again and their cells go through all steps once more, for
+/// others to look at; results that had been handed over are not handed over again. No value depends on how far this goes
+/// back: points that cannot be certified are recalled.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +14,16 @@
 #include <vector>
 
 #include "pointsweep/sweep/slab_loader.h"
+#include "pointsweep/sweep/sweep.h"
 #include "pointsweep/sweep/sweep_progress.h"
 #include "pointsweep/sweep/window.h"
+#include "pointsweep/sweep/worker.h"
 
 namespace pointsweep {
+
+/// How far a sweep has come, between two turns or two groups of its recall.
+SweepProgress progress_of(const Stream& stream, const SweepPlan& plan, const Frontier& frontier, const Window& window,
+                          const std::vector<Worker>& workers, const SweepStatistics& statistics);
 
 class SweepRestart {
  public:
@@ -25,8 +32,11 @@ class SweepRestart {
 
   /// Slabs are to be read from here on, some of them for the second time.
   std::uint32_t first_slab() const { return first_slab_; }
-  /// Everything of the slabs before the first.
-  void restore(const SlabLoader& loader, Window& window, Frontier& frontier, Sink& sink) const;
+  /// Returns whether the slab had been read before.
+  bool was_read(std::uint32_t slab) const { return slab < from_.slabs_read; }
+  /// Brings back all that is known of the slabs before the first, and gives the counts and deferred points of the other
+  /// sweep to a worker.
+  void restore(const SlabLoader& loader, Window& window, Frontier& frontier, Sink& sink, Worker& worker) const;
   /// A slab read again, before its cells go into the window: marks those that had been finished, and tells the sink.
   void prepare(std::uint32_t slab, LoadedSlab& loaded, Sink& sink) const;
 

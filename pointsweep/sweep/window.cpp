@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/fail.h"
 #include "pointsweep/sweep/expected_reach.h"
 
 namespace pointsweep {
@@ -14,7 +13,6 @@ namespace {
 
 /// Times shorter reach, which on a surface is 16 times as many points.
 constexpr double kMuchDenser = 4;
-constexpr std::uint32_t kMostSlots = 1u << (32 - kIndexBits);  ///< that a NeighborRef can name
 
 Box leaf_box(const Cell& cell, std::uint32_t leaf) {
   Box b;
@@ -35,28 +33,11 @@ double reach_of_most(std::vector<double> reach) {
 }  // namespace
 
 void Window::admit(std::unique_ptr<WindowCell> cell) {
-  std::uint32_t slot;
-  if (free_.empty()) {
-    slot = static_cast<std::uint32_t>(cells_.size());
-    if (slot >= kMostSlots)
-      fail(
-          "The neighbourhoods reach so far that more than {} cells are in memory at once: choose a smaller radius or "
-          "k.",
-          kMostSlots);
-    cells_.emplace_back();
-    views_.emplace_back();
-  } else {
-    slot = free_.back();
-    free_.pop_back();
-  }
   cell->leaf_reach = expected_reaches(cell->cell, plan_.neighborhood);
   cell->wait_reach = reach_of_most(cell->leaf_reach);
   note_saturated_location(*cell);
   cell->read_at = std::chrono::steady_clock::now();
-  points_ += cell->cell.size();
-  directory_.add(slot, &cell->cell);
-  views_[slot] = cell->view();
-  cells_[slot] = std::move(cell);
+  add(std::move(cell));
 }
 
 /// After k + 1 coincident points, points with higher rows can never be neighbours.
@@ -73,13 +54,13 @@ bool Window::ready(const WindowCell& cell, std::uint32_t step) const {
     return frontier_.slabs_read() >= cell.wait_for_slabs && !frontier_.unread_within(cell.cell.box, reach2);
   }
   return std::all_of(cell.refers_to.begin(), cell.refers_to.end(),
-                     [&](std::uint32_t slot) { return cells_[slot]->steps_done >= step; });
+                     [&](std::uint32_t slot) { return at(slot).steps_done >= step; });
 }
 
 std::vector<std::uint32_t> Window::ready_for(std::uint32_t step) const {
   std::vector<std::uint32_t> slots;
   for (const std::uint32_t slot : occupied()) {
-    if (ready(*cells_[slot], step)) slots.push_back(slot);
+    if (ready(at(slot), step)) slots.push_back(slot);
   }
   std::sort(slots.begin(), slots.end());
   return slots;
@@ -114,10 +95,10 @@ bool Window::still_needed(const WindowCell& cell, const std::vector<const Window
 }
 
 void Window::drop() {
-  std::vector<std::uint8_t> referred(cells_.size(), 0);
+  std::vector<std::uint8_t> referred(slot_count(), 0);
   std::vector<const WindowCell*> unsearched;
   for (const std::uint32_t slot : occupied()) {
-    const WindowCell& cell = *cells_[slot];
+    const WindowCell& cell = at(slot);
     if (cell.steps_done == 0) unsearched.push_back(&cell);
     if (cell.steps_done == plan_.step_count()) continue;
     for (const std::uint32_t other : cell.refers_to) referred[other] = 1;
@@ -125,7 +106,7 @@ void Window::drop() {
   std::vector<std::uint32_t> leaving;
   for (const std::uint32_t slot : occupied()) {
     stop_if_cancelled();
-    const WindowCell& cell = *cells_[slot];
+    const WindowCell& cell = at(slot);
     if (cell.steps_done < plan_.step_count() || referred[slot]) continue;
     if (frontier_.is_superfluous(cell.cell.box, cell.cell.lowest_row) || !still_needed(cell, unsearched)) {
       leaving.push_back(slot);
@@ -133,17 +114,14 @@ void Window::drop() {
   }
   const auto now = std::chrono::steady_clock::now();
   for (const std::uint32_t slot : leaving) {
-    const WindowCell& cell = *cells_[slot];
+    const WindowCell& cell = at(slot);
     const double lifespan = std::chrono::duration<double>(now - cell.read_at).count();
     lifespan_sum_ += lifespan * cell.cell.size();
     lifespan_max_ = std::max(lifespan_max_, lifespan);
     if (!frontier_.is_superfluous(cell.cell.box, cell.cell.lowest_row)) {
       frontier_.cell_was_dropped(cell.slab, {cell.cell.box, cell.number, cell.cell.size()});
     }
-    directory_.remove(slot);
-    points_ -= cell.cell.size();
-    cells_[slot].reset();
-    free_.push_back(slot);
+    remove(slot);
   }
 }
 

@@ -6,16 +6,15 @@
 #include <memory>
 #include <vector>
 
-#include "pointsweep/search/directory.h"
+#include "pointsweep/sweep/cell_set.h"
 #include "pointsweep/sweep/frontier.h"
 #include "pointsweep/sweep/plan.h"
-#include "pointsweep/sweep/window_cell.h"
 
 namespace pointsweep {
 
 /// Cells live and leave one by one: a dense cell goes at once while a sparse one beside it stays, so that neither an
 /// outlier nor a scanner's far field holds the dense part in memory. Changed by the sweep's own thread only.
-class Window {
+class Window : public CellSet {
  public:
   Window(const SweepPlan& plan, Frontier& frontier) : plan_(plan), frontier_(frontier) {}
 
@@ -26,12 +25,6 @@ class Window {
   /// need.
   void drop();
 
-  WindowCell& at(std::uint32_t slot) { return *cells_[slot]; }
-  const WindowCell& at(std::uint32_t slot) const { return *cells_[slot]; }
-  const CellDirectory& directory() const { return directory_; }
-  const PointColumns* slots() const { return views_.data(); }
-  const std::vector<std::uint32_t>& occupied() const { return directory_.slots(); }
-  std::uint64_t points() const { return points_; }
   double lifespan_sum() const { return lifespan_sum_; }  ///< seconds × points, over cells that have left
   double lifespan_max() const { return lifespan_max_; }
 
@@ -44,11 +37,6 @@ class Window {
 
   const SweepPlan& plan_;
   Frontier& frontier_;
-  std::vector<std::unique_ptr<WindowCell>> cells_;  ///< by slot
-  std::vector<PointColumns> views_;                 ///< by slot
-  std::vector<std::uint32_t> free_;
-  CellDirectory directory_;
-  std::uint64_t points_ = 0;
   double lifespan_sum_ = 0, lifespan_max_ = 0;
 };
 

@@ -52,7 +52,7 @@ MUTANTS = [
            "cell.steps_done < plan_.step_count() || referred[slot]", "cell.steps_done < plan_.step_count()",
            ("pipeline:Run.*",)),
     Mutant("a step begins before its neighbours' last one", "retention", SWEEP + "window.cpp",
-           "return cells_[slot]->steps_done >= step; });", "return cells_[slot]->steps_done + 1 >= step; });",
+           "return at(slot).steps_done >= step; });", "return at(slot).steps_done + 1 >= step; });",
            ("pipeline:Run.*",)),
     Mutant("boxes of slabs without their z", "order", ORDER + "distribution.cpp",
            "chunk.boxes[list].include(Vec3{x[i], y[i], z[i]});", "chunk.boxes[list].include(Vec3{x[i], y[i], y[i]});",
@@ -96,14 +96,14 @@ MUTANTS = [
 
     # Lists within a radius, found and used in several runs
     Mutant("a rule looks at the first points of a cell in every run of lists", "radius", SWEEP + "cell_lists.cpp",
-           "truncate_lists(plan_, own_from(cell, first, worker)", "truncate_lists(plan_, own_from(cell, 0 * first, worker)",
+           "const std::uint32_t first = points[0];", "const std::uint32_t first = 0 * points[0];",
            ("pipeline:Radius.*", "pipeline:NeighborhoodRules.*")),
     Mutant("what does not fit an operator's batch gets the lists of its begin", "radius", SWEEP + "apply_step.cpp",
-           "lists.begin.data() + i, lists.refs.data()});", "lists.begin.data(), lists.refs.data()});",
+           "batch.begin = lists.begin.data() + n;", "batch.begin = lists.begin.data();",
            ("pipeline:Radius.*", "pipeline:Run.*")),
     Mutant("lists found again begin at the first point of the cell", "radius", SWEEP + "cell_runner.cpp",
-           "lists_.find(slot, first, worker);\n    lists_.truncate(cell, first, worker);\n    use",
-           "lists_.find(slot, 0, worker);\n    lists_.truncate(cell, first, worker);\n    use",
+           "rest.part(0, lists_.find(slot, rest, worker)), worker);",
+           "rest.part(0, lists_.find(slot, CellSubset(0, size), worker)), worker);",
            ("pipeline:Radius.*", "pipeline:Run.*")),
 
     # Recall

@@ -51,7 +51,7 @@ struct Cells {
     SearchScratch scratch;
     CellNeighbors found;
     for (std::uint32_t s = 0; s < cells.size(); ++s) {
-      search_cell(directory, s, what, scratch, found);
+      pointsweep::search({directory, s, what}, *cells[s], kAllLists, scratch, found);
       for (std::uint32_t i = 0; i < cells[s]->size(); ++i) {
         const Vec3 p = cells[s]->position(i);
         for (std::uint32_t j = found.begin[i]; j < found.begin[i + 1]; ++j) {
@@ -65,18 +65,17 @@ struct Cells {
   }
 };
 
-/// Lists of the points of one cell, run by run of at most `most` neighbours but for the last point's.
-CellNeighbors search_by_runs(const CellDirectory& directory, std::uint32_t slot, std::uint64_t most,
-                             const Neighborhood& what) {
+/// Lists of points of one cell, by searches for at most `most` neighbours but for the last point's.
+CellNeighbors search_in_turns(const CellQuery& query, const CellSubset& points, std::uint64_t most) {
   SearchScratch scratch;
   CellNeighbors all, run;
   all.begin = {0};
-  const std::uint32_t size = directory.cell(slot).size();
-  for (std::uint32_t first = 0, end = 0; first < size; first = end) {
-    end = search_points(directory, slot, first, most, what, scratch, run);
-    EXPECT_EQ(run.size(), end - first);
+  for (CellSubset rest = points; rest.size() > 0; rest = rest.from(run.size())) {
+    const std::uint32_t found = search(query, rest, most, scratch, run);
+    EXPECT_EQ(run.size(), found);
+    EXPECT_EQ(run.reach2.size(), found);
     if (run.size() == 0) break;
-    if (what.k > 64) {
+    if (query.what.k > 64) {
       EXPECT_LT(run.begin[run.size() - 1], std::max<std::uint64_t>(most, 1)) << "no more than needed";
     }
     for (std::uint32_t i = 1; i < run.begin.size(); ++i)
@@ -207,9 +206,10 @@ TEST(CellSearch, SearchesPlainlyWhereTooManyPointsLieAroundALeaf) {
   SearchScratch scratch;
   CellNeighbors found, expected;
   for (std::uint32_t s = 0; s < cells.cells.size(); ++s) {
-    search_cell(cells.directory, s, what, scratch, found);
+    const CellQuery query{cells.directory, s, what};
+    search(query, query.cell(), kAllLists, scratch, found);
     expected.begin.assign(1, 0), expected.refs.clear(), expected.reach2.clear();
-    search_cell_plainly(cells.directory, s, what, scratch, expected);
+    search_plainly(query, query.cell(), kAllLists, scratch, expected);
     ASSERT_EQ(found.refs, expected.refs);
     ASSERT_EQ(found.begin, expected.begin);
     ASSERT_EQ(found.reach2, expected.reach2);
@@ -264,36 +264,17 @@ TEST(CellSearch, RunsOfPointsHaveTheListsOfTheWholeCell) {
           Neighborhood{.k = 8}, Neighborhood{.k = 100}, Neighborhood{.k = 2000}}) {
       SearchScratch scratch;
       CellNeighbors whole;
-      search_cell(cells.directory, 0, what, scratch, whole);
+      const CellQuery query{cells.directory, 0, what};
+      search(query, query.cell(), kAllLists, scratch, whole);
       for (const std::uint64_t most : {1, 300, 20'000}) {
         SCOPED_TRACE(name + ", k " + std::to_string(what.k) + ", runs of " + std::to_string(most));
-        const CellNeighbors runs = search_by_runs(cells.directory, 0, most, what);
+        const CellNeighbors runs = search_in_turns(query, query.cell(), most);
         ASSERT_EQ(runs.begin, whole.begin);
         ASSERT_EQ(runs.refs, whole.refs);
         ASSERT_EQ(runs.reach2.size(), whole.reach2.size());
       }
     }
   }
-}
-
-/// Lists of some points of one cell, in runs of at most `most` neighbours but for the last point's.
-CellNeighbors search_chosen_by_runs(const CellDirectory& directory, std::uint32_t slot,
-                                    std::span<const std::uint32_t> points, std::uint64_t most,
-                                    const Neighborhood& what) {
-  SearchScratch scratch;
-  CellNeighbors all, run;
-  all.begin = {0};
-  for (std::size_t first = 0; first < points.size(); first += run.size()) {
-    const std::size_t found = search_chosen(directory, slot, points.subspan(first), most, what, scratch, run);
-    EXPECT_EQ(run.size(), found);
-    EXPECT_EQ(run.reach2.size(), found);
-    if (run.size() == 0) break;
-    for (std::uint32_t i = 1; i < run.begin.size(); ++i)
-      all.begin.push_back(static_cast<std::uint32_t>(all.refs.size()) + run.begin[i]);
-    all.refs.insert(all.refs.end(), run.refs.begin(), run.refs.end());
-    all.reach2.insert(all.reach2.end(), run.reach2.begin(), run.reach2.end());
-  }
-  return all;
 }
 
 TEST(CellSearch, SomePointsOfACellHaveTheListsTheyHaveInTheWholeCell) {
@@ -309,14 +290,15 @@ TEST(CellSearch, SomePointsOfACellHaveTheListsTheyHaveInTheWholeCell) {
           Neighborhood{.k = 8}, Neighborhood{.k = 40}, Neighborhood{.k = 100}, Neighborhood{.k = 2000}}) {
       SearchScratch scratch;
       CellNeighbors whole;
-      search_cell(cells.directory, 0, what, scratch, whole);
+      const CellQuery query{cells.directory, 0, what};
+      search(query, query.cell(), kAllLists, scratch, whole);
       for (const double share : {0.01, 0.3, 0.9, 1.0}) {
         for (const std::uint64_t most : {1, 20'000}) {
           SCOPED_TRACE(name + ", k " + std::to_string(what.k) + ", share " + std::to_string(share));
           std::vector<std::uint32_t> chosen = {3};
           for (std::uint32_t i = 4; i < whole.size(); ++i)
             if (uniform(rng) <= share) chosen.push_back(i);
-          const CellNeighbors some = search_chosen_by_runs(cells.directory, 0, chosen, most, what);
+          const CellNeighbors some = search_in_turns(query, chosen, most);
           ASSERT_EQ(some.size(), chosen.size());
           for (std::uint32_t n = 0; n < chosen.size(); ++n) {
             const std::uint32_t i = chosen[n];
@@ -350,7 +332,7 @@ TEST(CellSearch, LongListsEqualBruteForce) {
          {Neighborhood{.k = 129}, Neighborhood{.k = 1000}, Neighborhood{.k = 5000},
           Neighborhood{.k = Neighborhood::kUnlimited, .radius = far / 3}, Neighborhood{.k = 2000, .radius = far / 2}}) {
       SCOPED_TRACE(name + ", k " + std::to_string(what.k));
-      search_chosen(cells.directory, 1, chosen, ~std::uint64_t{0}, what, scratch, found);
+      search({cells.directory, 1, what}, chosen, kAllLists, scratch, found);
       ASSERT_EQ(found.size(), chosen.size());
       for (std::size_t n = 0; n < chosen.size(); ++n) {
         const auto row = static_cast<std::uint32_t>(cells.directory.cell(1).row[chosen[n]]);
@@ -375,9 +357,10 @@ TEST(CellSearch, ARadiusThatHoldsMoreThanIsGatheredGivesTheSameLists) {
     Cells cells(points, 1024);
     SearchScratch scratch;
     CellNeighbors found;
-    search_points(cells.directory, 3, 5, 1, {.k = Neighborhood::kUnlimited, .radius = 20}, scratch, found);
-    ASSERT_EQ(found.size(), 1u) << name;
     const Cell& cell = cells.directory.cell(3);
+    const Neighborhood what{.k = Neighborhood::kUnlimited, .radius = 20};
+    search({cells.directory, 3, what}, CellSubset(5, cell.size()), 1, scratch, found);
+    ASSERT_EQ(found.size(), 1u) << name;
     const auto row = static_cast<std::uint32_t>(cell.row[5]);
     std::vector<std::uint32_t> rows;
     for (const NeighborRef ref : found.refs)

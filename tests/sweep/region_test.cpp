@@ -54,7 +54,7 @@ struct SweptCloud {
 
 std::multiset<std::uint64_t> rows_of(const Region& region) {
   std::multiset<std::uint64_t> rows;
-  for (std::uint32_t slot = 0; slot < region.size(); ++slot) {
+  for (std::uint32_t slot = 0; slot < region.slot_count(); ++slot) {
     const Cell& cell = region.at(slot).cell;
     rows.insert(cell.row, cell.row + cell.size());
   }
@@ -81,9 +81,9 @@ TEST(Region, HoldsThePointsOfTheBallsOnceAndFewOthers) {
   for (int round = 0; round < 8; ++round) {
     const std::vector<Ball> balls = random_balls(cloud, rng, 5);
     all.insert(all.end(), balls.begin(), balls.end());
-    const std::uint64_t read = region.slabs_read();
+    const std::uint64_t read = region.slabs_read().slabs;
     ASSERT_TRUE(region.collect({.whole_balls = balls, .most_points = kAnyNumber}));
-    ASSERT_LE(region.slabs_read() - read, cloud.stream.slabs().size()) << "a slab is read once";
+    ASSERT_LE(region.slabs_read().slabs - read, cloud.stream.slabs().size()) << "a slab is read once";
     const std::multiset<std::uint64_t> rows = rows_of(region);
     ASSERT_EQ(region.points(), rows.size());
     for (std::uint64_t row = 0; row < cloud.points.size(); ++row) {
@@ -129,9 +129,9 @@ TEST(Region, HoldsThePlacesThatAreNeeded) {
   for (const std::uint32_t slab : {0u, 3u}) {
     Region region(cloud.stream, cloud.loader, cloud.frontier, 1);
     ASSERT_TRUE(region.collect({.places = {{slab, 0}, {slab, 7}}, .most_points = kAnyNumber}));
-    EXPECT_EQ(region.slabs_read(), 1u);
+    EXPECT_EQ(region.slabs_read().slabs, 1u);
     std::set<std::uint32_t> found;
-    for (std::uint32_t slot = 0; slot < region.size(); ++slot) {
+    for (std::uint32_t slot = 0; slot < region.slot_count(); ++slot) {
       EXPECT_EQ(region.at(slot).slab, slab);
       found.insert(region.at(slot).index_in_slab.begin(), region.at(slot).index_in_slab.end());
     }
@@ -143,7 +143,7 @@ TEST(Region, StopsWhenItWouldHoldTooManyPoints) {
   const SweptCloud cloud;
   Region region(cloud.stream, cloud.loader, cloud.frontier, 1);
   EXPECT_FALSE(region.collect({.whole_balls = {{cloud.points[0], 1e12}}, .most_points = 500}));
-  EXPECT_LT(region.slabs_read(), cloud.stream.slabs().size());
+  EXPECT_LT(region.slabs_read().slabs, cloud.stream.slabs().size());
   Region of_the_nearest(cloud.stream, cloud.loader, cloud.frontier, 1);
   EXPECT_TRUE(of_the_nearest.collect({.balls = {{cloud.points[0], 1e12}}, .nearest = 400, .most_points = 500})) << "more come in before the ball shrinks";
 }

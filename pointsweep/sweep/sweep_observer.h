@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// Watches a sweep: its statistics, the series of the window and its buffers, and the states of the points half way.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/sweep/point_collector.h"
+#include "pointsweep/sweep/sweep.h"
+#include "pointsweep/sweep/window.h"
+#include "pointsweep/sweep/worker.h"
+
+namespace pointsweep {
+
+/// Called by the thread of the sweep. No result depends on it.
+class SweepObserver {
+ public:
+  SweepObserver(const Stream& stream, const SweepPlan& plan, const SweepOptions& options);
+
+  /// The sweep goes on after `from`; it reads the slabs from `first_slab` on.
+  void resumed(const SweepProgress& from, std::uint32_t first_slab);
+  void slab_was_read(std::uint32_t slab, const std::vector<std::unique_ptr<WindowCell>>& cells);
+  /// All steps of a turn have been taken; what is no longer needed is still in the window.
+  void steps_were_taken(const Window& window);
+  void cells_were_dropped(const Window& window);
+  /// The recall has finished so many points more, and read these slabs in all; `left` points are to come.
+  void recalled(std::uint64_t points, const SlabsRead& read, std::uint64_t left);
+
+  const SweepStatistics& so_far() const { return statistics_; }
+  /// The statistics of the sweep that has ended, but for the seconds of reading and of the recall.
+  SweepStatistics finish(const Window& window, const std::vector<Worker>& workers);
+
+ private:
+  void note_buffers(const Window& window);
+  void note_state(const Cell& cell, PointState state);
+  void note_half_way(const Window& window);
+
+  const Stream& stream_;
+  const SweepPlan& plan_;
+  const SweepOptions& options_;
+  SweepStatistics statistics_;
+  std::uint64_t points_read_ = 0, points_swept_ = 0;  ///< in all; by this process
+  std::uint64_t recalled_slabs_before_ = 0;           ///< by earlier processes
+  bool half_way_noted_;
+  double active_sum_ = 0;
+};
+
+}  // namespace pointsweep
