@@ -27,6 +27,7 @@ struct EngineOptions : RunOptions {
   EngineOptions(const RunOptions& options) : RunOptions(options) {}
 
   std::uint64_t slab_points = 0;     ///< aim; 0: chosen from the cloud
+  std::uint32_t slabs_per_turn = 0;  ///< where memory is left; 0: chosen from the threads, but 1 with slab_points
   std::uint32_t cell_points = 1024;  ///< a multiple of 16 up to 2,048
   Ordering ordering = Ordering::planned;
   std::uint64_t block_rows = 0;  ///< on demand: rows that are decoded together; 0: chosen

@@ -58,14 +58,34 @@ std::uint64_t slabs_of(std::uint64_t slab_points, const MemoryDemand& demand) {
   return demand.points / std::max<std::uint64_t>(slab_points, 1) + 1;
 }
 
-/// The window: the slab searched, its neighbours on both sides and those read ahead; and what the radius keeps.
-std::uint64_t window_points(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand) {
-  const std::uint64_t slabs = 3 + plan.step_count() + std::max(1u, demand.threads / 2);
+/// Points of a cell of `cell_points` at most, on average: a piece with one point more is halved.
+std::uint64_t usual_cell_points(const MemoryDemand& demand) {
+  return std::max<std::uint32_t>(demand.cell_points, 2) * 5 / 8;
+}
+
+/// Ready cells for each thread that a turn should have, so that few threads wait for the last cell of a step.
+constexpr std::uint64_t kReadyCells = 8;
+
+/// Slabs of a turn where there is memory for them.
+std::uint32_t most_slabs_per_turn(std::uint64_t slab_points, const MemoryDemand& demand) {
+  if (demand.slabs_per_turn != 0) return demand.slabs_per_turn;
+  const std::uint64_t points = kReadyCells * demand.threads * usual_cell_points(demand);
+  const std::uint64_t slab = std::max<std::uint64_t>(slab_points, 1);
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>((points + slab - 1) / slab, 1));
+}
+
+/// Returns the points of the window: the slabs of a turn, their neighbours on both sides and the slabs read ahead; and the
+/// points that the radius keeps.
+std::uint64_t window_points(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand,
+                            std::uint32_t slabs_per_turn = 1) {
+  const std::uint64_t slabs = slabs_per_turn + 2 + plan.step_count() + std::max(1u, demand.threads / 2);
   return std::min(demand.points, slabs * slab_points + demand.slice_points);
 }
 
-std::uint64_t cells_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand, bool lists) {
-  return window_points(plan, slab_points, demand) * (window_point_bytes(plan) + (lists ? kept_list_bytes(plan) : 0));
+std::uint64_t cells_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand, bool lists,
+                          std::uint32_t slabs_per_turn = 1) {
+  return window_points(plan, slab_points, demand, slabs_per_turn) *
+         (window_point_bytes(plan) + (lists ? kept_list_bytes(plan) : 0));
 }
 
 /// Neighbours of one point, the most.
@@ -107,7 +127,7 @@ std::uint64_t thread_bytes(const SweepPlan& plan, std::uint64_t slab_points, std
 
 /// What grows with the number of slabs and cells.
 std::uint64_t index_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand) {
-  const std::uint64_t cells = demand.points / (std::max<std::uint32_t>(demand.cell_points, 2) * 5 / 8) + 1;
+  const std::uint64_t cells = demand.points / usual_cell_points(demand) + 1;
   return slabs_of(slab_points, demand) * (kSlabBytes + kSeriesBytes * (plan.step_count() + 2)) +
          cells * kDroppedCellBytes;
 }
@@ -220,6 +240,17 @@ class Division {
   MemoryPlan out_;
 };
 
+/// Lets turns have more slabs than one where memory is left for them. Slabs that were made thinner show that it is not.
+void add_slabs_to_turns(MemoryPlan& out, const SweepPlan& plan, const MemoryDemand& demand, bool lists) {
+  if (out.slab_points < demand.slab_points) return;
+  const std::uint64_t planned = cells_bytes(plan, out.slab_points, demand, lists);
+  const auto more = [&] { return cells_bytes(plan, out.slab_points, demand, lists, out.slabs_per_turn) - planned; };
+  out.slabs_per_turn = most_slabs_per_turn(out.slab_points, demand);
+  while (out.slabs_per_turn > 1 && planned + more() > out.cells_bytes) --out.slabs_per_turn;
+  out.window_bytes += more();
+  out.expected_bytes += more();
+}
+
 /// Keeps lists rather than the stream in memory, but does not fail for want of them.
 MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
   bool lists = true;
@@ -241,6 +272,7 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
   // The window is empty by then, and the distribution pass is over.
   out.recall_bytes = std::max(kMega, out.cells_bytes + (out.on_demand ? 0 : out.stream_buffer_bytes));
   out.in_order_bytes = demand.in_order_bytes + (budget - std::min(budget, out.expected_bytes));
+  add_slabs_to_turns(out, plan, demand, lists);
   return out;
 }
 

@@ -14,6 +14,7 @@ struct MemoryDemand {
   std::uint64_t working_record_bytes = 0;
   std::uint64_t result_record_bytes = 0;
   std::uint64_t slab_points = 0;
+  std::uint32_t slabs_per_turn = 0;  ///< 0: chosen
   unsigned threads = 1;
   std::uint32_t cell_points = 1024;
   std::uint64_t in_order_bytes = 0;     ///< the least that an in-order operator holds
@@ -37,6 +38,7 @@ struct MemoryPlan {
   std::uint64_t result_buffer_bytes = 0;
   std::uint64_t most_waiting = 0;  ///< on demand: points that may wait for their slabs
   std::uint64_t recall_bytes = 0;
+  std::uint32_t slabs_per_turn = 1;  ///< slabs that come into the window before the steps are taken
   std::uint64_t window_bytes = 0;    ///< expected
   std::uint64_t cells_bytes = 0;     ///< what the cells of the window may take of the budget
   std::uint64_t in_order_bytes = 0;  ///< what an in-order operator may hold

@@ -35,6 +35,7 @@ MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std:
       .working_record_bytes = record_bytes + row_bytes,
       .result_record_bytes = result_bytes,
       .slab_points = options.slab_points != 0 ? options.slab_points : recommended_slab_points(points, survey.dimension),
+      .slabs_per_turn = options.slab_points != 0 ? std::max(1u, options.slabs_per_turn) : options.slabs_per_turn,
       .threads = threads_of(options),
       .cell_points = options.cell_points,
       .codec_bytes = codec_bytes};

@@ -143,6 +143,27 @@ TEST(MemoryPlan, CountsWhatEachThreadHasInHand) {
   EXPECT_GE(window(9), window(1) + 8 * (slab + lists));
 }
 
+TEST(MemoryPlan, ATurnHasEightCellsForEachThreadWhereMemoryIsLeft) {
+  MemoryDemand demand = twenty_million();
+  const auto at = [&](unsigned threads, std::uint64_t mega) {
+    demand.threads = threads;
+    return try_plan_memory(mega * kMega, normals_plan(), demand);
+  };
+  EXPECT_EQ(at(2, 8192).slabs_per_turn, 1u) << "one slab has many times as many cells";
+  for (const unsigned threads : {16u, 64u, 256u}) {
+    const MemoryPlan plan = at(threads, 8192);
+    const double cells = 1024 * 5.0 / 8, slabs = 8 * threads * cells / 71'554;
+    EXPECT_GE(plan.slabs_per_turn, slabs) << threads;
+    EXPECT_LT(plan.slabs_per_turn, slabs + 1) << threads;
+  }
+  for (const std::uint64_t mega : {256, 512, 1024}) {
+    const MemoryPlan plan = at(64, mega);
+    EXPECT_TRUE(plan.needed_bytes != 0 || plan.expected_bytes <= mega * kMega) << mega;
+  }
+  const std::uint64_t least = at(64, 1).needed_bytes / kMega;
+  EXPECT_EQ(at(64, least).slabs_per_turn, 1u) << "the least budget is that of a run whose turns have one slab";
+}
+
 TEST(MemoryPlan, CountsWhatGrowsWithTheCloudThoughItIsSpilled) {
   const auto at = [](std::uint64_t points) {
     MemoryDemand demand = twenty_million();

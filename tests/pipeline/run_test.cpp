@@ -125,6 +125,7 @@ TEST(Run, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
             EngineOptions options = small_slabs(slab, slab < 500 ? 32 : 512, threads, slab == 300);
             options.order = order;
             options.spill = spill;
+            options.slabs_per_turn = threads;
             const RunResult result = run_in_memory(points, chain, options);
             ASSERT_EQ(result.statistics.bytes_spilled > 0, spill);
             if (first.empty()) first = result.records;

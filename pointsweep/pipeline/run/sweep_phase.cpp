@@ -31,6 +31,7 @@ SweepOptions sweep_options(const RunState& run, const MemoryPlan& memory) {
   const bool first = run.statistics.sweeps == 0;
   return {.cell_points = run.options.cell_points,
           .read_ahead = std::max(1u, run.statistics.threads / 2),
+          .slabs_per_turn = memory.slabs_per_turn,
           .recall_bytes = memory.recall_bytes,
           .cells_bytes = run.options.search_again ? 0 : memory.cells_bytes,
           .lists_bytes = run.options.lists_bytes != 0 ? run.options.lists_bytes : memory.lists_bytes,
