@@ -58,6 +58,7 @@ struct Statistics {
   double search_seconds = 0;                          ///< summed over threads
   double write_seconds = 0;  ///< wall: bringing the results into the output, or to the next sweep
   std::vector<std::pair<std::string, double>> operator_seconds;  ///< summed over threads
+  /// Read: records of the input in each pass, and spilled points that recalls have read again.
   std::uint64_t bytes_read = 0, bytes_spilled = 0, bytes_written = 0;
   /// Of the bytes spilled, those of points on their way into order, and of inputs that are decoded once.
   std::uint64_t bytes_spilled_ordering = 0, bytes_spilled_decoding = 0;

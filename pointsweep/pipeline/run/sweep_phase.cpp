@@ -96,7 +96,9 @@ void put_nonfinite(RunState& run, std::size_t p) {
 void sweep_stages(RunState& run, std::size_t p) {
   const std::size_t before = run.statistics.degenerate_results.size();
   const SweepEngine* const other = run.other_engine();
-  add_sweep(run.statistics, run.plan.passes[p].plan, other ? sweep_by(*other, run, p) : sweep_by_cells(run, p));
+  const SweepStatistics done = other ? sweep_by(*other, run, p) : sweep_by_cells(run, p);
+  add_sweep(run.statistics, run.plan.passes[p].plan, done);
+  if (run.stream->spilled_bytes() != 0) run.statistics.bytes_read += done.recalled_bytes;
   run.number_degenerate_rows(before);
   put_nonfinite(run, p);
 }
