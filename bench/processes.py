@@ -15,11 +15,12 @@ def points(text):
     return int(float(text[:-1]) * factor) if factor else int(text)
 
 
-def run(command, said=None):
-    """Wall and CPU seconds and peak resident bytes of one process. What it says goes to the file `said`, if there is one."""
+def run(command, said=None, before=None):
+    """Wall and CPU seconds, peak resident bytes and bytes read of one process. What it says goes to the file `said`, if there is
+    one. `before` is called in the new process before the command."""
     command = [str(word) for word in command]
     launched = [sys.executable, "-I", "-S", str(ROOT / "bench/launch.py"), str(said or ""), *command]
-    figures = json.loads(subprocess.run(launched, check=True, stdout=subprocess.PIPE, text=True).stdout)
+    figures = json.loads(subprocess.run(launched, check=True, stdout=subprocess.PIPE, text=True, preexec_fn=before).stdout)
     if status := figures.pop("status"):
         sys.exit(f"script/bench: status {status} from: {' '.join(command)}")
     return figures
