@@ -74,8 +74,8 @@ std::uint32_t most_slabs_per_turn(std::uint64_t slab_points, const MemoryDemand&
   return static_cast<std::uint32_t>(std::max<std::uint64_t>((points + slab - 1) / slab, 1));
 }
 
-/// Returns the points of the window: the slabs of a turn, their neighbours on both sides and the slabs read ahead; and the
-/// points that the radius keeps.
+/// Returns the points of the window: the slabs of a turn, their neighbours on both sides and the slabs read ahead; and
+/// the points that the radius keeps.
 std::uint64_t window_points(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand,
                             std::uint32_t slabs_per_turn = 1) {
   const std::uint64_t slabs = slabs_per_turn + 2 + plan.step_count() + std::max(1u, demand.threads / 2);

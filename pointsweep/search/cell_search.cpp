@@ -169,7 +169,9 @@ class CellSearch {
   void find_leaves(std::uint32_t begin, std::uint32_t end) {
     const double reach2 = unscaled(farthest_reach2());
     if (reach2 > scratch_.near.reach2) scratch_.near.find(query_, 4 * reach2);
-    const auto untried = [&](std::uint32_t slot, std::uint32_t l) { return slot != query_.slot || l < begin || l >= end; };
+    const auto untried = [&](std::uint32_t slot, std::uint32_t l) {
+      return slot != query_.slot || l < begin || l >= end;
+    };
     constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
     collect_near_leaves(query_.directory, scratch_.near.cells, query_box_, reach2, kAll, untried, scratch_.leaves);
   }

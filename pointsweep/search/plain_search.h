@@ -7,8 +7,8 @@
 
 namespace pointsweep {
 
-/// Leaves the neighbourhood of the point of index `i` in scratch.best, to be finished. scratch.near holds cells near that
-/// of the query, and grows as needed.
+/// Leaves the neighbourhood of the point of index `i` in scratch.best, to be finished. scratch.near holds cells near
+/// that of the query, and grows as needed.
 void search_point_plainly(const CellQuery& query, std::uint32_t i, SearchScratch& scratch);
 
 /// The same for a place in the cell, where the point of row `self_row` does not count.

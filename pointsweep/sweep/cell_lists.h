@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Neighbour lists of the cells of a window or a region: finds and shortens them, keeps those that later steps of a sweep
-/// need as far as there is memory, and notes which cells they name.
+/// Neighbour lists of the cells of a window or a region: finds and shortens them, keeps those that later steps of a
+/// sweep need as far as there is memory, and notes which cells they name.
 #pragma once
 
 #include <atomic>

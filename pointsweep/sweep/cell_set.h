@@ -11,8 +11,8 @@
 
 namespace pointsweep {
 
-/// Cells by slot. The window of a sweep and the region of a recall are such sets, so that the same functions search their
-/// cells and take them through the steps. Reading is thread-safe, changing is not.
+/// Cells by slot. The window of a sweep and the region of a recall are such sets, so that the same functions search
+/// their cells and take them through the steps. Reading is thread-safe, changing is not.
 class CellSet {
  public:
   WindowCell& at(std::uint32_t slot) { return *cells_[slot]; }

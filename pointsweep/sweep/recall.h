@@ -31,8 +31,9 @@ class Recall {
          const RecallMemory& memory, std::vector<Worker>& workers)
       : stream_(stream), plan_(plan), loader_(loader), frontier_(frontier), memory_(memory), workers_(workers) {}
 
-  /// Finishes the deferred points of all workers and hands them to `sink`, group after group from the end of the stream.
-  /// Calls done(points of the group, points left) after each; the points left are those of the first worker then.
+  /// Finishes the deferred points of all workers and hands them to `sink`, group after group from the end of the
+  /// stream. Calls done(points of the group, points left) after each; the points left are those of the first worker
+  /// then.
   void run(Sink& sink, const std::function<void(std::size_t points, std::size_t left)>& done);
   const SlabsRead& slabs_read() const { return slabs_read_; }
 

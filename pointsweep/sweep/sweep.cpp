@@ -40,8 +40,8 @@ class Sweep {
     if (options.resume_from != nullptr) restart_.emplace(*options.resume_from, stream, plan);
   }
 
-  /// The paper's main loop. While the stream has points, a turn reads some slabs of them; then every step in order takes
-  /// the cells that have become ready; cells that are no longer needed leave. At the end, all deferred points are
+  /// The paper's main loop. While the stream has points, a turn reads some slabs of them; then every step in order
+  /// takes the cells that have become ready; cells that are no longer needed leave. At the end, all deferred points are
   /// recalled.
   SweepStatistics run() {
     const std::uint32_t first = restart(), slabs = static_cast<std::uint32_t>(stream_.slabs().size());
@@ -112,7 +112,8 @@ class Sweep {
     return first;
   }
 
-  /// Finishes the deferred points, and returns the seconds. The window is empty, so that the recall may take its memory.
+  /// Finishes the deferred points, and returns the seconds. The window is empty, so that the recall may take its
+  /// memory.
   double recall() {
     const auto start = std::chrono::steady_clock::now();
     const std::size_t slabs_at_once = std::max<std::size_t>(1, options_.read_ahead);

@@ -4,8 +4,8 @@
 ///
 /// The cells that were in the window come back to it, and the boxes of dropped cells to the frontier. Where later steps
 /// look at what earlier steps made, the last slabs are read again and their cells go through all steps once more, for
-/// others to look at; results that had been handed over are not handed over again. No value depends on how far this goes
-/// back: points that cannot be certified are recalled.
+/// others to look at; results that had been handed over are not handed over again. No value depends on how far this
+/// goes back: points that cannot be certified are recalled.
 #pragma once
 
 #include <cstdint>

@@ -123,7 +123,7 @@ TEST(Run, CountsTheBytesThatARecallReadsFromTheTemporaryFolder) {
     EXPECT_EQ(spilled.bytes_read > in_memory.bytes_read, spilled.recalled > 0);
     if (spilled.recalled == 0) continue;
     ++recalls;
-    EXPECT_GE(spilled.bytes_read - in_memory.bytes_read, spilled.recalled * 3 * sizeof(float)) << "at least their positions";
+    EXPECT_GE(spilled.bytes_read - in_memory.bytes_read, spilled.recalled * 3 * sizeof(float)) << "their positions";
   }
   EXPECT_GT(recalls, 2u);
 }
