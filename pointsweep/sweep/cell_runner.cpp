@@ -100,7 +100,7 @@ void CellRunner::apply(std::uint32_t step, WindowCell& cell, const CellSubset& r
 
 void CellRunner::finish(WindowCell& cell, Worker& worker) const {
   if (!cell.was_finished) hand_over(cell, worker);
-  cell.left_to_recall = {};
+  cell.left_to_recall = {}, cell.unresolved = {};
   lists_.release(cell);
   cell.refers_to = {};
   if (plan_.step_count() == 1) drop_columns(cell);
@@ -112,9 +112,11 @@ void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
   for (std::size_t s = 0; s < cell.degenerate.size(); ++s)
     cell.degenerate[s].for_each([&](std::size_t i) { worker.tally.degenerate[s].add(cell.cell.row[i]); });
   worker.deferred.insert(worker.deferred.end(), cell.left_to_recall.begin(), cell.left_to_recall.end());
-  for (const DeferredPoint& point : cell.left_to_recall) sink_.deferred(point.slab, point.index_in_slab);
+  worker.unresolved.insert(worker.unresolved.end(), cell.unresolved.begin(), cell.unresolved.end());
+  for (std::uint32_t i = 0; i < cell.deferred.size(); ++i)
+    if (cell.is_deferred(i)) sink_.deferred(cell.slab, cell.index_in_slab[i]);
   collect_results(plan_, worker.columns.data(), cell.cell.size(), worker.results);
-  // The runs between deferred points; the recall finishes these.
+  // The runs between deferred and unresolved points. The recall finishes the deferred ones.
   for (std::uint32_t i = 0; i < cell.cell.size();) {
     std::uint32_t end = i;
     while (end < cell.cell.size() && !cell.is_deferred(end)) ++end;

@@ -34,9 +34,18 @@ void wait(WindowCell& cell, const std::vector<double>& reach2, const Frontier& f
   }
 }
 
-void defer(WindowCell& cell, std::uint32_t i, double reach2) {
+void leave_out(WindowCell& cell, std::uint32_t i) {
   if (cell.deferred.empty()) cell.deferred.resize(cell.cell.size(), 0);
   cell.deferred[i] = 1;
+}
+
+void leave_unresolved(WindowCell& cell, std::uint32_t i, double reach2) {
+  leave_out(cell, i);
+  cell.unresolved.push_back({cell.cell.row[i], cell.steps_done, reach2});
+}
+
+void defer(WindowCell& cell, std::uint32_t i, double reach2) {
+  leave_out(cell, i);
   cell.left_to_recall.push_back(
       {cell.cell.position(i), cell.cell.row[i], cell.slab, cell.index_in_slab[i], reach2, cell.steps_done});
 }
@@ -56,10 +65,10 @@ bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
   const std::vector<double>& reach2s = worker.reach2;
   const Box& box = cell.cell.box;
   const double most = *std::max_element(reach2s.begin(), reach2s.end());
-  const bool ahead = frontier.unread_within(box, most);
+  const bool ahead = frontier.unread_within(box, most), outside = frontier.outside_within(box, most);
   frontier.dropped_near(box, most, worker.dropped);
-  std::vector<std::uint32_t> early, behind;
-  for (std::uint32_t i = 0; (ahead || !worker.dropped.empty()) && i < cell.cell.size(); ++i) {
+  std::vector<std::uint32_t> early, behind, unresolved;
+  for (std::uint32_t i = 0; (ahead || outside || !worker.dropped.empty()) && i < cell.cell.size(); ++i) {
     const Vec3 p = cell.cell.position(i);
     const double reach2 = reach2s[i];
     if (ahead && frontier.unread_within(p, reach2)) {
@@ -67,6 +76,8 @@ bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
     } else if (std::any_of(worker.dropped.begin(), worker.dropped.end(),
                            [&](const Box& b) { return distance2(b, p) <= reach2; })) {
       behind.push_back(i);
+    } else if (outside && frontier.outside_within(p, reach2)) {
+      unresolved.push_back(i);
     }
   }
   if (early.size() * kStragglers > cell.cell.size()) {
@@ -75,7 +86,8 @@ bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
   }
   for (const std::uint32_t i : early) defer(cell, i, reach2s[i]);
   for (const std::uint32_t i : behind) defer(cell, i, reach2s[i]);
-  cell.certified = cell.cell.size() - early.size() - behind.size();
+  for (const std::uint32_t i : unresolved) leave_unresolved(cell, i, reach2s[i]);
+  cell.certified = cell.cell.size() - early.size() - behind.size() - unresolved.size();
   cell.reach = std::min(reach_of_most(reach2s, kCountedShare), cell.cell.box.diagonal() + cell.wait_reach);
   return true;
 }

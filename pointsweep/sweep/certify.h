@@ -12,7 +12,8 @@
 namespace pointsweep {
 
 /// Every ball, of worker.reach2, must touch no unread slab and no dropped cell; points whose balls do are deferred.
-/// False if they are so many that the cell is to wait and be searched again.
+/// Points whose balls touch a box outside of the stream alone are unresolved. False if those that touch an unread slab
+/// are so many that the cell is to wait and be searched again.
 bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker);
 
 /// Defers the points of the cell, from `first` on, whose lists name a point that was deferred before this step: what it

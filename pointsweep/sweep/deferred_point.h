@@ -17,4 +17,12 @@ struct DeferredPoint {
   std::uint32_t step;  ///< the first step it has not taken
 };
 
+/// A point that the stream cannot finish: its neighbourhood touches a box outside of the stream (Frontier), or a
+/// neighbour was unresolved in the step before.
+struct UnresolvedPoint {
+  std::uint64_t row;
+  std::uint32_t step;  ///< the first step it has not taken
+  double reach2;       ///< its neighbourhood ends within it; infinite if unknown
+};
+
 }  // namespace pointsweep

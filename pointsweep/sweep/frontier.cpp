@@ -2,11 +2,12 @@
 #include "pointsweep/sweep/frontier.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace pointsweep {
 
-Frontier::Frontier(const std::vector<Slab>& slabs, int axis)
-    : slabs_(slabs), axis_(axis), least_begin_(slabs.size()), dropped_(slabs.size()) {
+Frontier::Frontier(const std::vector<Slab>& slabs, int axis, std::vector<Box> outside)
+    : slabs_(slabs), axis_(axis), outside_(std::move(outside)), least_begin_(slabs.size()), dropped_(slabs.size()) {
   double least = Box::kInf;
   for (std::size_t s = slabs.size(); s-- > 0;) least_begin_[s] = least = std::min(least, slabs[s].box.lo[axis]);
 }
@@ -37,6 +38,10 @@ bool Frontier::unread_within(const Box& box, double reach2, bool needed_only) co
     if (!needed_only || !is_superfluous(slabs_[s].box, slabs_[s].least_row)) return true;
   }
   return false;
+}
+
+bool Frontier::outside_within(const Box& box, double reach2) const {
+  return std::ranges::any_of(outside_, [&](const Box& other) { return distance2(other, box) <= reach2; });
 }
 
 void Frontier::dropped_near(const Box& box, double reach2, std::vector<Box>& out) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// What is not in memory: a ball that touches none of it is certain to hold nothing unknown, neither a point not yet
-/// read nor one already dropped. The paper only looks ahead (Section 4.2.2).
+/// Places of points that are not in memory: a ball that touches none of them is certain to hold nothing unknown,
+/// neither a point not yet read nor one already dropped, nor one that the stream does not have. The paper only looks
+/// ahead (Section 4.2.2).
 #pragma once
 
 #include <array>
@@ -26,10 +27,12 @@ struct DroppedCell {
 /// Of coincident points only the k + 1 lowest rows belong to any neighbourhood. A location is saturated when a cell has
 /// been read that holds more than k points there, of the lowest rows. Slabs and cells that hold only further copies are
 /// superfluous, unread or dropped, so that more copies of a point than fit in memory can pass.
+///
+/// The stream may be a part of a cloud. Boxes outside of the stream hold all other points of the cloud.
 class Frontier {
  public:
   /// Slabs in any order; they ascend along the axis only by and large.
-  Frontier(const std::vector<Slab>& slabs, int axis);
+  Frontier(const std::vector<Slab>& slabs, int axis, std::vector<Box> outside = {});
 
   std::size_t slabs_read() const { return read_; }
   void slab_was_read() { ++read_; }
@@ -53,6 +56,12 @@ class Frontier {
   void for_each_saturated_location(Use use) const {
     for (const auto& [at, row] : saturated_locations_) use(Vec3{at[0], at[1], at[2]}, row);
   }
+  /// Returns whether the stream is a part of a cloud.
+  bool has_outside() const { return !outside_.empty(); }
+  /// Returns whether a box outside of the stream lies within sqrt(reach2) of a box or point. A box at just this
+  /// distance does, since a point there may be the last neighbour by its coordinates.
+  bool outside_within(const Box& box, double reach2) const;
+  bool outside_within(Vec3 p, double reach2) const { return outside_within(Box{p, p}, reach2); }
   /// Boxes of dropped cells within sqrt(reach2) of a box.
   void dropped_near(const Box& box, double reach2, std::vector<Box>& out) const;
 
@@ -61,6 +70,7 @@ class Frontier {
 
   const std::vector<Slab>& slabs_;
   int axis_;
+  std::vector<Box> outside_;
   std::vector<double> least_begin_;  ///< by slab: where it or any later one begins along the axis
   std::size_t read_ = 0;
   std::vector<std::uint32_t> dropping_slabs_;      ///< those with dropped cells

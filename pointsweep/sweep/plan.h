@@ -87,14 +87,14 @@ struct Finished {
 };
 
 /// Where finished points go: the deferred-write operator Φ_W (paper Section 4.2.1). For every point that has a slab
-/// either finished() or recalled() is called once, from many threads.
+/// either finished() or recalled() is called once, from many threads, unless the point is unresolved.
 class Sink {
  public:
   virtual ~Sink() = default;
   virtual void finished(const Finished& points) = 0;
   /// The same for points that were deferred.
   virtual void recalled(const Finished& points) { finished(points); }
-  /// A point of this slab will be finished only after the whole stream has been read. Thread-safe.
+  /// A point of this slab will be finished only after the whole stream has been read, or is unresolved. Thread-safe.
   virtual void deferred(std::uint32_t slab, std::uint32_t index_in_slab) {
     (void)slab;
     (void)index_in_slab;

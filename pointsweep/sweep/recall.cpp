@@ -30,7 +30,6 @@ void Recall::run(Sink& sink, const std::function<void(std::size_t points, std::s
   group_ = first_guess();
   while (!worker.deferred.empty()) {
     const std::size_t points = run_group(worker.deferred, sink);
-    worker.deferred.erase(worker.deferred.end() - static_cast<std::ptrdiff_t>(points), worker.deferred.end());
     worker.certified += points;
     done(points, worker.deferred.size());
   }
@@ -49,8 +48,9 @@ std::vector<DeferredPoint> Recall::take_deferred() {
   return deferred;
 }
 
-/// Finishes as many points from the end of `points` as there is memory for, at least one, and returns how many.
-std::size_t Recall::run_group(const std::vector<DeferredPoint>& points, Sink& sink) {
+/// Takes as many points from the end of `points` as there is memory for, at least one, and returns how many of them it
+/// has finished.
+std::size_t Recall::run_group(std::vector<DeferredPoint>& points, Sink& sink) {
   for (;;) {
     const std::size_t size = std::min(group_, points.size());
     RecalledPoints recalled(stream_, plan_, loader_, frontier_, memory_, workers_);
@@ -60,11 +60,12 @@ std::size_t Recall::run_group(const std::vector<DeferredPoint>& points, Sink& si
       group_ = std::max<std::size_t>(1, size / 2);
       continue;
     }
-    recalled.finish(sink);
+    const std::size_t finished = recalled.finish(sink);
     const double each = static_cast<double>(recalled.bytes()) / static_cast<double>(size);
     const double planned = kPlannedShare * static_cast<double>(memory_.bytes) / each;
     group_ = static_cast<std::size_t>(std::clamp(planned, 1.0, static_cast<double>(kMostGrowth * size)));
-    return size;
+    points.erase(points.end() - static_cast<std::ptrdiff_t>(size), points.end());
+    return finished;
   }
 }
 

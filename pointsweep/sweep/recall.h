@@ -39,7 +39,7 @@ class Recall {
 
  private:
   std::vector<DeferredPoint> take_deferred();
-  std::size_t run_group(const std::vector<DeferredPoint>& points, Sink& sink);
+  std::size_t run_group(std::vector<DeferredPoint>& points, Sink& sink);
   std::size_t first_guess() const;
 
   const Stream& stream_;

@@ -29,6 +29,7 @@ class RecalledPoints {
   RecalledPoints(const Stream& stream, const SweepPlan& plan, const SlabLoader& loader, const Frontier& frontier,
                  const RecallMemory& memory, std::vector<Worker>& workers)
       : plan_(plan),
+        frontier_(frontier),
         memory_(memory),
         workers_(workers),
         region_(stream, loader, frontier, memory.slabs_at_once),
@@ -39,8 +40,9 @@ class RecalledPoints {
   /// Collects the surroundings of `points` and finds all lists. Returns false if these take more memory than allowed; a
   /// single point is always taken.
   bool gather(std::span<const DeferredPoint> points);
-  /// Takes everything through the steps and hands the deferred points over.
-  void finish(Sink& sink);
+  /// Takes everything through the steps and hands the deferred points over. Returns how many were handed over; the
+  /// others are unresolved.
+  std::size_t finish(Sink& sink);
 
   const SlabsRead& slabs_read() const { return region_.slabs_read(); }
   /// Memory of points and lists, as long as the last lists are being found.
@@ -61,6 +63,7 @@ class RecalledPoints {
   struct CellState {
     std::vector<std::uint8_t> reached;  ///< by point: whether it is in a level, or is to come into the next one
     std::vector<double> bound2;         ///< by point reached: a squared distance within which its neighbourhood lies
+    std::vector<std::uint32_t> unresolved_from;  ///< by point: the first step that it cannot take, if parts are swept
     std::vector<std::uint32_t> pending;  ///< points whose lists are to be found, ascending
     std::vector<Listed> listed;
     /// The deferred points, ascending, each with the first step whose degenerate results count.
@@ -83,9 +86,13 @@ class RecalledPoints {
   template <class Work>
   void for_cells(const std::vector<std::uint32_t>& slots, Work work);
   void find_lists(std::uint32_t slot, std::uint32_t level, Worker& worker);
+  void note_unresolved(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists);
+  std::vector<std::uint32_t> resolved(std::uint32_t slot, std::uint32_t step, const CellSubset& points,
+                                      const CellNeighbors& lists);
   void expect_complete(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists) const;
   void keep(std::uint32_t slot, std::uint32_t level, const CellSubset& points, Worker& worker);
   void bound_neighbors(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists);
+  std::size_t take_unresolved();
   void take_step(std::uint32_t slot, std::uint32_t step, Worker& worker, Sink& sink);
   void apply_deferred(std::uint32_t slot, std::uint32_t step, const CellSubset& points, const CellNeighbors& lists,
                       Worker& worker, Sink& sink) const;
@@ -93,6 +100,7 @@ class RecalledPoints {
   void hand_over(std::uint32_t slot, const CellSubset& points, Worker& worker, Sink& sink) const;
 
   const SweepPlan& plan_;
+  const Frontier& frontier_;
   const RecallMemory& memory_;
   std::vector<Worker>& workers_;
   Region region_;

@@ -28,7 +28,7 @@ class Sweep {
         sink_(sink),
         options_(options),
         loader_(stream, plan, options.cell_points),
-        frontier_(stream.slabs(), stream.axis()),
+        frontier_(stream.slabs(), stream.axis(), options.outside),
         window_(plan, frontier_),
         runner_(plan, window_, frontier_, sink, {options.cells_bytes, options.lists_bytes}),
         workers_(thread_count()),

@@ -43,6 +43,8 @@ struct SweepOptions {
   std::vector<PointState>* half_way = nullptr;
   /// Takes the edges that a connecting stage emits. They are not part of a SweepProgress: with edges, no keeper.
   EdgeBuckets* edges = nullptr;
+  /// If the stream is a part of a cloud: boxes that hold all other points of the cloud. With boxes, no keeper.
+  std::vector<Box> outside = {};
   ProgressKeeper* keeper = nullptr;
   /// What a keeper was given, by another process perhaps, of the same stream and plan and cells of the same size, with
   /// a sink that holds what had been handed over then. Not together with half_way.
@@ -56,6 +58,7 @@ struct SweepStatistics {
   std::uint64_t recalled = 0;   ///< of these, in the recall
   std::uint64_t recalled_slabs = 0;
   std::uint64_t recalled_bytes = 0;  ///< of slabs that the recall of this process has read
+  std::vector<UnresolvedPoint> unresolved;                          ///< by row
   std::vector<DegenerateRows> degenerate;                           ///< by stage
   double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads (recall: wall)
   std::vector<double> stage_seconds;                                ///< by stage, summed over threads
@@ -69,9 +72,9 @@ struct SweepStatistics {
   NeighborDistances distances;                 ///< one count for each finite point, if asked for
 };
 
-/// Runs the plan over the whole stream; every point of every slab is handed to `sink` exactly once. Uses all threads of
-/// the calling arena. The results do not depend on threads, slabs, cells or memory. An exception in any part ends the
-/// run and is thrown.
+/// Runs the plan over the whole stream; every point of every slab that is not unresolved is handed to `sink` exactly
+/// once. Uses all threads of the calling arena. The results do not depend on threads, slabs, cells or memory. An
+/// exception in any part ends the run and is thrown.
 SweepStatistics sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options);
 
 }  // namespace pointsweep

@@ -29,14 +29,15 @@ struct WindowCell {
   double reach = 0;                      ///< how far most of its neighbourhoods reached, once searched
   std::vector<CellNeighbors> lists;      ///< kept if a later step needs them and there is room: of runs of its points
   std::vector<std::uint32_t> refers_to;  ///< slots of the cells its lists name
-  /// Points that could not be finished in the sweep and are left to the recall; empty if there are none. While cells
-  /// are worked on in parallel a cell marks its own in `deferred`; others look at `deferred_before`, as it was before
-  /// the step.
+  /// Points that could not be finished in the sweep, which are left to the recall or unresolved; empty if there are
+  /// none. While cells are worked on in parallel a cell marks its own in `deferred`; others look at `deferred_before`,
+  /// as it was before the step.
   std::vector<std::uint8_t> deferred, deferred_before;
   /// What the cell adds to the counts and the deferred points of the run when it is finished.
   std::uint64_t certified = 0;
   std::vector<DegeneratePoints> degenerate;  ///< by stage; empty if there are none
   std::vector<DeferredPoint> left_to_recall;
+  std::vector<UnresolvedPoint> unresolved;
   /// It was finished before the run was resumed: only others still look at it.
   bool was_finished = false;
   std::chrono::steady_clock::time_point read_at;

@@ -31,6 +31,7 @@ struct Worker {
   double search_seconds = 0;
   /// Of finished cells.
   std::vector<DeferredPoint> deferred;
+  std::vector<UnresolvedPoint> unresolved;
   std::uint64_t certified = 0;
 };
 
