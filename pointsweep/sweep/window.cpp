@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pointsweep/cancellation.h"
 #include "pointsweep/sweep/expected_reach.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 
@@ -103,17 +103,17 @@ void Window::drop() {
     if (cell.steps_done == plan_.step_count()) continue;
     for (const std::uint32_t other : cell.refers_to) referred[other] = 1;
   }
-  std::vector<std::uint32_t> leaving;
-  for (const std::uint32_t slot : occupied()) {
-    stop_if_cancelled();
-    const WindowCell& cell = at(slot);
-    if (cell.steps_done < plan_.step_count() || referred[slot]) continue;
-    if (frontier_.is_superfluous(cell.cell.box, cell.cell.lowest_row) || !still_needed(cell, unsearched)) {
-      leaving.push_back(slot);
-    }
-  }
+  const std::vector<std::uint32_t> slots = occupied();
+  std::vector<std::uint8_t> leaves(slots.size(), 0);
+  parallel_for(slots.size(), [&](std::size_t i, unsigned) {
+    const WindowCell& cell = at(slots[i]);
+    if (cell.steps_done < plan_.step_count() || referred[slots[i]]) return;
+    leaves[i] = frontier_.is_superfluous(cell.cell.box, cell.cell.lowest_row) || !still_needed(cell, unsearched);
+  });
   const auto now = std::chrono::steady_clock::now();
-  for (const std::uint32_t slot : leaving) {
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (leaves[i] == 0) continue;
+    const std::uint32_t slot = slots[i];
     const WindowCell& cell = at(slot);
     const double lifespan = std::chrono::duration<double>(now - cell.read_at).count();
     lifespan_sum_ += lifespan * cell.cell.size();

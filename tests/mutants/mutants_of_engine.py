@@ -49,7 +49,7 @@ MUTANTS = [
     Mutant("copies of the last wanted row are superfluous", "certificates", SWEEP + "frontier.cpp",
            "least_row > at->second;", "least_row >= at->second;", ("sweep", "pipeline:Run.*")),
     Mutant("a cell leaves although lists name it", "retention", SWEEP + "window.cpp",
-           "cell.steps_done < plan_.step_count() || referred[slot]", "cell.steps_done < plan_.step_count()",
+           "cell.steps_done < plan_.step_count() || referred[slots[i]]", "cell.steps_done < plan_.step_count()",
            ("pipeline:Run.*",)),
     Mutant("a step begins before its neighbours' last one", "retention", SWEEP + "window.cpp",
            "return at(slot).steps_done >= step; });", "return at(slot).steps_done + 1 >= step; });",
