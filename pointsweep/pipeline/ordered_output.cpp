@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
+#include <utility>
 
-#include "pointsweep/fail.h"
+#include "pointsweep/pipeline/cloud_source.h"
 #include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/slab_order.h"
 #include "pointsweep/prefetch.h"
@@ -53,62 +55,82 @@ void write_in_order(const Stream& stream, std::size_t bytes,
   });
 }
 
+/// Rows of the input and of what was carried, for one thread.
+class Reordering::Rows {
+ public:
+  Rows(const Reordering& all, ReadRows read) : all_(all), read_(std::move(read)) {}
+
+  void read_inputs(std::uint64_t row, std::size_t n) {
+    inputs_.resize(n * all_.input_.schema.stride);
+    read_fully(all_.input_, read_, row, inputs_);
+  }
+  void read_carried(std::uint64_t row, std::size_t n) {
+    carried_.resize(n * all_.rows_.record_bytes());
+    all_.rows_.read(row, carried_);
+  }
+  const std::byte* input(std::size_t i) const { return inputs_.data() + i * all_.input_.schema.stride; }
+  const std::byte* carried(std::size_t i) const { return carried_.data() + i * all_.rows_.record_bytes(); }
+
+  /// Puts the positions that give `n` rows their places `stride` bytes apart.
+  void put_positions(std::size_t n, std::size_t stride, std::byte* to) const {
+    for (std::size_t i = 0; i < n; ++i, to += stride) {
+      if (all_.by_moved_positions_) {
+        std::memcpy(to, carried(i + 1) - kPositionBytes, kPositionBytes);
+        continue;
+      }
+      const PositionFields& p = all_.input_position_;
+      const double position[3] = {value_of(p.x, input(i)), value_of(p.y, input(i)), value_of(p.z, input(i))};
+      std::memcpy(to, position, sizeof position);
+    }
+  }
+
+ private:
+  const Reordering& all_;
+  ReadRows read_;
+  std::vector<std::byte> inputs_, carried_;
+};
+
 Reordering::Reordering(InputCloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions)
-    : cloud_(cloud),
+    : input_(source_of(cloud, [](std::size_t) {})),
       rows_(rows),
       layout_(layout),
       by_moved_positions_(by_moved_positions),
       input_position_(position_fields(cloud.schema(), "the input")) {}
 
-PointSource Reordering::positions() {
-  return {position_behind(0), cloud_.count(), [this](std::uint64_t row, std::span<std::byte> out) {
-            const std::size_t n = out.size() / kPositionBytes;
-            if (by_moved_positions_) {
-              carried_.resize(n * rows_.record_bytes());
-              rows_.read(row, carried_);
-            } else {
-              read_inputs(row, n);
-            }
-            put_positions(n, kPositionBytes, out.data());
-            return n;
-          }};
+PointSource Reordering::positions() const {
+  const auto fill = [this](Rows& rows, std::uint64_t row, std::size_t n, std::byte* out) {
+    by_moved_positions_ ? rows.read_carried(row, n) : rows.read_inputs(row, n);
+    rows.put_positions(n, kPositionBytes, out);
+  };
+  return source(position_behind(0), fill);
 }
 
-PointSource Reordering::records() {
+PointSource Reordering::records() const {
   const std::uint32_t bytes = layout_.schema().stride;
-  return {position_behind(bytes), cloud_.count(), [this, bytes](std::uint64_t row, std::span<std::byte> out) {
-            const std::size_t stride = bytes + kPositionBytes, n = out.size() / stride;
-            read_inputs(row, n);
-            carried_.resize(n * rows_.record_bytes());
-            rows_.read(row, carried_);
-            for (std::size_t i = 0; i < n; ++i) {
-              layout_.assemble(inputs_.data() + i * cloud_.schema().stride, carried_.data() + i * rows_.record_bytes(),
-                               1, out.data() + i * stride, {row + i});
-            }
-            put_positions(n, stride, out.data() + bytes);
-            return n;
-          }};
+  const auto fill = [this, bytes](Rows& rows, std::uint64_t row, std::size_t n, std::byte* out) {
+    rows.read_inputs(row, n);
+    rows.read_carried(row, n);
+    const std::size_t stride = bytes + kPositionBytes;
+    for (std::size_t i = 0; i < n; ++i)
+      layout_.assemble(rows.input(i), rows.carried(i), 1, out + i * stride, {row + i});
+    rows.put_positions(n, stride, out + bytes);
+  };
+  return source(position_behind(bytes), fill);
 }
 
-void Reordering::read_inputs(std::uint64_t row, std::size_t n) {
-  inputs_.resize(n * cloud_.schema().stride);
-  if (cloud_.read(row, inputs_) != n) {
-    fail("The input ended at row {} although it had {} points: it changed while it was read.", row, cloud_.count());
-  }
-}
-
-void Reordering::put_positions(std::size_t n, std::size_t stride, std::byte* to) {
-  const std::size_t record = rows_.record_bytes();
-  for (std::size_t i = 0; i < n; ++i, to += stride) {
-    if (by_moved_positions_) {
-      std::memcpy(to, carried_.data() + (i + 1) * record - kPositionBytes, kPositionBytes);
-      continue;
-    }
-    const std::byte* input = inputs_.data() + i * cloud_.schema().stride;
-    const double position[3] = {value_of(input_position_.x, input), value_of(input_position_.y, input),
-                                value_of(input_position_.z, input)};
-    std::memcpy(to, position, sizeof position);
-  }
+PointSource Reordering::source(Schema schema, const Fill& fill) const {
+  const auto filling = [this, fill, stride = schema.stride](ReadRows read) -> ReadRows {
+    const auto rows = std::make_shared<Rows>(*this, std::move(read));
+    return [fill, stride, rows](std::uint64_t row, std::span<std::byte> out) {
+      fill(*rows, row, out.size() / stride, out.data());
+      return out.size() / stride;
+    };
+  };
+  const auto for_thread = [this, filling](const std::vector<std::size_t>&) {
+    ReadRows read = input_.for_thread({});
+    return read ? filling(std::move(read)) : ReadRows();
+  };
+  return {std::move(schema), input_.count, filling(input_.read), for_thread, input_.chunk_end};
 }
 
 }  // namespace pointsweep

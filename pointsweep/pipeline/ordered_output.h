@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <functional>
 
+#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/order/row_file.h"
+#include "pointsweep/order/source.h"
 #include "pointsweep/order/stream.h"
-#include "pointsweep/pipeline/output_set.h"
-#include "pointsweep/pipeline/updated_cloud.h"
+#include "pointsweep/pipeline/output_layout.h"
 
 namespace pointsweep {
 
@@ -23,21 +25,21 @@ void write_in_order(const Stream& stream, std::size_t bytes,
 class Reordering {
  public:
   Reordering(InputCloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions);
-  /// Positions alone, for the survey.
-  PointSource positions();
-  /// Whole records.
-  PointSource records();
+  /// Positions alone, for the survey. The source must not outlive this.
+  PointSource positions() const;
+  /// Whole records. The source must not outlive this.
+  PointSource records() const;
 
  private:
-  void read_inputs(std::uint64_t row, std::size_t n);
-  void put_positions(std::size_t n, std::size_t stride, std::byte* to);
+  class Rows;
+  using Fill = std::function<void(Rows& rows, std::uint64_t row, std::size_t n, std::byte* out)>;
+  PointSource source(Schema schema, const Fill& fill) const;
 
-  InputCloud& cloud_;
+  PointSource input_;
   const RowFile& rows_;
   const OutputLayout& layout_;
   bool by_moved_positions_;
   PositionFields input_position_;
-  std::vector<std::byte> inputs_, carried_;
 };
 
 }  // namespace pointsweep

@@ -26,10 +26,10 @@ std::optional<std::size_t> offset_in(const std::vector<Attribute>& attributes, c
 }
 
 /// Whether the positions or anything else that travels with the points are values of the input's own record.
-bool looks_at_input(const PlannedPass& sweep, std::uint32_t input_stride) {
-  std::vector<std::size_t> fields = sweep.payload();
-  for (const char* axis : {"x", "y", "z"}) fields.push_back(*sweep.input.find(axis));
-  return std::ranges::any_of(fields, [&](std::size_t f) { return sweep.input.fields[f].offset < input_stride; });
+bool looks_at_input(const PlannedPass& pass, std::size_t input_stride) {
+  std::vector<std::size_t> fields = pass.payload();
+  for (const char* axis : {"x", "y", "z"}) fields.push_back(*pass.input.find(axis));
+  return std::ranges::any_of(fields, [&](std::size_t f) { return pass.input.fields[f].offset < input_stride; });
 }
 
 /// Puts `n` records of `bytes` to their places, `stride` bytes apart.
@@ -77,25 +77,34 @@ void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdat
   });
 }
 
-PointSource updated_source(InputCloud& cloud, const RowFile& carried, const PlannedPass& sweep,
-                           std::function<void(std::uint64_t bytes)> note_read) {
-  const std::size_t stride = sweep.input.stride, own = cloud.schema().stride, rest = stride - own;
-  const bool with_input = looks_at_input(sweep, cloud.schema().stride);
-  auto scratch = std::make_shared<std::vector<std::byte>>();
-  const auto read = [=, &cloud, &carried](std::uint64_t row, std::span<std::byte> records) -> std::size_t {
-    std::size_t n = records.size() / stride;
-    n = static_cast<std::size_t>(std::min<std::uint64_t>(n, row < cloud.count() ? cloud.count() - row : 0));
-    if (scratch->size() < n * std::max(own, rest)) scratch->resize(n * std::max(own, rest));
-    if (with_input) {
-      n = cloud.read(row, std::span(*scratch).first(n * own));
-      note_read(n * own);
-      spread(scratch->data(), own, n, stride, records.data());
-    }
-    carried.read(row, std::span(*scratch).first(n * rest));
-    spread(scratch->data(), rest, n, stride, records.data() + own);
-    return n;
+PointSource updated_source(const PointSource& input, const RowFile& carried, const PlannedPass& pass) {
+  const std::size_t stride = pass.input.stride, own = input.schema.stride, rest = stride - own;
+  // Joins what `read`, which may be empty, gives of the input with what was carried.
+  const auto joining = [=, &carried, count = input.count](ReadRows read) -> ReadRows {
+    return [=, &carried, read = std::move(read), scratch = std::vector<std::byte>()](
+               std::uint64_t row, std::span<std::byte> records) mutable -> std::size_t {
+      std::size_t n = records.size() / stride;
+      n = static_cast<std::size_t>(std::min<std::uint64_t>(n, row < count ? count - row : 0));
+      if (scratch.size() < n * std::max(own, rest)) scratch.resize(n * std::max(own, rest));
+      if (read) {
+        n = read(row, std::span(scratch).first(n * own));
+        spread(scratch.data(), own, n, stride, records.data());
+      }
+      carried.read(row, std::span(scratch).first(n * rest));
+      spread(scratch.data(), rest, n, stride, records.data() + own);
+      return n;
+    };
   };
-  return {sweep.input, cloud.count(), read};
+  if (!looks_at_input(pass, own)) {
+    const auto of_carried = [joining](const std::vector<std::size_t>&) { return joining({}); };
+    return {pass.input, input.count, joining({}), of_carried};
+  }
+  const auto for_thread = [=, make = input.for_thread, fields = pass.input.fields](std::vector<std::size_t> wanted) {
+    std::erase_if(wanted, [&](std::size_t f) { return fields[f].offset >= own; });
+    ReadRows read = make(wanted);
+    return read ? joining(std::move(read)) : ReadRows();
+  };
+  return {pass.input, input.count, joining(input.read), for_thread, input.chunk_end};
 }
 
 }  // namespace pointsweep

@@ -9,7 +9,6 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/formats/input_cloud.h"
 #include "pointsweep/order/row_file.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/source.h"
@@ -53,9 +52,8 @@ using MadeRows = std::function<void(
 void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
                  const std::function<void(const UpdatedRows&)>& use);
 
-/// The cloud as a pass sees it. What is borrowed must outlive the source. The input itself is read only where the
-/// pass needs something of it; `note_read` is told its bytes.
-PointSource updated_source(InputCloud& cloud, const RowFile& carried, const PlannedPass& sweep,
-                           std::function<void(std::uint64_t bytes)> note_read);
+/// Returns the cloud as `pass` sees it: the records of `input`, followed by those of `carried`, which must outlive the
+/// source. The input itself is read only if the pass needs something of it.
+PointSource updated_source(const PointSource& input, const RowFile& carried, const PlannedPass& pass);
 
 }  // namespace pointsweep

@@ -73,9 +73,7 @@ void begin_pass(RunState& run, std::size_t p) {
   if (p == run.plan.passes.size()) return;
   PlannedPass& pass = run.plan.passes[p];
   const bool nothing_carried = p == 0 || run.plan.passes[p - 1].carried.empty();
-  run.source = nothing_carried ? run.cloud_source()
-                               : updated_source(run.cloud, *run.rows, pass,
-                                                [&run](std::uint64_t bytes) { run.statistics.bytes_read += bytes; });
+  run.source = nothing_carried ? run.cloud_source() : updated_source(run.cloud_source(), *run.rows, pass);
   give_values(pass, run.values);
   if (pass.kind != PassKind::rows) run.results = results_of_pass(run, p);
 }
