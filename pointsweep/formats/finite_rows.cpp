@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "pointsweep/fail.h"
@@ -19,14 +21,20 @@ bool can_be_nonfinite(const Field& field) {
   return !std::isfinite(0x1p64 * field.scale + field.bias);
 }
 
-void read_all_of(Reader& reader, std::uint64_t row, std::span<std::byte> records) {
-  const std::size_t stride = reader.info().schema.stride;
+/// As RowDecoder::read.
+using ReadRecords = std::function<std::size_t(std::uint64_t row, std::span<std::byte> records)>;
+
+void read_all_of(const FileInfo& info, const ReadRecords& read, std::uint64_t row, std::span<std::byte> records) {
   while (!records.empty()) {
-    const std::size_t n = reader.read(row, records);
-    if (n == 0) fail("{}: ends before its last point; run again when it is complete.", reader.info().path.string());
-    records = records.subspan(n * stride);
+    const std::size_t n = read(row, records);
+    if (n == 0) fail("{}: ends before its last point; run again when it is complete.", info.path.string());
+    records = records.subspan(n * info.schema.stride);
     row += n;
   }
+}
+
+ReadRecords reading_by(Reader& reader) {
+  return [&reader](std::uint64_t row, std::span<std::byte> records) { return reader.read(row, records); };
 }
 
 /// Calls `use(i)` for every record of a block that is not finite.
@@ -59,7 +67,7 @@ FiniteRowIndex::FiniteRowIndex(Reader& reader, std::uint64_t first_row, Nonfinit
   for (std::uint64_t row = 0; row < rows_; row += kBlock) {
     const std::uint64_t n = std::min(kBlock, rows_ - row);
     records.resize(n * info.schema.stride);
-    read_all_of(reader, row, records);
+    read_all_of(info, reading_by(reader), row, records);
     std::uint64_t finite = n;
     for_each_nonfinite_record(position, records, info.schema.stride, found.bounds, [&](std::size_t i) {
       --finite;
@@ -75,67 +83,110 @@ std::size_t FiniteRowIndex::block_of(std::uint64_t row) const {
   return static_cast<std::size_t>(std::upper_bound(before_.begin(), before_.end(), row) - before_.begin()) - 1;
 }
 
+/// Reads finite rows for one thread.
+class FiniteRows::Decoder final : public RowDecoder {
+ public:
+  /// `read` reads rows of the input.
+  Decoder(const FiniteRows& rows, ReadRecords read) : rows_(rows), index_(rows.index_), read_(std::move(read)) {}
+
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
+    const std::size_t stride = rows_.info_.schema.stride;
+    const std::size_t wanted = rows_.rows_for(row, records);
+    for (std::size_t done = 0; done < wanted;) {
+      const std::size_t block = index_.block_of(row + done);
+      const auto offset = static_cast<std::size_t>(row + done - index_.before(block));
+      std::size_t end = block + 1;
+      const auto gives = [&] { return static_cast<std::size_t>(index_.before(end) - row) - done; };
+      const bool whole = index_.is_whole(block);
+      while (whole && gives() < wanted - done && index_.is_whole(end)) ++end;
+      const std::size_t n = std::min(wanted - done, gives());
+      const auto target = records.subspan(done * stride, n * stride);
+      if (whole) {
+        read_all_of(rows_.all_->info(), read_, block * FiniteRowIndex::kBlock + offset, target);
+      } else {
+        load(block);
+        std::memcpy(target.data(), block_.data() + offset * stride, target.size());
+      }
+      done += n;
+    }
+    return wanted;
+  }
+
+  std::uint64_t input_row(std::uint64_t row) {
+    const std::size_t block = index_.block_of(row);
+    std::uint64_t at = row - index_.before(block);
+    if (!index_.is_whole(block)) {
+      load(block);
+      for (const std::size_t gap : gaps_) at += gap <= at ? 1 : 0;
+    }
+    return block * FiniteRowIndex::kBlock + at;
+  }
+
+ private:
+  void load(std::size_t block) {
+    if (block == loaded_) return;
+    const std::size_t stride = rows_.info_.schema.stride;
+    block_.resize(index_.rows_in(block) * stride);
+    read_all_of(rows_.all_->info(), read_, block * FiniteRowIndex::kBlock, block_);
+    gaps_.clear();
+    Box ignored;
+    for_each_nonfinite_record(rows_.position_, block_, stride, ignored, [&](std::size_t i) { gaps_.push_back(i); });
+    std::size_t kept = 0, gap = 0;
+    for (std::size_t i = 0; i * stride < block_.size(); ++i) {
+      if (gap < gaps_.size() && gaps_[gap] == i) {
+        ++gap;
+        continue;
+      }
+      if (kept != i) std::memcpy(block_.data() + kept * stride, block_.data() + i * stride, stride);
+      ++kept;
+    }
+    loaded_ = block;
+  }
+
+  const FiniteRows& rows_;
+  const FiniteRowIndex& index_;
+  ReadRecords read_;
+  std::size_t loaded_ = std::numeric_limits<std::size_t>::max();  ///< block whose finite rows `block_` holds
+  std::vector<std::byte> block_;
+  std::vector<std::size_t> gaps_;  ///< records of that block that are left out, ascending
+};
+
 FiniteRows::FiniteRows(std::unique_ptr<Reader> all, FiniteRowIndex index)
     : all_(std::move(all)),
       index_(std::move(index)),
-      position_(position_fields(all_->info().schema, all_->info().path.string())),
-      loaded_(std::numeric_limits<std::size_t>::max()) {
+      position_(position_fields(all_->info().schema, all_->info().path.string())) {
   info_ = all_->info();
   info_.left_out = info_.count - index_.count();
   info_.count = index_.count();
+  own_ = std::make_unique<Decoder>(*this, reading_by(*all_));
 }
 
-std::size_t FiniteRows::read(std::uint64_t row, std::span<std::byte> records) {
-  const std::size_t stride = info_.schema.stride;
-  const std::size_t wanted = rows_for(row, records);
-  for (std::size_t done = 0; done < wanted;) {
-    const std::size_t block = index_.block_of(row + done);
-    const auto offset = static_cast<std::size_t>(row + done - index_.before(block));
-    std::size_t end = block + 1;
-    const auto gives = [&] { return static_cast<std::size_t>(index_.before(end) - row) - done; };
-    const bool whole = index_.is_whole(block);
-    while (whole && gives() < wanted - done && index_.is_whole(end)) ++end;
-    const std::size_t n = std::min(wanted - done, gives());
-    const auto target = records.subspan(done * stride, n * stride);
-    if (whole) {
-      read_all_of(*all_, block * FiniteRowIndex::kBlock + offset, target);
-    } else {
-      load(block);
-      std::memcpy(target.data(), block_.data() + offset * stride, target.size());
-    }
-    done += n;
-  }
-  return wanted;
+FiniteRows::~FiniteRows() = default;
+
+std::size_t FiniteRows::first_block_from(std::uint64_t row) const {
+  return std::min<std::size_t>((row + FiniteRowIndex::kBlock - 1) / FiniteRowIndex::kBlock, index_.blocks());
 }
 
-std::uint64_t FiniteRows::input_row(std::uint64_t row) {
-  const std::size_t block = index_.block_of(row);
-  std::uint64_t at = row - index_.before(block);
-  if (!index_.is_whole(block)) {
-    load(block);
-    for (const std::size_t gap : gaps_) at += gap <= at ? 1 : 0;
-  }
-  return block * FiniteRowIndex::kBlock + at;
+Chunk FiniteRows::chunk_of(std::uint64_t row) const {
+  if (decodes_any_range()) return {.rows = info_.count};
+  const Chunk all = all_->chunk_of(index_.block_of(row) * FiniteRowIndex::kBlock);
+  const std::uint64_t begin = index_.before(first_block_from(all.first_row));
+  return {.first_row = begin, .rows = index_.before(first_block_from(all.end_row())) - begin};
 }
 
-void FiniteRows::load(std::size_t block) {
-  if (block == loaded_) return;
-  const std::size_t stride = info_.schema.stride;
-  block_.resize(index_.rows_in(block) * stride);
-  read_all_of(*all_, block * FiniteRowIndex::kBlock, block_);
-  gaps_.clear();
-  Box ignored;
-  for_each_nonfinite_record(position_, block_, stride, ignored, [&](std::size_t i) { gaps_.push_back(i); });
-  std::size_t kept = 0, gap = 0;
-  for (std::size_t i = 0; i * stride < block_.size(); ++i) {
-    if (gap < gaps_.size() && gaps_[gap] == i) {
-      ++gap;
-      continue;
-    }
-    if (kept != i) std::memcpy(block_.data() + kept * stride, block_.data() + i * stride, stride);
-    ++kept;
-  }
-  loaded_ = block;
+std::unique_ptr<RowDecoder> FiniteRows::decoder(const WantedFields& wanted) const {
+  if (!has_decoders()) return nullptr;
+  WantedFields with_positions = wanted;
+  for (const char* axis : {"x", "y", "z"})
+    if (!wanted.empty()) with_positions.push_back(info_.schema.find(axis).value());
+  const std::shared_ptr<RowDecoder> all = all_->decoder(with_positions);
+  return std::make_unique<Decoder>(*this, [all](std::uint64_t row, std::span<std::byte> records) {
+    return all->read(row, records);
+  });
 }
+
+std::size_t FiniteRows::read(std::uint64_t row, std::span<std::byte> records) { return own_->read(row, records); }
+
+std::uint64_t FiniteRows::input_row(std::uint64_t row) { return own_->input_row(row); }
 
 }  // namespace pointsweep

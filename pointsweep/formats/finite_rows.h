@@ -40,6 +40,7 @@ class FiniteRowIndex {
   std::uint64_t count() const { return before_.back(); }  ///< of finite rows
   bool has_all() const { return count() == rows_; }
 
+  std::size_t blocks() const { return before_.size() - 1; }
   /// The block that holds finite row `row`.
   std::size_t block_of(std::uint64_t row) const;
   std::uint64_t before(std::size_t block) const { return before_[block]; }
@@ -55,6 +56,13 @@ class FiniteRowIndex {
 class FiniteRows final : public Reader {
  public:
   FiniteRows(std::unique_ptr<Reader> all, FiniteRowIndex index);
+  ~FiniteRows() override;
+
+  /// The finite rows of the blocks that begin in one chunk of `all`.
+  Chunk chunk_of(std::uint64_t row) const override;
+  bool has_decoders() const override { return all_->has_decoders(); }
+  bool decodes_any_range() const override { return all_->decodes_any_range(); }
+  std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted) const override;
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
   void rest() override { all_->rest(); }
   /// The row of the input that is finite row `row`.
@@ -63,14 +71,13 @@ class FiniteRows final : public Reader {
   std::unique_ptr<Reader> release() { return std::move(all_); }
 
  private:
-  void load(std::size_t block);
+  class Decoder;
+  std::size_t first_block_from(std::uint64_t row) const;
 
   std::unique_ptr<Reader> all_;
   FiniteRowIndex index_;
   PositionFields position_;
-  std::size_t loaded_;  ///< block whose finite rows `block_` holds
-  std::vector<std::byte> block_;
-  std::vector<std::size_t> gaps_;  ///< records of that block that are left out, ascending
+  std::unique_ptr<Decoder> own_;  ///< of read() and input_row()
 };
 
 }  // namespace pointsweep

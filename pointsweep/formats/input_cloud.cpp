@@ -102,9 +102,13 @@ NonfiniteRows InputCloud::drop_nonfinite(const std::function<void(std::uint64_t)
   return found;
 }
 
-void InputCloud::select(RowSelection selection) { selection_.emplace(std::move(selection)); }
+void InputCloud::select(RowSelection selection) {
+  reading_.cursor.reset();
+  selection_ = std::make_shared<const RowSelection>(std::move(selection));
+}
 
 void InputCloud::keep_all() {
+  reading_.cursor.reset();
   selection_.reset();
   for (std::size_t i = 0; i < readers_.size(); ++i)
     if (FiniteRows* finite = finite_rows(i)) readers_[i] = finite->release();
@@ -150,25 +154,27 @@ std::uint64_t InputCloud::bytes() const {
 }
 
 std::size_t InputCloud::read(std::uint64_t row, std::span<std::byte> records) {
-  if (!selection_) return read_any(row, records);
-  return selection_->read(row, schema_.stride, records, [this](std::uint64_t first, std::span<std::byte> all) {
-    if (read_any(first, all) * schema_.stride != all.size())
-      fail("{}: ends before its last point; run again when it is complete.", readers_.back()->info().path.string());
-  });
-}
-
-/// As read(), of all rows, selected or not.
-std::size_t InputCloud::read_any(std::uint64_t row, std::span<std::byte> records) {
   const auto read = [this](std::size_t input, std::uint64_t first, std::span<std::byte> bytes) {
     if (input != last_input_) readers_[last_input_]->rest();
     last_input_ = input;
     return readers_[input]->read(first, bytes);
   };
-  return read_with(read, scratch_, row, records);
+  return read_with(read, reading_, row, records);
 }
 
-std::size_t InputCloud::read_with(const ReadInput& read, std::vector<std::byte>& scratch, std::uint64_t row,
+std::size_t InputCloud::read_with(const ReadInput& read, Reading& reading, std::uint64_t row,
                                   std::span<std::byte> records) const {
+  if (!selection_) return read_all_with(read, reading.scratch, row, records);
+  if (!reading.cursor) reading.cursor.emplace(*selection_);
+  return reading.cursor->read(row, schema_.stride, records, [&](std::uint64_t first, std::span<std::byte> all) {
+    if (read_all_with(read, reading.scratch, first, all) * schema_.stride != all.size())
+      fail("{}: ends before its last point; run again when it is complete.", readers_.back()->info().path.string());
+  });
+}
+
+/// As read_with(), of all rows, selected or not.
+std::size_t InputCloud::read_all_with(const ReadInput& read, std::vector<std::byte>& scratch, std::uint64_t row,
+                                      std::span<std::byte> records) const {
   std::size_t done = 0;
   for (const std::size_t wanted = records.size() / schema_.stride; done < wanted && row + done < count_;) {
     const std::size_t input = input_of(row + done);
@@ -182,10 +188,14 @@ std::size_t InputCloud::input_of(std::uint64_t row) const {
 }
 
 std::uint64_t InputCloud::chunk_end(std::uint64_t row) const {
-  const std::size_t input = input_of(row);
+  std::optional<SelectionCursor> cursor;
+  if (selection_) cursor.emplace(*selection_);
+  const std::uint64_t of_all = cursor ? cursor->row_of(row) : row;
+  const std::size_t input = input_of(of_all);
   const Reader& reader = *readers_[input];
   if (reader.decodes_any_range()) return row;
-  return first_row_[input] + reader.chunk_of(row - first_row_[input]).end_row();
+  const std::uint64_t end = first_row_[input] + reader.chunk_of(of_all - first_row_[input]).end_row();
+  return cursor ? cursor->kept_before(end) : end;
 }
 
 /// Has a decoder for the input it reads; the others have none, since there may be thousands of inputs.
@@ -203,7 +213,7 @@ class InputCloud::Decoder final : public RowDecoder {
       }
       return decoder_->read(first, bytes);
     };
-    return cloud_.read_with(read_rows, scratch_, row, records);
+    return cloud_.read_with(read_rows, reading_, row, records);
   }
 
  private:
@@ -211,11 +221,11 @@ class InputCloud::Decoder final : public RowDecoder {
   WantedFields wanted_;
   std::unique_ptr<RowDecoder> decoder_;
   std::size_t input_ = 0;
-  std::vector<std::byte> scratch_;
+  Reading reading_;
 };
 
 std::unique_ptr<RowDecoder> InputCloud::decoder(const WantedFields& wanted) const {
-  if (selection_ || !std::ranges::all_of(readers_, &decodes_side_by_side)) return nullptr;
+  if (!std::ranges::all_of(readers_, &decodes_side_by_side)) return nullptr;
   return std::make_unique<Decoder>(*this, wanted);
 }
 

@@ -59,12 +59,12 @@ class InputCloud {
   /// As Reader::read, over all inputs. Not thread-safe.
   std::size_t read(std::uint64_t row, std::span<std::byte> records);
 
-  /// A decoder of the rows for one thread, beside which others may read; null where only read() gives them: rows are
-  /// selected or left out, or an input has no decoders or very long chunks. Only the `wanted` fields are sure to have
-  /// their values. It is of use until drop_nonfinite(), select() or keep_all() is called. Thread-safe.
+  /// A decoder of the rows for one thread, beside which others may read; null where only read() gives them: an input
+  /// has no decoders or very long chunks. Only the `wanted` fields are sure to have their values. It is of use until
+  /// drop_nonfinite(), select() or keep_all() is called. Thread-safe.
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const;
   /// The row behind the chunk that holds `row`: one decoder should read that far. `row` itself where any range is a
-  /// chunk.
+  /// chunk. Thread-safe.
   std::uint64_t chunk_end(std::uint64_t row) const;
 
   /// Leaves out the rows with NaN or infinite coordinates until keep_all() is called: all other rows follow each other,
@@ -83,7 +83,8 @@ class InputCloud {
   /// Leaves out all rows that `selection` does not keep, until keep_all() or the next select(): the kept ones follow
   /// each other, numbered from 0. It is made for all rows that drop_nonfinite() has left.
   void select(RowSelection selection);
-  const RowSelection* selection() const { return selection_ ? &*selection_ : nullptr; }
+  /// Null if no rows are selected.
+  const RowSelection* selection() const { return selection_.get(); }
 
   /// Of each input, before it was opened.
   const std::vector<FileState>& states() const { return states_; }
@@ -96,13 +97,18 @@ class InputCloud {
   void begin(CloudOptions options);
   void number_rows();
   FiniteRows* finite_rows(std::size_t input) const;
-  std::size_t read_any(std::uint64_t row, std::span<std::byte> records);
   std::size_t input_of(std::uint64_t row) const;
   class Decoder;
   /// Reads rows of an input, which has at least one more.
   using ReadInput = std::function<std::size_t(std::size_t input, std::uint64_t row, std::span<std::byte> records)>;
-  std::size_t read_with(const ReadInput& read, std::vector<std::byte>& scratch, std::uint64_t row,
-                        std::span<std::byte> records) const;
+  /// What one reading of rows after the other needs.
+  struct Reading {
+    std::vector<std::byte> scratch;
+    std::optional<SelectionCursor> cursor;
+  };
+  std::size_t read_with(const ReadInput& read, Reading& reading, std::uint64_t row, std::span<std::byte> records) const;
+  std::size_t read_all_with(const ReadInput& read, std::vector<std::byte>& scratch, std::uint64_t row,
+                            std::span<std::byte> records) const;
   std::size_t read_input(const ReadInput& read, std::vector<std::byte>& scratch, std::size_t input, std::uint64_t row,
                          std::span<std::byte> records) const;
 
@@ -111,7 +117,7 @@ class InputCloud {
   std::vector<FiniteRows*> finite_;  ///< by input, the one of `readers_` that leaves out rows; null: there is none
   std::vector<std::uint64_t> first_row_;
   std::vector<InputMapping> mappings_;
-  std::vector<std::byte> scratch_;
+  Reading reading_;             ///< of read()
   std::size_t last_input_ = 0;  ///< that read() read
   Schema schema_;
   std::optional<Crs> crs_;
@@ -120,7 +126,7 @@ class InputCloud {
   std::vector<ValueRange> ranges_;
   std::vector<std::string> warnings_, missing_attributes_;
   std::uint64_t count_ = 0;  ///< before the selection
-  std::optional<RowSelection> selection_;
+  std::shared_ptr<const RowSelection> selection_;
 };
 
 }  // namespace pointsweep

@@ -16,12 +16,13 @@ RowSelection selection_in(const std::shared_ptr<RowFile>& file, std::uint64_t ro
 
 RowMask::RowMask(std::uint64_t rows, const RowSelection* before, const SpillPlace& spill)
     : rows_(rows),
-      before_(before),
       file_(std::make_shared<RowFile>(blocks_of(rows), RowSelection::kBlockBytes, spill)),
-      block_(RowSelection::kBlockBytes) {}
+      block_(RowSelection::kBlockBytes) {
+  if (before != nullptr) before_.emplace(*before);
+}
 
 void RowMask::append(bool kept) {
-  while (before_ != nullptr && next_ < rows_ && !before_->has(next_)) append_any(false);
+  while (before_ && next_ < rows_ && !before_->has(next_)) append_any(false);
   append_any(kept);
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "pointsweep/formats/row_selection.h"
@@ -31,7 +32,7 @@ class RowMask {
   void append_any(bool kept);
 
   std::uint64_t rows_, next_ = 0;  ///< of all rows
-  const RowSelection* before_;
+  std::optional<SelectionCursor> before_;
   std::shared_ptr<RowFile> file_;
   std::vector<std::byte> block_;
 };

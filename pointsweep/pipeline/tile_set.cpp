@@ -28,11 +28,12 @@ InputCloud cloud_of_input(const InputCloud& all, std::size_t input) {
 /// The rows of one input, from `first` on in the whole cloud, that are selected there.
 RowSelection selected_rows(const RowSelection& all, std::uint64_t first, std::uint64_t rows) {
   return {rows, [&all, first, rows](std::uint64_t block, std::span<std::byte> bits) {
+            SelectionCursor kept(all);
             std::ranges::fill(bits, std::byte{0});
             const std::uint64_t begin = block * RowSelection::kBlockRows;
             const std::uint64_t n = std::min(RowSelection::kBlockRows, rows - begin);
             for (std::uint64_t i = 0; i < n; ++i)
-              if (all.has(first + begin + i)) bits[i / 8] |= std::byte{1} << (i % 8);
+              if (kept.has(first + begin + i)) bits[i / 8] |= std::byte{1} << (i % 8);
           }};
 }
 

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <tuple>
 
 #include "pointsweep/cancellation.h"
@@ -191,8 +192,10 @@ RowSelection selection_of(const InputCloud& cloud, const Mask& kept) {
   const RowSelection* before = cloud.selection();
   const std::uint64_t rows = before == nullptr ? cloud.count() : before->rows();
   auto all = std::make_shared<Mask>(rows);
+  std::optional<SelectionCursor> left;
+  if (before != nullptr) left.emplace(*before);
   for (std::uint64_t row = 0, i = 0; row < rows; ++row)
-    if (before == nullptr || before->has(row)) (*all)[row] = kept[i++];
+    if (!left || left->has(row)) (*all)[row] = kept[i++];
   return {rows, [all](std::uint64_t block, std::span<std::byte> bits) {
             std::ranges::fill(bits, std::byte{0});
             const std::uint64_t first = block * RowSelection::kBlockRows;

@@ -165,21 +165,78 @@ TEST(Chunks, OfSeveralInputsAreDecodedInParallelAsInTurn) {
     }
 }
 
-TEST(Chunks, ACloudOfSelectedRowsIsReadInTurn) {
-  const TemporaryFolder folder;
-  InputCloud cloud({files(folder).front()});
-  EXPECT_NE(cloud.decoder(), nullptr);
-  cloud.select(RowSelection(kRows, [](std::uint64_t block, std::span<std::byte> bits) {
+/// Whether a row stays of a selection with whole, empty and mixed blocks.
+bool stays(std::uint64_t row) { return row < 9000 || (row > 22000 && row % 3 == 1 && row % 20000 < 15000); }
+
+void select_some_rows(InputCloud& cloud) {
+  cloud.select(RowSelection(cloud.count(), [rows = cloud.count()](std::uint64_t block, std::span<std::byte> bits) {
     std::ranges::fill(bits, std::byte{});
-    for (std::uint64_t i = 0; i < RowSelection::kBlockRows && block * RowSelection::kBlockRows + i < kRows; i += 2)
-      bits[i / 8] |= std::byte{1} << (i % 8);
+    const std::uint64_t first = block * RowSelection::kBlockRows;
+    for (std::uint64_t i = 0; i < RowSelection::kBlockRows && first + i < rows; ++i)
+      if (stays(first + i)) bits[i / 8] |= std::byte{1} << (i % 8);
   }));
-  EXPECT_EQ(cloud.decoder(), nullptr);
-  const std::vector<std::byte> expected = all_records(cloud, cloud.schema(), cloud.count());
+}
+
+std::vector<std::byte> decoded_in_parallel(InputCloud& cloud) {
   ParallelRows rows;
-  std::vector<std::byte> decoded(expected.size());
-  EXPECT_EQ(rows.read(cloud, 0, decoded), cloud.count());
-  EXPECT_EQ(decoded, expected);
+  const std::size_t stride = cloud.schema().stride;
+  std::vector<std::byte> decoded(cloud.count() * stride);
+  for (std::uint64_t row = 0; row < cloud.count(); row += 33333) {
+    const std::size_t n = std::min<std::uint64_t>(33333, cloud.count() - row);
+    EXPECT_EQ(rows.read(cloud, row, std::span(decoded).subspan(row * stride, n * stride)), n);
+  }
+  return decoded;
+}
+
+TEST(Chunks, OfSelectedRowsAreDecodedInParallel) {
+  const TemporaryFolder folder;
+  for (const auto& path : files(folder)) {
+    SCOPED_TRACE(path.filename());
+    InputCloud cloud({path});
+    const std::size_t stride = cloud.schema().stride;
+    const std::vector<std::byte> all = all_records(cloud, cloud.schema(), cloud.count());
+    std::vector<std::byte> expected;
+    for (std::uint64_t row = 0; row < kRows; ++row)
+      if (stays(row)) expected.insert(expected.end(), all.data() + row * stride, all.data() + (row + 1) * stride);
+    select_some_rows(cloud);
+    EXPECT_NE(cloud.decoder(), nullptr);
+    EXPECT_EQ(decoded_in_parallel(cloud), expected);
+    EXPECT_EQ(all_records(cloud, cloud.schema(), cloud.count(), 777), expected);
+  }
+}
+
+/// Text and binary, with points whose coordinates are not finite here and there, also where a chunk begins.
+TEST(Chunks, WithoutNonfiniteRowsAreDecodedInParallel) {
+  const TemporaryFolder folder;
+  std::string text = "ply\nformat ascii 1.0\nelement vertex 70000\n", finite;
+  for (const char* name : {"x", "y", "z"}) text += std::string("property float ") + name + "\n";
+  text += "end_header\n";
+  std::vector<float> rows;
+  for (std::uint64_t row = 0; row < kRows; ++row) {
+    const bool lost = row % 10007 == 0 || (row > 30000 && row < 39000 && row % 2 == 0) || row == 16384;
+    text += lost ? fmt::format("nan {0} {0}\n", row) : fmt::format("{0} 1 2\n", row);
+    if (!lost) rows.insert(rows.end(), {static_cast<float>(row), 1, 2});
+  }
+  const auto ascii = folder.write("nan.ply", text);
+  const OutputPlan plan = plan_for(folder / "binary.ply", kRows);
+  InputCloud as_text({ascii});
+  OutputPlan binary = plan;
+  binary.schema = as_text.schema();
+  write_all(binary, all_records(as_text, as_text.schema(), kRows));
+  for (const auto& path : {ascii, binary.path}) {
+    SCOPED_TRACE(path.filename());
+    InputCloud cloud({path});
+    EXPECT_EQ(cloud.drop_nonfinite().count, kRows - rows.size() / 3);
+    EXPECT_NE(cloud.decoder(), nullptr);
+    const auto bytes = std::as_bytes(std::span(rows));
+    EXPECT_EQ(decoded_in_parallel(cloud), std::vector<std::byte>(bytes.begin(), bytes.end()));
+    for (std::uint64_t row = 0; row < cloud.count() && !cloud.readers().front()->decodes_any_range();) {
+      const Chunk chunk = cloud.readers().front()->chunk_of(row);
+      EXPECT_EQ(chunk.first_row, row);
+      ASSERT_GT(chunk.rows, 0u);
+      row = chunk.end_row();
+    }
+  }
 }
 
 }  // namespace

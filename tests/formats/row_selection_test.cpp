@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <random>
 
@@ -29,7 +30,7 @@ struct Selected {
   /// Records are the numbers of the rows.
   std::vector<std::uint32_t> read(std::uint64_t first, std::size_t most) {
     std::vector<std::uint32_t> records(most);
-    const std::size_t n = selection.read(first, 4, std::as_writable_bytes(std::span(records)),
+    const std::size_t n = SelectionCursor(selection).read(first, 4, std::as_writable_bytes(std::span(records)),
                                          [&](std::uint64_t row, std::span<std::byte> out) {
                                            ASSERT_LE(row + out.size() / 4, bits.size());
                                            for (std::size_t i = 0; i < out.size(); i += 4, ++row) {
@@ -73,10 +74,27 @@ TEST(RowSelection, ReadsTheKeptRowsFromAnyPlace) {
 
 TEST(RowSelection, KnowsTheNumberOfEveryKeptRow) {
   for (Selected& s : selections()) {
-    for (std::size_t i = 0; i < s.rows.size(); i += 1 + s.rows.size() / 100)
-      EXPECT_EQ(s.selection.row_of(i), s.rows[i]);
-    for (std::size_t row = 0; row < s.bits.size(); row += 1 + s.bits.size() / 100)
-      EXPECT_EQ(s.selection.has(row), s.bits[row]);
+    SelectionCursor kept(s.selection);
+    for (std::size_t i = 0; i < s.rows.size(); i += 1 + s.rows.size() / 100) EXPECT_EQ(kept.row_of(i), s.rows[i]);
+    for (std::size_t row = 0; row < s.bits.size(); row += 1 + s.bits.size() / 100) {
+      EXPECT_EQ(kept.has(row), s.bits[row]);
+      EXPECT_EQ(kept.kept_before(row), std::count(s.bits.begin(), s.bits.begin() + static_cast<std::ptrdiff_t>(row), true));
+    }
+    EXPECT_EQ(kept.kept_before(s.bits.size()), s.rows.size());
+  }
+}
+
+/// The rows around may be in a chunk that another thread decodes.
+TEST(RowSelection, ReadsNoRowBeforeTheFirstOrAfterTheLast) {
+  for (Selected& s : selections()) {
+    for (std::size_t first = 0; first < s.rows.size(); first += 1 + s.rows.size() / 13) {
+      const std::size_t last = std::min(first + 777, s.rows.size()) - 1;
+      std::vector<std::byte> records(4 * (last - first + 1));
+      SelectionCursor(s.selection).read(first, 4, records, [&](std::uint64_t row, std::span<std::byte> out) {
+        EXPECT_GE(row, s.rows[first]);
+        EXPECT_LE(row + out.size() / 4, s.rows[last] + std::uint64_t{1});
+      });
+    }
   }
 }
 

@@ -168,8 +168,8 @@ MUTANTS = [
 
     # Selects
     Mutant("a second select counts the rows that the first left", "selects", PIPELINE + "row_mask.cpp",
-           "while (before_ != nullptr && next_ < rows_ && !before_->has(next_)) append_any(false);",
-           "while (before_ != nullptr && next_ > rows_ && !before_->has(next_)) append_any(false);",
+           "while (before_ && next_ < rows_ && !before_->has(next_)) append_any(false);",
+           "while (before_ && next_ > rows_ && !before_->has(next_)) append_any(false);",
            ("pipeline:Where.*:Unique.*:Select.*",)),
 
     # What nobody names

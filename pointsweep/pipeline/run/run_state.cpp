@@ -112,8 +112,9 @@ void RunState::report(const char* phase, std::uint64_t done, std::uint64_t activ
 }
 
 std::vector<std::uint64_t> RunState::rows_of_cloud(std::vector<std::uint64_t> of_rows) const {
-  if (const RowSelection* selection = cloud.selection())
-    for (std::uint64_t& row : of_rows) row = selection->row_of(row);
+  if (cloud.selection() == nullptr) return of_rows;
+  SelectionCursor kept(*cloud.selection());
+  for (std::uint64_t& row : of_rows) row = kept.row_of(row);
   return of_rows;
 }
 
