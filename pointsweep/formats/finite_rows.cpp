@@ -168,10 +168,10 @@ std::size_t FiniteRows::first_block_from(std::uint64_t row) const {
 }
 
 Chunk FiniteRows::chunk_of(std::uint64_t row) const {
-  if (decodes_any_range()) return {.rows = info_.count};
+  if (decodes_any_range()) return Reader::chunk_of(row);
   const Chunk all = all_->chunk_of(index_.block_of(row) * FiniteRowIndex::kBlock);
   const std::uint64_t begin = index_.before(first_block_from(all.first_row));
-  return {.first_row = begin, .rows = index_.before(first_block_from(all.end_row())) - begin};
+  return {begin, index_.before(first_block_from(all.end_row())) - begin, 0, 0, std::nullopt};
 }
 
 std::unique_ptr<RowDecoder> FiniteRows::decoder(const WantedFields& wanted) const {

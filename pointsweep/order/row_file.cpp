@@ -3,6 +3,7 @@
 
 #include <cassert>
 #include <cstring>
+#include <utility>
 
 namespace pointsweep {
 
@@ -15,26 +16,35 @@ RowFile::RowFile(std::uint64_t rows, std::size_t record_bytes, const SpillPlace&
 
 RowFile RowFile::kept(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& kept) {
   RowFile file(record_bytes);
-  file.end_ = rows * record_bytes;
-  file.file_ = std::make_unique<SpillFile>(kept, file.end_);
+  file.rows_ = rows;
+  file.file_ = std::make_unique<SpillFile>(kept, rows * record_bytes);
   return file;
 }
 
 void RowFile::append(std::span<const std::byte> records) {
+  if (!records.empty()) write(extend(records.size() / record_bytes_), records);
+}
+
+std::uint64_t RowFile::extend(std::uint64_t rows) {
+  if (file_) file_->reserve(rows * record_bytes_);
+  assert(file_ || (rows_ + rows) * record_bytes_ <= memory_.size());
+  return std::exchange(rows_, rows_ + rows);
+}
+
+void RowFile::write(std::uint64_t row, std::span<const std::byte> records) {
   if (records.empty()) return;
-  if (file_) {
-    file_->write(file_->reserve(records.size()), records);
-  } else {
-    assert(end_ + records.size() <= memory_.size());
-    std::memcpy(memory_.data() + end_, records.data(), records.size());
-  }
-  end_ += records.size();
+  const std::uint64_t first = row * record_bytes_;
+  assert(first + records.size() <= rows_ * record_bytes_);
+  if (file_)
+    file_->write(first, records);
+  else
+    std::memcpy(memory_.data() + first, records.data(), records.size());
 }
 
 void RowFile::read(std::uint64_t row, std::span<std::byte> records) const {
   if (records.empty()) return;
   const std::uint64_t first = row * record_bytes_;
-  assert(first + records.size() <= end_);
+  assert(first + records.size() <= rows_ * record_bytes_);
   if (file_)
     file_->read(first, records);
   else

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Records by row between two sweeps: written in sequence, read from any row on.
+/// Records by row between two passes, in memory or in a temporary file.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,11 @@ class RowFile {
 
   /// Appends whole records, in all no more than there is room for. Throws Error where the disk is full.
   void append(std::span<const std::byte> records);
-  /// Fills `records` (whole ones, all of them appended before) from `row` on.
+  /// Appends `rows` records that write() will fill, and returns the row of the first.
+  std::uint64_t extend(std::uint64_t rows);
+  /// Stores whole records from `row` on. Thread-safe for different rows. Throws Error where the disk is full.
+  void write(std::uint64_t row, std::span<const std::byte> records);
+  /// Fills `records` (whole ones, all of them appended before) from `row` on. Thread-safe.
   void read(std::uint64_t row, std::span<std::byte> records) const;
   std::size_t record_bytes() const { return record_bytes_; }
   std::uint64_t spilled_bytes() const { return file_ ? file_->written_bytes() : 0; }
@@ -30,7 +34,7 @@ class RowFile {
   explicit RowFile(std::size_t record_bytes) : record_bytes_(record_bytes) {}
 
   std::size_t record_bytes_;
-  std::uint64_t end_ = 0;  ///< bytes appended
+  std::uint64_t rows_ = 0;  ///< appended
   PageMemory memory_;
   std::unique_ptr<SpillFile> file_;
 };

@@ -14,6 +14,7 @@
 #include "pointsweep/order/fixed_copy.h"
 #include "pointsweep/order/page_memory.h"
 #include "pointsweep/order/slab_store.h"
+#include "pointsweep/prefetch.h"
 
 namespace pointsweep {
 namespace {
@@ -88,9 +89,9 @@ class RowArray {
   PageMemory memory_;
 };
 
-/// Rows in buckets of 2^shift consecutive ones. While filling, half of the memory buffers the buckets; afterwards half
-/// of it is the window through which a bucket is put in order, a bucket that fits the cache if the buffers allow so
-/// many. A bucket larger than the window is read more than once.
+/// Rows in buckets of 2^shift consecutive ones. While filling, half of the memory buffers the buckets; afterwards it
+/// holds windows, at most half of it each, in which buckets are put in order by several threads: buckets that fit the
+/// cache if the buffers allow so many. A bucket larger than a window is read more than once.
 class RowBuckets {
  public:
   RowBuckets(std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& spill, std::size_t buffer_bytes)
@@ -117,14 +118,22 @@ class RowBuckets {
   }
 
   void drain(const Consume& consume) {
-    store_->finish();
-    const PageMemory window(std::min(rows_, window_rows_) * record_bytes_);
-    for (std::uint64_t first = 0; first < rows_; first += window_rows_) {
-      const std::span<std::byte> records(window.data(), std::min(rows_ - first, window_rows_) * record_bytes_);
+    store_->finish();  // which frees the buffers of the buckets for windows
+    const std::uint64_t window_bytes = std::min(rows_, window_rows_) * record_bytes_;
+    const std::uint64_t windows = (rows_ + window_rows_ - 1) / window_rows_;
+    const std::uint64_t at_once = std::clamp<std::uint64_t>(buffer_bytes_ / std::max<std::uint64_t>(window_bytes, 1), 2,
+                                                            thread_count() + std::uint64_t{1});
+    const PageMemory memory(std::min(windows, at_once) * window_bytes);
+    const auto filled = [&](std::size_t w) {
+      const std::uint64_t first = w * window_rows_;
+      const std::span<std::byte> records(memory.data() + w % at_once * window_bytes,
+                                         std::min(rows_ - first, window_rows_) * record_bytes_);
       if (!records.empty()) repeat(fill_, records);
       fill_window(first, records);
-      consume_in_runs(first, records, record_bytes_, consume);
-    }
+      return records;
+    };
+    Prefetch<std::span<std::byte>> ahead(filled, 0, windows, at_once - 1);
+    for (std::uint64_t w = 0; w < windows; ++w) consume_in_runs(w * window_rows_, ahead.next(), record_bytes_, consume);
   }
 
   std::uint64_t spilled_bytes() const { return store_->spilled_bytes(); }
@@ -140,6 +149,7 @@ class RowBuckets {
       : rows_(rows),
         record_bytes_(fill.size()),
         fill_(std::move(fill)),
+        buffer_bytes_(buffer_bytes),
         window_rows_(std::bit_floor(std::max<std::size_t>(1, buffer_bytes / 2 / record_bytes_))) {}
 
   std::uint64_t buckets() const { return rows_ == 0 ? 0 : ((rows_ - 1) >> shift_) + 1; }
@@ -197,6 +207,7 @@ class RowBuckets {
   std::uint64_t rows_;
   std::size_t record_bytes_;
   std::vector<std::byte> fill_;
+  std::size_t buffer_bytes_;
   std::uint64_t window_rows_;
   int shift_ = 0;
   std::unique_ptr<SlabStore> store_;

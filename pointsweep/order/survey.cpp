@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/math/mix.h"
+#include "pointsweep/order/parallel_rows.h"
 
 namespace pointsweep {
 namespace {
@@ -16,7 +18,6 @@ constexpr std::uint64_t kSample = 65536;
 constexpr std::uint64_t kRuns = 1024;              ///< jumps a reader has to make
 constexpr std::uint64_t kInRun = kSample / kRuns;  ///< rows sampled at each
 constexpr std::uint64_t kMostGap = 16;             ///< so many times the rows of the sample are read at most
-constexpr std::uint64_t kChunk = 16384;            ///< rows read at once by an exact survey
 
 /// Which rows are sampled: ascending, some in each of the runs that lie all over the file.
 class SampledRows {
@@ -50,18 +51,7 @@ class SampledRows {
 class Surveyor {
  public:
   explicit Surveyor(const PointSource& source)
-      : source_(source),
-        fields_(position_fields(source.schema, "the input")),
-        records_(kChunk * source.schema.stride),
-        x_(kChunk),
-        y_(kChunk),
-        z_(kChunk) {}
-
-  void sample_everything() {
-    for_each_chunk([&](std::uint64_t, std::size_t n) {
-      for (std::size_t i = 0; i < n; ++i) sample(i);
-    });
-  }
+      : source_(source), fields_(position_fields(source.schema, "the input")) {}
 
   void sample_runs() {
     const SampledRows rows(source_.count);
@@ -72,37 +62,54 @@ class Surveyor {
     }
   }
 
-  /// The same sample, and the bounds of all finite points.
-  void sample_runs_and_bound_all() {
-    const SampledRows rows(source_.count);
+  /// The same sample, or all rows where they are no more, and the bounds of all finite points. On all threads.
+  void look_at_all() {
+    std::optional<SampledRows> rows;
+    if (source_.count > kSample) rows.emplace(source_.count);
+    const auto row_of = [&](std::uint64_t i) { return rows ? (*rows)[i] : i; };
+    const std::uint64_t most = rows_at_once(source_.schema.stride), samples = std::min(kSample, source_.count);
+    ParallelRows input(source_);
     std::uint64_t sampled = 0;
-    for_each_chunk([&](std::uint64_t first, std::size_t n) {
-      for (std::size_t i = 0; i < n; ++i) {
-        const Vec3 p{x_[i], y_[i], z_[i]};
-        if (is_finite(p)) bounds_.include(p);
-      }
-      for (; sampled < kSample && rows[sampled] < first + n; ++sampled) sample(rows[sampled] - first);
-    });
+    for (std::uint64_t first = 0; first < source_.count; first += most) {
+      resize(std::min(most, source_.count - first));
+      input.read(first, records_);
+      bounds_.include(decoded_box());
+      for (; sampled < samples && row_of(sampled) < first + x_.size(); ++sampled) sample(row_of(sampled) - first);
+    }
   }
 
   std::vector<Vec3> points;
   Box bounds() const { return bounds_; }
 
  private:
-  template <class Visit>
-  void for_each_chunk(Visit&& visit) {
-    for (std::uint64_t first = 0; first < source_.count; first += kChunk) {
-      const std::size_t n = std::min(kChunk, source_.count - first);
-      decode(first, n);
-      visit(first, n);
-    }
-  }
-
   void decode(std::uint64_t row, std::size_t n) {
     stop_if_cancelled();
-    const std::uint32_t stride = source_.schema.stride;
-    read_fully(source_, row, {records_.data(), n * stride});
-    decode_positions(fields_, records_.data(), stride, n, x_.data(), y_.data(), z_.data());
+    resize(n);
+    read_fully(source_, row, records_);
+    decode_positions(fields_, records_.data(), source_.schema.stride, n, x_.data(), y_.data(), z_.data());
+  }
+
+  void resize(std::size_t n) {
+    records_.resize(n * source_.schema.stride);
+    for (std::vector<double>* c : {&x_, &y_, &z_}) c->resize(n);
+  }
+
+  /// Decodes the positions of all records. Returns the box of the finite ones, joined in their order so that of -0 and
+  /// 0 the same one is in it for any number of threads.
+  Box decoded_box() {
+    const std::size_t stride = source_.schema.stride, all = x_.size();
+    std::vector<Box> boxes((all + kTaskRows - 1) / kTaskRows);
+    for_each_task(all, [&](std::size_t first, std::size_t n) {
+      decode_positions(fields_, records_.data() + first * stride, stride, n, x_.data() + first, y_.data() + first,
+                       z_.data() + first);
+      for (std::size_t i = first; i < first + n; ++i) {
+        const Vec3 p{x_[i], y_[i], z_[i]};
+        if (is_finite(p)) boxes[first / kTaskRows].include(p);
+      }
+    });
+    Box joined;
+    for (const Box& box : boxes) joined.include(box);
+    return joined;
   }
 
   void sample(std::size_t i) {
@@ -123,16 +130,11 @@ class Surveyor {
 
 Survey survey(const PointSource& source, std::optional<int> axis, bool exact) {
   Surveyor look(source);
-  if (source.count <= kSample)
-    look.sample_everything();
-  else if (exact)
-    look.sample_runs_and_bound_all();
-  else
-    look.sample_runs();
   Survey result;
+  result.exact = exact || source.count <= kSample;
+  result.exact ? look.look_at_all() : look.sample_runs();
   result.bounds = look.bounds();
   result.sample = std::move(look.points);
-  result.exact = exact || source.count <= kSample;
   result.axis = axis ? *axis : result.bounds.longest_axis();
   result.dimension = box_counting_dimension(result.sample);
   return result;

@@ -8,12 +8,12 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/pipeline/cloud_source.h"
 
 namespace pointsweep {
 
 namespace {
 constexpr std::size_t kChunkBytes = 4 << 20;
-constexpr std::size_t kTaskRows = 8192;
 
 /// The ranges of the fields that are kept, in their order.
 std::shared_ptr<const KnownValues> of_kept_fields(std::shared_ptr<const KnownValues> values, const KeptFields& kept) {
@@ -86,22 +86,20 @@ void OutputSet::write_results(InputCloud& cloud, std::uint64_t first_row, std::s
     if (!points_.empty()) {
       inputs_.resize(n * input_stride_);
       assembled_.resize(n * layout_.schema().stride);
-      if (input_rows_.read(cloud, first_row + done, inputs_) != n) {
-        fail("The input ended at row {} although it had {} points: it changed while it was read.", first_row + done,
-             cloud.count());
-      }
-      parallel_for((n + kTaskRows - 1) / kTaskRows, [&](std::size_t task, unsigned) {
-        const std::size_t row = task * kTaskRows;
-        layout_.assemble(inputs_.data() + row * input_stride_, from + row * result_bytes_, std::min(kTaskRows, n - row),
+      if (!input_rows_) input_rows_.emplace(source_of(cloud, [](std::size_t) {}));
+      input_rows_->read(first_row + done, inputs_);
+      for_each_task(n, [&](std::size_t row, std::size_t m) {
+        layout_.assemble(inputs_.data() + row * input_stride_, from + row * result_bytes_, m,
                          assembled_.data() + row * layout_.schema().stride, {first_row + done + row});
       });
       points_.write(assembled_);
     }
     for (Array& array : arrays_) {
       array.column.resize(n * array.bytes);
-      for (std::size_t i = 0; i < n; ++i) {
-        std::memcpy(array.column.data() + i * array.bytes, from + i * result_bytes_ + array.offset, array.bytes);
-      }
+      for_each_task(n, [&](std::size_t row, std::size_t m) {
+        for (std::size_t i = row; i < row + m; ++i)
+          std::memcpy(array.column.data() + i * array.bytes, from + i * result_bytes_ + array.offset, array.bytes);
+      });
       array.file.write(array.column);
     }
   }
@@ -122,7 +120,9 @@ void OutputSet::write_records(std::span<const std::byte> records) {
 void OutputSet::write_inputs(std::span<const std::byte> records) {
   const std::size_t rows = records.size() / input_stride_;
   inputs_.resize(rows * layout_.schema().stride);
-  layout_.assemble(records.data(), nullptr, rows, inputs_.data());
+  for_each_task(rows, [&](std::size_t row, std::size_t n) {
+    layout_.assemble(records.data() + row * input_stride_, nullptr, n, inputs_.data() + row * layout_.schema().stride);
+  });
   write_records(inputs_);
 }
 

@@ -4,11 +4,12 @@
 
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/parallel_rows.h"
 #include "pointsweep/formats/write_behind.h"
+#include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output_layout.h"
 
@@ -56,7 +57,7 @@ class OutputSet {
   std::size_t result_bytes_ = 0;
   WriteBehind points_;
   std::deque<Array> arrays_;
-  ParallelRows input_rows_;
+  std::optional<ParallelRows> input_rows_;  ///< of the cloud, from the first results on
   std::vector<std::byte> inputs_;
   std::vector<std::byte> assembled_;  ///< output records of the next chunk
   std::size_t filled_ = 0;            ///< bytes of it that came by write_records()

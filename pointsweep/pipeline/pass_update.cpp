@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
-#include "pointsweep/fail.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -16,13 +17,15 @@ std::uint64_t all_rows(const InputCloud& cloud) {
 
 }  // namespace
 
-PassUpdate::PassUpdate(const PlannedPass& pass, InputCloud& cloud, std::size_t carried_bytes, const SpillPlace& rows,
-                       const SpillPlace& mask)
+PassUpdate::PassUpdate(const PlannedPass& pass, InputCloud& cloud, PointSource input, std::size_t carried_bytes,
+                       const SpillPlace& rows, const SpillPlace& mask)
     : cloud_(cloud),
       carried_bytes_(carried_bytes),
       made_bytes_(pass.plan.result_bytes),
       rows_(std::make_unique<RowFile>(cloud.count(), carried_bytes, rows)),
-      values_(pass, cloud.schema()) {
+      values_(pass, cloud.schema()),
+      input_rows_(std::move(input)),
+      rooms_(thread_count()) {
   if (!pass.selects) return;
   mask_.emplace(all_rows(cloud), cloud.selection(), mask);
   for (const Attribute& a : pass.made) {
@@ -31,42 +34,68 @@ PassUpdate::PassUpdate(const PlannedPass& pass, InputCloud& cloud, std::size_t c
   }
 }
 
-std::uint64_t PassUpdate::add(const UpdatedRows& rows) {
-  const bool reads = values_.needs_input();
-  if (reads) {
+void PassUpdate::add(const UpdatedRows& rows) {
+  if (values_.needs_input()) {
     inputs_.resize(rows.count * cloud_.schema().stride);
-    if (cloud_.read(rows.first, inputs_) != rows.count)
-      fail("The input ended at row {} although it had {} points: it changed while it was read.", rows.first,
-           cloud_.count());
+    input_rows_.read(rows.first, inputs_);
   }
-  carried_.assign(rows.after, rows.after + rows.count * carried_bytes_);
-  const std::size_t left = mask_ ? leave_out(rows) : rows.count;
-  rows_->append(carried_);
-  values_.add(carried_.data(), reads ? inputs_.data() : nullptr, left);
-  return reads ? rows.count * cloud_.schema().stride : 0;
+  const std::vector<Task> tasks = tasks_of(rows);
+  std::optional<BackgroundTask> masking;
+  if (mask_) masking.emplace([this] { mask_->append(kept_); });
+  parallel_for(tasks.size(), [&](std::size_t t, unsigned worker) { keep(rows, tasks[t], worker); });
+  if (masking) masking->wait();
 }
 
-/// Leaves the rows that are kept in carried_ and inputs_, and returns how many they are.
-std::size_t PassUpdate::leave_out(const UpdatedRows& rows) {
-  kept_.assign(rows.count, false);
-  for (std::size_t i = 0; i < rows.count; ++i) {
-    kept_[i] = rows.made[i * made_bytes_ + selection_at_] != std::byte{0};
-    mask_->append(kept_[i]);
+/// Cuts the rows into tasks and finds the place of each in rows_: as many are before it as the tasks before it keep.
+std::vector<PassUpdate::Task> PassUpdate::tasks_of(const UpdatedRows& rows) {
+  std::vector<Task> tasks;
+  for (std::size_t first = 0; first < rows.count; first += kTaskRows) {
+    const std::size_t count = std::min(kTaskRows, rows.count - first);
+    tasks.push_back({.first = first, .count = count, .kept = count});
   }
-  compact(carried_, carried_bytes_, kept_);
-  if (values_.needs_input()) compact(inputs_, cloud_.schema().stride, kept_);
-  return static_cast<std::size_t>(std::ranges::count(kept_, true));
+  if (mask_) decide(rows, tasks);
+  std::uint64_t all = 0;
+  for (Task& task : tasks) task.place = std::exchange(all, all + task.kept);
+  const std::uint64_t first = rows_->extend(all);
+  for (Task& task : tasks) task.place += first;
+  return tasks;
 }
 
-void PassUpdate::compact(std::vector<std::byte>& records, std::size_t bytes, const std::vector<bool>& kept) {
-  if (bytes == 0) return;
-  std::byte* to = records.data();
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    if (!kept[i]) continue;
-    if (to != records.data() + i * bytes) std::memcpy(to, records.data() + i * bytes, bytes);
+/// Finds the rows that are kept, and how many they are of each task.
+void PassUpdate::decide(const UpdatedRows& rows, std::vector<Task>& tasks) {
+  kept_.resize(rows.count);
+  parallel_for(tasks.size(), [&](std::size_t t, unsigned) {
+    Task& task = tasks[t];
+    task.kept = 0;
+    for (std::size_t i = task.first; i < task.first + task.count; ++i) {
+      kept_[i] = rows.made[i * made_bytes_ + selection_at_] != std::byte{0};
+      task.kept += kept_[i];
+    }
+  });
+}
+
+/// Stores the kept rows of a task and adds them to the values.
+void PassUpdate::keep(const UpdatedRows& rows, const Task& task, unsigned worker) {
+  Room& room = rooms_[worker];
+  const std::byte* const carried = compact(rows.after, carried_bytes_, task, room.carried);
+  rows_->write(task.place, {carried, task.kept * carried_bytes_});
+  const bool reads = values_.needs_input();
+  values_.add(worker, carried, reads ? compact(inputs_.data(), cloud_.schema().stride, task, room.inputs) : nullptr,
+              task.kept);
+}
+
+/// Returns the records of the rows that a task keeps one after another: in `room` if it leaves out some.
+const std::byte* PassUpdate::compact(const std::byte* records, std::size_t bytes, const Task& task,
+                                     std::vector<std::byte>& room) const {
+  if (task.kept == task.count) return records + task.first * bytes;
+  room.resize(task.kept * bytes);
+  std::byte* to = room.data();
+  for (std::size_t i = task.first; i < task.first + task.count && bytes != 0; ++i) {
+    if (kept_[i] == 0) continue;
+    std::memcpy(to, records + i * bytes, bytes);
     to += bytes;
   }
-  records.resize(static_cast<std::size_t>(to - records.data()));
+  return room.data();
 }
 
 std::unique_ptr<RowFile> PassUpdate::finish(CloudValues& values) {

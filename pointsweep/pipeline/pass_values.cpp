@@ -7,10 +7,6 @@
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
-namespace {
-constexpr std::size_t kValueBatch = 4096;
-}  // namespace
-
 PassValues::PassValues(const PlannedPass& pass, const Schema& input) : input_bytes_(input.stride) {
   for (const Attribute& a : pass.carried) carried_bytes_ += a.bytes();
   for (const PlannedValue& value : pass.values) {
@@ -39,23 +35,15 @@ PassValues::Component PassValues::of_input(const Attribute& attribute, std::size
   return {input.fields[field_meant(input, attribute.fields[c]).value()], false};
 }
 
-void PassValues::add(const std::byte* carried, const std::byte* inputs, std::size_t n) {
-  if (!any()) return;
-  parallel_for((n + kValueBatch - 1) / kValueBatch, [&](std::size_t batch, unsigned worker) {
-    const std::size_t first = batch * kValueBatch, size = std::min(kValueBatch, n - first);
-    const std::byte* own = inputs == nullptr ? nullptr : inputs + first * input_bytes_;
-    for (Sum& sum : sums_) add_batch(sum, carried + first * carried_bytes_, own, size, worker);
-  });
-}
-
-void PassValues::add_batch(Sum& sum, const std::byte* carried, const std::byte* inputs, std::size_t n,
-                           unsigned worker) const {
-  std::vector<double> values;
-  values.reserve(n * sum.reads.size());
-  for (std::size_t i = 0; i < n; ++i)
-    for (const Component& c : sum.reads)
-      values.push_back(value_of(c.field, c.carried ? carried + i * carried_bytes_ : inputs + i * input_bytes_));
-  sum.parts[worker]->add(values.data(), n);
+void PassValues::add(unsigned worker, const std::byte* carried, const std::byte* inputs, std::size_t n) {
+  for (Sum& sum : sums_) {
+    std::vector<double> values;
+    values.reserve(n * sum.reads.size());
+    for (std::size_t i = 0; i < n; ++i)
+      for (const Component& c : sum.reads)
+        values.push_back(value_of(c.field, c.carried ? carried + i * carried_bytes_ : inputs + i * input_bytes_));
+    sum.parts[worker]->add(values.data(), n);
+  }
 }
 
 void PassValues::finish(CloudValues& into) const {

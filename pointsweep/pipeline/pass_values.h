@@ -19,12 +19,11 @@ class PassValues {
   /// `input`: of the cloud's own records.
   PassValues(const PlannedPass& pass, const Schema& input);
 
-  bool any() const { return !sums_.empty(); }
   /// Whether it reads the cloud's own records, too.
   bool needs_input() const { return needs_input_; }
   /// Takes `n` rows that the pass leaves: records of what is carried from it, and of the cloud; the latter may be null
-  /// if they are not needed. On all threads.
-  void add(const std::byte* carried, const std::byte* inputs, std::size_t n);
+  /// if they are not needed. Called by worker `worker` of a loop over all threads, beside others.
+  void add(unsigned worker, const std::byte* carried, const std::byte* inputs, std::size_t n);
   void finish(CloudValues& into) const;
 
  private:
@@ -39,7 +38,6 @@ class PassValues {
   };
   Component component_of(const Attribute& attribute, std::size_t c, const PlannedPass& pass, const Schema& input);
   Component of_input(const Attribute& attribute, std::size_t c, const Schema& input);
-  void add_batch(Sum& sum, const std::byte* carried, const std::byte* inputs, std::size_t n, unsigned worker) const;
 
   std::vector<Sum> sums_;
   std::size_t carried_bytes_ = 0, input_bytes_;

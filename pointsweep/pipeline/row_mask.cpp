@@ -21,9 +21,11 @@ RowMask::RowMask(std::uint64_t rows, const RowSelection* before, const SpillPlac
   if (before != nullptr) before_.emplace(*before);
 }
 
-void RowMask::append(bool kept) {
-  while (before_ && next_ < rows_ && !before_->has(next_)) append_any(false);
-  append_any(kept);
+void RowMask::append(std::span<const std::uint8_t> kept) {
+  for (const std::uint8_t k : kept) {
+    while (before_ && next_ < rows_ && !before_->has(next_)) append_any(false);
+    append_any(k != 0);
+  }
 }
 
 void RowMask::append_any(bool kept) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pointsweep/formats/row_selection.h"
@@ -12,13 +13,13 @@
 
 namespace pointsweep {
 
-/// Appends one decision for each row of a cloud, which may be a selection itself; the result is one of the whole cloud.
+/// Collects a decision for each row of a cloud, which may be a selection itself; the result is one of the whole cloud.
 class RowMask {
  public:
   /// `before`: what earlier selects have left of `rows` rows; null: all. It must outlive this.
   RowMask(std::uint64_t rows, const RowSelection* before, const SpillPlace& spill);
-  /// Of the next row of `before`.
-  void append(bool kept);
+  /// Appends the decisions on the next rows of `before`: not 0 for a row that is kept.
+  void append(std::span<const std::uint8_t> kept);
   /// After the last row.
   RowSelection finish();
   std::uint64_t spilled_bytes() const { return file_->spilled_bytes(); }

@@ -5,10 +5,10 @@
 #include <cstring>
 #include <optional>
 
+#include "pointsweep/order/parallel_rows.h"
+
 namespace pointsweep {
 namespace {
-
-constexpr std::size_t kUpdateBytes = 1 << 20;
 
 std::size_t bytes_of(const std::vector<Attribute>& attributes) {
   std::size_t bytes = 0;
@@ -62,16 +62,18 @@ void RowUpdate::run(const std::byte* carried, const std::byte* made, std::size_t
 void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
                  const std::function<void(const UpdatedRows&)>& use) {
   const std::size_t before = carried == nullptr ? 0 : carried->record_bytes();
-  const std::size_t chunk =
-      std::max<std::size_t>(1, kUpdateBytes / std::max<std::size_t>({before, update.record_bytes(), 1}));
+  const std::size_t chunk = rows_at_once(std::max(before, update.record_bytes()));
   std::vector<std::byte> old, updated;
   results([&](std::uint64_t first, std::size_t rows, const std::byte* made) {
     for (std::size_t at = 0; at < rows; at += chunk) {
       const std::size_t n = std::min(chunk, rows - at);
       old.resize(n * before);
       updated.resize(n * update.record_bytes());
-      if (carried != nullptr) carried->read(first + at, old);
-      update.run(old.data(), made + at * made_bytes, n, updated.data());
+      for_each_task(n, [&](std::size_t row, std::size_t m) {
+        const auto own = std::span(old).subspan(row * before, m * before);
+        if (carried != nullptr) carried->read(first + at + row, own);
+        update.run(own.data(), made + (at + row) * made_bytes, m, updated.data() + row * update.record_bytes());
+      });
       use({first + at, n, made + at * made_bytes, updated.data()});
     }
   });

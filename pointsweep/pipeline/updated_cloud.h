@@ -47,8 +47,8 @@ struct UpdatedRows {
 using MadeRows = std::function<void(
     const std::function<void(std::uint64_t first_row, std::size_t count, const std::byte* made)>& use)>;
 
-/// Takes the rows of `results`, updated, in their order, at most a megabyte at once. `carried` is null before the first
-/// pass; `made_bytes` is the size of a record of `results`.
+/// Takes the rows of `results`, updated, in their order, at most rows_at_once() at once. `carried` is null before the
+/// first pass; `made_bytes` is the size of a record of `results`. On all threads.
 void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
                  const std::function<void(const UpdatedRows&)>& use);
 

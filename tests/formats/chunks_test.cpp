@@ -8,8 +8,9 @@
 #include <thread>
 
 #include "pointsweep/formats/input_cloud.h"
-#include "pointsweep/formats/parallel_rows.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/pipeline/cloud_source.h"
 #include "pointsweep/reader.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
@@ -145,6 +146,17 @@ TEST(Chunks, ADecoderJumpsToAnyRow) {
   }
 }
 
+std::vector<std::byte> decoded_in_parallel(InputCloud& cloud) {
+  ParallelRows rows(source_of(cloud, [](std::size_t) {}));
+  const std::size_t stride = cloud.schema().stride;
+  std::vector<std::byte> decoded(cloud.count() * stride);
+  for (std::uint64_t row = 0; row < cloud.count(); row += 33333) {
+    const std::size_t n = std::min<std::uint64_t>(33333, cloud.count() - row);
+    rows.read(row, std::span(decoded).subspan(row * stride, n * stride));
+  }
+  return decoded;
+}
+
 /// Inputs of different schemas, so that records are converted, in every order.
 TEST(Chunks, OfSeveralInputsAreDecodedInParallelAsInTurn) {
   const TemporaryFolder folder;
@@ -153,15 +165,8 @@ TEST(Chunks, OfSeveralInputsAreDecodedInParallelAsInTurn) {
     for (const auto& second : paths) {
       SCOPED_TRACE(fmt::format("{} {}", first.filename().string(), second.filename().string()));
       InputCloud cloud({first, second});
-      const std::size_t stride = cloud.schema().stride;
       const std::vector<std::byte> expected = all_records(cloud, cloud.schema(), cloud.count(), 5000);
-      ParallelRows rows;
-      std::vector<std::byte> decoded(expected.size());
-      for (std::uint64_t row = 0; row < cloud.count(); row += 33333) {
-        const std::size_t n = std::min<std::uint64_t>(33333, cloud.count() - row);
-        EXPECT_EQ(rows.read(cloud, row, std::span(decoded).subspan(row * stride, n * stride)), n);
-      }
-      EXPECT_EQ(decoded, expected);
+      EXPECT_EQ(decoded_in_parallel(cloud), expected);
     }
 }
 
@@ -175,17 +180,6 @@ void select_some_rows(InputCloud& cloud) {
     for (std::uint64_t i = 0; i < RowSelection::kBlockRows && first + i < rows; ++i)
       if (stays(first + i)) bits[i / 8] |= std::byte{1} << (i % 8);
   }));
-}
-
-std::vector<std::byte> decoded_in_parallel(InputCloud& cloud) {
-  ParallelRows rows;
-  const std::size_t stride = cloud.schema().stride;
-  std::vector<std::byte> decoded(cloud.count() * stride);
-  for (std::uint64_t row = 0; row < cloud.count(); row += 33333) {
-    const std::size_t n = std::min<std::uint64_t>(33333, cloud.count() - row);
-    EXPECT_EQ(rows.read(cloud, row, std::span(decoded).subspan(row * stride, n * stride)), n);
-  }
-  return decoded;
 }
 
 TEST(Chunks, OfSelectedRowsAreDecodedInParallel) {

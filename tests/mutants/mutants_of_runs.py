@@ -9,7 +9,7 @@ MUTANTS = [
     Mutant("the reference engine's stream is in no order", "order", PIPELINE + "run/order_phase.cpp",
            "whole || run.other_engine() != nullptr;", "whole;", ("reference:Reference.*",)),
     Mutant("rows carried between sweeps begin at 0", "spills", PIPELINE + "updated_cloud.cpp",
-           "carried->read(first + at, old);", "carried->read(at, old);", ("pipeline:Reneighbor.*",)),
+           "carried->read(first + at + row, own);", "carried->read(at + row, own);", ("pipeline:Reneighbor.*",)),
     Mutant("points of infinite position are lost in sweep order", "order", PIPELINE + "ordered_output.cpp",
            "at < records.size(); at += stride) write(", "at + stride < records.size(); at += stride) write(",
            ("pipeline:Sort.*:Run.*", "cli:NonfinitePoints.*")),

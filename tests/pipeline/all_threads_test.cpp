@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kRows = 200000;
+constexpr std::uint64_t kWavyRows = 200000;
 
 /// Where decoders wait for each other: the first that comes in a phase of the run waits for a second.
 class Meeting {
@@ -39,7 +39,7 @@ class Meeting {
   std::map<std::string, int> phases() const {
     std::map<std::string, int> all;
     for (const auto& [phase, seen] : seen_)
-      if (!phase.empty() && seen.rows > kRows / 4) all[phase] = seen.most;
+      if (!phase.empty() && seen.rows > kWavyRows / 4) all[phase] = seen.most;
     return all;
   }
 
@@ -58,34 +58,34 @@ class Meeting {
 
 /// A hilly square, as records of x, y, z and intensity. Its rows come in chunks of `chunk_rows`, or in any range if
 /// that is 0; `lost` rows have no place.
-class HillsReader final : public Reader {
+class WavyReader final : public Reader {
  public:
-  HillsReader(Meeting* meeting, std::uint64_t chunk_rows, std::uint64_t lost = 0)
+  WavyReader(Meeting* meeting, std::uint64_t chunk_rows, std::uint64_t lost = 0)
       : meeting_(meeting), chunk_rows_(chunk_rows), lost_(lost) {
     for (const char* field : {"x", "y", "z", "intensity"}) info_.schema.append(field, Type::f64);
-    info_.path = "hills";
-    info_.count = kRows;
+    info_.path = "waves";
+    info_.count = kWavyRows;
   }
   bool has_decoders() const override { return true; }
   bool decodes_any_range() const override { return chunk_rows_ == 0; }
   Chunk chunk_of(std::uint64_t row) const override {
     if (chunk_rows_ == 0) return Reader::chunk_of(row);
     const std::uint64_t first = row / chunk_rows_ * chunk_rows_;
-    return {.first_row = first, .rows = std::min(chunk_rows_, kRows - first)};
+    return {first, std::min(chunk_rows_, kWavyRows - first), 0, 0, std::nullopt};
   }
   std::unique_ptr<RowDecoder> decoder(const WantedFields&) const override { return std::make_unique<Decoder>(*this); }
 
  private:
   class Decoder final : public RowDecoder {
    public:
-    explicit Decoder(const HillsReader& reader) : reader_(reader) {}
+    explicit Decoder(const WavyReader& reader) : reader_(reader) {}
     std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
       const std::size_t rows = reader_.rows_for(row, records);
       if (reader_.meeting_ != nullptr) reader_.meeting_->enter(rows);
       for (std::size_t i = 0; i < rows; ++i) {
         const auto n = static_cast<double>(row + i);
         const double x = std::fmod(n * 0.754877666, 1), y = std::fmod(n * 0.569840291, 1);
-        const bool lost = reader_.lost_ != 0 && (row + i) * 2654435761 % kRows < reader_.lost_;
+        const bool lost = reader_.lost_ != 0 && (row + i) * 2654435761 % kWavyRows < reader_.lost_;
         const double values[] = {x, lost ? std::nan("") : y, 0.1 * std::sin(9 * x) * std::cos(7 * y),
                                  std::fmod(n, 100)};
         std::memcpy(records.data() + i * sizeof values, values, sizeof values);
@@ -94,16 +94,16 @@ class HillsReader final : public Reader {
     }
 
    private:
-    const HillsReader& reader_;
+    const WavyReader& reader_;
   };
 
   Meeting* meeting_;
   std::uint64_t chunk_rows_, lost_;
 };
 
-InputCloud hills(Meeting* meeting, std::uint64_t chunk_rows, std::uint64_t lost = 0) {
+InputCloud wavy_square(Meeting* meeting, std::uint64_t chunk_rows, std::uint64_t lost = 0) {
   std::vector<std::unique_ptr<Reader>> readers;
-  readers.push_back(std::make_unique<HillsReader>(meeting, chunk_rows, lost));
+  readers.push_back(std::make_unique<WavyReader>(meeting, chunk_rows, lost));
   return InputCloud(std::move(readers));
 }
 
@@ -114,17 +114,17 @@ std::map<std::string, int> decoders_by_phase(const std::string& pipeline, std::u
   options.resources.threads = 2;
   options.resources.memory_bytes = 1 << 30;
   options.observer = &observer;
-  InputCloud cloud = hills(&meeting, chunk_rows, 1000);
+  InputCloud cloud = wavy_square(&meeting, chunk_rows, 1000);
   run_in_memory(cloud, chain_of_any_cloud(pipeline), options);
   return meeting.phases();
 }
 
 TEST(AllThreads, DecodeTheInputInEveryPass) {
   const char* const pipelines[] = {
-      "where(intensity < 90) | normals(k=6)",
-      "sor(k=4) | where(intensity < 90) | normals(k=6)",
-      "voxel(size=0.001) | normals(k=6)",
-      "normals(k=6) | splats | fair | resort",
+      "where(intensity < 90) | knn(k=6) | normals",
+      "knn(k=4) | sor | where(intensity < 90) | knn(k=6) | normals",
+      "voxel(size=0.001) | knn(k=6) | normals",
+      "knn(k=6) | normals | splats | fair | resort",
       "set(intensity = intensity / 2)",
   };
   for (const std::uint64_t chunk_rows : {0u, 5000u})
@@ -141,18 +141,18 @@ TEST(AllThreads, DecodeTheInputInEveryPass) {
 
 TEST(AllThreads, GiveTheBytesOfOne) {
   const char* const pipelines[] = {
-      "where(intensity < 90) | normals(k=6)",
+      "where(intensity < 90) | knn(k=6) | normals",
       "where(intensity < 90) | where(y > 0.5) | set(intensity = intensity / 2)",
-      "sor(k=4) | where(x < 0.7) | normals(k=6)",
-      "voxel(size=0.01, keep=centroid) | normals(k=6)",
-      "normals(k=6) | where(nz > 0.95) | reneighbor(k=9) | sor",
+      "knn(k=4) | sor | where(x < 0.7) | knn(k=6) | normals",
+      "voxel(size=0.01, keep=centroid) | knn(k=6) | normals",
+      "knn(k=6) | normals | where(nz > 0.95) | reneighbor(k=9) | sor",
   };
   for (const char* const pipeline : pipelines)
     for (const bool spill : {false, true}) {
       SCOPED_TRACE(pipeline);
       std::vector<std::byte> of_one;
       for (const unsigned threads : {1u, 2u, 8u}) {
-        InputCloud cloud = hills(nullptr, threads == 2 ? 0 : 5000, 1000);
+        InputCloud cloud = wavy_square(nullptr, threads == 2 ? 0 : 5000, 1000);
         EngineOptions options;
         options.resources.threads = threads;
         options.resources.memory_bytes = 1 << 30;

@@ -11,10 +11,10 @@ void update_phase(RunState& run, std::size_t p) {
   const PlannedPass& pass = run.plan.passes[p];
   const RowUpdate after = update_after(run.plan, p);
   const bool spills = run.memory.spill_rows;
-  PassUpdate to(pass, run.cloud, after.record_bytes(), run.place("rows", p + 1, spills),
+  PassUpdate to(pass, run.cloud, run.cloud_source(), after.record_bytes(), run.place("rows", p + 1, spills),
                 run.place("mask", p + 1, spills));
   update_rows(made_by_pass(run, p), run.rows.get(), after, pass.plan.result_bytes, [&](const UpdatedRows& rows) {
-    run.statistics.bytes_read += to.add(rows);
+    to.add(rows);
     run.report("updating", rows.first + rows.count, 0);
   });
   run.rows = to.finish(run.values);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/pipeline/run/made_rows.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
@@ -44,6 +45,7 @@ void write_rows(RunState& run) {
   for (const Attribute& a : run.plan.made) bytes += a.bytes();
   const std::size_t stride = bytes != 0 ? bytes : run.cloud.schema().stride;
   const std::uint64_t chunk = std::max<std::size_t>(1, (std::size_t{4} << 20) / stride);
+  ParallelRows inputs(run.cloud_source());
   std::vector<std::byte> records;
   for (std::uint64_t first = 0; first < run.cloud.count(); first += chunk) {
     stop_if_cancelled();
@@ -54,7 +56,7 @@ void write_rows(RunState& run) {
     } else if (run.tiles) {
       run.tiles->write_inputs(first, records.size() / stride);
     } else {
-      read_fully(run.cloud_source(), first, records);
+      inputs.read(first, records);
       run.files->write_inputs(records);
     }
     run.report("writing", first + records.size() / stride, 0);

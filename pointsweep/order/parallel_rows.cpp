@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/order/parallel_rows.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::uint64_t kLeastPieceRows = 1024;  ///< where any range is a chunk
+
+}  // namespace
+
+std::vector<ParallelRows::Piece> ParallelRows::pieces_of(std::uint64_t row, std::uint64_t end) {
+  const std::uint64_t share = std::max(kLeastPieceRows, (end - row + readers_.size() - 1) / readers_.size());
+  std::vector<Piece> pieces;
+  while (row < end) {
+    std::uint64_t chunk_end = source_.chunk_end ? source_.chunk_end(row) : row;
+    if (chunk_end == row) chunk_end = row + share;
+    pieces.push_back({row, std::min(chunk_end, end), next_});
+    if (chunk_end <= end) next_ = (next_ + 1) % readers_.size();
+    row = pieces.back().end;
+  }
+  return pieces;
+}
+
+bool ParallelRows::is_parallel() {
+  if (readers_.empty()) {
+    readers_.resize(source_.for_thread ? thread_count() : 1);
+    for (ReadRows& reader : readers_)
+      if (source_.for_thread) reader = source_.for_thread({});
+  }
+  return readers_.front() != nullptr;
+}
+
+void ParallelRows::read(std::uint64_t row, std::span<std::byte> records) {
+  if (!is_parallel()) return read_fully(source_, row, records);
+  const std::size_t stride = source_.schema.stride;
+  const std::vector<Piece> pieces = pieces_of(row, row + records.size() / stride);
+  parallel_for(readers_.size(), [&](std::size_t r, unsigned) {
+    for (const Piece& piece : pieces)
+      if (piece.reader == r)
+        read_fully(source_, readers_[r], piece.row,
+                   records.subspan((piece.row - row) * stride, (piece.end - piece.row) * stride));
+  });
+}
+
+std::size_t rows_at_once(std::size_t bytes) {
+  constexpr std::size_t kOfThread = 256 << 10, kLeast = 1 << 20, kMost = 4 << 20;
+  return std::max<std::size_t>(1, std::clamp(thread_count() * kOfThread, kLeast, kMost) / std::max<std::size_t>(bytes, 1));
+}
+
+}  // namespace pointsweep

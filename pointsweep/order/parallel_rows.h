@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+/// Rows of a source in sequence, read on all threads.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/order/source.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+
+/// Has a reader for each thread. Each chunk is read by one of them, also where it is continued by the next call. Where
+/// only one thread at a time can read the source, it is read in turn.
+class ParallelRows {
+ public:
+  explicit ParallelRows(PointSource source) : source_(std::move(source)) {}
+
+  /// Returns whether several threads read the source, so that others may read it meanwhile, too.
+  bool is_parallel();
+  /// Fills `records` (whole ones) from `row` on, or throws Error if the source ends before. Not thread-safe.
+  void read(std::uint64_t row, std::span<std::byte> records);
+
+ private:
+  struct Piece {
+    std::uint64_t row, end;
+    std::size_t reader;
+  };
+  std::vector<Piece> pieces_of(std::uint64_t row, std::uint64_t end);
+
+  PointSource source_;
+  std::vector<ReadRows> readers_;  ///< empty: not made yet
+  std::size_t next_ = 0;           ///< reader of the chunk at which the last call ended
+};
+
+/// The rows of a task that only works on what is in memory.
+inline constexpr std::size_t kTaskRows = 4096;
+
+/// Calls work(first, n) for tasks that cover rows [0, rows), on all threads.
+template <class Work>
+void for_each_task(std::size_t rows, const Work& work) {
+  parallel_for((rows + kTaskRows - 1) / kTaskRows, [&](std::size_t task, unsigned) {
+    work(task * kTaskRows, std::min(kTaskRows, rows - task * kTaskRows));
+  });
+}
+
+/// Returns how many rows of `bytes` bytes all threads take at once: a megabyte, or some more for many threads.
+std::size_t rows_at_once(std::size_t bytes);
+
+}  // namespace pointsweep
