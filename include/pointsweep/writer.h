@@ -46,6 +46,8 @@ struct OutputPlan {
   /// Lines that the file is to hold about how it was made, those of `extras` first. Formats without a place for them
   /// ignore them.
   std::vector<std::string> provenance = {};
+  /// Memory that the writer may take to encode several pieces at once; 0: as much as a few of them take.
+  std::uint64_t encoder_bytes = 0;
 };
 
 /// Takes the records of an output. The writers of files let the file grow under a hidden name beside its destination,

@@ -5,11 +5,12 @@
 #include <cassert>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kConvertedBytes = 1 << 20;
+constexpr std::size_t kWrittenAtOnce = 256 << 10;  ///< that a thread writes at a time
 
 }  // namespace
 
@@ -42,17 +43,22 @@ void RecordWriter::write_at(std::uint64_t row, std::span<const std::byte> record
   write_header();
 
   const std::uint64_t offset = header_bytes_ + row * stored_stride_;
-  if (conversion_.is_identity()) {
-    file_.write_at(offset, records);
-  } else {
-    const std::size_t block = std::max<std::size_t>(1, kConvertedBytes / stored_stride_);
-    for (std::size_t first = 0; first < rows; first += block) {
-      const std::size_t n = std::min(block, rows - first);
-      converted_.resize(std::max(converted_.size(), n * stored_stride_));
-      conversion_.run(records.data() + first * stride, converted_.data(), n);
-      file_.write_at(offset + first * stored_stride_, std::span(converted_).first(n * stored_stride_));
+  converted_.resize(std::max<std::size_t>(converted_.size(), thread_count()));
+  const auto store = [&](std::size_t first, std::size_t n, unsigned worker) {
+    std::span<const std::byte> stored = records.subspan(first * stride, n * stride);
+    if (!conversion_.is_identity()) {
+      std::vector<std::byte>& room = converted_[worker];
+      room.resize(n * stored_stride_);
+      conversion_.run(stored.data(), room.data(), n);
+      stored = room;
     }
-  }
+    file_.write_at(offset + first * stored_stride_, stored);
+  };
+  const std::size_t block = std::max<std::size_t>(1, kWrittenAtOnce / stored_stride_);
+  if (file_.is_seekable())
+    parallel_for_blocks(rows, block, store);
+  else
+    for (std::size_t first = 0; first < rows; first += block) store(first, std::min(block, rows - first), 0);
   rows_written_ += rows;
   bytes_written_ += std::uint64_t{rows} * stored_stride_;
 }

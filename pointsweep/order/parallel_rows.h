@@ -2,7 +2,6 @@
 /// Rows of a source in sequence, read on all threads.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -43,9 +42,7 @@ inline constexpr std::size_t kTaskRows = 4096;
 /// Calls work(first, n) for tasks that cover rows [0, rows), on all threads.
 template <class Work>
 void for_each_task(std::size_t rows, const Work& work) {
-  parallel_for((rows + kTaskRows - 1) / kTaskRows, [&](std::size_t task, unsigned) {
-    work(task * kTaskRows, std::min(kTaskRows, rows - task * kTaskRows));
-  });
+  parallel_for_blocks(rows, kTaskRows, [&](std::size_t first, std::size_t n, unsigned) { work(first, n); });
 }
 
 /// Returns how many rows of `bytes` bytes all threads take at once: a megabyte, or some more for many threads.

@@ -52,7 +52,8 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
                         .values = of_kept_fields(std::move(place.values), kept),
                         .other_extras = cloud.other_extras(),
                         .made = made,
-                        .provenance = std::move(provenance)};
+                        .provenance = std::move(provenance),
+                        .encoder_bytes = place.encoder_bytes};
   if (!outputs.points.empty()) points_.add(create_writer(plan));
   if (outputs.writer) points_.add(outputs.writer(plan));
   for (const Attribute& attribute : made) {

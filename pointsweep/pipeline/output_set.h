@@ -15,10 +15,11 @@
 
 namespace pointsweep {
 
-/// Bounds of the points of an output, for formats that need them before the first record.
+/// What formats need before the first record.
 struct OutputPlace {
   std::optional<Box> bounds;                  ///< OutputPlan::bounds
   std::shared_ptr<const KnownValues> values;  ///< OutputPlan::values
+  std::uint64_t encoder_bytes = 0;            ///< OutputPlan::encoder_bytes
 };
 
 class OutputSet {

@@ -32,6 +32,7 @@ class OutputFile {
   static std::filesystem::path unfinished_path(const std::filesystem::path& destination);
 
   void append(std::span<const std::byte> bytes);
+  /// Writes bytes from `offset` on. Thread-safe where is_seekable() for bytes that do not overlap.
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Fills `bytes` with what was written from `offset` on.
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const;

@@ -39,14 +39,14 @@ LasEncoder::LasEncoder(const LasLayout& layout, std::string path)
       only_return_(layout.header.point_format >= 6 ? kOnlyReturn : kOnlyLegacyReturn),
       path_(std::move(path)) {}
 
-void LasEncoder::run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) {
+void LasEncoder::run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) const {
   if (positions_change_) check_positions(row, from, count);
   conversion_.run(from, to, count);
   if (!returns_missing_) return;
   for (std::size_t i = 0; i < count; ++i) to[i * stride_out_ + kLasReturnByte] = only_return_;
 }
 
-void LasEncoder::check_positions(std::uint64_t row, const std::byte* records, std::size_t count) {
+void LasEncoder::check_positions(std::uint64_t row, const std::byte* records, std::size_t count) const {
   std::array<std::array<double, kRowsAtOnce>, 3> xyz;
   for (std::size_t first = 0; first < count; first += kRowsAtOnce) {
     const std::size_t n = std::min(kRowsAtOnce, count - first);
@@ -56,7 +56,7 @@ void LasEncoder::check_positions(std::uint64_t row, const std::byte* records, st
       for (int axis = 0; axis < 3; ++axis) {
         const double value = xyz[static_cast<std::size_t>(axis)][i];
         if (!las_grid_reaches(value, scale_[axis], offset_[axis])) refuse(axis, row + first + i, value);
-        rounds_ = rounds_ || (notes_rounding_ && is_beside_grid(value, scale_[axis], offset_[axis]));
+        if (notes_rounding_ && !rounds_ && is_beside_grid(value, scale_[axis], offset_[axis])) rounds_ = true;
       }
     }
   }

@@ -2,6 +2,7 @@
 /// Records as they come into records of a LAS file.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -23,15 +24,15 @@ class LasEncoder {
   std::size_t record_bytes_in() const { return stride_in_; }
   std::size_t record_bytes_out() const { return stride_out_; }
 
-  /// Encodes `count` records; `row` is the number of the first. Throws Error for coordinates that LAS cannot hold: NaN,
-  /// infinite, or too far from the offset.
-  void run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count);
+  /// Encodes `count` records; `row` is the number of the first. Thread-safe. Throws Error for coordinates that LAS
+  /// cannot hold: NaN, infinite, or too far from the offset.
+  void run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) const;
 
   /// A sentence about moved coordinates that were rounded; empty if none was.
   std::string rounding() const;
 
  private:
-  void check_positions(std::uint64_t row, const std::byte* records, std::size_t count);
+  void check_positions(std::uint64_t row, const std::byte* records, std::size_t count) const;
   [[noreturn]] void refuse(int axis, std::uint64_t row, double value) const;
 
   RecordConversion conversion_;
@@ -40,7 +41,7 @@ class LasEncoder {
   std::size_t stride_in_, stride_out_;
   std::optional<Vec3> fitting_scale_;
   bool positions_change_, returns_missing_, notes_rounding_;
-  bool rounds_ = false;  ///< a moved coordinate lay beside the grid
+  mutable std::atomic<bool> rounds_ = false;  ///< a moved coordinate lay beside the grid
   std::byte only_return_;
   std::string path_;
 };

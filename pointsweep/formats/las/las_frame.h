@@ -2,6 +2,7 @@
 /// All of a LAS or LAZ output but its points: header, VLRs, and what the input has behind its points.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -23,6 +24,7 @@ class LasFrame {
 
   const LasLayout& layout() const { return layout_; }
   OutputFile& file() { return out_; }
+  /// Thread-safe for bytes that do not overlap.
   void put(std::uint64_t at, std::span<const std::byte> bytes);
   std::uint64_t bytes_written() const { return bytes_written_; }
 
@@ -43,7 +45,7 @@ class LasFrame {
   LasLayout layout_;
   OutputFile out_;
   std::vector<std::byte> scratch_;
-  std::uint64_t bytes_written_ = 0;
+  std::atomic<std::uint64_t> bytes_written_ = 0;
 };
 
 }  // namespace pointsweep

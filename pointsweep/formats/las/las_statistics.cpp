@@ -27,6 +27,15 @@ void LasStatistics::add(const std::byte* records, std::size_t stride, std::size_
   count_ += count;
 }
 
+void LasStatistics::add(const LasStatistics& other) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    lo_[axis] = std::min(lo_[axis], other.lo_[axis]);
+    hi_[axis] = std::max(hi_[axis], other.hi_[axis]);
+  }
+  for (std::size_t r = 0; r < by_return_.size(); ++r) by_return_[r] += other.by_return_[r];
+  count_ += other.count_;
+}
+
 void LasStatistics::put_into(LasHeader& header) const {
   set_counts(header, count_, by_return_);
   header.bounds = {{0, 0, 0}, {0, 0, 0}};

@@ -17,6 +17,8 @@ class LasStatistics {
 
   /// Takes `count` LAS records, `stride` bytes apart.
   void add(const std::byte* records, std::size_t stride, std::size_t count);
+  /// Takes the points that `other` has taken.
+  void add(const LasStatistics& other);
   /// Points taken so far.
   std::uint64_t count() const { return count_; }
   /// Sets counts and bounds; without points the bounds are 0.

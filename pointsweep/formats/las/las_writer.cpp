@@ -10,12 +10,13 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/las/las_encoder.h"
 #include "pointsweep/formats/las/las_frame.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
 
-/// Bytes encoded or read back at a time.
-constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+/// Bytes that a thread encodes, or that are read back, at a time.
+constexpr std::size_t kBlockBytes = std::size_t{256} << 10;
 
 class LasWriter : public Writer {
  public:
@@ -49,28 +50,26 @@ class LasWriter : public Writer {
  private:
   void encode(std::uint64_t row, std::span<const std::byte> records) {
     const std::size_t in = encoder_.record_bytes_in(), out = encoder_.record_bytes_out();
-    std::size_t rows = records.size() / in;
+    const std::size_t rows = records.size() / in;
     assert(records.size() % in == 0 && "records come whole");
     if (row > planned_ || rows > planned_ - row) {
       fail("{}: {} points were announced, but more came; nothing was written.", path_, planned_);
     }
-    if (encoder_.is_identity()) return store(row, records, rows);
     const std::size_t block = std::max<std::size_t>(1, kBlockBytes / out);
-    for (const std::byte* from = records.data(); rows != 0;) {
-      const std::size_t n = std::min(block, rows);
-      scratch_.resize(n * out);
-      encoder_.run(row, from, scratch_.data(), n);
-      store(row, scratch_, n);
-      row += n;
-      from += n * in;
-      rows -= n;
-    }
-  }
-
-  /// Takes finished LAS records.
-  void store(std::uint64_t row, std::span<const std::byte> records, std::size_t rows) {
-    statistics_.add(records.data(), encoder_.record_bytes_out(), rows);
-    frame_.put(place_of(row), records);
+    std::vector<LasStatistics> of_blocks((rows + block - 1) / block, LasStatistics(frame_.layout().header.point_format));
+    rooms_.resize(std::max<std::size_t>(rooms_.size(), thread_count()));
+    parallel_for_blocks(rows, block, [&](std::size_t first, std::size_t n, unsigned worker) {
+      std::span<const std::byte> encoded = records.subspan(first * in, n * in);
+      if (!encoder_.is_identity()) {
+        std::vector<std::byte>& room = rooms_[worker];
+        room.resize(n * out);
+        encoder_.run(row + first, encoded.data(), room.data(), n);
+        encoded = room;
+      }
+      of_blocks[first / block].add(encoded.data(), out, n);
+      frame_.put(place_of(row + first), encoded);
+    });
+    for (const LasStatistics& some : of_blocks) statistics_.add(some);
     bytes_written_ = frame_.bytes_written();
   }
 
@@ -82,11 +81,12 @@ class LasWriter : public Writer {
     statistics_ = LasStatistics(frame_.layout().header.point_format);
     const std::size_t stride = encoder_.record_bytes_out();
     const std::size_t block = std::max<std::size_t>(1, kBlockBytes / stride);
+    std::vector<std::byte> records;
     for (std::uint64_t row = 0; row < planned_;) {
       const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(block, planned_ - row));
-      scratch_.resize(n * stride);
-      frame_.file().read_at(place_of(row), scratch_);
-      statistics_.add(scratch_.data(), stride, n);
+      records.resize(n * stride);
+      frame_.file().read_at(place_of(row), records);
+      statistics_.add(records.data(), stride, n);
       row += n;
     }
   }
@@ -96,7 +96,7 @@ class LasWriter : public Writer {
   LasFrame frame_;
   LasEncoder encoder_;
   LasStatistics statistics_;
-  std::vector<std::byte> scratch_;
+  std::vector<std::vector<std::byte>> rooms_;  ///< encoded records, by thread
   std::uint64_t next_row_ = 0;
 };
 

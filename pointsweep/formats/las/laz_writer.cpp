@@ -17,8 +17,23 @@
 namespace pointsweep {
 namespace {
 
-/// Chunks in memory: two megabytes each, and about half as much compressed.
-constexpr unsigned kMostChunksAtOnce = 4;
+/// Chunks that are compressed at once where no more memory is given: two megabytes each, and half as much compressed.
+constexpr unsigned kFewChunksAtOnce = 4;
+/// Rows that a thread encodes.
+constexpr std::size_t kTaskRows = 4096;
+
+/// What compressing a chunk of such records takes.
+std::uint64_t chunk_bytes(std::uint64_t record_bytes) {
+  constexpr std::uint64_t kModels = 2 << 20;  // an estimate from the peak memory of runs
+  const std::uint64_t chunk = kLazChunkPoints * record_bytes;
+  return chunk + chunk / 2 + kModels;
+}
+
+/// Returns how many chunks are compressed at once in `bytes` of memory: a few at least, no more than threads.
+unsigned chunks_at_once(std::uint64_t bytes, std::uint64_t record_bytes, unsigned threads) {
+  const std::uint64_t fitting = std::max<std::uint64_t>(bytes / chunk_bytes(record_bytes), kFewChunksAtOnce);
+  return static_cast<unsigned>(std::clamp<std::uint64_t>(threads, 1, fitting));
+}
 
 class LazWriter : public Writer {
  public:
@@ -29,7 +44,7 @@ class LazWriter : public Writer {
         statistics_(frame_.layout().header.point_format),
         at_(frame_.layout().header.offset_to_points + kLazOffsetBytes),
         batch_bytes_(std::size_t{laz_.chunk_points()} * encoder_.record_bytes_out() *
-                     std::clamp(thread_count(), 1u, kMostChunksAtOnce)) {
+                     chunks_at_once(plan.encoder_bytes, encoder_.record_bytes_out(), thread_count())) {
     bytes_written_ = frame_.bytes_written();
     warnings_ = frame_.layout().warnings;
   }
@@ -40,8 +55,7 @@ class LazWriter : public Writer {
     for (std::size_t rows = records.size() / in, done = 0; done < rows;) {
       const std::size_t held = batch_.size(), n = std::min(rows - done, (batch_bytes_ - held) / out);
       batch_.resize(held + n * out);
-      encoder_.run(statistics_.count(), records.data() + done * in, batch_.data() + held, n);
-      statistics_.add(batch_.data() + held, out, n);
+      encode(records.data() + done * in, batch_.data() + held, n);
       done += n;
       if (batch_.size() == batch_bytes_) compress_batch();
     }
@@ -61,6 +75,18 @@ class LazWriter : public Writer {
   }
 
  private:
+  void encode(const std::byte* from, std::byte* to, std::size_t n) {
+    const std::size_t in = encoder_.record_bytes_in(), out = encoder_.record_bytes_out();
+    const std::uint64_t row = statistics_.count();
+    std::vector<LasStatistics> of_tasks((n + kTaskRows - 1) / kTaskRows,
+                                        LasStatistics(frame_.layout().header.point_format));
+    parallel_for_blocks(n, kTaskRows, [&](std::size_t first, std::size_t rows, unsigned) {
+      encoder_.run(row + first, from + first * in, to + first * out, rows);
+      of_tasks[first / kTaskRows].add(to + first * out, out, rows);
+    });
+    for (const LasStatistics& some : of_tasks) statistics_.add(some);
+  }
+
   void compress_batch() {
     const std::size_t chunk = std::size_t{laz_.chunk_points()} * encoder_.record_bytes_out();
     std::vector<std::vector<std::byte>> compressed((batch_.size() + chunk - 1) / chunk);
@@ -91,9 +117,7 @@ class LazWriter : public Writer {
 }  // namespace
 
 std::uint64_t laz_encoder_bytes(std::uint64_t record_bytes, unsigned threads) {
-  constexpr std::uint64_t kModels = 2 << 20;  // an estimate from the peak memory of runs
-  const std::uint64_t chunk = kLazChunkPoints * record_bytes;
-  return std::clamp(threads, 1u, kMostChunksAtOnce) * (chunk + chunk / 2 + kModels);
+  return chunks_at_once(0, record_bytes, threads) * chunk_bytes(record_bytes);
 }
 
 std::unique_ptr<Writer> create_laz_writer(const OutputPlan& plan) { return std::make_unique<LazWriter>(plan); }
