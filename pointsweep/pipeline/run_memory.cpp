@@ -214,11 +214,15 @@ std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::
   for (const auto& reader : cloud.readers())
     if (!reader->info().decode_once)  // those are gone before the memory is needed (decoded_input.h)
       decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));
-  std::uint64_t encoders = 0;  // one output is written at a time
+  return decoders + encoder_bytes(outputs, record_bytes, options);
+}
+
+std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, const EngineOptions& options) {
+  std::uint64_t most = 0;
   for (const OutputFormat& output : output_formats(outputs))
     if (output.format->encoder_bytes != nullptr)
-      encoders = std::max(encoders, output.format->encoder_bytes(record_bytes, threads));
-  return decoders + encoders;
+      most = std::max(most, output.format->encoder_bytes(record_bytes, threads_of(options)));
+  return most;
 }
 
 bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options) {

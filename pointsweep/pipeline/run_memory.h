@@ -54,6 +54,9 @@ MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes
 std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::uint64_t record_bytes,
                           const EngineOptions& options);
 
+/// The part of it for encoding one output.
+std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, const EngineOptions& options);
+
 /// The order of the only sweep is the one that the output is to have: its records travel along.
 bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options);
 

@@ -11,7 +11,10 @@
 #include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/order/survey.h"
+#include "pointsweep/pipeline/cloud_source.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -71,9 +74,7 @@ std::vector<std::string> replaced_in(const Schema& own, const std::vector<std::s
 
 Box bounds_of(InputCloud& cloud) {
   if (cloud.count() == 0) return {Vec3{}, Vec3{}};
-  const PointSource source{cloud.schema(), cloud.count(),
-                           [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
-  return survey(source, std::nullopt, true).bounds;
+  return survey(source_of(cloud, [](std::size_t) {}), std::nullopt, true).bounds;
 }
 
 /// As OutputPlan::bounds.
@@ -160,10 +161,14 @@ void require_writable_tiles(const TileRequest& request, const FinishedTiles& fin
 
 /// A tile that is being written, or one that an earlier process has finished, of which rows only pass.
 struct TileSet::Tile {
+  Tile(std::size_t t, InputCloud of_tile) : number(t), cloud(std::move(of_tile)) {}
+
   std::size_t number;
   InputCloud cloud;
   std::optional<OutputSet> files;  ///< absent: it is finished
   std::uint64_t done = 0;          ///< rows
+  std::optional<ParallelRows> input_rows;    ///< where nothing is made of them
+  std::optional<BackgroundTask> completing;  ///< last, so that it ends before what it works on
 };
 
 TileSet::TileSet(const TileRequest& request, FinishedTiles finished)
@@ -179,7 +184,7 @@ TileSet::~TileSet() = default;
 
 void TileSet::open_next() {
   const std::size_t t = next_++;
-  tile_.reset(new Tile{t, cloud_of_input(request_.cloud, t), std::nullopt});
+  tile_.reset(new Tile(t, cloud_of_input(request_.cloud, t)));
   InputCloud& cloud = tile_->cloud;
   if (const RowSelection* all = request_.cloud.selection())
     cloud.select(selected_rows(*all, first_row_[t], cloud.count()));
@@ -203,24 +208,36 @@ OutputPlace TileSet::place_of_tile(InputCloud& cloud, const Format* format, std:
 }
 
 void TileSet::complete() {
-  if (tile_->files) {
-    require_unchanged_inputs();
-    const fs::path& output = request_.outputs.tiles[tile_->number];
-    tile_->files->flush();
-    finished_.begin(tile_->number, output);
-    tile_->files->finish(tile_->cloud);
-    note(tile_->files->warnings(), output);
-    finished_.end(tile_->number, output);
-    bytes_written_ += tile_->files->bytes_written();
-    ++complete_;
-  }
   tile_->cloud.readers().front()->rest();  // the inputs that follow may need its memory and its file
-  tile_.reset();
+  if (!tile_->files) return void(tile_.reset());
+  require_unchanged_inputs();
+  Tile& tile = *completing_.emplace_back(std::move(tile_));
+  tile.completing.emplace([this, &tile] { finish_files(tile); });
+  while (completing_.size() > request_.completing) wait_for_first();
+}
+
+/// On a thread of its own: names the file of the tile when all is in it.
+void TileSet::finish_files(Tile& tile) {
+  const fs::path& output = request_.outputs.tiles[tile.number];
+  tile.files->flush();
+  finished_.begin(tile.number, output);
+  tile.files->finish(tile.cloud);
+  finished_.end(tile.number, output);
+  ++complete_;
+}
+
+void TileSet::wait_for_first() {
+  const Tile& tile = *completing_.front();
+  completing_.front()->completing->wait();
+  note(tile.files->warnings(), request_.outputs.tiles[tile.number]);
+  bytes_written_ += tile.files->bytes_written();
+  completing_.pop_front();
 }
 
 /// All results come from all inputs, which were read before the first tile is complete; then each tile reads its own.
 void TileSet::require_unchanged_inputs() const {
-  complete_ == 0 ? request_.cloud.require_unchanged() : request_.cloud.require_unchanged(tile_->number);
+  const bool is_first = complete_ == 0 && completing_.empty();
+  is_first ? request_.cloud.require_unchanged() : request_.cloud.require_unchanged(tile_->number);
 }
 
 /// The next `rows` of the cloud are, in each of the tiles that they are in, its rows from `row` on; `skip` rows come
@@ -247,9 +264,8 @@ void TileSet::write_results(std::uint64_t, std::span<const std::byte> results) {
 void TileSet::write_inputs(std::uint64_t, std::uint64_t rows) {
   for_each_part(rows, [&](Tile& tile, std::uint64_t row, std::uint64_t, std::uint64_t part) {
     std::vector<std::byte> records(part * tile.cloud.schema().stride);
-    if (tile.cloud.read(row, records) != part)
-      fail("{}: ended before row {}: it changed while it was read.", tile.cloud.readers().front()->info().path.string(),
-           row + part);
+    if (!tile.input_rows) tile.input_rows.emplace(source_of(tile.cloud, [](std::size_t) {}));
+    tile.input_rows->read(row, records);
     tile.files->write_inputs(records);
   });
 }
@@ -260,12 +276,14 @@ void TileSet::finish() {
     if (!tile_) open_next();
     complete();
   }
+  while (!completing_.empty()) wait_for_first();
   request_.cloud.require_unchanged();
 }
 
-std::string TileSet::progress() const {
+std::string TileSet::progress() {
+  completing_.clear();  // which waits for them
   if (complete_ == 0) return "";
-  return fmt::format(" {} of {} outputs are complete and stay.", complete_, request_.outputs.tiles.size());
+  return fmt::format(" {} of {} outputs are complete and stay.", complete_.load(), request_.outputs.tiles.size());
 }
 
 void TileSet::note(const std::vector<std::string>& warnings, const fs::path& output) {

@@ -2,8 +2,10 @@
 /// The files of a run that writes one for each input.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -44,13 +46,15 @@ struct TileRequest {
   /// What an output made of the cloud of one input is to say (OutputPlan::provenance).
   std::function<std::vector<std::string>(const InputCloud& input, std::size_t tile)> provenance;
   std::optional<MovedPoints> moved = std::nullopt;
+  /// How many tiles are completed in the background while the next one gets its rows, as the memory allows.
+  std::size_t completing = 0;
 };
 
 /// Throws what can be known before the work: outputs that exist or cannot be written, attributes that would be
 /// overwritten, formats that cannot hold what is made. Makes the folders of the tiles in `folders`.
 void require_writable_tiles(const TileRequest& request, const FinishedTiles& finished, MadeFolders& folders);
 
-/// Tiles are written one after the other. Each has the rows, the fields, the grid and the header of its input, not
+/// Tiles get their rows one after the other and are completed side by side. Each has the rows, the fields, the grid and the header of its input, not
 /// those of the cloud, and gets its name when it is complete. Those that an earlier process has finished are left.
 class TileSet {
  public:
@@ -65,7 +69,7 @@ class TileSet {
   void finish();
 
   /// What to add to the sentence of an error: how many outputs are complete; empty if none is.
-  std::string progress() const;
+  std::string progress();
   std::uint64_t bytes_written() const { return bytes_written_; }
   /// A sentence for each thing that a tile cannot hold, with the number of other tiles that share it; and how many
   /// tiles have no rows.
@@ -78,6 +82,8 @@ class TileSet {
   void open_next();
   OutputPlace place_of_tile(InputCloud& cloud, const Format* format, std::uint64_t first) const;
   void complete();
+  void finish_files(Tile& tile);
+  void wait_for_first();
   void require_unchanged_inputs() const;
   void note(const std::vector<std::string>& warnings, const std::filesystem::path& output);
 
@@ -87,8 +93,8 @@ class TileSet {
   std::vector<std::uint64_t> first_row_;  ///< of each input, before any select
   std::uint64_t rows_opened_ = 0;         ///< of the cloud, in the tiles before next_
   std::size_t next_ = 0;                  ///< tile to be opened next
-  std::size_t complete_ = 0;
-  std::unique_ptr<Tile> tile_;  ///< that is being written
+  std::atomic<std::size_t> complete_ = 0;
+  std::unique_ptr<Tile> tile_;  ///< that gets rows
   std::uint64_t bytes_written_ = 0;
   struct Warning {
     std::string first;
@@ -96,6 +102,7 @@ class TileSet {
   };
   std::map<std::string, Warning> warnings_;  ///< by what follows the name of the tile
   std::vector<std::string> empty_;           ///< names of tiles without rows
+  std::deque<std::unique_ptr<Tile>> completing_;  ///< last, so that they end before what they work on
 };
 
 }  // namespace pointsweep

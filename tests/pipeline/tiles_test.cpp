@@ -7,14 +7,17 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <functional>
 #include <limits>
 #include <map>
 #include <optional>
+#include <thread>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/engine_run.h"
@@ -358,14 +361,22 @@ TEST_F(Tiles, ADryRunNamesThemAndMakesNothing) {
   EXPECT_THROW(preview(cloud, chain, sweep, tiles()), UsageError);
 }
 
-/// Reading the input of the third tile fails as soon as the first tile is complete.
+/// Reading the input of the third tile, while it gets its rows, fails as soon as the first two tiles are complete.
 class StoppedTiles : public Tiles {
  protected:
   template <class Failure>
   InputCloud failing_late() const {
     return hooked(2, [this] {
-      if (fs::exists(folder_ / "out/a.las") && fs::exists(folder_ / "out/b.las")) throw Failure();
+      if (completes("a.las") && completes("b.las")) throw Failure();
     });
+  }
+  /// Returns false before the tile is begun; else waits until it is complete, which another thread may do.
+  bool completes(const char* name) const {
+    const fs::path tile = folder_ / "out" / name;
+    const auto is_there = [&] { return fs::exists(tile); };
+    if (!is_there() && !fs::exists(OutputFile::unfinished_path(tile))) return false;
+    for (int i = 0; i < 1000 && !is_there(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return is_there();
   }
   struct ReadError : Error {
     ReadError() : Error("in/c.ply: the disk fails.") {}
@@ -396,7 +407,7 @@ TEST_F(StoppedTiles, AreCompleteOrAbsentAfterAnInterruption) {
 TEST_F(StoppedTiles, AreNotWrittenFromAnInputThatHasChangedMeanwhile) {
   bool done = false;
   InputCloud cloud = hooked(1, [&] {
-    if (done || !fs::exists(folder_ / "out/a.las")) return;
+    if (done || !completes("a.las")) return;
     std::ofstream(folder_ / "in/d.xyz", std::ios::app) << "1 2 3 4\n";
     done = true;
   });

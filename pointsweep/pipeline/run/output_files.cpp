@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/run/output_files.h"
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <vector>
@@ -72,13 +73,38 @@ TileRequest tiles_of(RunState& run) {
   return {run.cloud, run.names, run.outputs, run.options, provenance};
 }
 
+std::uint64_t record_bytes(const RunState& run) {
+  return run.layout ? run.layout->schema().stride : run.cloud.schema().stride;
+}
+
+/// Returns the memory that the plan leaves free.
+std::uint64_t spare_bytes(const RunState& run) {
+  const std::uint64_t codecs = codec_bytes(run.cloud, run.outputs, record_bytes(run), run.options);
+  const std::uint64_t budget = run.statistics.memory_budget_bytes;
+  return budget - std::min(budget, std::max(run.memory.expected_bytes, kFixedBytes + codecs));
+}
+
+/// Returns the memory that encoding one output may take.
+std::uint64_t encoder_bytes(const RunState& run) {
+  return encoder_bytes(run.outputs, record_bytes(run), run.options) + spare_bytes(run);
+}
+
+/// Returns how many tiles can be completed beside the one that gets its rows.
+std::size_t tiles_completing(const RunState& run) {
+  constexpr std::uint64_t kChunksOfTile = 16 << 20;  // records on their way to its file
+  const std::uint64_t of_tile = kChunksOfTile + encoder_bytes(run.outputs, record_bytes(run), run.options);
+  return std::min<std::uint64_t>(run.statistics.threads - 1, spare_bytes(run) / of_tile);
+}
+
 void open_files(RunState& run) {
   if (!run.outputs.tiles.empty()) {
     TileRequest request = tiles_of(run);
     request.moved = moved_points(run);
+    request.completing = tiles_completing(run);
     return void(run.tiles.emplace(std::move(request), FinishedTiles(run.options.resume_folder)));
   }
-  OutputPlace place{bounds_if_known(run), values_if_needed(run, format_of_output(run.outputs.points))};
+  OutputPlace place{bounds_if_known(run), values_if_needed(run, format_of_output(run.outputs.points)),
+                    encoder_bytes(run)};
   run.files.emplace(run.cloud, run.names.made, run.names.kept, run.outputs, run.options, std::move(place),
                     provenance_of(run.cloud, said_of(run)));
 }
