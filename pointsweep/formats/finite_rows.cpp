@@ -11,7 +11,9 @@
 #include <memory>
 #include <utility>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -21,10 +23,7 @@ bool can_be_nonfinite(const Field& field) {
   return !std::isfinite(0x1p64 * field.scale + field.bias);
 }
 
-/// As RowDecoder::read.
-using ReadRecords = std::function<std::size_t(std::uint64_t row, std::span<std::byte> records)>;
-
-void read_all_of(const FileInfo& info, const ReadRecords& read, std::uint64_t row, std::span<std::byte> records) {
+void read_all_of(const FileInfo& info, const ReadInputRows& read, std::uint64_t row, std::span<std::byte> records) {
   while (!records.empty()) {
     const std::size_t n = read(row, records);
     if (n == 0) fail("{}: ends before its last point; run again when it is complete.", info.path.string());
@@ -33,7 +32,7 @@ void read_all_of(const FileInfo& info, const ReadRecords& read, std::uint64_t ro
   }
 }
 
-ReadRecords reading_by(Reader& reader) {
+ReadInputRows reading_by(Reader& reader) {
   return [&reader](std::uint64_t row, std::span<std::byte> records) { return reader.read(row, records); };
 }
 
@@ -58,24 +57,67 @@ bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path) {
   return can_be_nonfinite(p.x) || can_be_nonfinite(p.y) || can_be_nonfinite(p.z);
 }
 
+/// Blocks of an input that one thread looks at, and what it finds there.
+struct FiniteRowIndex::Piece {
+  std::uint64_t first, end;          ///< rows
+  std::vector<std::uint64_t> finite;  ///< rows of each block
+  std::vector<std::uint64_t> others;  ///< the first of the rows that are not finite
+  std::uint64_t count = 0;            ///< of those
+  Box bounds;
+};
+
 FiniteRowIndex::FiniteRowIndex(Reader& reader, std::uint64_t first_row, NonfiniteRows& found,
                                const std::function<void(std::uint64_t)>& progress)
     : rows_(reader.info().count), before_{0} {
   const FileInfo& info = reader.info();
+  const std::size_t at_once = reader.has_decoders() ? 4 * thread_count() : 1;
+  std::vector<std::unique_ptr<RowDecoder>> decoders(thread_count());
+  for (std::uint64_t row = 0; row < rows_;) {
+    std::vector<Piece> pieces;
+    for (; row < rows_ && pieces.size() < at_once; row = pieces.back().end)
+      pieces.push_back({row, end_of_piece(reader, row), {}, {}, 0, {}});
+    parallel_for(pieces.size(), [&](std::size_t i, unsigned worker) {
+      if (reader.has_decoders() && !decoders[worker]) decoders[worker] = reader.decoder();
+      const ReadInputRows read = [&](std::uint64_t first, std::span<std::byte> records) {
+        return decoders[worker] ? decoders[worker]->read(first, records) : reader.read(first, records);
+      };
+      look_at(info, read, pieces[i]);
+    });
+    for (const Piece& piece : pieces) {
+      for (const std::uint64_t finite : piece.finite) before_.push_back(before_.back() + finite);
+      if (found.count == 0 && piece.count > 0)
+        found.first = fmt::format("row {} of {}", piece.others.front(), info.path.string());
+      for (const std::uint64_t other : piece.others)
+        if (found.rows.size() < NonfiniteRows::kMostListed) found.rows.push_back(first_row + other);
+      found.count += piece.count;
+      found.bounds.include(piece.bounds);
+    }
+    if (progress) progress(row);
+  }
+}
+
+/// Returns the end of the blocks from `row` on that one thread looks at: they begin in one chunk.
+std::uint64_t FiniteRowIndex::end_of_piece(const Reader& reader, std::uint64_t row) const {
+  constexpr std::uint64_t kBlocks = 4;  // where any range is a chunk, or where one thread reads
+  if (!reader.has_decoders() || reader.decodes_any_range()) return std::min(rows_, row + kBlocks * kBlock);
+  return std::min(rows_, (reader.chunk_of(row).end_row() + kBlock - 1) / kBlock * kBlock);
+}
+
+void FiniteRowIndex::look_at(const FileInfo& info, const ReadInputRows& read, Piece& piece) {
   const PositionFields position = position_fields(info.schema, info.path.string());
   std::vector<std::byte> records;
-  for (std::uint64_t row = 0; row < rows_; row += kBlock) {
-    const std::uint64_t n = std::min(kBlock, rows_ - row);
+  for (std::uint64_t row = piece.first; row < piece.end; row += kBlock) {
+    stop_if_cancelled();
+    const std::uint64_t n = std::min(kBlock, piece.end - row);
     records.resize(n * info.schema.stride);
-    read_all_of(info, reading_by(reader), row, records);
+    read_all_of(info, read, row, records);
     std::uint64_t finite = n;
-    for_each_nonfinite_record(position, records, info.schema.stride, found.bounds, [&](std::size_t i) {
+    for_each_nonfinite_record(position, records, info.schema.stride, piece.bounds, [&](std::size_t i) {
       --finite;
-      if (found.count++ == 0) found.first = fmt::format("row {} of {}", row + i, info.path.string());
-      if (found.rows.size() < NonfiniteRows::kMostListed) found.rows.push_back(first_row + row + i);
+      ++piece.count;
+      if (piece.others.size() < NonfiniteRows::kMostListed) piece.others.push_back(row + i);
     });
-    before_.push_back(before_.back() + finite);
-    if (progress) progress(row + n);
+    piece.finite.push_back(finite);
   }
 }
 
@@ -87,7 +129,7 @@ std::size_t FiniteRowIndex::block_of(std::uint64_t row) const {
 class FiniteRows::Decoder final : public RowDecoder {
  public:
   /// `read` reads rows of the input.
-  Decoder(const FiniteRows& rows, ReadRecords read) : rows_(rows), index_(rows.index_), read_(std::move(read)) {}
+  Decoder(const FiniteRows& rows, ReadInputRows read) : rows_(rows), index_(rows.index_), read_(std::move(read)) {}
 
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
     const std::size_t stride = rows_.info_.schema.stride;
@@ -145,7 +187,7 @@ class FiniteRows::Decoder final : public RowDecoder {
 
   const FiniteRows& rows_;
   const FiniteRowIndex& index_;
-  ReadRecords read_;
+  ReadInputRows read_;
   std::size_t loaded_ = std::numeric_limits<std::size_t>::max();  ///< block whose finite rows `block_` holds
   std::vector<std::byte> block_;
   std::vector<std::size_t> gaps_;  ///< records of that block that are left out, ascending

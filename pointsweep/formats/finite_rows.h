@@ -27,6 +27,9 @@ struct NonfiniteRows {
   Box bounds;                       ///< of all other points
 };
 
+/// As RowDecoder::read.
+using ReadInputRows = std::function<std::size_t(std::uint64_t row, std::span<std::byte> records)>;
+
 /// Whether a coordinate of these fields may be NaN or infinite: true unless all are integers, scaled or not.
 bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path);
 
@@ -34,7 +37,8 @@ bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path);
 class FiniteRowIndex {
  public:
   static constexpr std::uint64_t kBlock = 4096;
-  /// Reads all of `reader`, 1 MB at a time, and adds its nonfinite rows to `found`, numbered from `first_row` on.
+  /// Reads all of `reader`, on all threads where it has decoders, and adds its nonfinite rows to `found`, numbered from
+  /// `first_row` on.
   FiniteRowIndex(Reader& reader, std::uint64_t first_row, NonfiniteRows& found,
                  const std::function<void(std::uint64_t rows)>& progress);
   std::uint64_t count() const { return before_.back(); }  ///< of finite rows
@@ -48,6 +52,10 @@ class FiniteRowIndex {
   bool is_whole(std::size_t block) const { return before_[block + 1] - before_[block] == rows_in(block); }
 
  private:
+  struct Piece;
+  std::uint64_t end_of_piece(const Reader& reader, std::uint64_t row) const;
+  static void look_at(const FileInfo& info, const ReadInputRows& read, Piece& piece);
+
   std::uint64_t rows_;
   std::vector<std::uint64_t> before_;  ///< one more than there are blocks
 };
