@@ -44,7 +44,8 @@ void ParallelRows::read(std::uint64_t row, std::span<std::byte> records) {
 
 std::size_t rows_at_once(std::size_t bytes) {
   constexpr std::size_t kOfThread = 256 << 10, kLeast = 1 << 20, kMost = 4 << 20;
-  return std::max<std::size_t>(1, std::clamp(thread_count() * kOfThread, kLeast, kMost) / std::max<std::size_t>(bytes, 1));
+  const std::size_t all = std::clamp(thread_count() * kOfThread, kLeast, kMost);
+  return std::max<std::size_t>(1, all / std::max<std::size_t>(bytes, 1));
 }
 
 }  // namespace pointsweep

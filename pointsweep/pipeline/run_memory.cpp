@@ -134,7 +134,7 @@ SweepPlan unswept(std::uint32_t result_bytes) {
   return none;
 }
 
-/// Reads rows in their order: a megabyte of them at once.
+/// Reads rows in their order: rows_at_once() of them at once.
 MemoryPlan plan_rows(std::uint64_t codec_bytes) {
   MemoryPlan memory;
   memory.expected_bytes = kFixedBytes + codec_bytes;

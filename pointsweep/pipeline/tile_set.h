@@ -54,8 +54,9 @@ struct TileRequest {
 /// overwritten, formats that cannot hold what is made. Makes the folders of the tiles in `folders`.
 void require_writable_tiles(const TileRequest& request, const FinishedTiles& finished, MadeFolders& folders);
 
-/// Tiles get their rows one after the other and are completed side by side. Each has the rows, the fields, the grid and the header of its input, not
-/// those of the cloud, and gets its name when it is complete. Those that an earlier process has finished are left.
+/// Tiles get their rows one after the other and are completed side by side. Each has the rows, the fields, the grid and
+/// the header of its input, not those of the cloud, and gets its name when it is complete. Those that an earlier process
+/// has finished are left.
 class TileSet {
  public:
   TileSet(const TileRequest& request, FinishedTiles finished);

@@ -78,7 +78,8 @@ TEST(RowSelection, KnowsTheNumberOfEveryKeptRow) {
     for (std::size_t i = 0; i < s.rows.size(); i += 1 + s.rows.size() / 100) EXPECT_EQ(kept.row_of(i), s.rows[i]);
     for (std::size_t row = 0; row < s.bits.size(); row += 1 + s.bits.size() / 100) {
       EXPECT_EQ(kept.has(row), s.bits[row]);
-      EXPECT_EQ(kept.kept_before(row), std::count(s.bits.begin(), s.bits.begin() + static_cast<std::ptrdiff_t>(row), true));
+      const auto here = s.bits.begin() + static_cast<std::ptrdiff_t>(row);
+      EXPECT_EQ(kept.kept_before(row), static_cast<std::uint64_t>(std::count(s.bits.begin(), here, true)));
     }
     EXPECT_EQ(kept.kept_before(s.bits.size()), s.rows.size());
   }

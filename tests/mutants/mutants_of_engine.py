@@ -88,8 +88,7 @@ MUTANTS = [
            "if (row < begin || row >= end) {", "if (row < begin || (runs.empty() && row >= end)) {", ("order:StreamOnDemand*", "pipeline:OnDemandOrder*")),
     # Survey
     Mutant("bounds and axis are those of the sample, although exact ones were asked for", "order", ORDER + "survey.cpp",
-           "if (is_finite(p)) bounds_.include(p);\n      }\n      for",
-           "if (is_finite(p) && x_.empty()) bounds_.include(p);\n      }\n      for",
+           "bounds_.include(decoded_box());", "decoded_box();",
            ("order:Survey.*", "formats", "cli")),
     Mutant("samples lie at equal distances in the file", "order", ORDER + "survey.cpp",
            "return begin + mix(run) % (end", "return begin + 0 * mix(run) % (end", ("order:Survey.*", "order:LocalSpacing.*")),

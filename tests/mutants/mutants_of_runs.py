@@ -63,7 +63,7 @@ MUTANTS = [
 
     # A folder as output
     Mutant("tiles keep the rows that are selected in the first one", "tiles", PIPELINE + "tile_set.cpp",
-           "all.has(first + begin + i)", "all.has(first * 0 + begin + i)", ("pipeline:Tiles.*", "cli:FolderOutputs.*")),
+           "kept.has(first + begin + i)", "kept.has(first * 0 + begin + i)", ("pipeline:Tiles.*", "cli:FolderOutputs.*")),
     Mutant("a tile that was replaced passes for a finished one", "tiles", PIPELINE + "finished_tiles.cpp",
            "if (listed == files_.end() || !find(output, file)) return false;",
            "if (listed == files_.end() || !find(output, file)) return false;\n  return true;",

@@ -108,7 +108,8 @@ InputCloud wavy_square(Meeting* meeting, std::uint64_t chunk_rows, std::uint64_t
 }
 
 /// The phases that decode all rows, and the number of decoders that each has had at work at once.
-std::map<std::string, int> decoders_by_phase(const std::string& pipeline, std::uint64_t chunk_rows, EngineOptions options) {
+std::map<std::string, int> decoders_by_phase(const std::string& pipeline, std::uint64_t chunk_rows,
+                                             EngineOptions options) {
   Meeting meeting;
   Watching observer([&](const Progress& p) { meeting.begin(p.phase); });
   options.resources.threads = 2;

@@ -56,7 +56,8 @@ void LasEncoder::check_positions(std::uint64_t row, const std::byte* records, st
       for (int axis = 0; axis < 3; ++axis) {
         const double value = xyz[static_cast<std::size_t>(axis)][i];
         if (!las_grid_reaches(value, scale_[axis], offset_[axis])) refuse(axis, row + first + i, value);
-        if (notes_rounding_ && !rounds_ && is_beside_grid(value, scale_[axis], offset_[axis])) rounds_ = true;
+        if (!notes_rounding_ || rounds_) continue;
+        if (is_beside_grid(value, scale_[axis], offset_[axis])) rounds_ = true;
       }
     }
   }

@@ -56,7 +56,8 @@ class LasWriter : public Writer {
       fail("{}: {} points were announced, but more came; nothing was written.", path_, planned_);
     }
     const std::size_t block = std::max<std::size_t>(1, kBlockBytes / out);
-    std::vector<LasStatistics> of_blocks((rows + block - 1) / block, LasStatistics(frame_.layout().header.point_format));
+    const LasStatistics none(frame_.layout().header.point_format);
+    std::vector<LasStatistics> of_blocks((rows + block - 1) / block, none);
     rooms_.resize(std::max<std::size_t>(rooms_.size(), thread_count()));
     parallel_for_blocks(rows, block, [&](std::size_t first, std::size_t n, unsigned worker) {
       std::span<const std::byte> encoded = records.subspan(first * in, n * in);
