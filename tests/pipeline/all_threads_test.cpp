@@ -122,10 +122,10 @@ std::map<std::string, int> decoders_by_phase(const std::string& pipeline, std::u
 
 TEST(AllThreads, DecodeTheInputInEveryPass) {
   const char* const pipelines[] = {
-      "where(intensity < 90) | knn(k=6) | normals",
-      "knn(k=4) | sor | where(intensity < 90) | knn(k=6) | normals",
-      "voxel(size=0.001) | knn(k=6) | normals",
-      "knn(k=6) | normals | splats | fair | resort",
+      "where(intensity < 90) | normals",
+      "sor | where(intensity < 90) | normals",
+      "voxel(size=0.001) | normals",
+      "normals | splats | fair | resort",
       "set(intensity = intensity / 2)",
   };
   for (const std::uint64_t chunk_rows : {0u, 5000u})
@@ -142,11 +142,11 @@ TEST(AllThreads, DecodeTheInputInEveryPass) {
 
 TEST(AllThreads, GiveTheBytesOfOne) {
   const char* const pipelines[] = {
-      "where(intensity < 90) | knn(k=6) | normals",
+      "where(intensity < 90) | normals",
       "where(intensity < 90) | where(y > 0.5) | set(intensity = intensity / 2)",
-      "knn(k=4) | sor | where(x < 0.7) | knn(k=6) | normals",
-      "voxel(size=0.01, keep=centroid) | knn(k=6) | normals",
-      "knn(k=6) | normals | where(nz > 0.95) | reneighbor(k=9) | sor",
+      "sor | where(x < 0.7) | normals",
+      "voxel(size=0.01, keep=centroid) | normals",
+      "normals | where(nz > 0.95) | reneighbor(k=9) | sor",
   };
   for (const char* const pipeline : pipelines)
     for (const bool spill : {false, true}) {
