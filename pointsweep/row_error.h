@@ -5,33 +5,62 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "pointsweep/error.h"
 
 namespace pointsweep {
 
+/// The text of a RowError before and after the number of the row.
+struct RowSentence {
+  std::string before, after;
+};
+
 class RowError : public Error {
  public:
-  RowError(std::uint64_t row, const std::string& sentence) : Error(sentence), row_(row) {}
+  RowError(std::uint64_t row, RowSentence sentence) : RowError(row, std::to_string(row), std::move(sentence)) {}
   std::uint64_t row() const { return row_; }
+  /// Returns the same error with another number of the row: passes count the rows that earlier selects have left.
+  RowError numbered(std::uint64_t row) const { return {row, sentence_}; }
+  /// Returns the same error, whose sentence calls the row `name`.
+  RowError named(const std::string& name) const { return {row_, name, sentence_}; }
+  /// Orders errors by row. Two errors of one row are in the same order for any number of threads.
+  bool operator<(const RowError& other) const {
+    return std::tie(row_, sentence_.before, sentence_.after) <
+           std::tie(other.row_, other.sentence_.before, other.sentence_.after);
+  }
 
  private:
+  RowError(std::uint64_t row, const std::string& name, RowSentence sentence)
+      : Error(sentence.before + name + sentence.after), row_(row), sentence_(std::move(sentence)) {}
+
   std::uint64_t row_;
+  RowSentence sentence_;
 };
 
 /// The error of the lowest row so far.
 class FirstRowError {
  public:
-  /// Calls `sentence()` and keeps what it returns if `row` is the lowest so far.
+  /// Calls `sentence()` and keeps the RowSentence that it returns if no lower row has been noted.
   template <class Sentence>
   void note(std::uint64_t row, Sentence sentence) {
-    if (!first_ || row < first_->row()) first_.emplace(row, sentence());
+    if (!first_ || row <= first_->row()) note(RowError(row, sentence()));
   }
   void note(const RowError& error) {
-    if (!first_ || error.row() < first_->row()) first_.emplace(error);
+    if (!first_ || error < *first_) first_.emplace(error);
   }
   void note(const FirstRowError& other) {
     if (other.first_) note(*other.first_);
+  }
+  /// Calls `work()` and notes the RowError that it throws: a lower row may still come.
+  template <class Work>
+  void note_from(Work work) {
+    try {
+      work();
+    } catch (const RowError& error) {
+      note(error);
+    }
   }
   bool any() const { return first_.has_value(); }
   void throw_if_any() const {

@@ -7,6 +7,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/sweep_engine.h"
+#include "pointsweep/row_error.h"
 #include "reference/reference.h"
 
 namespace pointsweep {
@@ -23,7 +24,7 @@ class Rows {
     records_.resize(records_.size() + stride_);
     std::byte* to = records_.data() + records_.size() - stride_;
     if (run_.layout) {
-      run_.layout->assemble(point.record, point.results, 1, to, {point.row});
+      refused_.note_from([&] { run_.layout->assemble(point.record, point.results, 1, to, {point.row}); });
     } else {
       std::copy_n(point.results, stride_, to);
     }
@@ -36,12 +37,18 @@ class Rows {
     records_.clear();
   }
 
+  void finish() {
+    flush();
+    refused_.throw_if_any();
+  }
+
  private:
   static constexpr std::size_t kMost = 1024;
   const EnginePass& run_;
   std::size_t stride_;
   std::vector<std::uint64_t> rows_;
   std::vector<std::byte> records_;
+  FirstRowError refused_;  ///< of a row that the layout of the output cannot hold
 };
 
 reference::Task task_of(const PlannedPass& pass) {
@@ -69,7 +76,7 @@ class ReferenceEngine final : public SweepEngine {
     const reference::Statistics s =
         reference::run(pass.stream, task_of(pass.pass), [&](const reference::Written& point) { rows.add(point); },
                        {.memory_bytes = pass.memory_bytes, .progress = pass.progress});
-    rows.flush();
+    rows.finish();
     if (!statistics.reference) statistics.reference.emplace();
     ReferenceCounts& counts = *statistics.reference;
     counts.complete += s.complete, counts.incomplete += s.incomplete;

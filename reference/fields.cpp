@@ -62,7 +62,7 @@ Field Fields::add_from_file(const Attribute& attribute) {
   for (const std::string& name : attribute.fields) {
     const auto index = record_.find(name);
     assert(index && "the chain was checked against the input");
-    file.from.push_back(record_.fields[*index]);
+    file.from.emplace_back(record_.fields[*index], attribute.type);
   }
   file_.push_back(file);
   return file.to;
@@ -86,18 +86,13 @@ void Fields::plan_copies() {
   }
 }
 
-void Fields::fill(StreamPoint& point, const std::byte* record) const {
+void Fields::fill(StreamPoint& point, const std::byte* record, FirstRowError& refused) const {
   point.fields = std::make_unique<std::byte[]>(bytes_);
   std::memcpy(point.fields.get(), record, record_.stride);
   for (const FileAttribute& file : file_) {
     std::byte* to = file.to.in(point);
-    const pointsweep::Field promised{.name = "", .type = file.type};
-    for (const pointsweep::Field& from : file.from) {
-      if (from.type == file.type && from.is_plain()) {
-        std::memcpy(to, record + from.offset, size_of(file.type));
-      } else {
-        set_value(promised, to, value_of(from, record));
-      }
+    for (const PromisedType& from : file.from) {
+      from.convert(record, point.row, to, refused);
       to += size_of(file.type);
     }
   }

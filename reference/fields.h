@@ -15,6 +15,7 @@
 
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operators/stage_operator.h"
+#include "pointsweep/points/promised_type.h"
 #include "pointsweep/points/schema.h"
 #include "reference/stream_point.h"
 
@@ -62,8 +63,8 @@ class Fields {
   const std::vector<Field>& rule_reads() const { return rule_reads_; }
   std::size_t bytes() const { return bytes_; }
 
-  /// Gives the point its fields, those of the file filled in.
-  void fill(StreamPoint& point, const std::byte* record) const;
+  /// Gives the point its fields, those of the file filled in. Notes in `refused` a value that an operator cannot read.
+  void fill(StreamPoint& point, const std::byte* record, FirstRowError& refused) const;
   const std::byte* record(const StreamPoint& point) const { return point.fields.get(); }
   /// The attributes to be written, one after another.
   void result(StreamPoint& point, std::vector<std::byte>& out) const;
@@ -72,7 +73,7 @@ class Fields {
   struct FileAttribute {
     Field to;
     Type type;
-    std::vector<pointsweep::Field> from;
+    std::vector<PromisedType> from;
   };
   Field add(std::size_t bytes);
   Field find(const Attribute& attribute);

@@ -101,7 +101,7 @@ void OperatorCall::apply_gathered(std::span<StreamPoint* const> points) {
                          slots_.data(), begin_.data(), refs_.data(), own, near, -1, stage_.moved);
   DegeneratePoints degenerate;
   Columns out(makes, points.size(), degenerate);
-  pointsweep::apply(stage_.op, in, out);
+  refused_.note_from([&] { pointsweep::apply(stage_.op, in, out); });
   degenerate.for_each([&](std::size_t i) { degenerate_.add(own_.row[i]); });
   for (std::size_t m = 0; m < made.size(); ++m) {
     const std::size_t bytes = stage_.makes[m].bytes;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pointsweep/points/degenerate_rows.h"
+#include "pointsweep/row_error.h"
 #include "reference/fields.h"
 
 namespace pointsweep::reference {
@@ -26,6 +27,8 @@ class OperatorCall {
   void copy_fields(StreamPoint& point) const;
   void apply(std::span<StreamPoint* const> points);
   const DegenerateRows& degenerate() const { return degenerate_; }
+  /// Returns the error of the lowest row so far that the operator refuses.
+  const FirstRowError& refused() const { return refused_; }
 
  private:
   /// Positions, rows and values of some points, in columns.
@@ -49,6 +52,7 @@ class OperatorCall {
   std::vector<const std::byte*> pointers_;  ///< of the slots' columns
   std::vector<PointColumns> slots_;
   DegenerateRows degenerate_;
+  FirstRowError refused_;
 };
 
 }  // namespace pointsweep::reference

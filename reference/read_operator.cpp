@@ -24,7 +24,7 @@ void ReadOperator::pull_push() {
   if (waiting_ != nullptr || position_ == total_) return;
   for (; next_ == slab_.size(); next_ = 0) slab_.load(stream_, next_slab_++);
   waiting_ = &active_.emplace_back(slab_.position(next_), slab_.row(next_), position_++, reach_);
-  fields_.fill(*waiting_, slab_.record(next_++));
+  fields_.fill(*waiting_, slab_.record(next_++), refused_);
 }
 
 std::uint64_t ReadOperator::smallest_element() {

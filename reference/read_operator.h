@@ -26,6 +26,8 @@ class ReadOperator final : public StreamOperator {
 
   std::uint64_t position() const { return position_; }  ///< points read
   std::uint64_t total() const { return total_; }
+  /// Returns the error of the lowest row read that has a value which an operator cannot read.
+  const FirstRowError& refused() const { return refused_; }
 
  private:
   const Stream& stream_;
@@ -38,6 +40,7 @@ class ReadOperator final : public StreamOperator {
   SortedSlab slab_;  ///< being read
   std::size_t next_slab_ = 0;
   std::size_t next_ = 0;  ///< place in slab_
+  FirstRowError refused_;
 };
 
 }  // namespace pointsweep::reference

@@ -57,6 +57,7 @@ class Pipeline {
       take_note(n);
       report();
     }
+    require_rows();
     audit_.finish();
     statistics_.audit_seconds += lap();
     statistics_.mean_points = active_sum_ / static_cast<double>(std::max<std::uint64_t>(1, n));
@@ -134,6 +135,12 @@ class Pipeline {
     if (!options_.progress || std::chrono::duration<double>(now - reported_).count() < kReportSeconds) return;
     reported_ = now;
     options_.progress(read_.position(), active_.size());
+  }
+
+  void require_rows() const {
+    FirstRowError refused = read_.refused();
+    for (const OperatorCall& call : calls_) refused.note(call.refused());
+    refused.throw_if_any();
   }
 
   void require_memory() const {

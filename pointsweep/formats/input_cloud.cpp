@@ -125,18 +125,18 @@ std::unique_ptr<Reader> InputCloud::exchange_reader(std::size_t input, std::uniq
   return std::exchange(readers_[input], std::move(reader));
 }
 
+std::pair<std::size_t, std::uint64_t> InputCloud::place_of_row(std::uint64_t row) {
+  const std::size_t input = input_of(row);
+  FiniteRows* finite = finite_rows(input);
+  const std::uint64_t in_file = row - first_row_[input];
+  return {input, finite == nullptr ? in_file : finite->input_row(in_file)};
+}
+
 std::uint64_t InputCloud::input_row(std::uint64_t row) {
-  std::uint64_t left_out = 0;  // of the inputs before
-  for (std::size_t i = 0; i < readers_.size(); ++i) {
-    const FileInfo& info = readers_[i]->info();
-    if (row - first_row_[i] < info.count) {
-      FiniteRows* finite = finite_rows(i);
-      const std::uint64_t in_file = row - first_row_[i];
-      return first_row_[i] + left_out + (finite == nullptr ? in_file : finite->input_row(in_file));
-    }
-    left_out += info.left_out;
-  }
-  return row + left_out;
+  const auto [input, in_file] = place_of_row(row);
+  std::uint64_t left_out = 0;
+  for (std::size_t i = 0; i < input; ++i) left_out += readers_[i]->info().left_out;
+  return first_row_[input] + left_out + in_file;
 }
 
 std::shared_ptr<const FormatExtras> InputCloud::extras() const { return readers_.front()->info().extras; }

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/cloud.h"
@@ -73,6 +74,9 @@ class InputCloud {
   NonfiniteRows drop_nonfinite(const std::function<void(std::uint64_t rows)>& progress = {});
   /// All rows are there again.
   void keep_all();
+  /// Returns the number of the input that holds row `row`, and its row there when no rows are left out. Not
+  /// thread-safe.
+  std::pair<std::size_t, std::uint64_t> place_of_row(std::uint64_t row);
   /// The number that row `row` has when no rows are left out. Not thread-safe.
   std::uint64_t input_row(std::uint64_t row);
 

@@ -242,14 +242,15 @@ void SetAttribute::find_target(const Schema& input, std::span<const Attribute> m
   old_ = scalar(field.name, exact ? field.type : Type::f64, "", "");
 }
 
-std::string SetAttribute::refusal(std::uint64_t row, const std::string& value) const {
+RowSentence SetAttribute::refusal(const std::string& value) const {
   const std::string range = range_.is_whole
                                 ? fmt::format("{}, {:.0f} to {:.0f}", name_of(range_.type), range_.least, range_.most)
                             : target_.name == position_attribute().name ? std::string("a finite coordinate")
                                                                         : std::string(name_of(range_.type));
-  return fmt::format(
-      "{}: row {}: {} would be {}, which is not {}; exclude such points by a condition, or assign to a new attribute.",
-      place_, row, assignment_.name, value, range);
+  return {fmt::format("{}: row ", place_),
+          fmt::format(": {} would be {}, which is not {}; exclude such points by a condition, or assign to a new "
+                      "attribute.",
+                      assignment_.name, value, range)};
 }
 
 /// `is_placed`: the point has a finite place, which it must not lose.
@@ -290,7 +291,7 @@ void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
   const auto old = old_value_ ? in.values<std::byte>(*old_value_) : nullptr;
   FirstRowError refused;
   const auto refuse = [&](std::size_t i, const auto& value) {
-    refused.note(in.row(i), [&] { return refusal(in.row(i), value()); });
+    refused.note(in.row(i), [&] { return refusal(value()); });
   };
   for (std::size_t i = 0; i < n; ++i) {
     T* const value = to + i * width;

@@ -13,6 +13,7 @@
 #include "pointsweep/operator.h"
 #include "pointsweep/operators/expression.h"
 #include "pointsweep/operators/named_values.h"
+#include "pointsweep/row_error.h"
 
 namespace pointsweep {
 
@@ -71,7 +72,7 @@ class SetAttribute final : public LocalOperator {
  private:
   void find_target(const Schema& input, std::span<const Attribute> made);
   void read_old(Attribute attribute);
-  std::string refusal(std::uint64_t row, const std::string& value) const;
+  RowSentence refusal(const std::string& value) const;
   template <class T>
   void assign(const Neighborhoods& in, Columns& out) const;
   /// Nothing if the type of the attribute cannot hold the value.

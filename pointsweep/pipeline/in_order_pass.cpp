@@ -12,6 +12,8 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/order/working_record.h"
 #include "pointsweep/pipeline/ordered_output.h"
+#include "pointsweep/points/promised_type.h"
+#include "pointsweep/row_error.h"
 
 namespace pointsweep {
 namespace {
@@ -95,8 +97,11 @@ class OrderedBatch {
       for (std::size_t c = 0; c < pass.file_fields.size(); ++c)
         if (pass.plan.file_columns[c].column == column)
           for (const std::string& name : pass.file_fields[c])
-            values_of_.push_back({record.fields[*record.find(name)], {.name = "", .type = pass.plan.file_columns[c].type}});
+            values_of_.emplace_back(record.fields[*record.find(name)], pass.plan.file_columns[c].type);
   }
+
+  /// Throws the error of the lowest row so far that has a value which the stage cannot read.
+  void require_values() const { refused_.throw_if_any(); }
 
   /// Those of `n` records that have a place.
   OrderedPoints of(const std::byte* records, std::size_t n) {
@@ -108,22 +113,26 @@ class OrderedBatch {
       places_.push_back(place);
       positions_.push_back(vector_at(position_, record));
       rows_.push_back(row_of(schema_, record));
-      for (const Value& value : values_of_) values_.push_back(promised(value, record));
+      for (const Value& value : values_of_) values_.push_back(value.of(record, rows_.back(), refused_));
     }
     return {places_, positions_, rows_, values_};
   }
 
  private:
-  struct Value {
-    Field stored, wanted;  ///< as the record has it, and as the contract of the stage names its type
+  /// A number of the type that the contract of the stage names.
+  class Value {
+   public:
+    Value(const Field& stored, Type type) : promised_(stored, type), made_{.name = "", .type = type} {}
+    double of(const std::byte* record, std::uint64_t row, FirstRowError& refused) const {
+      std::byte bytes[sizeof(double)];
+      promised_.convert(record, row, bytes, refused);
+      return value_of(made_, bytes);
+    }
+
+   private:
+    PromisedType promised_;
+    Field made_;
   };
-  static double promised(const Value& value, const std::byte* record) {
-    const double number = value_of(value.stored, record);
-    if (value.stored.type == value.wanted.type) return number;
-    std::byte bytes[sizeof(double)];
-    set_value(value.wanted, bytes, number);
-    return value_of(value.wanted, bytes);
-  }
   static Vec3 vector_at(const PositionFields& fields, const std::byte* record) {
     return {value_of(fields.x, record), value_of(fields.y, record), value_of(fields.z, record)};
   }
@@ -134,6 +143,7 @@ class OrderedBatch {
   std::vector<Vec3> places_, positions_;
   std::vector<std::uint64_t> rows_;
   std::vector<double> values_;
+  FirstRowError refused_;
 };
 
 /// Gives all points in order.
@@ -149,6 +159,7 @@ void for_each_batch(const InOrderPass& run, Use use) {
     }
   };
   write_in_order(run.stream, stride, take, run.progress);
+  batch.require_values();
 }
 
 /// Result records of what a work finds, which hold the attributes that the pass keeps, in the order of the pass.

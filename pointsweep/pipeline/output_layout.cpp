@@ -43,10 +43,10 @@ void note_refused(const Field& from, const Field& to, const std::byte* records, 
     const bool rounds = to.type != Type::f32 && to.scale == 1 && std::nearbyint(value) != value;
     if (holds(to, value) && !rounds) continue;
     refused.note(rows.of(i), [&] {
-      return fmt::format(
-          "Row {}: '{}' would be {}, which is not {}, what the field of the output holds; leave out such points, or "
-          "write the attribute under another name (--prefix).",
-          rows.of(i), to.name, value, range_text(to));
+      return RowSentence{
+          "Row ", fmt::format(": '{}' would be {}, which is not {}, what the field of the output holds; leave out such "
+                              "points, or write the attribute under another name (--prefix).",
+                              to.name, value, range_text(to))};
     });
   }
 }

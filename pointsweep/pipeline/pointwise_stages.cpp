@@ -90,7 +90,8 @@ void PointwiseStages::run_batch(const std::byte* records, std::span<const std::u
   std::vector<std::byte*> made;
   for (const std::uint32_t bytes : plan.column_bytes) columns.emplace_back(size * bytes);
   for (auto& column : columns) made.push_back(column.data());
-  for (const FileColumn& file : plan.file_columns) fill_file_column(file, records_, records, size, made[file.column]);
+  for (const FileColumn& file : plan.file_columns)
+    fill_file_column(file, records_, records, rows, made[file.column], tally.refused);
   const std::vector<const std::byte*> own(made.begin(), made.end());
   const std::vector<std::uint32_t> no_lists(size + 1, 0);
   const Batch batch{{x, y, z, rows.data(), own.data()}, size, nullptr, no_lists.data(), nullptr, made.data()};

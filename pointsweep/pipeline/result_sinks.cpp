@@ -26,8 +26,8 @@ void SweepOrderSink::finished(const Finished& points) {
     const std::lock_guard lock(mutex_);
     open = slabs_[points.slab];
   }
-  put(*open, points);
   leave(points.slab, points.size);
+  put(*open, points);
 }
 
 void SweepOrderSink::recalled(const Finished& points) {

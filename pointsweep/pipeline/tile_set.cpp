@@ -14,6 +14,7 @@
 #include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/cloud_source.h"
+#include "pointsweep/row_error.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -161,9 +162,11 @@ void require_writable_tiles(const TileRequest& request, const FinishedTiles& fin
 
 /// A tile that is being written, or one that an earlier process has finished, of which rows only pass.
 struct TileSet::Tile {
-  Tile(std::size_t t, InputCloud of_tile) : number(t), cloud(std::move(of_tile)) {}
+  Tile(std::size_t t, std::uint64_t first_row, InputCloud of_tile)
+      : number(t), first(first_row), cloud(std::move(of_tile)) {}
 
   std::size_t number;
+  std::uint64_t first;  ///< row of the whole cloud, of those that are left
   InputCloud cloud;
   std::optional<OutputSet> files;  ///< absent: it is finished
   std::uint64_t done = 0;          ///< rows
@@ -184,7 +187,7 @@ TileSet::~TileSet() = default;
 
 void TileSet::open_next() {
   const std::size_t t = next_++;
-  tile_.reset(new Tile(t, cloud_of_input(request_.cloud, t)));
+  tile_.reset(new Tile(t, rows_opened_, cloud_of_input(request_.cloud, t)));
   InputCloud& cloud = tile_->cloud;
   if (const RowSelection* all = request_.cloud.selection())
     cloud.select(selected_rows(*all, first_row_[t], cloud.count()));
@@ -257,7 +260,11 @@ void TileSet::write_results(std::uint64_t, std::span<const std::byte> results) {
   std::size_t bytes = 0;
   for (const Attribute& a : request_.names.made) bytes += a.bytes();
   for_each_part(results.size() / bytes, [&](Tile& tile, std::uint64_t row, std::uint64_t skip, std::uint64_t rows) {
-    tile.files->write_results(tile.cloud, row, results.subspan(skip * bytes, rows * bytes));
+    try {
+      tile.files->write_results(tile.cloud, row, results.subspan(skip * bytes, rows * bytes));
+    } catch (const RowError& error) {
+      throw error.numbered(tile.first + error.row());
+    }
   });
 }
 

@@ -121,8 +121,10 @@ void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
     std::uint32_t end = i;
     while (end < cell.cell.size() && !cell.is_deferred(end)) ++end;
     if (end > i) {
-      sink_.finished({cell.slab, cell.index_in_slab.data() + i, cell.cell.row + i,
-                      worker.results.data() + std::size_t{i} * plan_.result_bytes, end - i});
+      worker.unwritten.note_from([&] {
+        sink_.finished({cell.slab, cell.index_in_slab.data() + i, cell.cell.row + i,
+                        worker.results.data() + std::size_t{i} * plan_.result_bytes, end - i});
+      });
     }
     i = end + 1;
   }

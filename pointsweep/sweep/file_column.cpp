@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/sweep/file_column.h"
 
-#include <cstring>
+#include "pointsweep/points/promised_type.h"
 
 namespace pointsweep {
 
-void fill_file_column(const FileColumn& file, const Schema& schema, const std::byte* records, std::size_t size,
-                      std::byte* out) {
-  const std::size_t bytes = size_of(file.type);
-  const Field to{.name = "", .type = file.type};
-  for (std::size_t i = 0; i < size; ++i, records += schema.stride) {
-    for (const std::size_t f : file.fields) {
-      const Field& from = schema.fields[f];
-      if (from.type == file.type && from.is_plain())
-        std::memcpy(out, records + from.offset, bytes);
-      else
-        set_value(to, out, value_of(from, records));
-      out += bytes;
-    }
+void fill_file_column(const FileColumn& file, const Schema& schema, const std::byte* records,
+                      std::span<const std::uint64_t> rows, std::byte* out, FirstRowError& refused) {
+  const std::size_t bytes = size_of(file.type), width = bytes * file.fields.size();
+  for (const std::size_t f : file.fields) {
+    const PromisedType promised(schema.fields[f], file.type);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      promised.convert(records + i * schema.stride, rows[i], out + i * width, refused);
+    out += bytes;
   }
 }
 

@@ -2,14 +2,18 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 
 #include "pointsweep/points/schema.h"
+#include "pointsweep/row_error.h"
 #include "pointsweep/sweep/plan.h"
 
 namespace pointsweep {
 
-/// Fills `out` with the values of a file column for `size` records of `schema`, in the type that stages were promised.
-void fill_file_column(const FileColumn& file, const Schema& schema, const std::byte* records, std::size_t size,
-                      std::byte* out);
+/// Fills `out` with the values of a file column, in the type that stages were promised, for records of `schema` whose
+/// rows are `rows`. Notes in `refused` values that this type cannot hold.
+void fill_file_column(const FileColumn& file, const Schema& schema, const std::byte* records,
+                      std::span<const std::uint64_t> rows, std::byte* out, FirstRowError& refused);
 
 }  // namespace pointsweep

@@ -385,7 +385,9 @@ void RecalledPoints::hand_over(std::uint32_t slot, const CellSubset& points, Wor
   collect_results(plan_, worker.chosen.columns(), points.size(), worker.results);
   std::vector<std::uint32_t> index_in_slab;
   for (std::uint32_t n = 0; n < points.size(); ++n) index_in_slab.push_back(cell.index_in_slab[points[n]]);
-  sink.recalled({cell.slab, index_in_slab.data(), worker.chosen.rows(), worker.results.data(), points.size()});
+  worker.unwritten.note_from([&] {
+    sink.recalled({cell.slab, index_in_slab.data(), worker.chosen.rows(), worker.results.data(), points.size()});
+  });
 }
 
 }  // namespace pointsweep

@@ -176,11 +176,20 @@ std::unique_ptr<WindowCell> SlabLoader::make_cell(std::uint32_t slab, std::span<
 }
 
 void SlabLoader::fill_file_columns(const std::vector<std::byte>& cell_records, WindowCell& cell) const {
+  FirstRowError refused;
   for (const FileColumn& file : plan_.file_columns) {
     cell.make_column(file.column, plan_.column_bytes[file.column]);
-    fill_file_column(file, stream_.record_schema(), cell_records.data(), cell.cell.size(),
-                     cell.columns[file.column].data());
+    fill_file_column(file, stream_.record_schema(), cell_records.data(), {cell.cell.row, cell.cell.size()},
+                     cell.columns[file.column].data(), refused);
   }
+  if (!refused.any()) return;
+  const std::lock_guard lock(mutex_);
+  refused_.note(refused);
+}
+
+FirstRowError SlabLoader::refused() const {
+  const std::lock_guard lock(mutex_);
+  return refused_;
 }
 
 }  // namespace pointsweep

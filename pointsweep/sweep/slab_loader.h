@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pointsweep/order/stream.h"
+#include "pointsweep/row_error.h"
 #include "pointsweep/search/cut.h"
 #include "pointsweep/sweep/plan.h"
 #include "pointsweep/sweep/window_cell.h"
@@ -32,6 +33,8 @@ class SlabLoader {
   /// these points has no number.
   std::vector<std::unique_ptr<WindowCell>> cells_of(std::uint32_t slab, std::span<const std::uint32_t> index_in_slab,
                                                     const std::vector<std::byte>& records) const;
+  /// Returns the error of the lowest row loaded so far that has a value which a stage cannot read.
+  FirstRowError refused() const;
 
  private:
   std::vector<std::unique_ptr<WindowCell>> cut_into_window_cells(std::uint32_t slab,
@@ -50,6 +53,7 @@ class SlabLoader {
   class OwnScratch;
   mutable std::mutex mutex_;
   mutable std::vector<std::unique_ptr<LoadScratch>> free_;  ///< of loads that have ended
+  mutable FirstRowError refused_;
 };
 
 }  // namespace pointsweep

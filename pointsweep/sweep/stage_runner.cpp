@@ -20,15 +20,6 @@ void count_distances(const Batch& batch, NeighborDistances& distances) {
   }
 }
 
-/// Goes on after a row that is refused: a lower one may be refused later.
-void apply(const Stage& stage, const Neighborhoods& in, Columns& out, FirstRowError& refused) {
-  try {
-    pointsweep::apply(stage.op, in, out);
-  } catch (const RowError& error) {
-    refused.note(error);
-  }
-}
-
 }  // namespace
 
 void run_stage(const SweepPlan& plan, std::size_t s, const Batch& batch, StageTally& tally) {
@@ -52,7 +43,7 @@ void run_stage(const SweepPlan& plan, std::size_t s, const Batch& batch, StageTa
   Columns out(made, batch.size, tally.marked[s], std::move(unwanted), std::move(bytes));
   const ConnectOperator* connects = stage.connects();
   if (connects == nullptr)
-    apply(stage, in, out, tally.refused);
+    tally.refused.note_from([&] { apply(stage.op, in, out); });
   else if (tally.edges)
     tally.edges->take(*connects, in, batch);
   tally.seconds[s] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

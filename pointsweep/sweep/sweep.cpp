@@ -106,10 +106,14 @@ class Sweep {
     options_.keeper->keep(progress_of(stream_, plan_, frontier_, window_, workers_, observer_.so_far()));
   }
 
+  /// Of a stage, if one has refused a row; else of the sink.
   FirstRowError refused() const {
-    FirstRowError first;
-    for (const Worker& worker : workers_) first.note(worker.tally.refused), first.note(worker.halo.refused);
-    return first;
+    FirstRowError by_stage = loader_.refused(), by_sink;
+    for (const Worker& worker : workers_) {
+      by_stage.note(worker.tally.refused), by_stage.note(worker.halo.refused);
+      by_sink.note(worker.unwritten);
+    }
+    return by_stage.any() ? by_stage : by_sink;
   }
 
   /// Finishes the deferred points, and returns the seconds. The window is empty, so that the recall may take its

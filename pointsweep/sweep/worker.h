@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pointsweep/row_error.h"
 #include "pointsweep/search/cell_search.h"
 #include "pointsweep/sweep/chosen_points.h"
 #include "pointsweep/sweep/deferred_point.h"
@@ -28,6 +29,7 @@ struct Worker {
   std::vector<std::byte> results;
   StageTally tally;
   StageTally halo;  ///< of points that a recall evaluates only because others need their values
+  FirstRowError unwritten;  ///< of a row whose results the sink cannot take; ends the sweep
   double search_seconds = 0;
   /// Of finished cells.
   std::vector<DeferredPoint> deferred;

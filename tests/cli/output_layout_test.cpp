@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <tuple>
 #include <vector>
 
 #include "pointsweep/formats/las_origin.h"
@@ -110,6 +112,72 @@ TEST_F(Layout, TheFirstRowIsNamedForAnyNumberOfThreads) {
       EXPECT_NE(result.err.find(fmt::format("row {}:", row)), std::string::npos) << pipeline << result.err;
     }
   }
+}
+
+/// Rows 39, 79, ... have the level 39 and more, so does row 2, which has no finite place.
+std::string levels(bool has_nan) {
+  std::string text = "x y z level\n";
+  for (int i = 0; i < 30000; ++i)
+    text += fmt::format("{} {} {} {}\n", i * 7919 % 30011, i % 3, has_nan && i == 2 ? "nan" : "0",
+                        has_nan && i == 2 ? 40 : i % 40 + (i > 5017));
+  return text;
+}
+
+TEST_F(Layout, TheFirstRowThatTheOutputCannotHoldIsNamedInEveryOrder) {
+  const std::string far = "set(x = 1e300 where level > 38)";
+  for (const auto& [row, has_nan, before] : {std::tuple{39, false, "knn(k=4) | normals | "},
+                                             std::tuple{2, true, "knn(k=4) | normals | "},
+                                             std::tuple{39, false, "knn(k=4) | where(level > 20) | normals | "},
+                                             std::tuple{39, false, "where(level > 20) | "}}) {
+    write("a.txt", levels(has_nan));
+    for (const char* how : {"--threads 1", "--threads 5", "--order sweep --threads 1", "--order sweep --threads 5",
+                            "--order sweep --memory 40M", "--engine reference", "--engine reference --order sweep"}) {
+      const Result result =
+          tool(fmt::format("run a.txt out.ply -f --positions float32 {} --pipeline '{}'", how, before + far));
+      EXPECT_EQ(result.status, 1) << how;
+      EXPECT_NE(result.err.find(fmt::format("Row {}: 'x' would be 1e+300", row)), std::string::npos)
+          << how << " " << before << result.err;
+      EXPECT_FALSE(exists("out.ply"));
+    }
+  }
+}
+
+TEST_F(Layout, ARowThatIsRefusedHasItsNumberInItsOwnFile) {
+  std::filesystem::create_directory(folder_ / "in");
+  for (const char* name : {"in/a.txt", "in/b.txt"}) write(name, levels(false));
+  for (const auto& [pipeline, row] : {std::pair{"where(level > 20) | set(w = level * 7, as=uint8)", "row 37 of "},
+                                      std::pair{"where(level > 20) | set(x = 1e300)", "Row 21 of "}}) {
+    for (const char* outputs : {"-o all.ply", "-o tiles/ --output-format ply"}) {
+      const Result result = tool(fmt::format("run in/ {} --positions float32 --pipeline '{}'", outputs, pipeline));
+      EXPECT_EQ(result.status, 1);
+      EXPECT_NE(result.err.find(row), std::string::npos) << result.err;
+      EXPECT_NE(result.err.find("a.txt: "), std::string::npos) << result.err;
+    }
+  }
+}
+
+TEST_F(Layout, AValueThatAStageCannotReadIsRefused) {
+  std::string text = "x y z nx ny nz k1\n";
+  for (int i = 0; i < 5000; ++i)
+    text += fmt::format("{} {} 0 0 0 {} {}\n", i * 7919 % 5003 / 50, i % 50, i % 11 == 10 ? "1e39" : "1",
+                        i % 13 == 12 ? "-4e38" : "2");
+  write("a.txt", text);
+  write("b.txt", text);
+  for (const char* how : {"--threads 1", "--threads 5", "--order sweep --threads 5", "--engine reference"}) {
+    for (const auto& [pipeline, field, row] :
+         {std::tuple{"knn(k=5) | curvature", "'nz' is 1e+39", 10}, std::tuple{"knn(k=5) | orient", "'nz' is 1e+39", 10},
+          std::tuple{"m3c2(cloud=b.txt, cylinder=2, depth=2)", "'nz' is 1e+39", 10},
+          std::tuple{"simplify(error=0.1)", "'k1' is -4e+38", 12}}) {
+      const bool is_graph = std::string(pipeline).find("orient") != std::string::npos;
+      if (is_graph && std::string(how).find("reference") != std::string::npos) continue;
+      const Result result = tool(fmt::format("run a.txt out.ply {} --pipeline '{}'", how, pipeline));
+      EXPECT_EQ(result.status, 1) << pipeline << result.err;
+      EXPECT_NE(result.err.find(fmt::format("Row {}: {}, which is not in the range of float32", row, field)),
+                std::string::npos)
+          << how << " " << pipeline << result.err;
+    }
+  }
+  made("run a.txt out.ply -q --pipeline 'knn(k=5) | where(nz < 2) | curvature'");
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "pointsweep/pipeline/run/made_rows.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/run_checkpoints.h"
+#include "pointsweep/row_error.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -109,6 +110,13 @@ void finish(RunState& run) {
   run.statistics.peak_rss_bytes = peak_resident_bytes();
 }
 
+/// Returns the error with the row of the input: a pass numbers the rows that are left.
+RowError in_input(RunState& run, const RowError& error) {
+  const auto [input, row] = run.cloud.place_of_row(run.rows_of_cloud({error.row()}).front());
+  if (run.cloud.readers().size() == 1) return error.numbered(row);
+  return error.named(fmt::format("{} of {}", row, run.cloud.readers()[input]->info().path.string()));
+}
+
 /// An error while tiles are written also says how many are complete.
 template <class Work>
 void with_progress_of_tiles(RunState& run, Work work) {
@@ -118,6 +126,8 @@ void with_progress_of_tiles(RunState& run, Work work) {
     throw;
   } catch (const Cancelled&) {
     throw;
+  } catch (const RowError& error) {
+    throw Error(in_input(run, error).what() + (run.tiles ? run.tiles->progress() : ""));
   } catch (const Error& error) {
     throw Error(error.what() + (run.tiles ? run.tiles->progress() : ""));
   }

@@ -13,6 +13,7 @@
 #include "pointsweep/pipeline/run/connect_points.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/run_scratch.h"
+#include "pointsweep/row_error.h"
 #include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
@@ -95,12 +96,16 @@ void put_nonfinite(RunState& run, std::size_t p) {
 
 void sweep_stages(RunState& run, std::size_t p) {
   const std::size_t before = run.statistics.degenerate_results.size();
-  const SweepEngine* const other = run.other_engine();
-  const SweepStatistics done = other ? sweep_by(*other, run, p) : sweep_by_cells(run, p);
-  add_sweep(run.statistics, run.plan.passes[p].plan, done);
-  if (run.stream->spilled_bytes() != 0) run.statistics.bytes_read += done.recalled_bytes;
+  FirstRowError refused;
+  refused.note_from([&] {
+    const SweepEngine* const other = run.other_engine();
+    const SweepStatistics done = other ? sweep_by(*other, run, p) : sweep_by_cells(run, p);
+    add_sweep(run.statistics, run.plan.passes[p].plan, done);
+    if (run.stream->spilled_bytes() != 0) run.statistics.bytes_read += done.recalled_bytes;
+  });
+  refused.note_from([&] { put_nonfinite(run, p); });
+  refused.throw_if_any();
   run.number_degenerate_rows(before);
-  put_nonfinite(run, p);
 }
 
 void take_in_order(RunState& run, std::size_t p) {
