@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The law of --memory: every operator of the registry, on every kind of cloud, in every budget that it accepts, with few and with many threads: the peak of its resident memory stays within the budget.
 
-Each runs its example (bench/examples.py) in the least memory that it accepts, which its refusal names, and in each of --budgets that is not less."""
+Each runs its example (bench/examples.py) in the least memory that it accepts, which its refusal names, in the least that has room for all threads, and in each of --budgets that is not less
+than the first. The runs are numbered; --every N does each N-th of them."""
 import datetime
 import json
 import re
@@ -13,21 +14,25 @@ from clouds import LAW
 from examples import examples, scaled
 
 LEAST = re.compile(r"give --memory (\d+)M")
+FOR_ALL_THREADS = re.compile(r"no room for more; --memory (\d+)M")
 
 
 class Law:
     def __init__(self, bench):
-        self.bench, self.options = bench, bench.options
+        self.bench, self.options, self.numbered = bench, bench.options, 0
         self.other = self.cloud(LAW[0], self.options.work / "law-other.ply")
 
     def cloud(self, cloud, file=None):
         return scaled(self.bench.tool, self.bench.inputs(cloud), file or self.options.work / f"law-{cloud.name}-{self.bench.points}.ply")
 
+    def command(self, cloud, pipeline, memory, threads):
+        return [self.bench.tool, "run", cloud, self.options.work / "law.ply", "--quiet", "--force", "--memory", f"{memory}M", "--threads", threads,
+                "--temp-dir", self.options.work, "--pipeline", pipeline]
+
     def run(self, cloud, pipeline, memory, threads):
         """The peak in MiB, or the sentence of the error."""
         statistics = self.options.work / "statistics.json"
-        command = [self.bench.tool, "run", cloud, self.options.work / "law.ply", "--quiet", "--force", "--memory", f"{memory}M", "--threads", threads,
-                   "--temp-dir", self.options.work, "--stats", statistics, "--pipeline", pipeline]
+        command = [*self.command(cloud, pipeline, memory, threads), "--stats", statistics]
         try:
             done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=self.options.patience)
         except subprocess.TimeoutExpired:
@@ -40,7 +45,10 @@ class Law:
         """Those that are accepted. A pipeline that is not refused in any memory needs no more than 48 MiB."""
         refusal = self.run(cloud, pipeline, 1, threads)
         least = int(found[1]) if isinstance(refusal, str) and (found := LEAST.search(refusal)) else 48
-        return [least, *(budget for budget in self.options.budgets if budget > least)]
+        plan = [str(word) for word in [*self.command(cloud, pipeline, least, threads), "--dry-run"]]
+        told = subprocess.run(plan, capture_output=True, text=True).stdout
+        for_all = [int(found[1])] if (found := FOR_ALL_THREADS.search(told)) else []
+        return sorted({least, *for_all, *(budget for budget in self.options.budgets if budget > least)})
 
     def rows(self, cloud):
         file = self.cloud(cloud)
@@ -49,6 +57,9 @@ class Law:
                 continue
             for threads in (2, 64):
                 for memory in self.budgets(file, pipeline, threads):
+                    self.numbered += 1
+                    if self.numbered % self.options.every != 0:
+                        continue
                     peak = self.run(file, pipeline, memory, threads)
                     kept = not isinstance(peak, str) and peak <= memory
                     yield {"cloud": cloud.name, "operator": name, "threads": threads, "memory_mib": memory,

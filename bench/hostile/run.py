@@ -39,6 +39,7 @@ def arguments():
                         help="run every operator of the registry on every kind of cloud, with 2 and 64 threads: its peak memory stays within --memory")
     parser.add_argument("--budgets", type=int, nargs="*", default=[64, 128, 256], help="MiB of --law, beside the least (default 64 128 256)")
     parser.add_argument("--law-operators", nargs="+", metavar="NAME", help="operators of --law (default: all)")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="do each N-th run of --law (default 1)")
     parser.add_argument("--tiles", action="store_true", help="run folders of 100, 1,000 and 10,000 tiles: the time for a tile stays the same")
     parser.add_argument("--verbose", action="store_true", help="print every run of --law")
     parser.add_argument("--patience", type=int, default=300, help="seconds after which a run of --operators or --law is ended (default 300)")

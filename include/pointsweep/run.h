@@ -81,7 +81,7 @@ class POINTSWEEP_EXPORT Observer {
 /// What a run may take of the machine. No result depends on it.
 struct Resources {
   std::uint64_t memory_bytes = 0;  ///< budget of the whole process; 0: half of what is available
-  unsigned threads = 0;            ///< 0: one for each core
+  unsigned threads = 0;            ///< at most; 0: one for each core. Fewer work where the budget has no room for all
   /// For what does not fit the budget. Must exist and be writable, even if nothing is spilled; empty: the system's.
   std::filesystem::path temp_folder = {};
 };

@@ -36,6 +36,7 @@ class Ground final : public InOrderOperator {
   Vec3 place_of(Vec3 position) const override;
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
+  InOrderEffort effort(const CloudEstimate& cloud) const override;
   const GroundOptions& options() const { return options_; }
   GroundRule rule() const;
 

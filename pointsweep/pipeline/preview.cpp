@@ -86,18 +86,23 @@ std::string axis_text(const InOrderContract& contract, std::optional<int> asked)
   return in_plane ? "x or y" : "their longest axis";
 }
 
+std::string effort_text(const Effort& effort) {
+  return fmt::format("effort        {}, {}\n", effort.text, about_time_text(effort.seconds));
+}
+
 /// How a pass goes through the points.
 std::string passage_text(const Preview& p, std::size_t s) {
   const PlannedPass& pass = p.planned.passes[s];
   if (pass.kind == PassKind::rows) return "reads         the rows in their order; no neighbours are searched\n";
   if (const InOrderOperator* op = pass.in_order()) {
     const InOrderContract contract = op->in_order_contract();
+    const Effort& effort = p.memory.efforts[s];
     return fmt::format("reads         the points in order along {}{}; no neighbours are searched\n",
-                       axis_text(contract, p.axis), contract.arrival.empty() ? "" : ", " + contract.arrival);
+                       axis_text(contract, p.axis), contract.arrival.empty() ? "" : ", " + contract.arrival) +
+           (effort.seconds < kLongSeconds ? "" : effort_text(effort));
   }
   std::string text = fmt::format("neighbours    {}\n", neighborhood_text(pass.plan.neighborhood));
-  if (const Effort& effort = p.memory.efforts[s]; effort.neighbors_per_point > 0)
-    text += fmt::format("effort        {}\n", effort_text(effort.neighbors_per_point, effort.seconds));
+  if (p.memory.efforts[s].seconds > 0) text += effort_text(p.memory.efforts[s]);
   if (const Stage* stage = pass.connecting_stage())
     text += fmt::format("connects      neighbours by edges, in the temporary folder; '{}' is known after the pass\n",
                         name_of(stage->op));
@@ -167,8 +172,11 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   const OutputLayout layout(cloud.schema(), out.names.made, out.names.kept,
                             type_of_positions(out.names.made, outputs.points, options));
   out.memory = plan_run_memory(out.budget, out.planned, out.points, survey(source, options.axis, false), options,
-                               layout.schema().stride, codec_bytes(cloud, outputs, layout.schema().stride, options),
+                               layout.schema().stride, [&](unsigned threads) {
+                                 return codec_bytes(cloud, outputs, layout.schema().stride, threads);
+                               },
                                on_demand_order(cloud, out.planned, options));
+  if (!out.memory.threads_note.empty()) out.notes.push_back(out.memory.threads_note);
   return out;
 }
 

@@ -97,12 +97,16 @@ double neighbor_seconds(const SweepPlan& plan, double neighbors) {
   return 1e-9 * cost * neighbors;
 }
 
-std::string effort_text(double neighbors_per_point, double seconds) {
+std::string neighbors_text(double neighbors_per_point) {
+  return fmt::format("about {} per point", counted(neighbors_per_point, "neighbour"));
+}
+
+std::string about_time_text(double seconds) {
   const std::string time = seconds < 90       ? counted(std::max(1.0, seconds), "second")
                            : seconds < 5400   ? counted(seconds / 60, "minute")
                            : seconds < 172800 ? counted(seconds / 3600, "hour")
                                               : counted(seconds / 86400, "day");
-  return fmt::format("about {} per point, about {}", counted(neighbors_per_point, "neighbour"), time);
+  return "about " + time;
 }
 
 }  // namespace pointsweep

@@ -24,7 +24,10 @@ RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, doubl
 /// 2.6 GHz.
 double neighbor_seconds(const SweepPlan& plan, double neighbors);
 
-/// "about 4,100 neighbours per point, about 40 minutes"
-std::string effort_text(double neighbors_per_point, double seconds);
+/// "about 4,100 neighbours per point"
+std::string neighbors_text(double neighbors_per_point);
+
+/// "about 40 minutes"
+std::string about_time_text(double seconds);
 
 }  // namespace pointsweep

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <thread>
+#include <utility>
 
 #include "pointsweep/order/waiting_estimate.h"
 #include "pointsweep/pipeline/forest_estimate.h"
@@ -50,7 +51,8 @@ Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& sur
   demand.slice_points = estimate.slice_points;
   demand.most_neighbors = static_cast<std::uint64_t>(estimate.most_neighbors);
   const double all = estimate.neighbors * static_cast<double>(demand.points);
-  return {estimate.neighbors, neighbor_seconds(plan, all) / demand.threads};
+  return {neighbor_seconds(plan, all) / demand.threads,
+          "The radius", neighbors_text(estimate.neighbors), "a smaller one, or k beside it, takes less"};
 }
 
 /// The axis along which places ascend, if the sample shows the extents of the cloud.
@@ -60,17 +62,21 @@ int axis_of_places(const Survey& survey, const EngineOptions& options) {
   return extent.x >= extent.y ? 0 : 1;
 }
 
-/// The least memory of an in-order operator.
-void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey, const EngineOptions& options) {
+/// The least memory of an in-order operator, and its effort.
+void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey, const EngineOptions& options,
+                  Effort& effort) {
   const InOrderOperator* op = pass.in_order();
   if (op == nullptr) return;
   const auto slice_points = [&](double thickness) {
     return estimate_radius(survey, demand.points, thickness / 2, thickness).slice_points;
   };
-  demand.in_order_bytes = op->least_bytes({.points = demand.points,
-                                           .sample = survey.sample,
-                                           .axis = axis_of_places(survey, options),
-                                           .slice_points = slice_points});
+  const CloudEstimate cloud{.points = demand.points,
+                            .sample = survey.sample,
+                            .axis = axis_of_places(survey, options),
+                            .slice_points = slice_points};
+  const InOrderEffort alone = op->effort(cloud);
+  effort = {alone.seconds / demand.threads, alone.cause, alone.text, alone.remedy};
+  demand.in_order_bytes = op->least_bytes(cloud);
   if (!op->other_cloud().empty()) demand.in_order_bytes += OtherCloud::working_bytes(demand.threads);
 }
 
@@ -153,10 +159,20 @@ bool RunMemory::spills() const {
   return spill_rows || !in_memory(reordering) || !std::ranges::all_of(passes, in_memory);
 }
 
-RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
+namespace {
+
+/// For whole records of `record_bytes` that are only put in order. Does not throw: see MemoryPlan::needed_bytes.
+MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
+                                const Survey& survey, const EngineOptions& options, std::uint64_t codec_bytes) {
+  return plan(budget, unswept(0), demand(record_bytes, 0, points, survey, options, codec_bytes), options);
+}
+
+/// As plan_run_memory() for exactly the threads of the options; does not throw: see RunMemory::needed_bytes.
+RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
                           const EngineOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes,
                           const OnDemandOrder& on_demand) {
   RunMemory memory;
+  memory.threads = threads_of(options);
   memory.ordered_pass = first_ordered_pass(planned);
   for (const PlannedPass& pass : planned.passes) {
     if (pass.kind == PassKind::rows) {
@@ -171,7 +187,7 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
     MemoryDemand needs = demand(whole ? pass.input.stride : pass.travelling_bytes(),
                                 whole ? output_bytes : stages.result_bytes, points, survey, options, codec_bytes);
     memory.efforts.push_back(add_radius(needs, stages, survey));
-    add_in_order(needs, pass, survey, options);
+    add_in_order(needs, pass, survey, options, memory.efforts.back());
     add_forest(needs, pass, survey);
     memory.record_bytes.push_back(needs.working_record_bytes);
     if (memory.passes.size() == memory.ordered_pass) {
@@ -191,9 +207,8 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
         plan_ordering_memory(budget, output_bytes + position_bytes, points, survey, options, codec_bytes);
     memory.expected_bytes = std::max(memory.expected_bytes, memory.reordering.expected_bytes);
   }
-  std::uint64_t needed = memory.reordering.needed_bytes;
-  for (const MemoryPlan& pass : memory.passes) needed = std::max(needed, pass.needed_bytes);
-  if (needed != 0) fail_budget(budget, needed);
+  memory.needed_bytes = memory.reordering.needed_bytes;
+  for (const MemoryPlan& pass : memory.passes) memory.needed_bytes = std::max(memory.needed_bytes, pass.needed_bytes);
   memory.row_bytes = points * planned.most_carried_bytes() + mask_bytes(planned, points);
   memory.spill_rows = memory.row_bytes > 0 && (memory.spills() || memory.expected_bytes + memory.row_bytes > budget);
   if (memory.spill_rows) return memory;
@@ -202,14 +217,38 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
   return memory;
 }
 
-MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
-                                const Survey& survey, const EngineOptions& options, std::uint64_t codec_bytes) {
-  return plan(budget, unswept(0), demand(record_bytes, 0, points, survey, options, codec_bytes), options);
+}  // namespace
+
+RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
+                          const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs,
+                          const OnDemandOrder& on_demand) {
+  const auto plan_for = [&](unsigned threads) {
+    EngineOptions fewer = options;
+    fewer.resources.threads = threads;
+    return plan_on_threads(budget, planned, points, survey, fewer, output_bytes, codecs ? codecs(threads) : 0,
+                           on_demand);
+  };
+  const unsigned asked = threads_of(options);
+  RunMemory all = plan_for(asked), fitting;
+  if (all.needed_bytes == 0) return all;
+  unsigned enough = 0, too_many = asked;
+  while (too_many - enough > 1) {
+    const unsigned middle = enough + (too_many - enough) / 2;
+    RunMemory memory = plan_for(middle);
+    if (memory.needed_bytes != 0)
+      too_many = middle;
+    else
+      enough = middle, fitting = std::move(memory);
+  }
+  if (enough == 0) fail_budget(budget, asked == 1 ? all.needed_bytes : plan_for(1).needed_bytes);
+  fitting.threads_note = fmt::format(
+      "{} of {} threads work: a memory budget of {} MB has no room for more; --memory {}M has room for all.", enough,
+      asked, budget >> 20, all.needed_bytes >> 20);
+  return fitting;
 }
 
 std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::uint64_t record_bytes,
-                          const EngineOptions& options) {
-  const unsigned threads = threads_of(options);
+                          unsigned threads) {
   std::uint64_t decoders = 0;  // a thread reads one input at a time
   for (const auto& reader : cloud.readers())
     if (!reader->info().decode_once)  // those are gone before the memory is needed (decoded_input.h)

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,11 +18,17 @@
 
 namespace pointsweep {
 
-/// What a radius without a limit k asks for, estimated. All 0 where there is a limit.
+/// What a pass asks for whose time the number of points does not tell, estimated: a radius without a limit k, or an
+/// operator in order. 0 seconds for all other passes.
 struct Effort {
-  double neighbors_per_point = 0;
-  double seconds = 0;  ///< of search and operators, on all threads
+  double seconds = 0;  ///< on all threads
+  std::string cause;   ///< "The radius"
+  std::string text;    ///< what the cause means: "about 400 neighbours per point"
+  std::string remedy;  ///< "a smaller one takes less"
 };
+
+/// Efforts from here on are worth a sentence before the work.
+inline constexpr double kLongSeconds = 60;
 
 /// Of all phases, decided before the first.
 struct RunMemory {
@@ -36,23 +43,26 @@ struct RunMemory {
   bool spill_rows = false;                  ///< what is carried between passes, and which rows are left
   std::uint64_t row_bytes = 0;              ///< what that takes at most, in memory or in the temporary folder
   std::uint64_t expected_bytes = 0;         ///< the most at any time
+  std::uint64_t needed_bytes = 0;           ///< the least budget that does, if this one does not; otherwise 0
+  unsigned threads = 1;                     ///< that work after the survey
+  std::string threads_note;                 ///< for the user, where they are fewer than asked for
   bool spills() const;
 };
 
-/// What is carried from sweep to sweep is in memory only where everything is. Throws as plan_memory(). The same survey
-/// serves all sweeps: where points move is not known yet. `output_bytes`: of an output record; `codec_bytes`:
-/// codec_bytes().
+/// Returns codec_bytes() for a number of threads.
+using CodecBytes = std::function<std::uint64_t(unsigned threads)>;
+
+/// What is carried from sweep to sweep is in memory only where everything is. The same survey serves all sweeps: where
+/// points move is not known yet. As many threads work as the budget has memory for, at most those of the options.
+/// Throws Error with the least budget that does where it has none for one thread. `output_bytes`: of an output record;
+/// `codecs` may be empty.
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
-                          const EngineOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes = 0,
+                          const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs = {},
                           const OnDemandOrder& on_demand = {"it was not looked for", {}});
 
-/// For whole records of `record_bytes` that are only put in order. Does not throw: see MemoryPlan::needed_bytes.
-MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
-                                const Survey& survey, const EngineOptions& options, std::uint64_t codec_bytes = 0);
-
-/// What decoding the inputs and encoding records of `record_bytes` to these outputs takes.
+/// What decoding the inputs and encoding records of `record_bytes` to these outputs takes on so many threads.
 std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::uint64_t record_bytes,
-                          const EngineOptions& options);
+                          unsigned threads);
 
 /// The part of it for encoding one output.
 std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, const EngineOptions& options);

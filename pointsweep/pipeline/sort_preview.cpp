@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/temp_folder.h"
@@ -27,9 +28,13 @@ SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output,
   out.axis = seen.axis;
   out.record_bytes = cloud.schema().stride;
   out.output_bytes = OutputLayout(cloud.schema(), {}, kept).schema().stride;
-  out.memory = plan_ordering_memory(out.budget, out.record_bytes, out.points, seen, options,
-                                    codec_bytes(cloud, {.points = output}, out.output_bytes, options));
-  if (out.memory.needed_bytes != 0) fail_budget(out.budget, out.memory.needed_bytes);
+  ChainPlan only_sorts;
+  only_sorts.reorders = true;
+  RunMemory memory = plan_run_memory(
+      out.budget, only_sorts, out.points, seen, options, out.record_bytes,
+      [&](unsigned threads) { return codec_bytes(cloud, {.points = output}, out.output_bytes, threads); });
+  out.memory = memory.reordering;
+  out.note = std::move(memory.threads_note);
   return out;
 }
 
@@ -42,6 +47,7 @@ std::string to_text(const SortPreview& p) {
                       (p.points + slab_points - 1) / slab_points, slab_points, p.record_bytes,
                       p.memory.spill_stream ? "spilled" : "in memory");
   text += fmt::format("results       {} bytes a point, unchanged\n", p.output_bytes);
+  if (!p.note.empty()) text += "note          " + p.note + "\n";
   return text + fmt::format("memory        {:.1f} MB expected of {:.1f} MB\n", megabytes(p.memory.expected_bytes),
                             megabytes(p.budget));
 }

@@ -18,6 +18,7 @@ struct SortPreview {
   std::uint32_t record_bytes = 0, output_bytes = 0;  ///< of a point: of the input, of the output before its format
   std::uint64_t decoded_bytes = 0;                   ///< decoded_input_bytes()
   MemoryPlan memory;
+  std::string note;  ///< where fewer threads work than were asked for
 };
 
 /// Looks at a sample of the cloud and writes nothing. Throws what sort() to `output` would throw before the work.

@@ -77,6 +77,25 @@ TEST_F(CloudVerbs, StatisticsAreJsonAndSayHowManyThreadsAndHowMuchMemory) {
   EXPECT_EQ(stats["memory_budget_bytes"], 300u << 20);
 }
 
+TEST_F(CloudVerbs, FewerThreadsWorkThanTheBudgetHasNoRoomForAndALineSaysSo) {
+  for (const char* verb : {"run in.ply out.ply -f --no-provenance --pipeline 'knn(k=12) | normals | orient'",
+                           "normals in.ply out.ply -f --no-provenance -k 80"}) {
+    const std::string all = made(verb + std::string(" --threads 2"), "out.ply");
+    const std::string refusal = tool(verb + std::string(" --memory 1M --threads 64")).err;
+    const std::size_t at = refusal.find("give --memory ");
+    ASSERT_NE(at, std::string::npos) << refusal;
+    const std::string least = refusal.substr(at + 14, refusal.find('M', at + 14) - at - 13);
+    const std::string few = verb + (" --threads 64 --memory " + least);
+    const Result result = tool(few + " --stats s.json");
+    EXPECT_EQ(result.status, 0) << few << result.err;
+    EXPECT_NE(result.err.find(" of 64 threads work: a memory budget of "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("note: "), std::string::npos) << result.err;
+    EXPECT_EQ(contents(folder_ / "out.ply"), all);
+    EXPECT_LT(nlohmann::json::parse(contents(folder_ / "s.json"))["threads"], 64);
+    EXPECT_NE(made(few + " --dry-run", ".out").find("note          "), std::string::npos);
+  }
+}
+
 TEST_F(CloudVerbs, NothingThatExistsIsReplacedUnlessForced) {
   for (const char* name : {"out.ply", "out.npy", "s.json", "d.npy"}) write(name, "precious");
   refused(1, "normals in.ply out.ply", "out.ply");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The law of --memory: every operator, in the least memory that it accepts, stays below it, with many threads.
+/// The law of --memory: every operator stays below it, in the least memory that it accepts and in the least that has
+/// room for all of many threads.
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/tool.h"
@@ -21,13 +22,20 @@ class MemoryLaw : public Tool, public testing::WithParamInterface<std::string> {
            "M --pipeline '" + example_of(GetParam(), "other.ply").pipeline + "'";
   }
 
+  /// The number of MB that a text names behind `words`; `otherwise` where it does not have them.
+  static std::uint64_t mega_behind(const std::string& words, const std::string& text, std::uint64_t otherwise) {
+    const std::size_t at = text.find(words);
+    return at == std::string::npos ? otherwise : std::stoull(text.substr(at + words.size()));
+  }
   /// The least MB that are accepted; those of a run that is not refused are what it needs at most.
   std::uint64_t least_mega() {
     const Result refused = tool(command(1));
-    const std::string give = "give --memory ";
-    const std::size_t at = refused.err.find(give);
-    EXPECT_TRUE(refused.status == 0 || at != std::string::npos) << refused.err;
-    return at == std::string::npos ? 48 : std::stoull(refused.err.substr(at + give.size()));
+    EXPECT_TRUE(refused.status == 0 || refused.err.find("give --memory ") != std::string::npos) << refused.err;
+    return mega_behind("give --memory ", refused.err, 48);
+  }
+  /// The least MB that have room for all threads.
+  std::uint64_t mega_for_all_threads(std::uint64_t least) {
+    return mega_behind("no room for more; --memory ", made(command(least) + " --dry-run", ".out"), least);
   }
 };
 
@@ -35,10 +43,13 @@ TEST_P(MemoryLaw, TheLeastMemoryIsNeverExceeded) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers take memory of their own";
 #endif
-  const std::uint64_t mega = least_mega();
-  made(command(mega));
-  const auto statistics = nlohmann::json::parse(contents(folder_ / "stats.json"));
-  EXPECT_LE(statistics["peak_rss_bytes"].get<std::uint64_t>(), mega << 20) << command(mega);
+  const std::uint64_t least = least_mega();
+  for (const std::uint64_t mega : {least, mega_for_all_threads(least)}) {
+    made(command(mega));
+    const auto statistics = nlohmann::json::parse(contents(folder_ / "stats.json"));
+    EXPECT_LE(statistics["peak_rss_bytes"].get<std::uint64_t>(), mega << 20) << command(mega);
+    EXPECT_TRUE(mega == least || statistics["threads"] == 16) << command(mega);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryOperator, MemoryLaw, testing::ValuesIn(names_of_all_operators()),

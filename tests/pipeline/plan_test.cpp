@@ -207,13 +207,58 @@ TEST(RunMemory, CountsWhatDecodingAndEncodingTakeInEveryPass) {
   constexpr std::uint64_t kPoints = 1'000'000, kCodecs = 10 * kMega;
   for (const char* chain : {"normals", "sor | where(outlier == 0) | normals", "where(z > 0)"}) {
     const auto expected = [&](std::uint64_t codecs) {
-      return plan_run_memory(8192 * kMega, plan_of(chain), kPoints, survey_of(), options, 40, codecs);
+      return plan_run_memory(8192 * kMega, plan_of(chain), kPoints, survey_of(), options, 40,
+                             [codecs](unsigned) { return codecs; });
     };
     const RunMemory without = expected(0), with = expected(kCodecs);
     for (std::size_t p = 0; p < with.passes.size(); ++p)
       EXPECT_EQ(with.passes[p].expected_bytes, without.passes[p].expected_bytes + kCodecs) << chain << ", pass " << p;
   }
-  EXPECT_THROW(plan_run_memory(32 * kMega, plan_of("normals"), kPoints, survey_of(), options, 40, kCodecs), Error);
+  const auto codecs = [](unsigned) { return kCodecs; };
+  EXPECT_THROW(plan_run_memory(32 * kMega, plan_of("normals"), kPoints, survey_of(), options, 40, codecs), Error);
+}
+
+TEST(RunMemory, FewerThreadsWorkWhereTheBudgetHasNoRoomForAll) {
+  const auto memory = [](const char* chain, std::uint64_t mega, unsigned threads) {
+    EngineOptions options;
+    options.resources.threads = threads;
+    return plan_run_memory(mega * kMega, plan_of(chain), 20'000'000, survey_of(), options, 40,
+                           [](unsigned working) { return working * (kMega / 4); });
+  };
+  const auto least = [&](const char* chain, unsigned threads) {
+    try {
+      memory(chain, 1, threads);
+    } catch (const Error& e) {
+      const std::string sentence = e.what();
+      return std::stoull(sentence.substr(sentence.find("--memory ") + 9));
+    }
+    return 0ULL;
+  };
+  for (const char* chain : {"normals", "sor | where(outlier == 0) | normals", "normals | splats | fair"}) {
+    const std::uint64_t least_of_one = least(chain, 1);
+    EXPECT_GT(least_of_one, 32u);
+    EXPECT_EQ(least(chain, 64), least_of_one) << "one thread is enough for any number that is asked for";
+    EXPECT_EQ(memory(chain, least_of_one, 1).threads_note, "");
+    unsigned before = 1;
+    for (std::uint64_t mega = least_of_one; mega < 4096; mega += mega / 8) {
+      const RunMemory planned = memory(chain, mega, 64);
+      EXPECT_LE(planned.expected_bytes, mega * kMega);
+      EXPECT_GE(planned.threads, before) << "a larger budget never has room for fewer";
+      before = planned.threads;
+      if (planned.threads == 64) {
+        EXPECT_EQ(planned.threads_note, "");
+        continue;
+      }
+      EXPECT_NE(memory(chain, mega, planned.threads + 1).threads_note, "") << "as many as fit";
+      const std::string& note = planned.threads_note;
+      const std::string begin = fmt::format("{} of 64 threads work: a memory budget of {} MB has", planned.threads, mega);
+      EXPECT_EQ(note.find(begin), 0u) << note;
+      const std::uint64_t enough = std::stoull(note.substr(note.find("--memory ") + 9));
+      EXPECT_EQ(memory(chain, enough, 64).threads, 64u);
+      EXPECT_LT(memory(chain, enough - 1, 64).threads, 64u);
+    }
+    EXPECT_EQ(before, 64u);
+  }
 }
 
 TEST(RunMemory, WithRowsBetweenPassesNeverExpectsMoreThanTheBudget) {

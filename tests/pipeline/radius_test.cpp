@@ -174,9 +174,11 @@ TEST(Radius, NeighborsAreEstimatedWithinAFactorOfTwoFromASampleOfThem) {
 }
 
 TEST(Radius, EffortIsSaidInRoundNumbers) {
-  EXPECT_EQ(effort_text(4123, 2412), "about 4,100 neighbours per point, about 40 minutes");
-  EXPECT_EQ(effort_text(24, 0.2), "about 24 neighbours per point, about 1 second");
-  EXPECT_EQ(effort_text(1'234'567, 200'000), "about 1,200,000 neighbours per point, about 2 days");
+  EXPECT_EQ(neighbors_text(4123), "about 4,100 neighbours per point");
+  EXPECT_EQ(neighbors_text(1'234'567), "about 1,200,000 neighbours per point");
+  EXPECT_EQ(about_time_text(2412), "about 40 minutes");
+  EXPECT_EQ(about_time_text(0.2), "about 1 second");
+  EXPECT_EQ(about_time_text(200'000), "about 2 days");
 }
 
 TEST(Radius, ARunThatCannotFitIsRefusedBeforeTheWork) {
@@ -229,6 +231,26 @@ TEST(Radius, TheUserIsToldOfALongRunBeforeIt) {
   options.observer = &watching;
   EXPECT_THROW(run_in_memory(points, chain_over(points, "knn(radius=100) | normals"), options), Cancelled);
   EXPECT_NE(told.find("about 300,000 neighbours per point, about "), std::string::npos) << told;
+}
+
+TEST(Radius, TheUserIsToldOfALongGroundBeforeIt) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 200; ++i)
+    for (int j = 0; j < 200; ++j) points.push_back({i * 0.5, j * 0.5, i % 20 < 10 ? 5.0 : 0.0});
+  points.push_back({1e7, -1e7, 0});
+  EngineOptions options;
+  options.resources.threads = 1;
+  std::string told;
+  Watching watching({}, [&](const std::string& sentence) {
+    told = sentence;
+    watching.cancel();
+  });
+  options.observer = &watching;
+  EXPECT_NO_THROW(run_in_memory(points, chain_over(points, "ground(cell=1, window=10)"), options));
+  EXPECT_EQ(told, "") << "an outlier far away alone makes no long run";
+  EXPECT_THROW(run_in_memory(points, chain_over(points, "ground(cell=0.05, window=50)"), options), Cancelled);
+  EXPECT_NE(told.find("The window means disks of up to 1000 cells over a raster of about "), std::string::npos) << told;
+  EXPECT_NE(told.find("; larger cells or a smaller window take less."), std::string::npos) << told;
 }
 
 TEST(Radius, ACancelledRunEndsWithinASecond) {

@@ -29,7 +29,10 @@ struct Phase {
 /// Of a plan without passes: of a run that only puts the input in order.
 std::vector<Phase> phases_of(const ChainPlan& plan);
 
+/// Surveys the input and plans the memory.
 void survey_phase(RunState& run);
+/// Opens the outputs. On the threads that RunMemory::threads allows, as all that follows.
+void open_run(RunState& run);
 void order_phase(RunState& run, std::size_t pass);
 void sweep_phase(RunState& run, std::size_t pass);
 void update_phase(RunState& run, std::size_t pass);

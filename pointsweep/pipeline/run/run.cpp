@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <memory>
 #include <set>
 #include <thread>
 #include <utility>
@@ -83,7 +84,7 @@ void perform(RunState& run, const Phase& phase) {
   if (phase.kind != PhaseKind::survey && !run.is_empty() && run.pass != phase.pass) begin_pass(run, phase.pass);
   switch (phase.kind) {
     case PhaseKind::survey:
-      survey_phase(run);
+      open_run(run);
       return restore_rows(run);
     case PhaseKind::order:
       return order_phase(run, phase.pass);
@@ -133,10 +134,8 @@ void with_progress_of_tiles(RunState& run, Work work) {
   }
 }
 
-/// A run from survey to finished files.
-Statistics run_phases(RunState& run) {
-  check_request(run);
-  open_checkpoints(run);
+/// A run from the end of its survey to finished files.
+Statistics run_after_survey(RunState& run) {
   for (const Phase& phase : phases_of(run.plan)) {
     const bool nothing_left = run.is_empty() && phase.kind != PhaseKind::write;
     if (nothing_left || is_done(run, phase)) continue;
@@ -148,6 +147,19 @@ Statistics run_phases(RunState& run) {
   return std::move(run.statistics);
 }
 
+/// The survey tells how many threads work from then on, on which all else is made and ends.
+Statistics run_phases(std::unique_ptr<RunState> surveyed) {
+  check_request(*surveyed);
+  open_checkpoints(*surveyed);
+  with_progress_of_tiles(*surveyed, [&] { survey_phase(*surveyed); });
+  Statistics statistics;
+  with_threads(surveyed->memory.threads, [&] {
+    const std::unique_ptr<RunState> run = std::move(surveyed);
+    statistics = run_after_survey(*run);
+  });
+  return statistics;
+}
+
 /// Runs on as many threads as asked for, however many the caller's arena has.
 Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options, ChainPlan plan) {
   const unsigned threads =
@@ -155,8 +167,7 @@ Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptio
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
   Statistics statistics;
   with_threads(threads, [&] {
-    RunState state(cloud, outputs, options, std::move(plan));
-    statistics = run_phases(state);
+    statistics = run_phases(std::make_unique<RunState>(cloud, outputs, options, std::move(plan)));
   });
   return statistics;
 }

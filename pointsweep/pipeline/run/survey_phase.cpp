@@ -10,16 +10,14 @@
 namespace pointsweep {
 namespace {
 
+/// Says which pass takes longest where all of them take long.
 void give_notice(const RunState& run) {
-  double seconds = 0, neighbors = 0;
-  for (const Effort& effort : run.memory.efforts) {
-    seconds += effort.seconds;
-    neighbors = std::max(neighbors, effort.neighbors_per_point);
-  }
-  constexpr double kWorthSaying = 60;
-  if (seconds >= kWorthSaying && run.options.observer != nullptr)
-    run.options.observer->on_note(fmt::format("The radius means {}; a smaller one, or k beside it, takes less.",
-                                              effort_text(neighbors, seconds)));
+  double seconds = 0;
+  for (const Effort& effort : run.memory.efforts) seconds += effort.seconds;
+  if (seconds < kLongSeconds || run.options.observer == nullptr) return;
+  const Effort& most = *std::ranges::max_element(run.memory.efforts, {}, &Effort::seconds);
+  run.options.observer->on_note(
+      fmt::format("{} means {}, {}; {}.", most.cause, most.text, about_time_text(seconds), most.remedy));
 }
 
 bool needs_exact_survey(const RunState& run) {
@@ -47,8 +45,11 @@ void plan_memory_of(RunState& run) {
     run.layout.emplace(input, run.names.made, run.names.kept,
                        type_of_positions(run.names.made, run.outputs.points, run.options));
   const std::uint64_t output = run.layout ? run.layout->schema().stride : input.stride;
+  const auto codecs = [&](unsigned threads) { return codec_bytes(run.cloud, run.outputs, output, threads); };
   run.memory = plan_run_memory(run.statistics.memory_budget_bytes, run.plan, run.cloud.count(), run.survey, run.options,
-                               output, codec_bytes(run.cloud, run.outputs, output, run.options), run.on_demand);
+                               output, codecs, run.on_demand);
+  run.statistics.threads = run.memory.threads;
+  if (!run.memory.threads_note.empty()) run.note(run.memory.threads_note);
 }
 
 void make_folder(RunState& run) {
@@ -73,6 +74,9 @@ void survey_phase(RunState& run) {
     survey_source(run, needs_exact_survey(run));
   if (!run.plan.passes.empty()) require_distances(run.survey.bounds);
   plan_memory_of(run);
+}
+
+void open_run(RunState& run) {
   open_outputs(run);
   give_notice(run);
   make_folder(run);
