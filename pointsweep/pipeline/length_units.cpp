@@ -2,6 +2,7 @@
 #include "pointsweep/pipeline/length_units.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs_unit.h"
@@ -39,8 +40,8 @@ double metres_per_unit(const InputCloud& cloud) {
   return metres_of_unit(*cloud.crs()).value_or(1);
 }
 
-/// "cell=3.281 (1 m)" for each option of the stage that has its default in another unit.
-std::string converted_options(const ChainStage& stage, double metres_per_unit) {
+/// "cell=3.281 (1 m)" for each option of the stage that has its default, or "cell=1" where metres are not converted.
+std::string default_options(const ChainStage& stage, double metres_per_unit) {
   const OperatorDeclaration* declaration = declaration_of(name_of(stage));
   if (declaration == nullptr) return "";
   const Options values = options_of(stage);
@@ -50,7 +51,8 @@ std::string converted_options(const ChainStage& stage, double metres_per_unit) {
     if (metres == nullptr) continue;
     const double here = *metres / metres_per_unit;
     if (std::ranges::find(values, Option{option.name, here}) == values.end()) continue;
-    text += fmt::format("{}{}={:.4g} ({:g} m)", text.empty() ? "" : ", ", option.name, here, *metres);
+    text += fmt::format("{}{}={:.4g}", text.empty() ? "" : ", ", option.name, here);
+    if (metres_per_unit != 1) text += fmt::format(" ({:g} m)", *metres);
   }
   return text;
 }
@@ -77,14 +79,22 @@ void require_lengths(const InputCloud& cloud, const Chain& chain) {
       short_text(*cloud.crs()), name_of(*stage));
 }
 
-std::vector<std::string> converted_defaults(const InputCloud& cloud, const Chain& chain) {
+std::vector<std::string> notes_on_defaults(const InputCloud& cloud, const Chain& chain) {
   std::vector<std::string> sentences;
-  const double metres = metres_per_unit(cloud);
-  if (metres == 1) return sentences;
-  for (const ChainStage& stage : chain.stages)
-    if (const std::string options = converted_options(stage, metres); !options.empty())
-      sentences.push_back(fmt::format("{}: the unit of the cloud is {}, so these defaults are converted: {}.",
-                                      name_of(stage), length_unit_of(*cloud.crs()), options));
+  if (!cloud.crs() || cloud.ignores_crs()) return sentences;
+  const std::optional<double> stated = metres_of_unit(*cloud.crs());
+  if (stated == 1) return sentences;
+  for (const ChainStage& stage : chain.stages) {
+    const std::string options = default_options(stage, stated.value_or(1));
+    if (options.empty()) continue;
+    sentences.push_back(
+        stated ? fmt::format("{}: the unit of the cloud is {}, so these defaults are converted: {}.", name_of(stage),
+                             length_unit_of(*cloud.crs()), options)
+               : fmt::format("{}: the input does not state the unit of {}, so it counts as the metre in these "
+                             "defaults: "
+                             "{}. Give them in feet if it is the foot.",
+                             name_of(stage), short_text(*cloud.crs()), options));
+  }
   return sentences;
 }
 

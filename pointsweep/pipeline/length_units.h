@@ -22,7 +22,8 @@ std::vector<OptionDeclaration> in_unit(std::vector<OptionDeclaration> options, d
 /// CloudOptions::ignore_crs allows it.
 void require_lengths(const InputCloud& cloud, const Chain& chain);
 
-/// Returns one sentence for each stage whose defaults are converted from metres to the unit of the cloud.
-std::vector<std::string> converted_defaults(const InputCloud& cloud, const Chain& chain);
+/// Returns one sentence for each stage with defaults that are lengths, where the coordinate system of the cloud has
+/// another unit than the metre, or does not state its unit: a code of the EPSG registry alone does not.
+std::vector<std::string> notes_on_defaults(const InputCloud& cloud, const Chain& chain);
 
 }  // namespace pointsweep

@@ -69,7 +69,8 @@ TEST_F(Units, DefaultsThatAreLengthsAreThoseOfMetresInFeet) {
   EXPECT_EQ(tool("ground metres.las m.las").err.find("converted"), std::string::npos);
   const Result run = tool("ground feet.las f.las");
   ASSERT_EQ(run.status, 0) << run.err;
-  EXPECT_NE(run.err.find("note: ground: the unit of the cloud is ft, so these defaults are converted: cell=3.281 (1 m), "
+  EXPECT_NE(run.err.find("note: ground: the unit of the cloud is ft, so these defaults are converted: cell=3.281 (1 "
+                         "m), "
                          "window=59.06 (18 m), threshold=1.64 (0.5 m), scalar=4.101 (1.25 m)."),
             std::string::npos)
       << run.err;
@@ -108,6 +109,22 @@ TEST_F(Units, StagesWithoutLengthsRunInDegrees) {
       "run degrees.las o.las --pipeline 'where(z > 3) | crop([0,0,20,20]) | unique | decimate(0.5) | "
       "set(user_data = 1)'");
   made("sort degrees.las s.las");
+}
+
+TEST_F(Units, ASystemThatDoesNotStateItsUnitIsNamedWhereDefaultsAreLengths) {
+  write_las("code.las", keys_vlr({{kModel, 1}, {kProjected, 2994}}), 0.3048);
+  const Result run = tool("ground code.las c.las");
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.err.find("note: ground: the input does not state the unit of EPSG:2994, so it counts as the metre in "
+                         "these "
+                         "defaults: cell=1, window=18, threshold=0.5, scalar=1.25. Give them in feet"),
+            std::string::npos)
+      << run.err;
+  const std::string plan = tool("ground code.las c.las --dry-run").out;
+  EXPECT_NE(plan.find("note          ground: the input does not"), std::string::npos) << plan;
+  for (const char* silent : {"ground code.las c.las -f --ignore-crs", "normals code.las c.las -f",
+                             "ground code.las c.las -f --cell 3 --window 60 --threshold 1.6 --scalar 4"})
+    EXPECT_EQ(tool(silent).err.find("does not state"), std::string::npos) << silent;
 }
 
 /// Of every operator of the registry: what has a default that is a length says it is in metres, and is converted.

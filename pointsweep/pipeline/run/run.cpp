@@ -59,7 +59,7 @@ void check_request(RunState& run) {
     fail_usage("Arrays have their rows in input order: leave out --order sweep.");
   require_outputs(run.outputs);
   require_lengths(run.cloud, run.plan.chain);
-  for (const std::string& sentence : converted_defaults(run.cloud, run.plan.chain)) run.note(sentence);
+  for (const std::string& sentence : notes_on_defaults(run.cloud, run.plan.chain)) run.note(sentence);
   require_tiles_possible(run.outputs, run.options);
   run.names = names_of_output(run);
   run.warn(run.names.warning());
