@@ -18,8 +18,10 @@
 
 #include "pointsweep/operators/declaration.h"
 #include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/canonical_text.h"
 #include "pointsweep/pipeline/length_units.h"
+#include "pointsweep/pipeline/parse.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/neighbor_arrays.h"
 #include "python/binding/python_operator.h"
@@ -125,18 +127,31 @@ std::vector<std::string> canonical(const nb::list& pipeline) {
   return canonical_stages(chain_of(pipeline, Facts{}), Presets::left_out);
 }
 
+/// Puts a stage that drops points with NaN or infinite coordinates at the beginning: behind one that numbers the rows,
+/// where Nonfinite::drop would drop them before.
+void leave_finite_points(Chain& chain) {
+  const Chain finite = build_chain(parse_pipeline("where(x - x == 0 && y - y == 0 && z - z == 0)"), Facts{});
+  chain.stages.insert(chain.stages.begin(), finite.stages.begin(), finite.stages.end());
+}
+
 /// The same as run_pipeline() with results in a temporary file: (SpilledArrays, whether it has kRowField since its rows
 /// are not those of the input, statistics). `numbers`: an operator of Python that makes kRowField of points in files.
 nb::tuple run_to_blocks(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                         const nb::dict& given, const std::vector<FieldGroup>& groups, const nb::object& numbers,
                         const nb::object& progress, const nb::object& warn) {
-  const RunOptions options = run_options(given);
+  RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, true, given);
   PythonChain chain = chain_of(pipeline, facts_of(cloud.inputs()));
   const bool changed = changes_rows(chain, options);
   chain.keep = keep;
   if (changed && !keep.empty()) chain.keep.emplace_back(kRowField);
-  if (changed && !numbers.is_none()) chain.stages.insert(chain.stages.begin(), python_operator(numbers, chain.functions));
+  if (changed && !numbers.is_none()) {
+    if (options.nonfinite == Nonfinite::drop) {
+      leave_finite_points(chain);
+      options.nonfinite = Nonfinite::keep;
+    }
+    chain.stages.insert(chain.stages.begin(), python_operator(numbers, chain.functions));
+  }
   auto results = std::make_unique<ResultArrays>(wanted_arrays(chain, options, groups), options.resources.temp_folder);
   const std::string statistics = run_into(*results, cloud, chain, options, {progress, warn});
   return nb::make_tuple(nb::cast(std::move(results)), changed, statistics);

@@ -8,18 +8,17 @@ import os
 
 from . import _core
 from ._errors import Error, UsageError
-from ._types import FunctionStage, PipelineLike, Stages
+from ._types import FunctionStage, Path, PipelineLike, Stages
 
 
 def stages_of(pipeline: PipelineLike) -> list[str | FunctionStage]:
-    """Texts and operators; the content of a file for its path."""
+    """Texts and operators; the content of a file for its path. A text that ends in .json is a path, as for the tool."""
+    if isinstance(pipeline, os.PathLike) or (isinstance(pipeline, str) and pipeline.endswith(".json")):
+        return [_content_of(pipeline)]
     if isinstance(pipeline, str):
         return [pipeline]
     if isinstance(pipeline, Stages):
         return pipeline._stages()
-    if isinstance(pipeline, os.PathLike):
-        with open(pipeline, encoding="utf-8") as file:
-            return [file.read()]
     if isinstance(pipeline, (list, tuple)):
         if not pipeline:
             raise UsageError("pipeline: is empty; give one such as 'knn(k=8) | normals'.")
@@ -31,6 +30,17 @@ def stages_of(pipeline: PipelineLike) -> list[str | FunctionStage]:
         f"pipeline: {pipeline!r} is neither a text, nor a stage (made with pointsweep.knn() or the like), nor an operator "
         "(made with @pointsweep.operator), nor a list of these."
     )
+
+
+def _content_of(path: Path) -> str:
+    name = os.fspath(path)
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except OSError as error:
+        raise Error(f"{name}: the pipeline cannot be read ({error.strerror}); check the name and its permissions.") from None
+    except UnicodeDecodeError as error:
+        raise Error(f"{name}: byte {error.start} of the pipeline is not UTF-8; save the file in UTF-8.") from None
 
 
 def canonical_stages(pipeline: PipelineLike) -> tuple[str, ...]:

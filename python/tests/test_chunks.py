@@ -53,6 +53,22 @@ def test_blocks_of_arrays_have_the_numbers_of_the_rows_that_are_left(surface):
     assert list(kept) == ["normal", "row"] and np.array_equal(kept["row"], expected["row"])
 
 
+@pytest.mark.filterwarnings("ignore:Dropped 3 points")
+@pytest.mark.parametrize("nonfinite", ["keep", "drop"])
+@pytest.mark.parametrize("order", ["input", "sweep"])
+def test_a_point_without_a_finite_place_has_its_number(tmp_path, surface, nonfinite, order):
+    missing = [5, 17, 2500]
+    xyz = surface.copy()
+    xyz[missing] = np.nan
+    ps.run({"xyz": xyz, "id": np.arange(3000)}, "decimate(1)", to=tmp_path / "a.ply")
+    for chain in [CHAIN, CHAIN + " | where(id >= 3)", CHAIN + " | reneighbor(k=4) | decimate(0.5)", "where(id >= 3)", "voxel(1)"]:
+        for points in (tmp_path / "a.ply", {"xyz": xyz, "id": np.arange(3000)}):
+            together = joined(ps.chunks(points, 500, chain, keep="id", nonfinite=nonfinite, order=order))
+            assert np.array_equal(together["row"], together["id"]), chain
+            left = set(together["row"].tolist()) & set(missing)
+            assert not left if nonfinite == "drop" else left or "decimate" in chain, chain
+
+
 def test_without_a_pipeline_blocks_are_the_points_themselves(file, surface):
     cloud = ps.open(file)
     together = joined(cloud.chunks(1000))

@@ -41,6 +41,25 @@ def test_wrong_arrays_are_refused_with_a_sentence(points, sentence):
         ps.run(points, "knn(k=8) | normals")
 
 
+def test_a_pipeline_in_a_file_is_read_or_refused_with_its_name(tmp_path):
+    file = tmp_path / "chain.json"
+    file.write_text('[{"type": "knn", "k": 8}, {"type": "normals"}]')
+    expected = ps.run(XYZ, "knn(k=8) | normals")["normal"]
+    for named in (file, str(file), [file]):
+        assert np.array_equal(ps.run(XYZ, named)["normal"], expected)
+    (tmp_path / "latin.json").write_bytes(b'[{"type": "\xe4"}]')
+    for name, sentence in [
+        ("nofile.json", r"nofile.json: the pipeline cannot be read \(No such file or directory\); check the name"),
+        ("", r"the pipeline cannot be read \(Is a directory\)"),
+        ("latin.json", "latin.json: byte 11 of the pipeline is not UTF-8; save"),
+    ]:
+        for call in (ps.run, ps.plan, lambda points, pipeline: ps.chunks(points, 10, pipeline), lambda _, p: ps.knn(3) | p):
+            with pytest.raises(ps.Error, match=sentence):
+                call(XYZ, tmp_path / name)
+    with pytest.raises(ps.Error, match="nofile.json: the pipeline cannot be read"):
+        ps.run(XYZ, "nofile.json")
+
+
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
