@@ -209,6 +209,16 @@ TEST_F(Provenance, NamesOperatorsOfTheUserWithTheirOptions) {
   EXPECT_EQ(verified.status, 3) << "the height of the user's operator is not checked\n" << verified.err;
 }
 
+TEST_F(Provenance, NamesNeighborhoodsOnlyWhereNeighborsAreSearched) {
+  ASSERT_EQ(tool("run in.ply out.ply --pipeline 'knn(k=5) | where(x > 0) | set(w = 2)'").status, 0);
+  EXPECT_THAT(said("out.ply"),
+              ElementsAre("0.1.0", "stage where(\"x > 0\")", "stage set(\"w = 2\")", input_line("in.ply", 3000)));
+  EXPECT_EQ(tool("verify out.ply").status, 0) << tool("verify out.ply").err;
+  ASSERT_EQ(tool("run in.ply out.ply -f --pipeline 'knn(k=5) | where(x > 0) | neighborhood_size'").status, 0);
+  EXPECT_THAT(said("out.ply"), ElementsAre("0.1.0", "stage knn(k=5)", "stage where(\"x > 0\")",
+                                           "stage neighborhood_size", input_line("in.ply", 3000)));
+}
+
 TEST_F(Provenance, IsPrintedByInfoOldestFirst) {
   ASSERT_EQ(tool("normals in.ply more.las -o first.las -k 12 --orient up").status, 0);
   for (const std::string out : {"out.ply", "out.las", "out.xyz"}) {

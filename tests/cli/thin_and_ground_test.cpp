@@ -27,12 +27,20 @@ class ThinAndGround : public Tool {
 
 TEST_F(ThinAndGround, ThinIsVoxelPoissonOrDecimate) {
   expect_same("thin --voxel 1.3", "voxel(1.3)");
-  expect_same("thin --voxel 1.3 --choose hash", "voxel(1.3, keep=hash)");
-  expect_same("thin --voxel 1.3 --choose centroid", "voxel(1.3, keep=centroid)");
+  expect_same("thin --voxel 1.3 --voxel-keep hash", "voxel(1.3, keep=hash)");
+  expect_same("thin --voxel 1.3 --voxel-keep centroid", "voxel(1.3, keep=centroid)");
   expect_same("thin --poisson 1.1", "poisson(1.1)");
   expect_same("thin --radius-from z --poisson 3", "poisson(3, radius_from=z)");
   expect_same("thin --decimate 0.25", "decimate(0.25)");
   expect_same("thin --decimate 0.25 --seed 4", "decimate(0.25, seed=4)");
+}
+
+TEST_F(ThinAndGround, TheOldNameOfVoxelKeepIsTakenWithANote) {
+  const Result result = tool("thin all.txt old.ply --voxel 1.3 --choose hash --no-provenance");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.err.find("note: --choose is called --voxel-keep now"), std::string::npos) << result.err;
+  EXPECT_EQ(contents(folder_ / "old.ply"), made("thin all.txt new.ply -q --voxel 1.3 --voxel-keep hash --no-provenance", "new.ply"));
+  EXPECT_EQ(tool("help thin").out.find("--choose"), std::string::npos);
 }
 
 TEST_F(ThinAndGround, ThinRefusesWhatDoesNotGoTogether) {
@@ -66,7 +74,7 @@ TEST_F(ThinAndGround, TilesGetTheirPartOfTheThinnedCloud) {
   const std::string second = contents(folder_ / "out/b.txt");
   EXPECT_EQ(contents(folder_ / "out/a.txt") + second.substr(second.find('\n') + 1), whole);
   EXPECT_EQ(tool("verify tiles/ out/ --pipeline 'voxel(1.25)'").status, 0);
-  made("thin all.txt mean.txt --voxel 1.25 --choose centroid -q");
+  made("thin all.txt mean.txt --voxel 1.25 --voxel-keep centroid -q");
   EXPECT_EQ(tool("verify mean.txt").status, 0);
 }
 

@@ -25,9 +25,23 @@ bool leaves_out(const ChainPlan& plan) {
   return plan.kept.input || !plan.kept.left_out.empty() || plan.kept.attributes.size() < made.size();
 }
 
+/// Returns whether every stage looks at its own point alone.
+bool searches_nothing(const Chain& chain) {
+  return !chain.stages.empty() && std::ranges::all_of(chain.stages, [](const ChainStage& stage) {
+    return operator_of(stage) != nullptr && contract_of(stage).alone;
+  });
+}
+
+/// The stages of a record. A chain that searches no neighbours has no neighbourhood there.
+std::vector<std::string> recorded_stages(const ChainPlan& plan) {
+  std::vector<std::string> stages = canonical_stages(plan, Presets::left_out);
+  if (searches_nothing(plan.chain)) stages.erase(stages.begin());
+  return stages;
+}
+
 /// What outputs are to say of the run.
 RunRecord said_of(const RunState& run) {
-  return {.stages = canonical_stages(run.plan, Presets::left_out),
+  return {.stages = recorded_stages(run.plan),
           .keep = leaves_out(run.plan) ? run.plan.chain.keep : std::vector<std::string>{},
           .options = run.options,
           .axis = run.survey.axis,
