@@ -92,8 +92,8 @@ void add_force_option(CLI::App& verb, CommonOptions& options) {
 
 void add_crs_option(CLI::App& verb, CommonOptions& options) {
   verb.add_flag("--ignore-crs", options.ignore_crs,
-                "Take coordinates as they are: merge inputs of different systems without a transformation, take "
-                "degrees for lengths, do not convert defaults to feet")
+                "Ignore coordinate reference systems: merge inputs of different systems without a transformation, "
+                "treat degrees as lengths, do not convert default lengths to feet")
       ->group(kOtherGroup);
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "cli/help.h"
+#include "pointsweep/error.h"
 #include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/pipeline/registry.h"
 
@@ -58,7 +59,7 @@ std::string operator_text(const ListedOperator& listed) {
   text += row_unless_empty("needs", attribute_text(listed.contract.reads));
   text += row_unless_empty("of neighbours", attribute_text(listed.contract.reads_neighbors));
   text += row_unless_empty("makes", attribute_text(listed.contract.makes));
-  text += row_unless_empty("neighbours", default_k_text(listed.contract));
+  text += row_unless_empty("neighbours", default_k_text(listed));
   text += formula_text(d.formula);
   text += row_unless_empty("source", d.source) + row_unless_empty("undefined", d.undefined);
   return text + row_unless_empty("cost", d.cost) + row_unless_empty("example", d.example);
@@ -77,6 +78,16 @@ ListedOperator listed_neighborhood() {
           .contract = {.default_k = 0}};
 }
 
+/// Returns whether the operator needs a radius, so that no number of neighbours is enough.
+bool needs_radius(const OperatorDeclaration& declaration) {
+  try {
+    make_stage(declaration, sample_values(declaration), {.neighborhood = Neighborhood{.k = Neighborhood::kOfOperators}});
+    return false;
+  } catch (const UsageError&) {
+    return true;
+  }
+}
+
 ListedOperator listed(const OperatorDeclaration& declaration) {
   return {.declaration = declaration, .contract = contract_of(declaration)};
 }
@@ -91,9 +102,9 @@ Contract contract_of(const OperatorDeclaration& declaration) {
   return contract;
 }
 
-std::string default_k_text(const Contract& contract) {
-  const std::size_t k = contract.default_k;
-  return k == 0 ? "" : fmt::format("{} where neither k nor a radius is given", k);
+std::string default_k_text(const ListedOperator& listed) {
+  const std::size_t k = listed.contract.default_k;
+  return k == 0 || needs_radius(listed.declaration) ? "" : fmt::format("{} where neither k nor a radius is given", k);
 }
 
 std::vector<ListedOperator> listed_operators(const std::vector<std::string>& names) {

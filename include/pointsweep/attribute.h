@@ -85,7 +85,7 @@ struct POINTSWEEP_EXPORT Schema {
   /// Index of the field that holds `name`, one of the library's own names ("x", "nx", "intensity", ...), in any
   /// spelling that files use ("normal_x", "NormalX"), upper and lower case alike.
   std::optional<std::size_t> find(std::string_view name) const;
-  /// Appends a field behind the present record and returns its index.
+  /// Appends a field after the present record and returns its index.
   std::size_t append(std::string name, Type type, std::uint32_t count = 1);
   friend bool operator==(const Schema&, const Schema&) = default;
 };

@@ -18,7 +18,7 @@ namespace pointsweep {
 
 class Cloud;
 
-/// The stages behind it have the neighbourhoods of the current positions, exact and certified like the first ones: they
+/// The stages after it have the neighbourhoods of the current positions, exact and certified like the first ones: they
 /// make what they would make of a file that holds these positions in float64 and everything made so far. Points that a
 /// mover has taken to a place that is not finite have no neighbours from here on.
 ///
@@ -78,7 +78,7 @@ struct Chain {
 /// The chain that a pipeline describes, as text, `knn(k=16) | normals(orient=up) | where(nz > 0.5)`, or as JSON,
 /// `[{"type": "knn", "k": 16}, {"type": "normals", "orient": "up"}]`. docs/pipelines.md has the language and
 /// docs/operators.md the operators with their options. Where it names neither k nor a radius, each point has as many
-/// neighbours as that operator of the chain wants that wants most (Contract::default_k). Throws UsageError, naming the
+/// neighbours as the largest Contract::default_k of its operators says. Throws UsageError, naming the
 /// place in the text, for an unknown name and a value out of range.
 POINTSWEEP_EXPORT Chain parse_chain(std::string_view pipeline, const Cloud& cloud);
 

@@ -22,9 +22,9 @@ namespace pointsweep {
 class InputCloud;
 
 struct CloudOptions {
-  /// Take coordinates as they are, whatever the coordinate reference systems say: inputs of different systems are
-  /// merged without a transformation, with a warning, degrees are taken for lengths, and defaults that are lengths are
-  /// not converted. Otherwise the first two are a UsageError.
+  /// Ignores coordinate reference systems: inputs of different systems are merged without a transformation, with a
+  /// warning, degrees are treated as lengths, and default lengths are not converted from metres. If false, the first
+  /// two throw a UsageError.
   bool ignore_crs = false;
   /// Format of the files that have no signature: "kitti" or "float32-xyz" (open_reader).
   std::string format = "";

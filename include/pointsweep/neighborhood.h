@@ -83,7 +83,7 @@ struct PointColumns {
 ///
 /// The list of a point is in the ORDER OF THE SEARCH: nearest first, equal distances by x, y, z and input row, all of
 /// them at the positions at which the search found the neighbours (those of the input, or those a `reneighbor` saw).
-/// Positions here are those of now. Behind an operator that moves points, without `reneighbor`, the set N_i is still
+/// Positions here are those of now. After an operator that moves points, without `reneighbor`, the set N_i is still
 /// the same, but distances along a list rise and fall: the last neighbour need not be the farthest, the first not the
 /// nearest, and neighbours may lie on p_i at any place of the list or have coordinates that are not finite. What needs
 /// a least or a greatest distance must look at all of N_i unless sorted_by_distance(), or call farthest_distance2().

@@ -72,7 +72,7 @@ struct Contract {
   std::vector<Attribute> reads_neighbors = {};  ///< of the points in N_i, in addition to their positions
   std::vector<Attribute> makes = {};
   std::vector<std::shared_ptr<const Reduction>> values = {};  ///< of the whole cloud, given by with_values()
-  /// Number of neighbours that the operator wants where the chain names none (Neighborhood::kOfOperators). 0: the
+  /// The default number of neighbours, for chains that name none (Neighborhood::kOfOperators). 0: the
   /// operator never looks at a neighbour, not even at its position. Then it need not wait for neighbours that moved, and
   /// gets the points without a finite place, too. Other operators do not get these: such a point keeps its position and
   /// what the operator reads of it and makes again, and has Attribute::fill of all else.

@@ -39,7 +39,7 @@ struct OutputPlan {
   std::shared_ptr<const LasOrigin> las = nullptr;
   /// What is known of the values of the input's fields, which are the first of `schema`; null: their types.
   std::shared_ptr<const KnownValues> values = nullptr;
-  /// Of the inputs behind the first.
+  /// Of the inputs after the first.
   std::vector<std::shared_ptr<const FormatExtras>> other_extras = {};
   /// The attributes in `schema` that operators made: formats that describe attributes take the meaning from here.
   std::vector<Attribute> made = {};

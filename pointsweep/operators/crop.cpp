@@ -65,7 +65,7 @@ OperatorDeclaration crop_declaration() {
           "(even-odd rule over all its rings). Of several polygons: in any of them. Decided without rounding.",
       .source = "Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates (1997).",
       .undefined =
-          "A point whose coordinates, of those that are compared, are not finite is not inside; outside=true keeps it.",
+          "A point of which a coordinate that is compared is NaN or infinite lies outside; outside=true keeps it.",
       .cost = "a pass over the rows, without a search; about 50 ns for each point near many edges",
       .example = "knn(k=12) | crop([0,0,100,100]) | normals"};
 }

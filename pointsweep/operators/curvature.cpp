@@ -34,8 +34,8 @@ OperatorDeclaration curvature_declaration() {
           "Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 4.3.2, Equation 2; the step from "
           "variances to curvatures is ours (docs/paper.md)",
       .undefined =
-          "All values are 0 where the point has no normal, fewer than three neighbours have one, or these lie "
-          "on a line.",
+          "All values are 0 where the point has no normal, fewer than three neighbours have one, or the neighbours "
+          "that have one lie on a line.",
       .degenerate = "have no normal, or too few neighbours with normals; their curvatures are 0",
       .cost =
           "at k = 8 about 510 cycles per point with AVX2, after the search; attributes that are not kept cost nothing",
@@ -45,7 +45,8 @@ OperatorDeclaration curvature_declaration() {
                       .meaning = "smaller principal curvature, without sign, k1 >= k2 >= 0; undefined: 0"},
                      {.name = "k1_direction",
                       .meaning =
-                          "unit tangent along which κ1 is, of no sign (largest component positive); κ2's is its cross "
+                          "unit tangent in the direction of k1; its sign has no meaning: the largest component is "
+                          "positive. The direction of k2 is its cross "
                           "product with the normal; undefined: 0"},
                      {.name = "mean_curvature", .meaning = "(k1 + k2) / 2; undefined: 0"},
                      {.name = "gaussian_curvature", .meaning = "k1 k2, without sign; undefined: 0"},

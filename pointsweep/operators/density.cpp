@@ -42,8 +42,10 @@ OperatorDeclaration density_declaration() {
           .meaning = "points for each unit of area and of volume around a point",
           .options = {{.name = "radius",
                        .kind = OptionKind::number,
-                       .meaning = "radius of the ball in which points are counted, above 0; without this option, the "
-                                  "distance to the farthest neighbour",
+                       .meaning = "radius of the ball in which points are counted; without this option, the distance "
+                                  "to "
+                                  "the farthest neighbour",
+                       .least = kAboveZero,
                        .unit = "length",
                        .sample = 0.5,
                        .is_radius = true}},

@@ -57,7 +57,7 @@ OperatorDeclaration dbscan_declaration() {
                    .kind = OptionKind::number,
                    .meaning = "the distance within which points are neighbours, inclusive; needs knn(radius=...) "
                               "of at least it",
-                   .least = 0,
+                   .least = kAboveZero,
                    .unit = "length",
                    .required = true,
                    .sample = 0.5,

@@ -65,7 +65,8 @@ OperatorDeclaration fair_declaration() {
                         "reach of the smoothing: standard deviation of the Gaussian weight of the distance to a "
                         "neighbour, in % of the diagonal of the bounding box of the input"),
                   width("g",
-                        "height of the bumps that go: standard deviation of the Gaussian weight of the distance to "
+                        "height of the bumps that are removed: standard deviation of the Gaussian weight of the "
+                        "distance to "
                         "the tangent plane of a neighbour, in % of the diagonal of the bounding box of the input")},
       .make = make_fair,
       .formula =

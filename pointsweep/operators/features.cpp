@@ -109,7 +109,8 @@ OperatorDeclaration features_declaration() {
                   {.name = "eigenvalues",
                    .kind = OptionKind::choice,
                    .preset = "raw",
-                   .meaning = "scale of the eigenvalues: as they are, their square roots, or divided by their sum",
+                   .meaning = "what the features are made of: the eigenvalues themselves, their square roots, or the "
+                              "eigenvalues divided by their sum",
                    .choices = {std::begin(kScales), std::end(kScales)}},
                   {.name = "with_point",
                    .kind = OptionKind::choice,

@@ -142,7 +142,8 @@ OperatorDeclaration ground_declaration() {
               "keep their class.",
           .cost =
               "a pass that puts the points in order by rows of cells and reads them twice, without a search; memory "
-              "holds about 6R rows of cells for each disk, or for one disk at a time",
+              "holds about 6R rows of cells for each of the R disks, or, within a smaller --memory, for one disk at a "
+              "time",
           .attributes = {{.name = "classification",
                           .meaning = "class of LAS: 2 where the point is ground; else that of the input, but 1 in the "
                                      "place of 2, and 1 where it has none"}},

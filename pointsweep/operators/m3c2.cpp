@@ -185,9 +185,9 @@ OperatorDeclaration m3c2_declaration() {
           "Journal of Photogrammetry and Remote Sensing 82, 2013), Section 3. Normals are those of the stages before, "
           "at their scale; every point that is left is a core point",
       .undefined =
-          "NaN for a point without a finite place; for one without a normal too, but its counts are 0; the distance "
-          "where a cylinder has no point of the other "
-          "cloud, spread and level of detection where it has fewer than two of a cloud.",
+          "Without a finite place all is NaN; without a normal all is NaN but the counts, which are 0. The distance is "
+          "NaN where the cylinder holds no point of the other cloud, a spread where it holds fewer than two points of "
+          "its cloud, and the level of detection where a spread is.",
       .cost =
           "a pass that puts the points in order along an axis and reads them twice; both clouds are kept in the "
           "temporary folder (32 bytes a point), and memory holds what is near the front; time grows with the points in "
@@ -196,8 +196,12 @@ OperatorDeclaration m3c2_declaration() {
                       .meaning = "change along the normal, positive where the other cloud lies "
                                  "on the side of the normal; undefined: NaN"},
                      {.name = "m3c2_lod", .meaning = "smallest change that is significant at 95 %; undefined: NaN"},
-                     {.name = "m3c2_spread1", .meaning = "standard deviation along the normal in this cloud"},
-                     {.name = "m3c2_spread2", .meaning = "the same in the other cloud"},
+                     {.name = "m3c2_spread1",
+                      .meaning = "standard deviation along the normal in this cloud; "
+                                                         "undefined: NaN"},
+                     {.name = "m3c2_spread2",
+                      .meaning = "standard deviation along the normal in the other cloud; "
+                                                         "undefined: NaN"},
                      {.name = "m3c2_samples1", .meaning = "points of this cloud in the cylinder"},
                      {.name = "m3c2_samples2", .meaning = "points of the other cloud in the cylinder"}},
       .example = "knn(radius=1) | normals(orient=up) | m3c2(after.las, cylinder=0.5, depth=2)"};

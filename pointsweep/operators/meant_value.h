@@ -18,8 +18,9 @@ struct MeantValue {
   const Field* field = nullptr;  ///< of the input; null if `made` is not
 };
 
-/// `word` may be any spelling that files use. What is made comes before what the input has, unless `word` is also the
-/// name of another attribute ("curvature") and the very name of a field of the input. Positions are not looked at.
+/// Returns the value that `word` names, in any spelling that files use. A made attribute precedes a field of the input
+/// unless `word` is also the name of another attribute ("curvature") and the exact name of a field of the input.
+/// Positions are never returned.
 MeantValue meant_value(const std::string& word, const Schema& input, std::span<const Attribute> made);
 
 }  // namespace pointsweep

@@ -69,12 +69,13 @@ OperatorDeclaration neighbor_rows_declaration() {
                    .least = 1}},
       .make = [](const OptionValues& options,
                  const Facts& facts) { return std::make_shared<NeighborRows>(options.whole("k"), facts.points, true); },
-      .formula = "Row i holds the input rows of N_i by distance; equal distances by x, y, z, then by row.",
+      .formula = "Row i holds the rows of N_i by distance; equal distances by x, y, z, then by row. Rows are those of "
+                 "the input, or, after stages that drop points, those that are left.",
       .undefined =
           "Where a point has fewer than k neighbours, the rest of its row is the largest value of the type, and "
           "NaN in the distances.",
       .attributes = {{.name = "neighbors",
-                      .meaning = "input rows of the neighbours, nearest first at the positions the stage sees; "
+                      .meaning = "rows of the neighbours, nearest first at the positions the stage sees; "
                                  "missing: largest value of the type",
                       .type = "u32, u64 from 2³² - 1 rows on",
                       .shape = "N×k"},

@@ -17,7 +17,7 @@ NeighborhoodDeclaration declare_neighborhood() {
           {{.name = "k",
             .kind = OptionKind::whole,
             .meaning = "number of neighbours, excluding the point; a radius without k means all points within it; "
-                       "without both, as many as the operator wants that wants most",
+                       "without both, the largest default of the operators in the pipeline",
             .least = 1},
            {.name = "radius",
             .kind = OptionKind::number,

@@ -27,8 +27,8 @@ OperatorDeclaration ror_declaration() {
           .meaning = "radius outliers: points with fewer than min_neighbors neighbours within a radius",
           .options = {{.name = "radius",
                        .kind = OptionKind::number,
-                       .meaning = "the distance within which neighbours count, inclusive; above 0",
-                       .least = 0,
+                       .meaning = "the distance within which neighbours count, inclusive",
+                       .least = kAboveZero,
                        .unit = "length",
                        .required = true,
                        .sample = 0.5,
@@ -44,7 +44,7 @@ OperatorDeclaration ror_declaration() {
               "outlier = 1 where |{j in N_i : |p_j - p_i| <= radius}| < min_neighbors, N_i without p_i.\n"
               "The min_neighbors nearest neighbours are enough to know, so that knn(k=min_neighbors) before it "
               "makes the same as knn(radius=...) in less time.\n"
-              "PDAL (min_k), PCL (setMinNeighborsInRadius) and Open3D (nb_points) keep the same points, but "
+              "PDAL (min_k), PCL (setMinNeighborsInRadius) and Open3D (nb_points) keep the same points, except "
               "that PDAL and Open3D do not count a neighbour at exactly the radius.",
           .source = "PDAL filters.outlier, method radius; PCL RadiusOutlierRemoval; Open3D remove_radius_outlier",
           .undefined =

@@ -37,8 +37,8 @@ OperatorDeclaration segments_declaration() {
       .options = {{.name = "angle",
                    .kind = OptionKind::number,
                    .preset = 5.0,
-                   .meaning = "maximum angle between the normals of neighbours in one segment, in degrees, above 0",
-                   .least = 0,
+                   .meaning = "maximum angle between the normals of neighbours in one segment",
+                   .least = kAboveZero,
                    .most = 90,
                    .unit = "degrees"},
                   {.name = "distance",
@@ -56,8 +56,8 @@ OperatorDeclaration segments_declaration() {
           "joined with none.\n"
           "segment_residual: the root mean square distance of the points of the segment to the plane for "
           "which it is least: the square root of the least eigenvalue of their covariance; 0 for fewer than "
-          "4 points. Of positions to 2^-40, at most 2^40 in absolute value, summed exactly; its error is "
-          "below 10^-7 of the extent of the segment, or 2^-40 where that is more.",
+          "4 points. Positions count in steps of 2^-40, up to 2^40, and their sums are exact; the error of the "
+          "residual is below 10^-7 of the extent of the segment, or 2^-40 where that is more.",
       .source =
           "after Rabbani, van den Heuvel, Vosselman, Segmentation of point clouds using smoothness constraint "
           "(ISPRS Archives XXXVI-5, 2006): its condition, without seeds and their order",

@@ -132,13 +132,17 @@ OperatorDeclaration set_declaration() {
                    .sample = std::string("float32")}},
       .make = make_set,
       .formula =
-          "The value in float64, as where evaluates numbers; of a type of whole numbers the nearest, halves to even.\n"
-          "An attribute that is there keeps its type, and its value where the condition does not hold; a new one is 0 "
-          "there. x, y and z move the points.",
+          "Numbers are evaluated in float64, as by where, and those of whole numbers of 64 bits exactly. A "
+          "whole-number "
+          "type gets the nearest one, halves to even.\n"
+          "An attribute that exists keeps its type, and its value where the condition does not hold; a new attribute "
+          "is "
+          "0 there. Assigning to x, y or z moves the points.",
       .undefined =
-          "A value that the type cannot hold ends the run, naming the row, and so does a coordinate that is not finite "
-          "of a point that has a finite place. Points without one are assigned to like all others: their coordinates "
-          "are NaN or infinite.",
+          "A value that the type cannot hold ends the run with an error that names the row, and so does a NaN or "
+          "infinite "
+          "coordinate for a point that has a finite place. Points without a finite place are assigned to like all "
+          "others.",
       .cost = "a pass over the rows, without a search; none where other stages search anyway",
       .makes_named = true,
       .example = "knn(k=12) | sor | set(classification = 7 where outlier == 1)"};

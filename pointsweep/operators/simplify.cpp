@@ -33,7 +33,7 @@ OperatorDeclaration simplify_declaration() {
           .meaning = "keeps few points on flat parts and many on curved ones: poisson with a radius from the curvature",
           .options = {{.name = "error",
                        .kind = OptionKind::number,
-                       .meaning = "largest distance from a point that is left out to the tangent plane of a kept one",
+                       .meaning = "about the largest distance from a dropped point to the tangent plane of a kept one",
                        .least = kAboveZero,
                        .unit = "length",
                        .required = true,

@@ -79,8 +79,8 @@ OperatorDeclaration voxel_declaration() {
           "keep=hash: the least hash of decimate, with the seed 0x766f78656c.\n"
           "Of equal ones the point of the least x, then y, then z, then input row.\n"
           "keep=centroid: the row of keep=center, at the mean of the points of the voxel. Floating-point numbers, "
-          "intensity and colours become means too, m = (Σ v) / n of the n finite values, at least the least, at "
-          "most the greatest; Σ is exact, rounded once to float64; intensity and colours then to whole numbers.\n"
+          "intensity and colours become means too: m = (Σ v) / n of the n finite values, limited to their range; Σ is "
+          "exact and rounded once to float64; intensity and colours are rounded to whole numbers.\n"
           "Normals: the mean, divided by its length; 0 where that is 0. All else is that of the row: whole "
           "numbers (classification, return number, ids), directions without a sign, arrays, scaled fields.",
       .undefined =

@@ -18,7 +18,7 @@ bool drops_rows_and_makes(const GraphNode& node) { return node.drops_rows() && n
 
 bool is_selection(const Attribute& a) { return a.name == selection_attribute().name; }
 
-/// What is made again behind a new neighbourhood is not checked.
+/// What is made again after a new neighbourhood is not checked.
 void keep_what_is_told(MadeBy& made) {
   if (made.keep.empty())
     for (const auto& op : made.operators)
@@ -47,7 +47,7 @@ bool reads_any(const GraphNode& node, const std::set<std::size_t>& versions) {
   return std::ranges::any_of(node.reads, is_one) || std::ranges::any_of(node.reads_neighbors, is_one);
 }
 
-/// A select behind other stages: its condition is evaluated on what they make.
+/// A select after other stages: its condition is evaluated on what they make.
 void add_late_select(const GraphNode& node, bool is_told, MadeBy& made) {
   made.leaves_out = true;
   if (is_told) return made.operators.push_back(*node.op());

@@ -23,8 +23,8 @@ void leave_selects(MadeBy& made);
 void leave_out(const KeptFields& named, const std::string& prefix, const Schema& input, MadeBy& made);
 
 /// Selects the rows that the first stages keep. With voxel(keep=centroid) after these, returns the cloud before it,
-/// which `open_again` opens. Throws UsageError for a thinning behind other stages, and
-/// for any select behind these means.
+/// which `open_again` opens. Throws UsageError for a thinning after other stages, and
+/// for any select after these means.
 std::shared_ptr<InputCloud> select_rows(const VerifyOptions& options, InputCloud& cloud, const ChainGraph& graph,
                                         const std::function<std::shared_ptr<InputCloud>()>& open_again);
 

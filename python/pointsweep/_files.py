@@ -142,7 +142,7 @@ def open(
         for its point files, a .vpc file for those that it names.
     recursive : folders stand for the point files in their folders, too.
     format : of files without a signature: 'kitti' or 'float32-xyz'.
-    ignore_crs : take coordinates as they are: merge files of different coordinate reference systems without a
-        transformation, take degrees for lengths, do not convert defaults to feet.
+    ignore_crs : ignore coordinate reference systems: merge files of different systems without a transformation, treat
+        degrees as lengths, do not convert default lengths to feet.
     """
     return opened(Cloud, files, recursive=recursive, format=format, ignore_crs=ignore_crs)

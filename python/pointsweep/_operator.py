@@ -45,7 +45,7 @@ class PointNeighbors:
 
     @property
     def rows(self) -> np.ndarray:
-        """(n, m) int64: rows of the input; the largest int64 in places that are not taken."""
+        """(n, m) int64: rows, counted as `Points.rows`; the largest int64 in places that are not taken."""
         return self._once(" rows", self._batch.neighbor_rows)
 
     @property
@@ -100,7 +100,7 @@ class Points:
 
     @property
     def rows(self) -> np.ndarray:
-        """(n,) int64: rows of the input."""
+        """(n,) int64: rows of the input; where earlier stages drop points, the rows that are left are counted from 0."""
         return self._batch.rows()
 
     @property
@@ -252,7 +252,7 @@ def operator(
     makes : name -> type of what the function returns, e.g. ``{"roughness": "f4", "axis": ("f4", 3)}``.
         ``("f8", 3)`` under the name ``position`` moves the points.
     reads : attributes of the points: of the input, or made by earlier stages. Those of the input arrive as float64
-        (64-bit integers as they are), normals as float32.
+        (64-bit integers unchanged), normals as float32.
     reads_neighbors : attributes of the neighbours, likewise. Positions can always be read.
     name : as errors and plans call it; by default that of the function.
     neighbors : False for a function of the points alone, which then costs no search.

@@ -33,8 +33,8 @@ def knn(
 
     Parameters
     ----------
-    k : number of neighbours, excluding the point; a radius without k means all points within it; without both, as
-        many as the operator wants that wants most; 1 or more.
+    k : number of neighbours, excluding the point; a radius without k means all points within it; without both, the
+        largest default of the operators in the pipeline; 1 or more.
     radius : maximum distance of a neighbour, in the unit of the coordinates; 0 or more; unit: length.
     k_from : attribute of the input that holds the number of neighbours of each point, at most k, which has to be
         given.
@@ -173,7 +173,8 @@ def curvature(*, k: int | None = None, radius: float | None = None) -> Stage:
 
     Undefined
     ---------
-    All values are 0 where the point has no normal, fewer than three neighbours have one, or these lie on a line.
+    All values are 0 where the point has no normal, fewer than three neighbours have one, or the neighbours that
+    have one lie on a line.
 
     Source
     ------
@@ -258,9 +259,9 @@ def fair(f: float = 0.5, *, g: float = 0.5, k: int | None = None, radius: float 
     ----------
     f : reach of the smoothing: standard deviation of the Gaussian weight of the distance to a neighbour, in % of
         the diagonal of the bounding box of the input; 1e-06 to 100; unit: % of the diagonal.
-    g : height of the bumps that go: standard deviation of the Gaussian weight of the distance to the tangent plane
-        of a neighbour, in % of the diagonal of the bounding box of the input; 1e-06 to 100; unit: % of the
-        diagonal.
+    g : height of the bumps that are removed: standard deviation of the Gaussian weight of the distance to the
+        tangent plane of a neighbour, in % of the diagonal of the bounding box of the input; 1e-06 to 100; unit: %
+        of the diagonal.
     k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 64 neighbours where
         neither is given.
 
@@ -320,7 +321,8 @@ def features(
     Parameters
     ----------
     names : features to compute, as in [linearity,planarity]; without this option, all of them.
-    eigenvalues : scale of the eigenvalues: as they are, their square roots, or divided by their sum.
+    eigenvalues : what the features are made of: the eigenvalues themselves, their square roots, or the eigenvalues
+        divided by their sum.
     with_point : count the point itself among the points of its neighbourhood.
     k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 32 neighbours where
         neither is given.
@@ -474,7 +476,7 @@ def crop(
 
     Undefined
     ---------
-    A point whose coordinates, of those that are compared, are not finite is not inside; outside=true keeps it.
+    A point of which a coordinate that is compared is NaN or infinite lies outside; outside=true keeps it.
 
     Source
     ------
@@ -513,15 +515,15 @@ def assign(
 
     Formula
     -------
-    The value in float64, as where evaluates numbers; of a type of whole numbers the nearest, halves to even.
-    An attribute that is there keeps its type, and its value where the condition does not hold; a new one is 0
-      there. x, y and z move the points.
+    Numbers are evaluated in float64, as by where, and those of whole numbers of 64 bits exactly. A whole-number
+      type gets the nearest one, halves to even.
+    An attribute that exists keeps its type, and its value where the condition does not hold; a new attribute is 0
+      there. Assigning to x, y or z moves the points.
 
     Undefined
     ---------
-    A value that the type cannot hold ends the run, naming the row, and so does a coordinate that is not finite of a
-    point that has a finite place. Points without one are assigned to like all others: their coordinates are NaN or
-    infinite.
+    A value that the type cannot hold ends the run with an error that names the row, and so does a NaN or infinite
+    coordinate for a point that has a finite place. Points without a finite place are assigned to like all others.
 
     Cost
     ----
@@ -539,15 +541,11 @@ def assign(
 
 @makes_stage
 def drop(attributes: str | Sequence[str]) -> Stage:
-    """Leaves attributes out of the output; later stages cannot read them.
+    """Leaves attributes out of the output; later stages cannot read them; x, y and z are always kept.
 
     Parameters
     ----------
     attributes : attributes to leave out, of the input or computed by earlier stages; 'attributes=' may be left out.
-
-    Undefined
-    ---------
-    The coordinates x, y and z are never dropped.
 
     Cost
     ----
@@ -612,7 +610,8 @@ def sor(
 
     Cost
     ----
-    One more reading of the rows, or the writing of the output, in which the outliers are marked.
+    One more pass over the rows, in which the outliers are marked; it is the writing of the output where no later
+    stage needs neighbours.
 
     In a text
     ---------
@@ -630,7 +629,7 @@ def ror(radius: float, *, min_neighbors: int = 2, k: int | None = None) -> Stage
 
     Parameters
     ----------
-    radius : the distance within which neighbours count, inclusive; above 0; 0 or more; unit: length.
+    radius : the distance within which neighbours count, inclusive; above 0; unit: length.
     min_neighbors : number of neighbours that a point needs, without the point itself; knn needs k of at least this;
         1 or more.
     k : k of a knn before the stage, which begins the pipeline; default: 2 neighbours.
@@ -648,7 +647,7 @@ def ror(radius: float, *, min_neighbors: int = 2, k: int | None = None) -> Stage
     outlier = 1 where |{j in N_i : |p_j - p_i| <= radius}| < min_neighbors, N_i without p_i.
     The min_neighbors nearest neighbours are enough to know, so that knn(k=min_neighbors) before it makes the same
       as knn(radius=...) in less time.
-    PDAL (min_k), PCL (setMinNeighborsInRadius) and Open3D (nb_points) keep the same points, but that PDAL and
+    PDAL (min_k), PCL (setMinNeighborsInRadius) and Open3D (nb_points) keep the same points, except that PDAL and
       Open3D do not count a neighbour at exactly the radius.
 
     Undefined
@@ -722,8 +721,8 @@ def density(radius: float | None = None, *, k: int | None = None) -> Stage:
 
     Parameters
     ----------
-    radius : radius of the ball in which points are counted, above 0; without this option, the distance to the
-        farthest neighbour; 0 or more; unit: length.
+    radius : radius of the ball in which points are counted; without this option, the distance to the farthest
+        neighbour; above 0; unit: length.
     k : k of a knn before the stage, which begins the pipeline; default: 32 neighbours.
 
     Makes
@@ -837,8 +836,8 @@ def voxel(size: float, *, keep: Literal["center", "hash", "centroid"] = "center"
     keep=hash: the least hash of decimate, with the seed 0x766f78656c.
     Of equal ones the point of the least x, then y, then z, then input row.
     keep=centroid: the row of keep=center, at the mean of the points of the voxel. Floating-point numbers, intensity
-      and colours become means too, m = (Σ v) / n of the n finite values, at least the least, at most the greatest;
-      Σ is exact, rounded once to float64; intensity and colours then to whole numbers.
+      and colours become means too: m = (Σ v) / n of the n finite values, limited to their range; Σ is exact and
+      rounded once to float64; intensity and colours are rounded to whole numbers.
     Normals: the mean, divided by its length; 0 where that is 0. All else is that of the row: whole numbers
       (classification, return number, ids), directions without a sign, arrays, scaled fields.
 
@@ -909,7 +908,7 @@ def simplify(error: float, *, most: float | None = None, least: float = 0) -> St
 
     Parameters
     ----------
-    error : largest distance from a point that is left out to the tangent plane of a kept one; above 0; unit:
+    error : about the largest distance from a dropped point to the tangent plane of a kept one; above 0; unit:
         length.
     most : maximum distance between kept points, on flat parts; without this option, 32 times error; above 0; unit:
         length.
@@ -1008,7 +1007,7 @@ def ground(
     Cost
     ----
     A pass that puts the points in order by rows of cells and reads them twice, without a search; memory holds about
-    6R rows of cells for each disk, or for one disk at a time.
+    6R rows of cells for each of the R disks, or, within a smaller --memory, for one disk at a time.
 
     In a text
     ---------
@@ -1112,7 +1111,8 @@ def color(
 
     Cost
     ----
-    Without a range one more reading of the rows, or the writing of the output.
+    Without a range one more pass over the rows, which is the writing of the output where no later stage needs
+    neighbours.
 
     In a text
     ---------
@@ -1201,8 +1201,9 @@ def m3c2(cloud: str | os.PathLike[str] | Cloud, cylinder: float, depth: float, *
 
     Undefined
     ---------
-    NaN for a point without a finite place; for one without a normal too, but its counts are 0; the distance where a
-    cylinder has no point of the other cloud, spread and level of detection where it has fewer than two of a cloud.
+    Without a finite place all is NaN; without a normal all is NaN but the counts, which are 0. The distance is NaN
+    where the cylinder holds no point of the other cloud, a spread where it holds fewer than two points of its
+    cloud, and the level of detection where a spread is.
 
     Source
     ------
@@ -1280,8 +1281,8 @@ def dbscan(eps: float, *, min_points: int = 5, k: int | None = None, radius: flo
 
     Parameters
     ----------
-    eps : the distance within which points are neighbours, inclusive; needs knn(radius=...) of at least it; 0 or
-        more; unit: length.
+    eps : the distance within which points are neighbours, inclusive; needs knn(radius=...) of at least it; above 0;
+        unit: length.
     min_points : number of points within eps that make a core point, itself included; 1 or more.
     k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 8 neighbours where
         neither is given.
@@ -1340,8 +1341,7 @@ def segments(
 
     Parameters
     ----------
-    angle : maximum angle between the normals of neighbours in one segment, in degrees, above 0; 0 to 90; unit:
-        degrees.
+    angle : maximum angle between the normals of neighbours in one segment; above 0, at most 90; unit: degrees.
     distance : points farther from each other are not joined; 0 or more; unit: length.
     k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 16 neighbours where
         neither is given.
@@ -1367,9 +1367,9 @@ def segments(
       p_i| <= D. segment: components of these, numbered from 0 by the first point, that of the least x, then y, then
       z, then row. Normals are unit vectors or 0; a normal of 0 is joined with none.
     segment_residual: the root mean square distance of the points of the segment to the plane for which it is least:
-      the square root of the least eigenvalue of their covariance; 0 for fewer than 4 points. Of positions to 2^-40,
-      at most 2^40 in absolute value, summed exactly; its error is below 10^-7 of the extent of the segment, or
-      2^-40 where that is more.
+      the square root of the least eigenvalue of their covariance; 0 for fewer than 4 points. Positions count in
+      steps of 2^-40, up to 2^40, and their sums are exact; the error of the residual is below 10^-7 of the extent
+      of the segment, or 2^-40 where that is more.
 
     Undefined
     ---------
@@ -1484,8 +1484,8 @@ def reneighbor(
 
     Parameters
     ----------
-    k : number of neighbours, excluding the point; a radius without k means all points within it; without both, as
-        many as the operator wants that wants most; 1 or more.
+    k : number of neighbours, excluding the point; a radius without k means all points within it; without both, the
+        largest default of the operators in the pipeline; 1 or more.
     radius : maximum distance of a neighbour, in the unit of the coordinates; 0 or more; unit: length.
     k_from : attribute of the input that holds the number of neighbours of each point, at most k, which has to be
         given.

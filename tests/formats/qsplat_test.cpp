@@ -162,7 +162,7 @@ TEST(Qsplat, LyingFilesAreRefusedWithThePlace) {
   says(complaint_about(good, 8, "\0\0\0\x08"sv), "fewer than its header");
   says(complaint_about(good, 12, "\0\0\x30\x39"sv), "the header says 12345 leaves");
   says(complaint_about(good, 36, "\xff\xff\xff\xff"sv), "more children than the tree has leaves");
-  says(complaint_about(good, 40, "\xff\xff\xff\xff"sv), "behind the end of their part");
+  says(complaint_about(good, 40, "\xff\xff\xff\xff"sv), "after the end of their part");
   says(complaint_about(good, 40, "\0\0\0\0"sv), "byte");
   says(complaint_about(good, 44, "\xff\xf8"sv), "the code of a sphere means nothing");
   says(complaint_about(good + "xyz", 0, "Q"sv), "ends inside a header");

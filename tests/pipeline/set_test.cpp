@@ -262,7 +262,7 @@ TEST(Drop, LaterStagesDoNotSeeWhatIsDropped) {
          "there is no attribute 'intensity'; there are x, y, z, classification, gain, id. Dropped before: intensity.");
   expect("drop(gain) | set(a = gain)", "Dropped before: gain.");
   expect("normals | drop(normal) | curvature",
-         "curvature: needs 'normal', which was dropped before; put drop behind 'curvature'");
+         "curvature: needs 'normal', which was dropped before; put drop after 'curvature'");
   expect("normals | drop(nx)", "drop: 'nx' is a part of 'normal', which is made; name 'normal' as a whole");
   expect("drop(intensty)", "'intensty' cannot be dropped (did you mean 'intensity'?); the input has x, y, z,");
   expect("drop(z)", "x, y and z are always written; leave out 'z'");

@@ -115,7 +115,7 @@ E57File::Points::~Points() { psc_e57_reader_free(reader_); }
 void E57File::Points::read(std::span<std::uint64_t> values) {
   psc_error error;
   if (psc_e57_read(reader_, values.data(), values.size(), &error) != 0)
-    fail("{}: cannot be read: {} (scan {} of {}, behind its point {}); copy or export it again.",
+    fail("{}: cannot be read: {} (scan {} of {}, after its point {}); copy or export it again.",
          file_.file().path().string(), error.text, scan_ + 1, file_.scans().size(), next_);
   next_ += values.size() / file_.scans()[scan_].attributes.size();
 }

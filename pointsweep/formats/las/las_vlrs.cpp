@@ -89,7 +89,7 @@ LasVlrChain walk_las_vlrs(const InputFile& file, LasVlrKind kind, std::uint64_t 
   }
   if (chain.count < promised) {
     warnings.push_back(
-        fmt::format("the header promises {} {}VLRs, but only {} fit {}; the bytes behind are kept as "
+        fmt::format("the header promises {} {}VLRs, but only {} fit {}; the bytes after them are kept as "
                     "they are.",
                     promised, kind == LasVlrKind::vlr ? "" : "extended ", chain.count,
                     kind == LasVlrKind::vlr ? "before the points" : "into the file"));

@@ -130,7 +130,7 @@ void QsplatWalk::enter_group(std::uint64_t begin, std::uint64_t siblings, bool h
                              const QsplatSphere& parent) {
   const QsplatFragment& fragment = place_.fragment;
   const std::uint64_t bytes = siblings * node_bytes(fragment) + (has_pointer ? 4 : 0);
-  if (begin > fragment.end || bytes > fragment.end - begin) complain(begin, "nodes lie behind the end of their part");
+  if (begin > fragment.end || bytes > fragment.end - begin) complain(begin, "nodes lie after the end of their part");
   place_.walked += bytes;
   // In a tree every group is entered once. This ends the walk of a file whose groups are shared.
   if (place_.walked > fragment.end - fragment.begin) complain(begin, "nodes belong to more than one parent");

@@ -89,7 +89,7 @@ class TextReader final : public RowTextReader {
       split_cells(line, Separator::space, cells);
       if (rows < *layout_.announced || !parse_number(cells[0], count))
         fail(
-            "{}: line {} has 1 value; a point needs x, y and z, and the number of points of another scan stands behind "
+            "{}: line {} has 1 value; a point needs x, y and z, and the number of points of another scan stands after "
             "the points before it, of which there are {} of {}.",
             file_->path().string(), number, rows, *layout_.announced);
       *layout_.announced += count;

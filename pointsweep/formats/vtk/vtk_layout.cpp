@@ -134,7 +134,7 @@ class VtkParser {
     const bool offsets = upper_case(take_word(line)) == "OFFSETS";
     if (offsets) {
       skip(keyword, upper_case(take_word(line)), first, 1);
-      if (upper_case(text_.word().value_or("")) != "CONNECTIVITY") complain("CONNECTIVITY is missing behind OFFSETS");
+      if (upper_case(text_.word().value_or("")) != "CONNECTIVITY") complain("CONNECTIVITY is missing after OFFSETS");
       line_ = text_.line().value_or("");
       line = line_;
       skip(keyword, upper_case(take_word(line)), second, 1);
@@ -208,7 +208,7 @@ class VtkParser {
 
   /// The line that names the table of SCALARS.
   void pass_lookup_table() {
-    if (upper_case(text_.word().value_or("")) != "LOOKUP_TABLE") complain("LOOKUP_TABLE is missing behind SCALARS");
+    if (upper_case(text_.word().value_or("")) != "LOOKUP_TABLE") complain("LOOKUP_TABLE is missing after SCALARS");
     text_.line();
   }
 

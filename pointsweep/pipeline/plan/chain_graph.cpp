@@ -184,7 +184,7 @@ class GraphBuilder {
     for (const std::string& name : wanted.fields) {
       if (field_meant(visible_, name)) continue;
       if (dropped_.contains(name))
-        fail_usage("{}: needs '{}', which was dropped before; put drop behind '{}'.", stage, wanted.name, stage);
+        fail_usage("{}: needs '{}', which was dropped before; put drop after '{}'.", stage, wanted.name, stage);
       fail_usage(
           "{}: needs '{}', which no earlier stage makes and the input does not have. Add the operator that makes "
           "it before '{}'.",

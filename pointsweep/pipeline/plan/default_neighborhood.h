@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Number of neighbours of a chain whose author gives none.
+/// The default number of neighbours of a chain.
 #pragma once
 
 #include "pointsweep/chain.h"
