@@ -217,7 +217,7 @@ MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out
   // Outliers are compared with the mean distances in the output, which are compared with the input.
   if (made.leaves_out && options.order == Order::sweep)
     fail_usage(
-        "verify: which rows a stage behind others has left out is not told by an output in the order of the sweep; "
+        "verify: which rows a stage after others has left out is not told by an output in the order of the sweep; "
         "verify one in the order of the input.");
   if (!made.leaves_out)
     made.outlier_threshold = outlier_threshold(out, made.operators, options.prefix, options.progress);
