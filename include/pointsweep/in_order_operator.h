@@ -76,6 +76,14 @@ struct CloudEstimate {
   std::function<std::uint64_t(double thickness)> slice_points;
 };
 
+/// The work of an in-order operator besides reading the points, estimated within a factor of about two.
+struct InOrderEffort {
+  double seconds = 0;        ///< CPU time on one core of 2.6 GHz
+  std::string cause = {};    ///< "The window"
+  std::string text = {};     ///< what the cause means: "disks of up to 100 cells"
+  std::string remedy = {};   ///< "larger cells take less"
+};
+
 /// What puts the points in order.
 enum class Places : std::uint8_t {
   positions,    ///< their positions
@@ -104,6 +112,11 @@ class POINTSWEEP_EXPORT InOrderOperator : public Operator {
   virtual std::uint64_t least_bytes(const CloudEstimate& cloud) const {
     (void)cloud;
     return 0;
+  }
+  /// Returns the effort for such a cloud.
+  virtual InOrderEffort effort(const CloudEstimate& cloud) const {
+    (void)cloud;
+    return {};
   }
   /// The name of the files of another cloud that it reads, as an input of a command names them; empty: it reads none.
   virtual std::string other_cloud() const { return {}; }

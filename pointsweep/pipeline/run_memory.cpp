@@ -253,14 +253,14 @@ std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::
   for (const auto& reader : cloud.readers())
     if (!reader->info().decode_once)  // those are gone before the memory is needed (decoded_input.h)
       decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));
-  return decoders + encoder_bytes(outputs, record_bytes, options);
+  return decoders + encoder_bytes(outputs, record_bytes, threads);
 }
 
-std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, const EngineOptions& options) {
+std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, unsigned threads) {
   std::uint64_t most = 0;
   for (const OutputFormat& output : output_formats(outputs))
     if (output.format->encoder_bytes != nullptr)
-      most = std::max(most, output.format->encoder_bytes(record_bytes, threads_of(options)));
+      most = std::max(most, output.format->encoder_bytes(record_bytes, threads));
   return most;
 }
 

@@ -65,7 +65,7 @@ std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::
                           unsigned threads);
 
 /// The part of it for encoding one output.
-std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, const EngineOptions& options);
+std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, unsigned threads);
 
 /// The order of the only sweep is the one that the output is to have: its records travel along.
 bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options);

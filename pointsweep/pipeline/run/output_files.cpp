@@ -28,7 +28,7 @@ bool leaves_out(const ChainPlan& plan) {
 /// Returns whether every stage looks at its own point alone.
 bool searches_nothing(const Chain& chain) {
   return !chain.stages.empty() && std::ranges::all_of(chain.stages, [](const ChainStage& stage) {
-    return operator_of(stage) != nullptr && contract_of(stage).alone;
+    return std::holds_alternative<Drop>(stage) || (operator_of(stage) != nullptr && contract_of(stage).default_k == 0);
   });
 }
 
@@ -93,20 +93,20 @@ std::uint64_t record_bytes(const RunState& run) {
 
 /// Returns the memory that the plan leaves free.
 std::uint64_t spare_bytes(const RunState& run) {
-  const std::uint64_t codecs = codec_bytes(run.cloud, run.outputs, record_bytes(run), run.options);
+  const std::uint64_t codecs = codec_bytes(run.cloud, run.outputs, record_bytes(run), run.statistics.threads);
   const std::uint64_t budget = run.statistics.memory_budget_bytes;
   return budget - std::min(budget, std::max(run.memory.expected_bytes, kFixedBytes + codecs));
 }
 
 /// Returns the memory that encoding one output may take.
 std::uint64_t encoder_bytes(const RunState& run) {
-  return encoder_bytes(run.outputs, record_bytes(run), run.options) + spare_bytes(run);
+  return encoder_bytes(run.outputs, record_bytes(run), run.statistics.threads) + spare_bytes(run);
 }
 
 /// Returns how many tiles can be completed beside the one that gets its rows.
 std::size_t tiles_completing(const RunState& run) {
   constexpr std::uint64_t kChunksOfTile = 16 << 20;  // records on their way to its file
-  const std::uint64_t of_tile = kChunksOfTile + encoder_bytes(run.outputs, record_bytes(run), run.options);
+  const std::uint64_t of_tile = kChunksOfTile + encoder_bytes(run.outputs, record_bytes(run), run.statistics.threads);
   return std::min<std::uint64_t>(run.statistics.threads - 1, spare_bytes(run) / of_tile);
 }
 
