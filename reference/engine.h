@@ -4,7 +4,7 @@
 
 namespace pointsweep {
 
-/// Lets runs use Engine::reference.
+/// Lets the runs of this program use Engine::reference.
 void register_reference_engine();
 
 }  // namespace pointsweep

@@ -36,7 +36,7 @@ struct GpsTimes {
 };
 
 struct FileSummary {
-  /// As the reader has it, without extras. Its warnings also say where the header does not fit the points.
+  /// What the reader knows of the file, without extras. The warnings also say where the header does not fit the points.
   FileInfo info;
   Box bounds;                                       ///< of the finite points
   std::uint64_t nonfinite = 0;                      ///< points with a NaN or infinite coordinate

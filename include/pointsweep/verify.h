@@ -30,8 +30,8 @@ struct VerifyOptions {
   /// Called between pieces of work with what is done and how much there is; may throw to end it.
   std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)> progress = {};
 
-  /// How the output was made, where it has no record of its run: the pipeline as text or JSON or the name of a JSON
-  /// file, else the options of its knn, e.g. {{"k", std::uint64_t{12}}}, and Chain::keep.
+  /// The run that made the output, where the output has no record of it: the pipeline as text or JSON or the name of a
+  /// JSON file, else the options of its knn, e.g. {{"k", std::uint64_t{12}}}, and Chain::keep.
   std::string pipeline = {};
   Options neighborhood = {};
   std::vector<std::string> keep = {};
@@ -49,7 +49,7 @@ struct AttributeArrival {
   double expected = 0, found = 0;         ///< there
 };
 
-/// Whether every point and every attribute of the input is in the output.
+/// The comparison of all points and attributes of the input with those of the output.
 struct Arrivals {
   std::vector<AttributeArrival> attributes;
   std::vector<std::string> missing;  ///< attributes of the input that the output has not
@@ -62,14 +62,15 @@ struct Arrivals {
   std::uint64_t nonfinite = 0;                      ///< points of the input with NaN or infinite coordinates
 
   bool row_by_row() const { return missing.empty() && !first_different; }
-  /// The same points with the same attributes, in any order.
+  /// Returns whether both have the same points with the same attributes, in any order.
   bool in_some_order() const { return missing.empty() && points_in == points_out && sum_in == sum_out; }
 };
 
 /// What a check found.
 struct Verdict {
   std::string input, output;  ///< names
-  std::uint64_t dropped = 0;  ///< points of the input without a finite place that the run has left out; rows count the others
+  /// Points of the input without a finite place that the run has left out. Numbers of rows count the others.
+  std::uint64_t dropped = 0;
   Arrivals arrivals;
   bool attributes_compared = true;  ///< false for arrays, which hold none of the input's
   std::string order;                ///< "input" or "sweep along x"; empty if the rows are in neither
@@ -91,14 +92,14 @@ struct Verdict {
   std::vector<std::string> differences;  ///< the first few, a sentence each
 
   bool same() const { return difference_count == 0; }
-  /// Nothing that was to be checked stayed undecided.
+  /// Returns whether nothing that was to be checked stayed undecided.
   bool is_complete() const { return open_values == 0 && open_rows == 0 && unknown.empty() && untold.empty(); }
 };
 
 /// Checks the file, the folder of files or the array `output` that a run has written from `inputs`: files, folders and
-/// patterns. Without inputs these and the pipeline are those of the record in the output. The operators are those of the
-/// library: a stage is told by its name. Throws UsageError where the output does not say how it was made and the
-/// options do not either, and for what cannot be checked; Error for files that cannot be read.
+/// patterns. Without inputs, the record in the output names the inputs and the pipeline. The formula of a stage is
+/// found by the name of its operator, so the operators are those of the library. Throws UsageError where neither the
+/// output nor the options say how it was made, and for what cannot be checked; Error for files that cannot be read.
 POINTSWEEP_EXPORT Verdict verify(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                                  const VerifyOptions& options = {});
 

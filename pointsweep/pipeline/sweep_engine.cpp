@@ -20,7 +20,7 @@ void register_engine(Engine engine, const SweepEngine& made) {
 const SweepEngine* engine_of(Engine engine) {
   if (engine == Engine::exact) return nullptr;
   if (registered == nullptr)
-    fail_usage("This program has no reference engine: link pointsweep_reference and register it, or run Engine::exact.");
+    fail_usage("This program has no reference engine; run Engine::exact, or the tool with --engine reference.");
   return registered;
 }
 

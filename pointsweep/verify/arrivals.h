@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The comparison of all points and attributes of the input with those of the output.
+/// Comparison of all points and attributes of two clouds, row by row and by checksums.
 #pragma once
 
 #include <cstdint>

@@ -41,7 +41,7 @@ struct OutputCheck {
   bool says_how() const { return !options.pipeline.empty() || !neighborhood.empty() || !options.keep.empty(); }
 };
 
-/// Whether this program has all operators of the pipeline. A program that uses the library may have others.
+/// Returns whether this program has all operators of the pipeline. A program that uses the library may have others.
 bool is_known(const std::string& pipeline) {
   try {
     build_chain(parse_pipeline(pipeline), Facts{});
@@ -60,13 +60,12 @@ void take_recorded_pipeline(OutputCheck& check, const ProvenanceRecord& record) 
     if (record.setting("keep")) check.options.keep = words_of(*record.setting("keep"));
   } else if (check.inputs.empty()) {
     fail_usage(
-        "{}: was made by '{}', of which not all operators are known here; name what was read, and last what was "
-        "written: IN... OUT.",
+        "{}: was made by '{}', of which not all operators are known here; name the inputs as well.",
         check.output.string(), pipeline);
   }
 }
 
-/// What the output says of its run, where the options do not say it.
+/// Takes from the record of the output what the options do not say.
 void take_record(OutputCheck& check, const ProvenanceRecord& record) {
   VerifyOptions& options = check.options;
   const auto setting = [&](const char* name) { return record.setting(name).value_or(""); };
@@ -113,11 +112,11 @@ OutputCheck completed(OutputCheck check) {
   const std::optional<ProvenanceRecord> record = recorded_run(check.tiles.empty() ? output : check.tiles.front());
   if (record) take_record(check, *record);
   if (record && record->setting("tile") && check.tiles.empty())
-    fail_usage("{}: is tile {} of a run over several inputs; name these and the folder of all tiles: IN... OUT.",
+    fail_usage("{}: is tile {} of a run over several inputs; name these and the folder of all tiles.",
                output.string(), *record->setting("tile"));
   if (!check.inputs.empty()) return check;
   if (!record)
-    fail_usage("{}: does not say how it was made; name what was read, and last what was written: IN... OUT.",
+    fail_usage("{}: does not say how it was made; name the inputs as well.",
                output.string());
   check.inputs = recorded_inputs(*record, output);
   return check;
@@ -160,7 +159,7 @@ MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, cons
   return made_by(plan_chain(chain, cloud.schema()));
 }
 
-/// Which attributes of an output are not simply those of the input: new ones, and old ones that are `changed`.
+/// The attributes of an output that are not simply those of the input: new ones, and old ones that are `changed`.
 class MadeAttributes {
  public:
   MadeAttributes(const Schema& in, const Schema& out, const std::set<std::string>& changed)
@@ -174,7 +173,7 @@ class MadeAttributes {
     return std::all_of(attribute.fields.begin(), attribute.fields.end(),
                        [&](const std::string& field) { return has(field); });
   }
-  /// The stages that usually make them.
+  /// Returns the stages that usually make them.
   std::string likely_pipeline() const {
     std::string text;
     const bool curvature = has("k1") || has("k2") || has("mean_curvature") || has("surface_variation");

@@ -21,7 +21,7 @@ struct ReadValue {
 ReadValue read_of(const std::string& name, const std::vector<Attribute>& reads);
 
 formulas::Estimate estimate_of(const ReadValue& value, const FormulaInput& in);
-/// The component of an estimate of up to three; that of a wider attribute is not known.
+/// Returns the component of an estimate. An estimate has three at most; a wider attribute has an estimate for each.
 formulas::Real component_of(const formulas::Estimate& estimate, const ReadValue& value);
 
 }  // namespace pointsweep

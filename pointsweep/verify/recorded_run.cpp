@@ -23,9 +23,9 @@ fs::path found_input(const ProvenanceInput& input, const fs::path& file) {
     other = place;
   }
   if (other)
-    fail("{}: has changed since {} was made from it: it had {} bytes and has {}; name the inputs: IN... OUT.",
+    fail("{}: has changed since {} was made from it: it had {} bytes and has {}; name the inputs as well.",
          other->string(), file.string(), input.bytes, fs::file_size(*other, error));
-  fail("{}: was made from '{}', which is neither in its folder nor in this one; name the inputs: IN... OUT.",
+  fail("{}: was made from '{}', which is neither in its folder nor in this one; name the inputs as well.",
        file.string(), input.name);
 }
 
@@ -40,7 +40,7 @@ std::optional<ProvenanceRecord> recorded_run(const fs::path& file) {
 
 std::vector<fs::path> recorded_inputs(const ProvenanceRecord& record, const fs::path& file) {
   if (record.more_inputs > 0 || record.inputs.empty())
-    fail_usage("{}: does not name all the files it was made from; name them: IN... OUT.", file.string());
+    fail_usage("{}: does not name all the files it was made from; name the inputs as well.", file.string());
   std::vector<fs::path> inputs;
   for (const ProvenanceInput& input : record.inputs) inputs.push_back(found_input(input, file));
   return inputs;
