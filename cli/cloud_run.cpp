@@ -30,31 +30,15 @@ namespace pointsweep {
 namespace {
 
 EngineOptions run_options(const CommonOptions& options) {
-  EngineOptions run;
-  run.resources.memory_bytes = options.memory;
-  run.resources.threads = static_cast<unsigned>(options.threads);
-  run.resources.temp_folder = options.temp_dir;
-  run.axis = options.axis;
-  run.order = options.order;
-  run.engine = options.engine;
-  run.overwrite = options.force;
-  run.positions = options.positions;
+  EngineOptions run = options;
   run.count_distances = !options.report.empty();
-  run.half_way_states = options.half_way;
-  run.resume_folder = options.resume;
-  run.checkpoint_seconds = options.checkpoint_seconds;
-  run.nonfinite = options.nonfinite;
-  run.replace = options.replace;
-  run.prefix = options.prefix;
-  run.provenance = options.provenance;
-  run.input_paths = options.provenance_paths;
   return run;
 }
 
 /// The files that a command names; standard input can be read then.
 ResolvedFiles files_of(InputsAndOutput named, const CommonOptions& options) {
-  for (const auto& path : {options.stats, options.report, options.half_way}) named.other_outputs.push_back(path);
-  named.resumes = !options.resume.empty();
+  for (const auto& path : {options.stats, options.report, options.half_way_states}) named.other_outputs.push_back(path);
+  named.resumes = !options.resume_folder.empty();
   ResolvedFiles files = resolve(named, options.format);
   take_standard_input(files.inputs, options);
   return files;
@@ -168,9 +152,9 @@ void take_standard_input(const std::vector<std::filesystem::path>& inputs, const
   const auto count = std::ranges::count_if(inputs, is_standard_stream);
   if (count > 1) fail_usage("-: standard input can be one of the inputs only once.");
   if (count == 0) return;
-  if (!options.resume.empty())
+  if (!options.resume_folder.empty())
     fail_usage("--resume: standard input cannot be read again by another process; save it to a file first.");
-  take_standard_input(options.temp_dir);
+  take_standard_input(options.resources.temp_folder);
 }
 
 void add_run_options(CLI::App& verb, CommonOptions& options) {
@@ -189,9 +173,9 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
   const ResolvedFiles files = files_of(paths, options);
   InputCloud cloud(files.inputs, cloud_options(options));
   std::optional<OutputFile> stats;  // made first: a place that cannot be written is known before the work, not after
-  if (!options.stats.empty()) stats.emplace(options.stats, options.force);
+  if (!options.stats.empty()) stats.emplace(options.stats, options.overwrite);
   std::optional<OutputFile> report;
-  if (!options.report.empty()) report.emplace(page_name(options.report), options.force);
+  if (!options.report.empty()) report.emplace(page_name(options.report), options.overwrite);
   ProgressDisplay display(options);
   EngineOptions run = run_options(options);
   RunDisplay watching(display);

@@ -2,6 +2,7 @@
 #include "cli/common_options.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "cli/quantities.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/pipeline/run_words.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -23,27 +25,14 @@ void require_open(int descriptor) {
                descriptor);
 }
 
-std::optional<int> parse_axis(std::string_view name) {
-  if (name == "auto") return std::nullopt;
-  if (name != "x" && name != "y" && name != "z") fail_usage("--axis: '{}' is not auto, x, y or z.", name);
-  return name[0] - 'x';
-}
-
-Engine parse_engine(std::string_view name) {
-  if (name != "exact" && name != "reference") fail_usage("--engine: '{}' is not exact or reference.", name);
-  return name == "reference" ? Engine::reference : Engine::exact;
-}
-
-Type parse_position_type(std::string_view name) {
-  if (name != "float32" && name != "float64") fail_usage("--positions: '{}' is not float32 or float64.", name);
-  return name == "float32" ? Type::f32 : Type::f64;
-}
-
-Nonfinite parse_nonfinite(std::string_view name) {
-  if (name == "keep") return Nonfinite::keep;
-  if (name == "drop") return Nonfinite::drop;
-  if (name == "refuse") return Nonfinite::refuse;
-  fail_usage("--nonfinite: '{}' is not keep, drop or refuse.", name);
+/// The flag of an option whose values are words.
+void add_words(CLI::App& verb, CommonOptions& options, const char* name, const char* group) {
+  const RunWords& declaration = run_words(name);
+  verb.add_option_function<std::string>(
+          "--" + declaration.name, [&options, name](const std::string& word) { set_word(options, name, word); },
+          declaration.meaning)
+      ->type_name(fmt::format("{}", fmt::join(declaration.words, "|")))
+      ->group(group);
 }
 
 }  // namespace
@@ -57,8 +46,9 @@ std::vector<std::string> parse_names(const std::string& text) {
 }
 
 Order parse_order(std::string_view name) {
-  if (name != "input" && name != "sweep") fail_usage("--order: '{}' is not input or sweep.", name);
-  return name == "sweep" ? Order::sweep : Order::input;
+  RunOptions options;
+  set_word(options, "order", name);
+  return options.order;
 }
 
 CloudOptions cloud_options(const CommonOptions& options) {
@@ -79,15 +69,15 @@ void add_progress_options(CLI::App& verb, CommonOptions& options) {
 }
 
 void add_thread_option(CLI::App& verb, CommonOptions& options) {
-  options.threads = static_cast<int>(thread_count());
-  verb.add_option("--threads", options.threads, "Number of threads (default: one per processor)")
+  options.resources.threads = thread_count();
+  verb.add_option("--threads", options.resources.threads, "Number of threads (default: one per processor)")
       ->type_name("N")
       ->group(kMachineGroup)
       ->check(CLI::Range(1, kMostThreads).description(""));
 }
 
 void add_force_option(CLI::App& verb, CommonOptions& options) {
-  verb.add_flag("-f,--force", options.force, "Overwrite existing outputs")->group(kOutputGroup);
+  verb.add_flag("-f,--force", options.overwrite, "Overwrite existing outputs")->group(kOutputGroup);
 }
 
 void add_crs_option(CLI::App& verb, CommonOptions& options) {
@@ -106,18 +96,12 @@ void add_format_option(CLI::App& verb, std::string& format) {
 
 void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meaning) {
   verb.add_option_function<std::string>(
-          "--memory", [&options](const std::string& text) { options.memory = parse_size("--memory", text); }, meaning)
+          "--memory", [&options](const std::string& text) { options.resources.memory_bytes = parse_size("--memory", text); }, meaning)
       ->type_name("SIZE")
       ->group(kMachineGroup);
 }
 
-void add_axis_option(CLI::App& verb, CommonOptions& options) {
-  verb.add_option_function<std::string>(
-          "--axis", [&options](const std::string& name) { options.axis = parse_axis(name); },
-          "Axis along which the run sweeps; auto is the longest (default: auto)")
-      ->type_name("auto|x|y|z")
-      ->group(kMachineGroup);
-}
+void add_axis_option(CLI::App& verb, CommonOptions& options) { add_words(verb, options, "axis", kMachineGroup); }
 
 void add_stream_options(CLI::App& verb, CommonOptions& options) {
   add_memory_option(
@@ -125,11 +109,11 @@ void add_stream_options(CLI::App& verb, CommonOptions& options) {
       "Memory budget of the whole process, e.g. 800M, 2GB or 4GiB, in powers of 1024 (default: half of the available "
       "memory)");
   verb.add_option(
-          "--temp-dir", options.temp_dir,
+          "--temp-dir", options.resources.temp_folder,
           "Existing folder for temporary files, which a cloud beyond the budget needs (default: that of the system)")
       ->type_name("DIR")
       ->group(kMachineGroup);
-  verb.add_option("--resume", options.resume,
+  verb.add_option("--resume", options.resume_folder,
                   "Keep checkpoints in this folder. Rerun the command to resume after an interruption")
       ->type_name("DIR")
       ->group(kMachineGroup);
@@ -141,7 +125,7 @@ void add_stream_options(CLI::App& verb, CommonOptions& options) {
       ->type_name("FILE")
       ->group(kOutputGroup);
   // For figures of the sweep and for tests, not for users.
-  verb.add_option("--half-way-states", options.half_way)->group("");
+  verb.add_option("--half-way-states", options.half_way_states)->group("");
   verb.add_option("--checkpoint-seconds", options.checkpoint_seconds)->group("")->check(CLI::NonNegativeNumber);
 }
 
@@ -157,21 +141,9 @@ void add_dry_run_option(CLI::App& verb, CommonOptions& options) {
       ->group(kMachineGroup);
 }
 
-void add_order_option(CLI::App& verb, CommonOptions& options) {
-  verb.add_option_function<std::string>(
-          "--order", [&options](const std::string& name) { options.order = parse_order(name); },
-          "Order of the points in the output: as in the input, or ascending along the sweep axis (default: input)")
-      ->type_name("input|sweep")
-      ->group(kOutputGroup);
-}
+void add_order_option(CLI::App& verb, CommonOptions& options) { add_words(verb, options, "order", kOutputGroup); }
 
-void add_nonfinite_option(CLI::App& verb, CommonOptions& options) {
-  verb.add_option_function<std::string>(
-          "--nonfinite", [&options](const std::string& name) { options.nonfinite = parse_nonfinite(name); },
-          "Keep, drop or refuse points with NaN or infinite coordinates (default: keep; drop for LAS outputs)")
-      ->type_name("keep|drop|refuse")
-      ->group(kOtherGroup);
-}
+void add_nonfinite_option(CLI::App& verb, CommonOptions& options) { add_words(verb, options, "nonfinite", kOtherGroup); }
 
 void add_naming_options(CLI::App& verb, CommonOptions& options) {
   verb.add_option("--replace", options.replace,
@@ -185,34 +157,14 @@ void add_naming_options(CLI::App& verb, CommonOptions& options) {
 }
 
 void add_provenance_options(CLI::App& verb, CommonOptions& options) {
-  verb.add_option_function<std::string>(
-          "--provenance",
-          [&options](const std::string& what) {
-            if (what != "names" && what != "paths") fail_usage("--provenance: '{}' is not names or paths.", what);
-            options.provenance_paths = what == "paths";
-          },
-          "Record inputs by their names or by their absolute paths in the processing record (default: names)")
-      ->type_name("names|paths")
-      ->group(kOutputGroup);
+  add_words(verb, options, "provenance", kOutputGroup);
   verb.add_flag_function(
           "--no-provenance", [&options](std::int64_t) { options.provenance = false; }, "Omit the processing record")
       ->group(kOutputGroup);
 }
 
-void add_engine_option(CLI::App& verb, CommonOptions& options) {
-  verb.add_option_function<std::string>(
-          "--engine", [&options](const std::string& name) { options.engine = parse_engine(name); },
-          "Use the exact engine, or the paper's own algorithm, which is slow and not always exact (default: exact)")
-      ->type_name("exact|reference")
-      ->group(kOtherGroup);
-}
+void add_engine_option(CLI::App& verb, CommonOptions& options) { add_words(verb, options, "engine", kOtherGroup); }
 
-void add_positions_option(CLI::App& verb, CommonOptions& options) {
-  verb.add_option_function<std::string>(
-          "--positions", [&options](const std::string& name) { options.positions = parse_position_type(name); },
-          "Type of x, y and z in the output, not for LAS (default: that of the input; float64 of moved points)")
-      ->type_name("float32|float64")
-      ->group(kOutputGroup);
-}
+void add_positions_option(CLI::App& verb, CommonOptions& options) { add_words(verb, options, "positions", kOutputGroup); }
 
 }  // namespace pointsweep

@@ -14,31 +14,16 @@
 
 namespace pointsweep {
 
-struct CommonOptions {
-  std::uint64_t memory = 0;        ///< budget in bytes; 0: half of what is available
-  int threads = 0;                 ///< set by add_thread_option() to the number of processors
-  std::filesystem::path temp_dir;  ///< where to spill; empty: the system's folder
-  std::filesystem::path resume;    ///< folder of checkpoints; empty: none
-  double checkpoint_seconds = EngineOptions().checkpoint_seconds;
-  std::optional<int> axis;     ///< 0, 1, 2; none: the axis of largest extent
-  Order order = Order::input;  ///< of the rows of the output
-  Engine engine = Engine::exact;
-  std::optional<Type> positions;  ///< type of x, y and z in the output; none: that of the input, float64 of moved points
-  std::filesystem::path stats;          ///< JSON file; empty: none
-  std::filesystem::path report;         ///< HTML page; empty: none
-  std::filesystem::path half_way;       ///< .npy file of the state of each point; empty: none
-  std::vector<std::string> keep;        ///< names of attributes to write; empty: all
-  bool dry_run = false;                 ///< print the plan and write nothing
+/// The options of a run, and what the tool alone needs to know.
+struct CommonOptions : EngineOptions {
+  std::filesystem::path stats;    ///< JSON file; empty: none
+  std::filesystem::path report;   ///< HTML page; empty: none
+  std::vector<std::string> keep;  ///< names of attributes to write; empty: all
+  bool dry_run = false;           ///< print the plan and write nothing
   bool quiet = false;
   std::string format;            ///< of inputs without a signature; empty: there are none
   bool ignore_crs = false;       ///< coordinate reference systems neither forbid nor convert anything
-  bool force = false;            ///< an existing output may be replaced
   int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
-  Nonfinite nonfinite = Nonfinite::by_format;
-  std::vector<std::string> replace;  ///< attributes of the input that may be overwritten
-  std::string prefix;                ///< of the names of made attributes
-  bool provenance = true;            ///< outputs say how they were made
-  bool provenance_paths = false;     ///< with the absolute paths of the inputs
 };
 
 /// How the inputs become one cloud.

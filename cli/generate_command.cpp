@@ -54,11 +54,11 @@ void generate(const GenerateOptions& options) {
   plan.path = options.output;
   plan.schema = reader.info().schema;
   plan.count = reader.info().count;
-  plan.overwrite = options.common.force;
+  plan.overwrite = options.common.overwrite;
   plan.bounds = reader.info().bounds;
   const std::unique_ptr<Writer> writer = create_writer(plan);
   ProgressDisplay progress(options.common);
-  with_threads(static_cast<unsigned>(options.common.threads), [&] { write_all(reader, *writer, progress); });
+  with_threads(options.common.resources.threads, [&] { write_all(reader, *writer, progress); });
   writer->finish();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   progress.say(Severity::note, fmt::format("wrote {}: {} points of a {} in {:.1f} s", options.output.string(),

@@ -32,10 +32,10 @@ void write_page(const std::filesystem::path& path, const std::string& page, bool
 }
 
 void write_pages(const CLI::App& app, const ManCommand& command) {
-  write_page(command.folder / "pointsweep.1", man_page_of_tool(app), command.common.force);
+  write_page(command.folder / "pointsweep.1", man_page_of_tool(app), command.common.overwrite);
   for (const DeclaredVerb& verb : declared_verbs(app))
     write_page(command.folder / ("pointsweep-" + verb.name + ".1"), man_page_of_verb(app, verb.name),
-               command.common.force);
+               command.common.overwrite);
 }
 
 void print_page(const CLI::App& app, const std::string& verb) {

@@ -69,7 +69,7 @@ void render_picture(RenderCommand& command) {
   RenderOptions options = command.options;
   options.angles = parse_view(command.view);
   options.up = parse_up(command.up);
-  OutputFile file(output, command.common.force);
+  OutputFile file(output, command.common.overwrite);
   take_standard_input(files.inputs, command.common);
   InputCloud cloud(files.inputs, cloud_options(command.common));
   if (const auto& crs = cloud.readers().front()->info().crs) options.length_unit = length_unit_of(*crs);

@@ -41,7 +41,7 @@ VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& displ
   options.nonfinite = command.common.nonfinite;
   options.recursive = command.paths.recursive;
   options.cloud = cloud_options(command.common);
-  if (command.common.memory != 0) options.memory_bytes = command.common.memory;
+  if (command.common.resources.memory_bytes != 0) options.memory_bytes = command.common.resources.memory_bytes;
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
     stop_if_cancelled();
     display.report(phase, done, total);

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "pointsweep/formats/provenance.h"
+#include "pointsweep/pipeline/run_words.h"
 #include "pointsweep/pipeline/sweep_engine.h"
 
 namespace pointsweep {
@@ -23,15 +24,16 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
   const auto set = [&](const char* name, const std::string& value) {
     if (!value.empty()) record.settings.emplace_back(name, value);
   };
+  const auto set_current = [&](const char* name) { set(name, run_words(name).current(options)); };
   const bool sorted = run.stages == std::vector<std::string>{"sort"};
   set("keep", sorted_list(run.keep));
-  set("order", options.order == Order::sweep ? "sweep" : "");
+  set_current("order");
   set("axis", sorted || options.order == Order::sweep ? std::string(1, "xyz"[run.axis]) : "");
   const SweepEngine* const engine = engine_of(options.engine);
   set("engine", engine != nullptr ? engine->name() : "");
   set("replace", sorted_list(options.replace));
   set("prefix", options.prefix);
-  set("positions", options.positions ? std::string(name_of(*options.positions)) : "");
+  set_current("positions");
   set("nonfinite", run.drops_nonfinite ? "drop" : "");
   const auto asked_for =
       std::ranges::find_if(cloud.readers(), [](const auto& r) { return !r->info().asked_for_as.empty(); });

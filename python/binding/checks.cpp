@@ -14,6 +14,7 @@
 #include "pointsweep/info.h"
 #include "pointsweep/verify.h"
 #include "python/binding/crs_values.h"
+#include "python/binding/requests.h"
 #include "python/binding/watched_run.h"
 
 namespace nb = nanobind;
@@ -56,16 +57,16 @@ VerifyOptions verify_options(const nb::dict& options) {
   check.sample = nb::cast<std::uint64_t>(options["sample"]);
   check.seed = nb::cast<std::uint64_t>(options["seed"]);
   check.rows = nb::cast<std::vector<std::uint64_t>>(options["rows"]);
-  const auto order = nb::cast<std::string>(options["order"]), nonfinite = nb::cast<std::string>(options["nonfinite"]);
-  if (!order.empty()) check.order = order == "sweep" ? Order::sweep : Order::input;
-  if (!options["axis"].is_none()) check.axis = nb::cast<int>(options["axis"]);
+  RunOptions run;
+  set_words(run, options);
+  if (!nb::cast<std::string>(options["order"]).empty()) check.order = run.order;
+  check.axis = run.axis;
+  check.nonfinite = run.nonfinite;
   check.prefix = nb::cast<std::string>(options["prefix"]);
   if (const auto memory = nb::cast<std::uint64_t>(options["memory"]); memory != 0) check.memory_bytes = memory;
   check.pipeline = nb::cast<std::string>(options["pipeline"]);
   check.neighborhood = options_of(nb::cast<nb::list>(options["neighborhood"]));
   check.keep = nb::cast<std::vector<std::string>>(options["keep"]);
-  if (nonfinite == "keep") check.nonfinite = Nonfinite::keep;
-  if (nonfinite == "drop") check.nonfinite = Nonfinite::drop;
   check.recursive = nb::cast<bool>(options["recursive"]);
   check.cloud.ignore_crs = nb::cast<bool>(options["ignore_crs"]);
   check.cloud.format = nb::cast<std::string>(options["format"]);

@@ -12,6 +12,7 @@
 
 #include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/parse.h"
+#include "pointsweep/pipeline/run_words.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/crs_values.h"
 
@@ -66,23 +67,21 @@ bool moves_points(const Chain& chain) {
   });
 }
 
+void set_words(RunOptions& options, const nb::dict& given) {
+  for (const RunWords& declaration : run_words()) {
+    if (!given.contains(declaration.name.c_str())) continue;
+    const auto word = option<std::string>(given, declaration.name.c_str());
+    if (!word.empty()) set_word(options, declaration.name, word);
+  }
+}
+
 RunOptions run_options(const nb::dict& given) {
   RunOptions options;
-  options.order = option<std::string>(given, "order") == "sweep" ? Order::sweep : Order::input;
-  options.axis = option<std::optional<int>>(given, "axis");
-  const auto nonfinite = option<std::string>(given, "nonfinite");
-  options.nonfinite = nonfinite == "keep"     ? Nonfinite::keep
-                      : nonfinite == "drop"   ? Nonfinite::drop
-                      : nonfinite == "refuse" ? Nonfinite::refuse
-                                              : Nonfinite::by_format;
+  set_words(options, given);
+  options.provenance = !option<std::string>(given, "provenance").empty();
   options.overwrite = option<bool>(given, "overwrite");
   options.replace = option<std::vector<std::string>>(given, "replace");
   options.prefix = option<std::string>(given, "prefix");
-  const auto positions = option<std::string>(given, "positions");
-  if (!positions.empty()) options.positions = positions == "float32" ? Type::f32 : Type::f64;
-  const auto provenance = option<std::string>(given, "provenance");
-  options.provenance = !provenance.empty();
-  options.input_paths = provenance == "paths";
   options.resources.memory_bytes = option<std::uint64_t>(given, "memory");
   options.resources.threads = option<unsigned>(given, "threads");
   options.resources.temp_folder = option<std::filesystem::path>(given, "temp_folder");

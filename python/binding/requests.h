@@ -29,6 +29,9 @@ bool changes_rows(const Chain& chain, const RunOptions& options);
 /// Whether a stage makes positions.
 bool moves_points(const Chain& chain);
 
+/// Sets the options whose values are words (run_words()) and that `given` has; an empty word is the default.
+void set_words(RunOptions& options, const nanobind::dict& given);
+
 /// `options` has every key that pointsweep._options.run_options() gives.
 RunOptions run_options(const nanobind::dict& options);
 

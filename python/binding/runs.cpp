@@ -22,6 +22,7 @@
 #include "pointsweep/pipeline/canonical_text.h"
 #include "pointsweep/pipeline/length_units.h"
 #include "pointsweep/pipeline/parse.h"
+#include "pointsweep/pipeline/run_words.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/neighbor_arrays.h"
 #include "python/binding/python_operator.h"
@@ -185,6 +186,9 @@ nb::tuple radius_neighbors(const nb::list& source, double radius, const nb::dict
 
 void bind_runs(nb::module_& module) {
   module.attr("default_neighbors") = std::get<std::uint64_t>(neighbor_rows_declaration().options.front().preset);
+  nb::dict words;
+  for (const RunWords& declaration : run_words()) words[declaration.name.c_str()] = nb::cast(declaration.words);
+  module.attr("run_words") = words;
   module.def("run", &run_pipeline, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a.none(), "into"_a,
              "progress"_a.none(), "warn"_a.none());
   module.def("plan", &plan, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a);

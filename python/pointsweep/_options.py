@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
+from . import _core
 from ._errors import UsageError
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -62,17 +63,21 @@ def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
     return value
 
 
-def _axis(axis: int | str | None) -> int | None:
-    if axis is None or (isinstance(axis, int) and not isinstance(axis, bool) and axis in (0, 1, 2)):
-        return axis
-    return "xyz".index(choice("axis", axis, ("x", "y", "z")))
+def word(name: str, value: Any) -> str:
+    """`value` if it is one of the words that the option of this name has in the declarations; empty for None."""
+    return "" if value is None else choice(name, value, tuple(_core.run_words[name]))
+
+
+def _axis(axis: int | str | None) -> str:
+    is_number = isinstance(axis, int) and not isinstance(axis, bool) and axis in (0, 1, 2)
+    return word("axis", "xyz"[axis] if is_number else axis)  # type: ignore[index]
 
 
 def _provenance(provenance: str | bool) -> str:
     """What the processing record names inputs by; empty: outputs get no record."""
     if isinstance(provenance, bool):
         return "names" if provenance else ""
-    return choice("provenance", provenance, ("names", "paths"))
+    return word("provenance", provenance)
 
 
 def path(option: str, value: Any) -> str:
@@ -119,17 +124,17 @@ def run_options(
     if threads is not None and not 1 <= count <= 4096:
         raise UsageError(f"threads: {threads} is not a number of threads from 1 to 4096.")
     return {
-        "order": choice("order", order, ("input", "sweep")),
+        "order": word("order", order),
         "axis": _axis(axis),
         "memory": bytes_of(memory),
         "threads": count,
         "temp_folder": "" if temp_folder is None else path("temp_folder", temp_folder),
         "resume": "" if resume is None else path("resume", resume),
-        "nonfinite": "" if nonfinite is None else choice("nonfinite", nonfinite, ("keep", "drop", "refuse")),
+        "nonfinite": word("nonfinite", nonfinite),
         "overwrite": bool(overwrite),
         "replace": names("replace", replace),
         "prefix": str(prefix),
-        "positions": "" if positions is None else choice("positions", positions, ("float32", "float64")),
+        "positions": word("positions", positions),
         "provenance": _provenance(provenance),
         "ignore_crs": bool(ignore_crs),
     }

@@ -86,7 +86,7 @@ def run(
     crs : coordinate reference system of points in arrays, which outputs state: an EPSG code, WKT, a `pyproj.CRS`, or the
         `crs` of a cloud. Default: what a laspy.LasData, a laspy reader or a table of geopandas states.
     order : of the result's rows: 'input', or 'sweep', along the axis of the largest extent.
-    axis : of the sweep: 'x', 'y' or 'z'.
+    axis : of the sweep: 'x', 'y', 'z' or 'auto', the longest.
     memory : what the run may take in addition to the interpreter, its arrays and the results, e.g. '2G'; what does not
         fit goes to temporary files. Default: half of what is available.
     threads : default: one for each core.

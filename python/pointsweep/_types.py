@@ -55,7 +55,7 @@ class RunOptions(TypedDict, total=False):
     """The options of `pointsweep.run` that have the same meaning for all kinds of input and output."""
 
     order: Literal["input", "sweep"]
-    axis: Literal["x", "y", "z", 0, 1, 2] | None
+    axis: Literal["auto", "x", "y", "z", 0, 1, 2] | None
     memory: int | str | None
     threads: int | None
     temp_folder: Path | None

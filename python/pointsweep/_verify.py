@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 from . import _core
 from ._errors import UsageError
-from ._options import choice, names, number, path, run_options, whole
+from ._options import names, number, path, run_options, whole, word
 from ._progress import called
 from ._stage_list import stages_of
 from ._types import Path, PipelineLike, ProgressCallback
@@ -102,7 +102,7 @@ def verify(
         "sample": _count("sample", sample),
         "seed": _count("seed", seed),
         "rows": [_count("rows", row) for row in rows],
-        "order": "" if order is None else choice("order", order, ("input", "sweep")),
+        "order": word("order", order),
         "recursive": bool(recursive),
         "format": format,
     }

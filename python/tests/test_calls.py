@@ -2,13 +2,17 @@
 """Stages, operators and pipelines called on points: the same as `run` with them."""
 
 import inspect
+import typing
 
 import numpy as np
 import pytest
 from conftest import made_by
 
 import pointsweep as ps
+from pointsweep import _core
 from pointsweep._adapters import are_points
+from pointsweep._options import run_options
+from pointsweep._types import RunOptions
 
 #: required options that the samples of the declarations do not fit to these clouds
 OPTIONS = {
@@ -132,9 +136,6 @@ def test_signatures_name_every_option(function):
 
 
 def test_the_types_of_the_options_are_those_that_runs_take():
-    from pointsweep._options import run_options
-    from pointsweep._types import RunOptions
-
     assert list(RunOptions.__annotations__) == list(inspect.signature(run_options).parameters)
 
 
@@ -161,3 +162,17 @@ def test_positions_and_provenance(cloud, tmp_path):
             ps.run(cloud["xyz"], "normals", **wrong)
     with pytest.raises(ps.UsageError, match="positions: 'f4'"):
         ps.run(cloud["xyz"], "normals", positions="f4")
+
+
+def test_the_words_of_options_are_those_of_the_declarations():
+    hints = typing.get_type_hints(RunOptions)
+    for name, words in _core.run_words.items():
+        if name == "engine":
+            assert name not in hints  # of the tool alone
+            continue
+        literals = [value for part in (hints[name], *typing.get_args(hints[name])) for value in typing.get_args(part)]
+        assert [value for value in literals if isinstance(value, str)] == words, name
+        for word in words:
+            assert run_options(**{name: word})[name] == word
+        with pytest.raises(ps.UsageError, match=f"{name}: 'other' is not one of {', '.join(words)}"):
+            run_options(**{name: "other"})

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// What the tool says to a new user: help, version, near names, and texts that work as they stand.
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <sstream>
@@ -10,6 +12,7 @@
 #include "cli/help.h"
 #include "cli/operator_listing.h"
 #include "pointsweep/pipeline/registry.h"
+#include "pointsweep/pipeline/run_words.h"
 #include "pointsweep/reader.h"
 #include "tests/cli/tool.h"
 
@@ -200,6 +203,14 @@ TEST_F(Help, ExamplesRunAsPasted) {
   }
   for (const std::string& example : lines_after(tool("help").out, "pointsweep"))
     EXPECT_EQ(tool(example + " --force").status, 0) << example;
+}
+
+TEST_F(Help, EveryOptionOfRunsWhoseValuesAreWordsIsAFlagOfRun) {
+  const std::string help = tool("help run").out;
+  for (const RunWords& declaration : run_words()) {
+    const std::string flag = fmt::format("--{} {}", declaration.name, fmt::join(declaration.words, "|"));
+    EXPECT_NE(help.find(flag), std::string::npos) << flag;
+  }
 }
 
 TEST_F(Help, ExamplesOfOperatorsArePipelinesThatRun) {

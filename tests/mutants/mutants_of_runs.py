@@ -50,7 +50,7 @@ MUTANTS = [
 
     # Provenance
     Mutant("the provenance record does not say the type of positions", "provenance", PIPELINE + "provenance_record.cpp",
-           "set(\"positions\", options.positions ?", "set(\"positions\", options.positions == Type::i32 ?", ("cli:Provenance.*", "cli:Naming.*")),
+           "set_current(\"positions\");", "", ("cli:Provenance.*", "cli:Naming.*")),
     Mutant("the provenance record lacks the options of stages", "provenance", PIPELINE + "canonical_text.cpp",
            "if (is_preset && presets", "if ((is_preset || !option.name.empty()) && presets", ("cli:Provenance.*",)),
     Mutant("the provenance record leaves out presets that reneighbor needs", "provenance",
