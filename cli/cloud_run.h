@@ -8,7 +8,6 @@
 
 #include "cli/common_options.h"
 #include "cli/inputs_and_output.h"
-#include "pointsweep/pipeline/engine_run.h"
 
 namespace pointsweep {
 
