@@ -58,7 +58,7 @@ def fails(error, *arguments):
     ids=["operator", "radius", "exception", "usage error", "select", "chunks", "reduce", "blocks", "generate"],
 )
 def test_many_runs_leave_nothing_behind(call):
-    for _ in range(15):
+    for _ in range(100):  # caches of Python grow for some time
         call()
     before = held()
     for _ in range(100):
