@@ -345,7 +345,8 @@ TEST_F(FolderOutputs, AfterASuddenDeathResumeLeavesFinishedOnesAndRemovesWhatWas
   const std::string arguments = "normals tiles out/ -k 3 --resume kept --checkpoint-seconds 0 ";
   const std::string command =
       "cd '" + folder_.string() + "' && { '" POINTSWEEP_TOOL "' " + arguments +
-      " 2>/dev/null & } && while kill -0 $! && ! { [ -e out/a.ply ] && [ -e out/b.ply ]; }; do :; done; kill -9 $!; wait $!";
+      " 2>/dev/null & } && while kill -0 $! && ! { [ -e out/a.ply ] && [ -e out/b.ply ]; }; do :; done; kill -9 $!; "
+      "wait $!";
   std::system(command.c_str());
   ASSERT_TRUE(exists("out/a.ply") && exists("out/b.ply"));
   const auto written = std::filesystem::last_write_time(folder_ / "out/a.ply");
