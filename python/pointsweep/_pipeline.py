@@ -12,7 +12,7 @@ from ._options import with_run_options
 from ._results import Arrays, Report
 from ._runs import performed
 from ._stage_list import canonical_stages, stages_of
-from ._types import FunctionStage, Path, PipelineLike, ProgressCallback, RunOptions, Stages
+from ._types import FunctionStage, Path, PipelineLike, PointOptions, ProgressCallback, RunOptions, Stages
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -30,10 +30,7 @@ class Joinable(Stages):
         to: None = None,
         keep: Sequence[str] | str | None = None,
         out: Mapping[str, np.ndarray] | None = None,
-        attributes: Mapping[str, Any] | None = None,
-        crs: Any = None,
-        progress: ProgressCallback | bool | None = None,
-        **options: Unpack[RunOptions],
+        **options: Unpack[PointOptions],
     ) -> Arrays: ...
 
     @overload
@@ -43,10 +40,7 @@ class Joinable(Stages):
         *,
         to: Path | Sequence[Path],
         keep: Sequence[str] | str | None = None,
-        attributes: Mapping[str, Any] | None = None,
-        crs: Any = None,
-        progress: ProgressCallback | bool | None = None,
-        **options: Unpack[RunOptions],
+        **options: Unpack[PointOptions],
     ) -> Report: ...
 
     @with_run_options

@@ -17,7 +17,7 @@ from ._progress import called
 from ._results import Arrays, Report, arrays_of
 from ._sources import source_of
 from ._stage_list import identified, stages_of
-from ._types import Path, PipelineLike, ProgressCallback, RunOptions
+from ._types import Path, PipelineLike, PointOptions, ProgressCallback, RunOptions
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -31,10 +31,7 @@ def run(
     to: None = None,
     keep: Sequence[str] | str | None = None,
     out: Mapping[str, np.ndarray] | None = None,
-    attributes: Mapping[str, Any] | None = None,
-    crs: Any = None,
-    progress: ProgressCallback | bool | None = None,
-    **options: Unpack[RunOptions],
+    **options: Unpack[PointOptions],
 ) -> Arrays: ...
 
 
@@ -45,10 +42,7 @@ def run(
     *,
     to: Path | Sequence[Path],
     keep: Sequence[str] | str | None = None,
-    attributes: Mapping[str, Any] | None = None,
-    crs: Any = None,
-    progress: ProgressCallback | bool | None = None,
-    **options: Unpack[RunOptions],
+    **options: Unpack[PointOptions],
 ) -> Report: ...
 
 

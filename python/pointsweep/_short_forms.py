@@ -17,7 +17,7 @@ from ._results import Neighbors, RadiusNeighbors
 from ._runs import run
 from ._sources import source_of
 from ._stage import Stage
-from ._types import ProgressCallback, RunOptions
+from ._types import PointOptions, ProgressCallback, RunOptions
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -46,10 +46,7 @@ def normals(
     orient: _Orient = "none",
     viewpoint: Sequence[float] | None = None,
     out: np.ndarray | None = None,
-    attributes: Mapping[str, Any] | None = None,
-    crs: Any = None,
-    progress: ProgressCallback | bool | None = None,
-    **options: Unpack[RunOptions],
+    **options: Unpack[PointOptions],
 ) -> np.ndarray: ...
 
 
@@ -118,10 +115,7 @@ def neighbors(
     k: int,
     *,
     radius: float | None = None,
-    attributes: Mapping[str, Any] | None = None,
-    crs: Any = None,
-    progress: ProgressCallback | bool | None = None,
-    **options: Unpack[RunOptions],
+    **options: Unpack[PointOptions],
 ) -> Neighbors: ...
 
 
@@ -131,10 +125,7 @@ def neighbors(
     k: None = None,
     *,
     radius: None = None,
-    attributes: Mapping[str, Any] | None = None,
-    crs: Any = None,
-    progress: ProgressCallback | bool | None = None,
-    **options: Unpack[RunOptions],
+    **options: Unpack[PointOptions],
 ) -> Neighbors: ...
 
 
@@ -144,10 +135,7 @@ def neighbors(
     k: None = None,
     *,
     radius: float,
-    attributes: Mapping[str, Any] | None = None,
-    crs: Any = None,
-    progress: ProgressCallback | bool | None = None,
-    **options: Unpack[RunOptions],
+    **options: Unpack[PointOptions],
 ) -> RadiusNeighbors: ...
 
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, TypedDict, Union
 
 Path = Union[str, "os.PathLike[str]"]
@@ -67,3 +67,11 @@ class RunOptions(TypedDict, total=False):
     positions: Literal["float32", "float64"] | None
     provenance: Literal["names", "paths"] | bool
     ignore_crs: bool
+
+
+class PointOptions(RunOptions, total=False):
+    """The options of runs over points in arrays or files."""
+
+    attributes: Mapping[str, Any] | None
+    crs: Any
+    progress: ProgressCallback | bool | None
