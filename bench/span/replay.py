@@ -379,7 +379,7 @@ class Replay:
         self.ready = collections.deque()
         self.idle = dict.fromkeys(range(p))
         self.open = collections.deque()  # loops with bodies to take
-        self.spawned = collections.OrderedDict()  # tasks that nobody has taken: (order, worker)
+        self.spawned = collections.OrderedDict()  # tasks that have not begun: (order, worker)
         self.done, self.begun, self.waiters = set(), set(), {}
         self.loops = {}
         self.mutex, self.queue, self.queued = {}, collections.defaultdict(collections.deque), {}

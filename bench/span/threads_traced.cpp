@@ -210,7 +210,8 @@ inline void record_lock(Kind kind, const void* mutex, const void* at) {
   t->last_tsc += all().lock_tsc;
 }
 
-/// Where a loop was started: the stack, taken once for each return address at the same depth.
+/// Returns the number of the place that started a loop; 0 on a thread without a trace. The stack of the place is recorded at the
+/// first loop that has the same return address `caller` and the same `frame`.
 __attribute__((noinline)) std::uint64_t site_of(void* caller, void* frame) {
   Thread* const t = self;
   if (t == nullptr) return 0;
