@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Checks README.md and the pages of docs/.
 
-    pages.py commands TOOL [--write]   runs the commands of the pages below and compares what they print with the page; --write puts it there
+    pages.py commands TOOL [--write]   runs the commands of the pages below, and the table of tasks of README.md, and compares what they print with
+                                       the page; --write puts it there
     pages.py paths                     every path in backticks exists, every fenced block has a kind that is run or is text, README.md is short
 
 Commands are the blocks ```sh. A block ```text right after one is what its commands print. Seconds, rates and amounts of memory differ from
@@ -19,8 +20,12 @@ SETS_UP = re.compile(r"(script/|pip )")
 # README.md generates a cloud that takes seconds; a smaller one shows the same.
 SMALLER = ("-n 500k", "-n 50k")
 BLOCK = re.compile(r"^```sh\n(?P<commands>.*?)^```\n(?P<shown>\n?```text\n(?P<text>.*?)^```\n)?", re.MULTILINE | re.DOTALL)
-VARYING = re.compile(r"\d[\d.,]*(?=( s\b|[KM]?/s\b|[KMG]\b of memory| [KMG]B\b))|(?<=commit )\w+")
-KINDS_THAT_RUN = {"sh", "python", "cpp", "cmake", "json"}
+VARYING = re.compile(r"\d[\d.,]*(?:(?= s\b)|[KMG]?(?=/s\b| of memory)|(?= [KMG]B\b))|(?<=commit )\w+")
+# Rows of README.md's table of tasks, whose code is a command, options, or a pipeline.
+TASKS = re.compile(r"^## I want to \.\.\.\n(.*?)^## ", re.MULTILINE | re.DOTALL)
+# Kinds of blocks, and the pages whose blocks of the kind are run: here, by python/tests/test_docs.py and by examples/CMakeLists.txt; tests/package has the
+# lines of cmake.
+RUN = {"sh": PAGES_WITH_COMMANDS, "python": ["README.md", "docs/python.md"], "cpp": ["docs/cpp.md"], "cmake": ["docs/cpp.md"]}
 
 
 class Workshop:
@@ -45,10 +50,21 @@ class Workshop:
                  "pointsweep generate terrain after.laz -n 20000 --noise 0.05 --seed 2")
         polygon = '{"type": "Polygon", "coordinates": [[[100, 100], [700, 100], [400, 800], [100, 100]]]}'
         (self.path / "site.geojson").write_text(polygon)
+        (self.path / "flight.csv").write_text("".join(f"{time},{x},500,800\n" for time, x in ((-1, 0), (1, 1000))))
 
 
 def commands_of(block):
     return "".join(line + "\n" for line in block.splitlines() if not SETS_UP.match(line))
+
+
+def run_tasks(workshop, text):
+    """Runs the commands and pipelines of the table of tasks."""
+    codes = [code.replace("\\|", "|") for code in re.findall(r"`([^`]+)`", TASKS.search(text)[1]) if not code.startswith("--")]
+    if len(codes) < 12:
+        sys.exit(f"README.md: only {len(codes)} commands and pipelines are found in the table of tasks")
+    for code in codes:
+        (workshop.path / "out.laz").unlink(missing_ok=True)
+        workshop.run(code if code.startswith("pointsweep ") else f"pointsweep run scan.laz out.laz --pipeline '{code}'")
 
 
 def check_commands(tool, write):
@@ -79,6 +95,8 @@ def check_commands(tool, write):
             return match[0][:begin] + output + match[0][end:]
 
         made = BLOCK.sub(printed, text)
+        if page == "README.md":
+            run_tasks(workshop, text)
         if count < 5:
             sys.exit(f"{page}: only {count} commands are found")
         if write:
@@ -92,8 +110,8 @@ def check_paths():
     starts = [path.name for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith(".") and path.name != "build"] + folders
     for page in pages:
         name, text = page.relative_to(ROOT), page.read_text()
-        for kind in re.findall(r"^```(\w*)\n.*?^```", text, re.MULTILINE | re.DOTALL):
-            if kind not in KINDS_THAT_RUN | {"text"}:
+        for kind, block in re.findall(r"^ *```([^\n]*)\n(.*?)^ *```", text, re.MULTILINE | re.DOTALL):
+            if kind != "text" and str(name) not in RUN.get(kind, []) and not (kind == "sh" and not commands_of(block)):
                 wrong.append(f"{name}: a fenced block of the kind '{kind}' is neither run nor marked text")
         for code in re.findall(r"`([^`\n]+)`", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)):
             path = code.split(" ")[0].rstrip("/")
