@@ -85,7 +85,7 @@ def measure(options, name, folder):
                 if other != best[planned][1]:
                     other.unlink()
     row = {"case": name, "points": processes.points(options.size), "cpu_seconds": {p: cpu for p, (cpu, _) in best.items()},
-           **replay.replayed([path for _, path in best.values()], min(outside))}
+           **replay.replayed([path for _, path in best.values()], min(outside), sorted({*replay.WORKERS, os.cpu_count()}))}
     for threads in sorted({1, os.cpu_count()}):
         clock = min((end - begin) / 1e9 for begin, end in (run(words, tool, threads, {}) for _ in range(options.repeat)))
         predicted = row["workers"][threads]["wall"]

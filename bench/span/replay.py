@@ -607,7 +607,7 @@ def piece_name(key):
 WORKERS = (1, 2, 4, 8, 16, 32, 64, 128)
 
 
-def replayed(paths, outside, reported=(16, 64), top=8):
+def replayed(paths, outside, workers=WORKERS, reported=(16, 64), top=8):
     """Wall seconds and speed-up by number of workers, with a text for a reader. `outside`: seconds that the process takes
     before and after the trace."""
     traces = {trace.planned: trace for trace in map(Trace, paths)}
@@ -619,7 +619,7 @@ def replayed(paths, outside, reported=(16, 64), top=8):
                      f"{trace.head['process_cpu'] / 1e9:.2f} s, of the tracer "
                      f"{sum(t['overhead_ns'] for t in trace.head['threads']) / 1e9:.2f} s")
     lines.append("\n   P  planned for  predicted s  speed-up  busy")
-    for p in WORKERS:
+    for p in workers:
         trace = min(traces.values(), key=lambda t: (abs(math.log2(t.planned / p)), -t.planned))
         replay = Replay(trace, p)
         wall = replay.wall / 1e9 + outside
