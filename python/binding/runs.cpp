@@ -128,7 +128,7 @@ std::vector<std::string> canonical(const nb::list& pipeline) {
   return canonical_stages(chain_of(pipeline, Facts{}), Presets::left_out);
 }
 
-/// Puts a stage that drops points with NaN or infinite coordinates at the beginning: behind one that numbers the rows,
+/// Puts a stage that drops points with NaN or infinite coordinates at the beginning: after one that numbers the rows,
 /// where Nonfinite::drop would drop them before.
 void leave_finite_points(Chain& chain) {
   const Chain finite = build_chain(parse_pipeline("where(x - x == 0 && y - y == 0 && z - z == 0)"), Facts{});
@@ -178,8 +178,9 @@ nb::tuple radius_neighbors(const nb::list& source, double radius, const nb::dict
                            .stages = {lists.op()},
                            .keep = {"neighbor_count", "x"}},
                           {}};
-  run_to_arrays(cloud, chain, {{}, {"neighbor_count"}, false}, run_options(given), {progress, warn});
-  return lists.arrays(cloud.count());
+  ResultArrays counts({{}, {"neighbor_count"}, false});
+  run_into(counts, cloud, chain, run_options(given), {progress, warn});
+  return lists.arrays(counts.rows());
 }
 
 }  // namespace

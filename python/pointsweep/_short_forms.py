@@ -166,7 +166,8 @@ def neighbors(
     Their number is not bounded: 16 bytes for each are in memory, whatever the budget.
 
     Distances are computed in float64; equal ones are ordered by x, y, z, then by row. Points with NaN or infinite
-    coordinates have no neighbours and are neighbours of no point.
+    coordinates have no neighbours and are neighbours of no point; with nonfinite='drop' they have no rows, and rows are
+    counted without them.
     """
     checked = run_options(**options)
     source = source_of(points, attributes, crs, checked)

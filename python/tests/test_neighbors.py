@@ -121,13 +121,14 @@ def test_threads_and_memory_change_no_byte(surface):
     assert all(a.tobytes() == b.tobytes() for a, b in zip(expected, got))
 
 
-def test_points_left_out_have_no_rows(surface):
+@pytest.mark.parametrize("neighborhood", [{"k": 6}, {"radius": 0.3}])
+def test_points_left_out_have_no_rows(surface, neighborhood):
     xyz = surface.copy()
     xyz[[0, 50, 2999]] = np.nan
-    left = ps.neighbors(np.delete(xyz, [0, 50, 2999], axis=0), k=6)
+    left = ps.neighbors(np.delete(xyz, [0, 50, 2999], axis=0), **neighborhood)
     with pytest.warns(ps.PointsweepWarning, match="Dropped 3 points .* report.statistics lists their rows"):
-        indices, distances = ps.neighbors(xyz, k=6, nonfinite="drop")
-    assert np.array_equal(indices, left.indices) and np.array_equal(distances, left.distances)
+        found = ps.neighbors(xyz, nonfinite="drop", **neighborhood)
+    assert len(found) == len(left) and all(np.array_equal(a, b) for a, b in zip(found, left))
 
 
 def test_neighbors_are_in_memory_once():
