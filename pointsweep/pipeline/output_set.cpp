@@ -118,11 +118,12 @@ void OutputSet::write_records(std::span<const std::byte> records) {
   }
 }
 
-void OutputSet::write_inputs(std::span<const std::byte> records) {
+void OutputSet::write_inputs(std::uint64_t first_row, std::span<const std::byte> records) {
   const std::size_t rows = records.size() / input_stride_;
   inputs_.resize(rows * layout_.schema().stride);
   for_each_task(rows, [&](std::size_t row, std::size_t n) {
-    layout_.assemble(records.data() + row * input_stride_, nullptr, n, inputs_.data() + row * layout_.schema().stride);
+    layout_.assemble(records.data() + row * input_stride_, nullptr, n, inputs_.data() + row * layout_.schema().stride,
+                     {first_row + row});
   });
   write_records(inputs_);
 }

@@ -36,8 +36,8 @@ class OutputSet {
   void write_results(InputCloud& cloud, std::uint64_t first_row, std::span<const std::byte> results);
   /// The next whole records of layout().
   void write_records(std::span<const std::byte> records);
-  /// The next records of the input, of which layout() says what is kept; nothing is made.
-  void write_inputs(std::span<const std::byte> records);
+  /// Appends records of the input without made attributes. They are rows from `first_row` on, for messages.
+  void write_inputs(std::uint64_t first_row, std::span<const std::byte> records);
   /// Returns when all rows that have come are in the files.
   void flush();
   /// Gives the files their names, unless the inputs have changed meanwhile.

@@ -29,7 +29,7 @@ InputCloud cloud_of_input(const InputCloud& all, std::size_t input) {
   return InputCloud(std::move(reader));
 }
 
-/// The rows of one input, from `first` on in the whole cloud, that are selected there.
+/// Returns the part of a selection that concerns one input, whose rows begin at `first` in the whole cloud.
 RowSelection selected_rows(const RowSelection& all, std::uint64_t first, std::uint64_t rows) {
   return {rows, [&all, first, rows](std::uint64_t block, std::span<std::byte> bits) {
             SelectionCursor kept(all);
@@ -41,14 +41,14 @@ RowSelection selected_rows(const RowSelection& all, std::uint64_t first, std::ui
           }};
 }
 
-/// The field of one input that the field `name` of the whole cloud comes from.
+/// Returns the field of one input from which the field `name` of the whole cloud comes.
 std::optional<std::size_t> own_field(const Schema& own, const std::string& name) {
   for (std::size_t f = 0; f < own.fields.size(); ++f)
     if (own.fields[f].name == name) return f;
   return own.find(library_name_of(name));
 }
 
-/// What is kept of one input.
+/// Returns the kept fields of one input.
 KeptFields kept_of(const KeptFields& kept, const Schema& all, const Schema& own) {
   KeptFields mine = kept;
   if (!kept.input || all == own) return mine;
@@ -59,7 +59,7 @@ KeptFields kept_of(const KeptFields& kept, const Schema& all, const Schema& own)
   return mine;
 }
 
-/// Those of `replace` that mean an attribute of this input: the others are of other inputs.
+/// Returns the names in `replace` that mean an attribute of this input. The other names belong to other inputs.
 std::vector<std::string> replaced_in(const Schema& own, const std::vector<std::string>& replace,
                                      const std::vector<Attribute>& made) {
   std::vector<std::string> some;
@@ -78,7 +78,7 @@ Box bounds_of(InputCloud& cloud) {
   return survey(source_of(cloud, [](std::size_t) {}), std::nullopt, true).bounds;
 }
 
-/// As OutputPlan::bounds.
+/// Returns OutputPlan::bounds for the output of one input.
 std::optional<Box> bounds_if_needed(const Format* format, InputCloud& cloud) {
   const bool needed = format != nullptr && format->needs_bounds != nullptr && format->needs_bounds(cloud.schema());
   return needed ? std::optional(bounds_of(cloud)) : std::nullopt;
@@ -160,18 +160,18 @@ void require_writable_tiles(const TileRequest& request, const FinishedTiles& fin
   }
 }
 
-/// A tile that is being written, or one that an earlier process has finished, of which rows only pass.
+/// A tile that gets its rows or is being completed. If an earlier process has finished it, its rows are skipped.
 struct TileSet::Tile {
   Tile(std::size_t t, std::uint64_t first_row, InputCloud of_tile)
       : number(t), first(first_row), cloud(std::move(of_tile)) {}
 
   std::size_t number;
-  std::uint64_t first;  ///< row of the whole cloud, of those that are left
+  std::uint64_t first;  ///< number of its first row among the rows of the whole cloud that are left
   InputCloud cloud;
-  std::optional<OutputSet> files;  ///< absent: it is finished
-  std::uint64_t done = 0;          ///< rows
-  std::optional<ParallelRows> input_rows;    ///< where nothing is made of them
-  std::optional<BackgroundTask> completing;  ///< last, so that it ends before what it works on
+  std::optional<OutputSet> files;            ///< absent if an earlier process has finished the tile
+  std::uint64_t done = 0;                    ///< rows that have been written or skipped
+  std::optional<ParallelRows> input_rows;    ///< reads rows without made attributes
+  std::optional<BackgroundTask> completing;  ///< last, so that the task ends before the members that it uses
 };
 
 TileSet::TileSet(const TileRequest& request, FinishedTiles finished)
@@ -219,7 +219,7 @@ void TileSet::complete() {
   while (completing_.size() > request_.completing) wait_for_first();
 }
 
-/// On a thread of its own: names the file of the tile when all is in it.
+/// Writes the last rows of a tile and gives its file its name. Runs in the background.
 void TileSet::finish_files(Tile& tile) {
   const fs::path& output = request_.outputs.tiles[tile.number];
   tile.files->flush();
@@ -237,19 +237,26 @@ void TileSet::wait_for_first() {
   completing_.pop_front();
 }
 
-/// All results come from all inputs, which were read before the first tile is complete; then each tile reads its own.
+/// Results depend on all inputs, all of which are read before the first tile is complete. Later tiles read their own
+/// input only.
 void TileSet::require_unchanged_inputs() const {
   const bool is_first = complete_ == 0 && completing_.empty();
   is_first ? request_.cloud.require_unchanged() : request_.cloud.require_unchanged(tile_->number);
 }
 
-/// The next `rows` of the cloud are, in each of the tiles that they are in, its rows from `row` on; `skip` rows come
-/// before them.
+/// Divides the next `rows` rows of the cloud among the tiles that have them. Calls write(tile, row, skip, part) for
+/// each tile: `row` is the first of `part` rows in the tile, and `skip` of the `rows` come before it.
 void TileSet::for_each_part(std::uint64_t rows, const WriteRows& write) {
   for (std::uint64_t skip = 0; skip < rows;) {
     if (!tile_) open_next();
     const std::uint64_t part = std::min(rows - skip, tile_->cloud.count() - tile_->done);
-    if (part > 0 && tile_->files) write(*tile_, tile_->done, skip, part);
+    if (part > 0 && tile_->files) {
+      try {
+        write(*tile_, tile_->done, skip, part);
+      } catch (const RowError& error) {
+        throw error.numbered(tile_->first + error.row());
+      }
+    }
     tile_->done += part;
     skip += part;
     if (tile_->done == tile_->cloud.count()) complete();
@@ -260,11 +267,7 @@ void TileSet::write_results(std::uint64_t, std::span<const std::byte> results) {
   std::size_t bytes = 0;
   for (const Attribute& a : request_.names.made) bytes += a.bytes();
   for_each_part(results.size() / bytes, [&](Tile& tile, std::uint64_t row, std::uint64_t skip, std::uint64_t rows) {
-    try {
-      tile.files->write_results(tile.cloud, row, results.subspan(skip * bytes, rows * bytes));
-    } catch (const RowError& error) {
-      throw error.numbered(tile.first + error.row());
-    }
+    tile.files->write_results(tile.cloud, row, results.subspan(skip * bytes, rows * bytes));
   });
 }
 
@@ -273,7 +276,7 @@ void TileSet::write_inputs(std::uint64_t, std::uint64_t rows) {
     std::vector<std::byte> records(part * tile.cloud.schema().stride);
     if (!tile.input_rows) tile.input_rows.emplace(source_of(tile.cloud, [](std::size_t) {}));
     tile.input_rows->read(row, records);
-    tile.files->write_inputs(records);
+    tile.files->write_inputs(row, records);
   });
 }
 

@@ -55,8 +55,8 @@ struct TileRequest {
 void require_writable_tiles(const TileRequest& request, const FinishedTiles& finished, MadeFolders& folders);
 
 /// Tiles get their rows one after the other and are completed side by side. Each has the rows, the fields, the grid and
-/// the header of its input, not those of the cloud, and gets its name when it is complete. Those that an earlier process
-/// has finished are left.
+/// the header of its input, not those of the cloud, and gets its name when it is complete. Tiles that an earlier
+/// process has finished stay.
 class TileSet {
  public:
   TileSet(const TileRequest& request, FinishedTiles finished);
@@ -91,11 +91,11 @@ class TileSet {
   TileRequest request_;
   ManyOutputs outputs_;
   FinishedTiles finished_;
-  std::vector<std::uint64_t> first_row_;  ///< of each input, before any select
-  std::uint64_t rows_opened_ = 0;         ///< of the cloud, in the tiles before next_
-  std::size_t next_ = 0;                  ///< tile to be opened next
-  std::atomic<std::size_t> complete_ = 0;
-  std::unique_ptr<Tile> tile_;  ///< that gets rows
+  std::vector<std::uint64_t> first_row_;   ///< first row of each input, before any select
+  std::uint64_t rows_opened_ = 0;          ///< rows of the cloud in the tiles before next_
+  std::size_t next_ = 0;                   ///< tile to be opened next
+  std::atomic<std::size_t> complete_ = 0;  ///< tiles; counted by background tasks, too
+  std::unique_ptr<Tile> tile_;             ///< the tile that gets rows now
   std::uint64_t bytes_written_ = 0;
   struct Warning {
     std::string first;
@@ -103,7 +103,7 @@ class TileSet {
   };
   std::map<std::string, Warning> warnings_;  ///< by what follows the name of the tile
   std::vector<std::string> empty_;           ///< names of tiles without rows
-  std::deque<std::unique_ptr<Tile>> completing_;  ///< last, so that they end before what they work on
+  std::deque<std::unique_ptr<Tile>> completing_;  ///< last, so that their tasks end before the members that they use
 };
 
 }  // namespace pointsweep

@@ -207,6 +207,34 @@ constexpr std::array kTiledPipelines = {
     "ground(cell=0.2, window=1) | height(k=3)",
 };
 
+TEST_F(Tiles, ARefusedValueIsNamedByItsRowAlsoWhereNothingIsMade) {
+  constexpr int kRows = 10'000, kRefused = 9'001;
+  std::string text = "x y z\n";
+  for (int i = 0; i < kRows; ++i) text += fmt::format("{} {} 0\n", i >= kRefused ? 1e60 : i % 100, i / 100);
+  folder_.write("in/far.xyz", text);
+  EngineOptions narrow = options();
+  narrow.positions = Type::f32;
+  for (const std::vector<std::string>& names :
+       {std::vector<std::string>{"far.xyz"}, std::vector<std::string>{"c.ply", "far.xyz"}})
+    for (const bool merges : {true, false}) {
+      std::vector<fs::path> paths;
+      Outputs outputs;
+      for (const std::string& name : names) {
+        paths.push_back(folder_ / "in" / name);
+        if (!merges) outputs.tiles.push_back((folder_ / "far" / name).replace_extension("ply"));
+      }
+      if (merges) outputs.points = folder_ / "far.ply";
+      InputCloud cloud(paths);
+      try {
+        run_cloud(cloud, "where(y < 1000)", outputs, narrow);
+        ADD_FAILURE() << "nothing was refused";
+      } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr(fmt::format("Row {}", kRefused)));
+        EXPECT_THAT(error.what(), HasSubstr(names.size() > 1 ? "far.xyz" : "Row"));
+      }
+    }
+}
+
 TEST_F(Tiles, HaveTheBytesOfTheMergedRunInEveryPipeline) {
   for (const std::string pipeline : kTiledPipelines) {
     SCOPED_TRACE(pipeline);

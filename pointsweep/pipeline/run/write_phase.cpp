@@ -57,7 +57,7 @@ void write_rows(RunState& run) {
       run.tiles->write_inputs(first, records.size() / stride);
     } else {
       inputs.read(first, records);
-      run.files->write_inputs(records);
+      run.files->write_inputs(first, records);
     }
     run.report("writing", first + records.size() / stride, 0);
   }
@@ -66,8 +66,10 @@ void write_rows(RunState& run) {
 /// Of a run of passes, records of the output; of a sort, those of the input.
 void write_ordered(RunState& run) {
   const std::size_t bytes = run.layout ? run.layout->schema().stride : run.cloud.schema().stride;
-  const auto write = [&run](std::span<const std::byte> records) {
-    run.layout ? run.files->write_records(records) : run.files->write_inputs(records);
+  std::uint64_t first = 0;
+  const auto write = [&](std::span<const std::byte> records) {
+    run.layout ? run.files->write_records(records) : run.files->write_inputs(first, records);
+    first += records.size() / bytes;
   };
   write_in_order(*run.stream, bytes, write, [&run](std::uint64_t done) { run.report("writing", done, 0); });
   run.statistics.bytes_spilled += run.stream->spilled_bytes();
