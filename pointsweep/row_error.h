@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// An error of one row. Rows come in any order to the threads of a run, which throws the error of the lowest one.
+/// Errors that name a row. The threads of a run meet rows in any order; the run throws the error of the lowest row.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +17,17 @@ struct RowSentence {
   std::string before, after;
 };
 
+/// An error about the value of one row, whose number the sentence names.
 class RowError : public Error {
  public:
   RowError(std::uint64_t row, RowSentence sentence) : RowError(row, std::to_string(row), std::move(sentence)) {}
   std::uint64_t row() const { return row_; }
-  /// Returns the same error with another number of the row: passes count the rows that earlier selects have left.
+  /// Returns this error with another number of the row. Needed because a pass numbers only the rows that earlier
+  /// selects have left.
   RowError numbered(std::uint64_t row) const { return {row, sentence_}; }
-  /// Returns the same error, whose sentence calls the row `name`.
+  /// Returns this error with a sentence that calls the row `name`.
   RowError named(const std::string& name) const { return {row_, name, sentence_}; }
-  /// Orders errors by row. Two errors of one row are in the same order for any number of threads.
+  /// Orders errors by row, then by sentence: so the least error does not depend on the number of threads.
   bool operator<(const RowError& other) const {
     return std::tie(row_, sentence_.before, sentence_.after) <
            std::tie(other.row_, other.sentence_.before, other.sentence_.after);
@@ -39,7 +41,7 @@ class RowError : public Error {
   RowSentence sentence_;
 };
 
-/// The error of the lowest row so far.
+/// Keeps the least of the errors that it is given. Not thread-safe.
 class FirstRowError {
  public:
   /// Calls `sentence()` and keeps the RowSentence that it returns if no lower row has been noted.
@@ -53,7 +55,7 @@ class FirstRowError {
   void note(const FirstRowError& other) {
     if (other.first_) note(*other.first_);
   }
-  /// Calls `work()` and notes the RowError that it throws: a lower row may still come.
+  /// Calls `work()` and notes a RowError that it throws, so that the caller can go on with other rows.
   template <class Work>
   void note_from(Work work) {
     try {

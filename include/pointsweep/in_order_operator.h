@@ -76,7 +76,7 @@ struct CloudEstimate {
   std::function<std::uint64_t(double thickness)> slice_points;
 };
 
-/// The work of an in-order operator besides reading the points, estimated within a factor of about two.
+/// Estimate, within a factor of about two, of the time that an in-order operator takes apart from reading the points.
 struct InOrderEffort {
   double seconds = 0;        ///< CPU time on one core of 2.6 GHz
   std::string cause = {};    ///< "The window"

@@ -27,7 +27,8 @@ class Poisson final : public InOrderOperator {
   std::string name() const override { return "poisson"; }
   InOrderContract in_order_contract() const override;
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
-  /// Returns the memory of the points within the radius of the newest one, and of those that wait for one of these.
+  /// Returns the memory for the points that are undecided at a time (undecided_points.h): all points within the radius
+  /// of the newest point, and the points that wait for one of them.
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   /// Throws UsageError where radius_from names no single value of each point.
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;

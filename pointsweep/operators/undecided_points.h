@@ -30,8 +30,8 @@ struct DiskPoint {
 /// - A point is complete when the front is farther ahead of it than the largest radius: all that concerns it has come.
 /// - A complete point waits for any lesser undecided point within its radius. Without one it is kept, and what has it
 ///   within its own radius is left out, complete or not; then it concerns no point to come and is forgotten.
-/// So memory holds the points that are not complete, and those that wait for one of these; chains of waiting points are
-/// short, about the logarithm of the number of points.
+/// So memory holds the points that are not complete, and complete points that wait for one of them. Chains of waiting
+/// points are short, about the logarithm of the number of points.
 class UndecidedPoints {
  public:
   /// `axis`: along which points ascend. `most`: points that may be held at once.
