@@ -24,12 +24,12 @@ class Scratch;
 struct OrderedPoints {
   std::span<const Vec3> places;
   std::span<const Vec3> positions;      ///< finite
-  std::span<const std::uint64_t> rows;  ///< of those that earlier stages have left
+  std::span<const std::uint64_t> rows;  ///< input rows, ascending for equal places
   std::span<const double> values;       ///< the components of InOrderContract::reads, of one point after another
 };
 
-/// What an InOrderWork has found out. Each row is named once at most. A row that is named nowhere stays, and has
-/// Attribute::fill of what the operator makes.
+/// The results of a call to an InOrderWork. A run names each row at most once. A row that is named nowhere stays, and
+/// has Attribute::fill of what the operator makes.
 struct Findings {
   std::vector<std::uint64_t> dropped;  ///< rows that are left out from here on
   std::vector<std::uint64_t> rows;     ///< rows whose values are known
@@ -59,7 +59,7 @@ using MakeScratch = std::function<std::unique_ptr<Scratch>()>;
 using OtherPoints = std::function<void(
     const std::function<void(std::span<const Vec3> positions, std::span<const std::uint64_t> rows)>& take)>;
 
-/// What an InOrderWork has to know before the first point.
+/// The setting of an InOrderWork: its axis, its memory, and access to files and to the other cloud.
 struct InOrderSetup {
   int axis = 0;                    ///< along which places ascend; with Places::in_plane 0 or 1
   std::uint64_t memory_bytes = 0;  ///< that the work may hold
@@ -67,7 +67,7 @@ struct InOrderSetup {
   OtherPoints other_points = {};  ///< of InOrderOperator::other_cloud()
 };
 
-/// What is known of the cloud before the work.
+/// An estimate of the cloud that an InOrderWork will take, from a survey.
 struct CloudEstimate {
   std::uint64_t points = 0;
   std::span<const Vec3> sample;  ///< finite positions
@@ -84,11 +84,11 @@ struct InOrderEffort {
   std::string remedy = {};   ///< "larger cells take less"
 };
 
-/// What puts the points in order.
+/// The places by which points ascend.
 enum class Places : std::uint8_t {
-  positions,    ///< their positions
-  of_operator,  ///< InOrderOperator::place_of() their positions
-  in_plane,     ///< the same, whose z is always 0: the points ascend along x or y
+  positions,    ///< the positions of the points
+  of_operator,  ///< InOrderOperator::place_of() of the positions
+  in_plane,     ///< InOrderOperator::place_of() of the positions, with z = 0: points ascend along x or y
 };
 
 struct InOrderContract {
@@ -118,9 +118,9 @@ class POINTSWEEP_EXPORT InOrderOperator : public Operator {
     (void)cloud;
     return {};
   }
-  /// The name of the files of another cloud that it reads, as an input of a command names them; empty: it reads none.
+  /// Returns the path, folder or pattern of the other cloud that the operator reads; empty: it reads none.
   virtual std::string other_cloud() const { return {}; }
-  /// As LocalOperator::bound().
+  /// Returns the operator for such a cloud, or null; see LocalOperator::bound().
   virtual std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What is in a point file, found by reading all of it; docs/info.md has the definitions. Programs that include this
-/// header link pointsweep::info.
+/// Summaries of point files, made by reading all of their points; docs/info.md has the definitions. Programs that
+/// include this header link pointsweep::info.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace pointsweep {
 
-/// Values of one field of the records, all components together.
+/// The range of the values of one field of the records, all components together.
 struct FieldRange {
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;  ///< of the finite ones; lo > hi: there is none
   std::uint64_t nonfinite = 0;                                    ///< NaN and infinite values
@@ -36,7 +36,7 @@ struct GpsTimes {
 };
 
 struct FileSummary {
-  /// What the reader knows of the file, without extras. The warnings also say where the header does not fit the points.
+  /// The description by the reader, without extras. The warnings also say where the header does not fit the points.
   FileInfo info;
   Box bounds;                                       ///< of the finite points
   std::uint64_t nonfinite = 0;                      ///< points with a NaN or infinite coordinate
@@ -67,19 +67,19 @@ struct SummaryOptions {
 /// Reads all points of a file in sequence. Memory: about 10 MB. Throws Error where the file cannot be read to its end.
 POINTSWEEP_EXPORT FileSummary summarize(Reader& reader, const SummaryOptions& options = {});
 
-/// The range of the field `gps_time`; none if there is none or it is 0 throughout. The clock is that of the LAS header.
+/// Returns the range of the field `gps_time`, with the clock of the LAS header; none without the field or if all are 0.
 POINTSWEEP_EXPORT std::optional<GpsTimes> gps_times(const FileSummary& summary);
 
 /// "2010-06-15T12:34:56": date and time of adjusted standard GPS time, on the GPS scale (ahead of UTC by leap seconds,
 /// 18 since 2017). Empty if it is not between the years 1980 and 2200.
 POINTSWEEP_EXPORT std::string gps_date(double adjusted_standard_seconds);
 
-/// One sentence for each respect in which files differ that are meant to be one data set: formats, coordinate reference
+/// Returns a sentence for each respect in which files of one data set differ: formats, coordinate reference
 /// systems, clocks of GPS times, attributes that some files lack, and their types; then files without points, with
 /// coordinates that are not finite, and with the same bounds and number of points. Empty for fewer than two files.
 POINTSWEEP_EXPORT std::vector<std::string> inconsistencies_of(std::span<const FileSummary> files);
 
-/// The JSON object of one file; docs/info.md lists its keys.
+/// Returns the JSON object of one file; docs/info.md lists its keys.
 POINTSWEEP_EXPORT std::string to_json(const FileSummary& summary);
 
 }  // namespace pointsweep

@@ -42,9 +42,9 @@ class POINTSWEEP_EXPORT SharedRule {
   std::shared_ptr<const NeighborhoodRule> rule_;
 };
 
-/// What a neighbourhood is: the `k` nearest points, those within `radius` (inclusive), or the k nearest of these, the
-/// point itself excluded; where there is a rule, the first of these that it keeps. Exact: distances are evaluated in
-/// double at the positions of the search; equal ones go by x, y, z, then input row.
+/// The definition of a neighbourhood: the `k` nearest points, those within `radius` (inclusive), or the k nearest of
+/// these, the point itself excluded; where there is a rule, the first of these that it keeps. Exact: distances are
+/// evaluated in double at the positions of the search; equal ones go by x, y, z, then input row.
 struct Neighborhood {
   static constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
   /// Stands for the number of neighbours that the operators of a chain use by default: the largest Contract::default_k
@@ -151,7 +151,7 @@ class Neighborhoods {
     require_size<T>(reads_[a]);
     return load<T>(own_.columns[reads_[a]], i);
   }
-  /// The same of all points of the batch, one after the other; as std::byte whatever the type.
+  /// Attribute `a` of contract().reads at all points of the batch, one after the other; std::byte fits any type.
   template <class T>
   const T* values(std::size_t a) const {
     if constexpr (!std::is_same_v<T, std::byte>) require_size<T>(reads_[a]);
@@ -162,7 +162,7 @@ class Neighborhoods {
   T neighbor_value(std::size_t a, std::size_t i, std::size_t j) const {
     return value_of<T>(a, neighbors(i)[j]);
   }
-  /// The same of any neighbour of the batch.
+  /// Attribute `a` of contract().reads_neighbors at any neighbour of the batch.
   template <class T>
   T value_of(std::size_t a, NeighborRef ref) const {
     require_size<T>(reads_neighbors_[a]);
@@ -221,7 +221,7 @@ class Neighborhoods {
 class POINTSWEEP_EXPORT NeighborhoodRule {
  public:
   virtual ~NeighborhoodRule() = default;
-  /// What it keeps, to end the sentence "of these ...".
+  /// Returns a description of the neighbours that it keeps, which ends the sentence "of these ...".
   virtual std::string meaning() const = 0;
   /// Attributes of the point itself that it looks at; the input has them.
   virtual std::vector<Attribute> reads() const = 0;

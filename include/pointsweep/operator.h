@@ -55,25 +55,25 @@ class POINTSWEEP_EXPORT Accumulator {
 class POINTSWEEP_EXPORT Reduction {
  public:
   virtual ~Reduction() = default;
-  /// What it is, with its options. Reductions of one text over the same attributes are done once.
+  /// Returns its description, with its options. Reductions of one text over the same attributes are done once.
   virtual std::string text() const = 0;
   virtual std::vector<Attribute> reads() const = 0;
-  /// Whether it reads the values that the input has, whatever earlier stages have made; it costs no sweep then.
+  /// Returns whether it reads the values that the input has, whatever earlier stages have made; it costs no sweep then.
   virtual bool of_input() const { return false; }
   virtual std::unique_ptr<Accumulator> start() const = 0;
 };
 
-/// What an operator looks at and what it makes. From this alone the engine derives how long points are buffered before
-/// it (paper Section 5.2): nothing in `reads_neighbors` makes it a through-buffer, anything else a pre-buffer. An
-/// attribute that neither the input nor an earlier stage has is refused before the first point is read. To move points,
-/// make position_attribute().
+/// The attributes that an operator reads and makes. From these alone the engine derives how long points are buffered
+/// before it (paper Section 5.2): nothing in `reads_neighbors` makes it a through-buffer, anything else a pre-buffer.
+/// An attribute that neither the input nor an earlier stage has is refused before the first point is read. To move
+/// points, make position_attribute().
 struct Contract {
   std::vector<Attribute> reads = {};            ///< of the point itself, in addition to its position
   std::vector<Attribute> reads_neighbors = {};  ///< of the points in N_i, in addition to their positions
   std::vector<Attribute> makes = {};
   std::vector<std::shared_ptr<const Reduction>> values = {};  ///< of the whole cloud, given by with_values()
-  /// The default number of neighbours, for chains that name none (Neighborhood::kOfOperators). 0: the
-  /// operator never looks at a neighbour, not even at its position. Then it need not wait for neighbours that moved, and
+  /// The default number of neighbours, for chains that name none (Neighborhood::kOfOperators). 0: the operator never
+  /// looks at a neighbour, not even at its position. Then it need not wait for neighbours that moved, and it
   /// gets the points without a finite place, too. Other operators do not get these: such a point keeps its position and
   /// what the operator reads of it and makes again, and has Attribute::fill of all else.
   std::size_t default_k = 8;
@@ -125,18 +125,18 @@ class POINTSWEEP_EXPORT Columns {
   std::vector<std::size_t> bytes_;
 };
 
-/// What operators of all kinds have in common. A class of your own derives from one of the kinds below.
+/// The base of operators of all kinds. An operator that you write derives from one of the kinds below.
 class POINTSWEEP_EXPORT Operator {
  public:
   virtual ~Operator() = default;
-  /// As plans, statistics and the records in outputs call it.
+  /// Returns its name in plans, statistics and the records in outputs.
   virtual std::string name() const = 0;
   virtual Contract contract() const = 0;
 
-  /// All that tells objects of this class apart. Name and options are part of what a run is: `resume_folder` refuses a
-  /// run with other options, and outputs record them. Those that were declared, else own_options().
+  /// Returns the options that tell objects of this class apart: those that were declared, else own_options(). Name and
+  /// options are part of a run: `resume_folder` refuses a run with other options, and outputs record them.
   Options declared_options() const { return declared_ ? *declared_ : own_options(); }
-  /// The first call counts. Operators that pipelines name are made with the options that were written.
+  /// Sets the declared options, unless they are set. Operators that pipelines name have the options that were written.
   void declare_options(Options options) {
     if (!declared_) declared_ = std::move(options);
   }
@@ -157,14 +157,14 @@ class POINTSWEEP_EXPORT LocalOperator : public Operator {
   /// many threads at once. Neighbours come nearest first only if in.sorted_by_distance(): see Neighborhoods.
   virtual void apply(const Neighborhoods& in, Columns& out) const = 0;
 
-  /// The same operator for a cloud with the fields of `input`, after stages that make `made`, where its contract
+  /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`, where its contract
   /// depends on these. Null: it does not. Throws UsageError.
   virtual std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;
   }
-  /// The same operator that knows the values of the whole cloud, by number in contract().values. Called before apply()
-  /// if there are any.
+  /// Returns the operator that knows the values of the whole cloud, by number in contract().values. Called before
+  /// apply() if there are any.
   virtual std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const {
     (void)values;
     return nullptr;
@@ -196,7 +196,7 @@ class POINTSWEEP_EXPORT SelectOperator : public Operator {
   /// Sets kept[i] to 1 for every point i of the batch whose row stays; all are 0 before. `points` have no neighbours.
   /// Called from many threads at once.
   virtual void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const = 0;
-  /// As LocalOperator::bound().
+  /// Returns the operator for such a cloud, or null; see LocalOperator::bound().
   virtual std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;

@@ -66,7 +66,7 @@ struct Arrivals {
   bool in_some_order() const { return missing.empty() && points_in == points_out && sum_in == sum_out; }
 };
 
-/// What a check found.
+/// The findings of a check.
 struct Verdict {
   std::string input, output;  ///< names
   /// Points of the input without a finite place that the run has left out. Numbers of rows count the others.
@@ -82,7 +82,7 @@ struct Verdict {
   std::uint64_t sampled = 0;       ///< points for which they were
   std::uint64_t wrong_points = 0;  ///< of these, with a value that is not as it should be
   std::uint64_t passes = 0;        ///< times that the whole input was read
-  std::optional<std::uint64_t> left_out;  ///< rows that a stage behind others has left out
+  std::optional<std::uint64_t> left_out;  ///< rows that a stage after others has left out
   std::uint64_t open_rows = 0;            ///< of the sample: the data do not tell whether they stay
   std::vector<std::string> unknown;  ///< attributes of the output that are neither the input's nor made: not checked
   std::vector<std::string> untold;   ///< what is not checked, and why

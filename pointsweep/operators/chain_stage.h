@@ -11,13 +11,13 @@
 
 namespace pointsweep {
 
-/// Null for Drop, Reneighbor and Resort.
+/// Returns null for Drop, Reneighbor and Resort.
 const Operator* operator_of(const ChainStage& stage);
-/// What its operator reads and makes; nothing for an instruction, which has no use for neighbours either.
+/// Returns the contract of its operator; for an instruction one that is empty and needs no neighbours.
 Contract contract_of(const ChainStage& stage);
-/// As pipelines call it.
+/// Returns its name in pipelines.
 std::string name_of(const ChainStage& stage);
-/// All that tells it from other stages of its name.
+/// Returns all options that tell it from other stages of its name.
 Options options_of(const ChainStage& stage);
 /// Returns whether the stage, or one that it is short for, leaves out rows.
 bool drops_rows(const ChainStage& stage);

@@ -154,7 +154,7 @@ std::shared_ptr<const LocalOperator> Color::bound(const Schema& input, std::span
 }
 
 std::shared_ptr<const LocalOperator> Color::with_values(std::span<const std::vector<double>> values) const {
-  auto known = std::make_shared<Color>(options_, place_);  // declares no options: the range is one of its own
+  auto known = std::make_shared<Color>(options_, place_);  // without declared options, which lack the range
   known->names_ = names_, known->of_input_ = of_input_, known->type_ = type_;
   known->lo_ = values[0][0], known->hi_ = values[0][1];
   return known;

@@ -27,19 +27,12 @@ class Color final : public LocalOperator {
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
 
-  const ColorOptions& options() const { return options_; }
-  /// After bound(): of an attribute that is read, or of the position.
-  NamedValues::Source source() const { return names_.sources().front(); }
-  /// 8, or 16 where 65535 is the brightest.
-  unsigned bits() const { return type_ == Type::u16 ? 16 : 8; }
-  /// The ends of the colour map; absent until they are known, and where the map has none.
-  std::optional<double> lo() const { return lo_; }
-  std::optional<double> hi() const { return hi_; }
-
  protected:
   Options own_options() const override;
 
  private:
+  /// Returns, after bound(), the component of an attribute or of the position that is shown.
+  NamedValues::Source source() const { return names_.sources().front(); }
   template <class T>
   void fill(std::span<const ExpressionValues> values, Columns& out) const;
 

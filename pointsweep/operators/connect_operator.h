@@ -27,7 +27,7 @@ struct NeighborEdge {
 /// is in and from its sign in the minimum spanning forest (docs/adr/0014). It is the only one of its kind in its pass.
 class ConnectOperator : public Operator {
  public:
-  /// Whether weights and parities matter; otherwise all edges are alike.
+  /// Returns whether weights and parities matter; otherwise all edges are alike.
   virtual bool weighted() const { return false; }
   /// Null: every component counts, and no signs are turned.
   virtual const VoteRule* votes() const { return nullptr; }
@@ -36,7 +36,7 @@ class ConnectOperator : public Operator {
   virtual void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const = 0;
   /// Sets the values of a point, those of all that it makes one after another.
   virtual void put_values(const ComponentLabel& label, std::byte* values) const = 0;
-  /// As LocalOperator::bound().
+  /// Returns the operator for such a cloud; see LocalOperator::bound().
   virtual std::shared_ptr<const ConnectOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;

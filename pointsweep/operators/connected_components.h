@@ -38,7 +38,6 @@ class ConnectedComponents final : public ConnectOperator {
   Contract contract() const override;
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;
-  std::optional<double> distance() const { return distance_; }
 
  protected:
   Options own_options() const override { return distance_ ? Options{{"distance", *distance_}} : Options(); }

@@ -30,7 +30,6 @@ class Crop final : public SelectOperator {
   void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
   /// With the checksum of the file that was read.
   const CropOptions& options() const { return options_; }
-  const std::vector<Polygon>& polygons() const { return polygons_; }
   /// Returns the box of the bounds, or of the polygons if there are no bounds; absent with CropOptions::outside.
   std::optional<Box> extent() const override;
 

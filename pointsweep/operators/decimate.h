@@ -23,8 +23,6 @@ class Decimate final : public SelectOperator {
   explicit Decimate(double share, std::uint64_t seed = 0);
   std::string name() const override { return "decimate"; }
   void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
-  double share() const { return share_; }
-  std::uint64_t seed() const { return seed_; }
 
  protected:
   Options own_options() const override { return {{"share", share_}, {"seed", seed_}}; }

@@ -27,7 +27,6 @@ class Density final : public LocalOperator {
   std::string name() const override { return "density"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  std::optional<double> radius() const { return radius_; }
 
  protected:
   Options own_options() const override;

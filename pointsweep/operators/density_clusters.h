@@ -28,8 +28,6 @@ class CorePoints final : public LocalOperator {
   std::string name() const override { return "core"; }
   Contract contract() const override { return {{}, {}, {core_attribute()}}; }
   void apply(const Neighborhoods& in, Columns& out) const override;
-  double eps() const { return eps_; }
-  std::uint64_t min_points() const { return min_points_; }
 
  protected:
   Options own_options() const override { return {{"eps", eps_}, {"min_points", min_points_}}; }

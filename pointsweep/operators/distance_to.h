@@ -26,7 +26,6 @@ class DistanceTo final : public InOrderOperator {
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
   std::string other_cloud() const override { return cloud_; }
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
-  double most() const { return most_; }
 
  protected:
   Options own_options() const override;

@@ -36,7 +36,6 @@ class Fair : public LocalOperator {
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
   std::array<bool, 3> changes_system() const override { return {}; }
-  const FairOptions& options() const { return options_; }
 
  private:
   Options own_options() const override;

@@ -52,9 +52,6 @@ class Features final : public LocalOperator {
   std::string name() const override { return "features"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  /// In the order of the columns.
-  const std::vector<Feature>& made() const { return made_; }
-  const FeaturesOptions& options() const { return options_; }
 
  protected:
   /// Names in the order of the columns, and none where all are made.

@@ -37,8 +37,6 @@ class Ground final : public InOrderOperator {
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   InOrderEffort effort(const CloudEstimate& cloud) const override;
-  const GroundOptions& options() const { return options_; }
-  GroundRule rule() const;
 
   /// Numbers of attributes among the values of a point; absent: the cloud does not have the attribute.
   struct ValueNumbers {
@@ -49,6 +47,8 @@ class Ground final : public InOrderOperator {
   Options own_options() const override;
 
  private:
+  GroundRule rule() const;
+
   GroundOptions options_;
   std::vector<Attribute> reads_;
   ValueNumbers numbers_;

@@ -36,11 +36,11 @@ double bilinear(const double (&corners)[2][2], double x, double y) {
 
 }  // namespace
 
-GroundWork::GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& places,
+GroundWork::GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& numbers,
                        std::size_t values, const InOrderSetup& setup)
     : options_(options),
       rule_(rule),
-      numbers_(places),
+      numbers_(numbers),
       values_(values),
       setup_(setup),
       lowest_(rule.axis_rule(), setup.make_scratch()),

@@ -14,8 +14,8 @@ namespace pointsweep {
 
 class GroundWork final : public InOrderWork {
  public:
-  /// `values`: of each point that comes; `places` says which of them are what.
-  GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& places, std::size_t values,
+  /// `values`: how many each point has; `numbers` says which of them are which attributes.
+  GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& numbers, std::size_t values,
              const InOrderSetup& setup);
   unsigned rounds() const override { return 2; }
   void add(unsigned round, const OrderedPoints& points, Findings& findings) override;

@@ -34,7 +34,6 @@ class Height final : public InOrderOperator {
   Vec3 place_of(Vec3 position) const override { return {position.x, position.y, 0}; }
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
-  std::uint64_t k() const { return k_; }
 
  protected:
   Options own_options() const override;

@@ -36,7 +36,6 @@ class LeastEigenentropy final : public NeighborhoodRule {
   std::vector<Attribute> reads() const override { return {}; }
   Options options() const override { return {{"adaptive", "eigenentropy"}, {"k_min", std::uint64_t{least_}}}; }
   void choose(const Neighborhoods& in, std::span<std::uint32_t> counts) const override;
-  std::size_t least() const { return least_; }
 
  private:
   std::size_t least_;

@@ -23,7 +23,6 @@ class LimitsFromAttributes final : public NeighborhoodRule {
   std::vector<Attribute> reads() const override;
   Options options() const override;
   void choose(const Neighborhoods& in, std::span<std::uint32_t> counts) const override;
-  const AttributeLimits& limits() const { return limits_; }
 
  private:
   AttributeLimits limits_;

@@ -29,7 +29,6 @@ class M3c2 final : public InOrderOperator {
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
   std::string other_cloud() const override { return options_.cloud; }
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
-  const M3c2Options& options() const { return options_; }
 
  protected:
   Options own_options() const override;

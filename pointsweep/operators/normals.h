@@ -28,7 +28,6 @@ class Normals : public LocalOperator {
   std::string name() const override { return "normals"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  const NormalsOptions& options() const { return options_; }
 
  private:
   Options own_options() const override;

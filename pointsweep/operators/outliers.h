@@ -43,7 +43,6 @@ class MeanDistance final : public LocalOperator {
   std::string name() const override { return "mean_distance"; }
   Contract contract() const override { return {{}, {}, {mean_distance_attribute()}}; }
   void apply(const Neighborhoods& in, Columns& out) const override;
-  bool counts_point() const { return counts_point_; }
 
  protected:
   Options own_options() const override { return {{"counts_point", counts_point_ ? "yes" : "no"}}; }
@@ -79,8 +78,6 @@ class Outlier final : public LocalOperator {
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
   std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
-  double multiplier() const { return multiplier_; }
-  OutlierDefinition definition() const { return definition_; }
 
  protected:
   Options own_options() const override { return {{"multiplier", multiplier_}, {"definition", name_of(definition_)}}; }

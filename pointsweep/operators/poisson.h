@@ -32,7 +32,6 @@ class Poisson final : public InOrderOperator {
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   /// Throws UsageError where radius_from names no single value of each point.
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
-  const PoissonOptions& options() const { return options_; }
 
  protected:
   Options own_options() const override;

@@ -24,8 +24,6 @@ class RadiusOutliers final : public LocalOperator {
   std::string name() const override { return "ror"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  double radius() const { return radius_; }
-  std::uint64_t min_neighbors() const { return min_neighbors_; }
 
  protected:
   Options own_options() const override { return {{"radius", radius_}, {"min_neighbors", min_neighbors_}}; }

@@ -35,8 +35,6 @@ class Segments final : public ConnectOperator {
   std::shared_ptr<const ConnectOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;
-  double angle() const { return angle_; }
-  std::optional<double> distance() const { return distance_; }
 
  protected:
   Options own_options() const override;

@@ -277,7 +277,7 @@ std::optional<T> SetAttribute::stored(double value, bool is_placed) const {
 template <class T>
 void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
   const std::size_t n = in.size(), width = target_.fields.size();
-  const NamedValues::Batch batch(value_names_, in, first_of_value());
+  const NamedValues::Batch batch(value_names_, in, 0);
   std::vector<std::uint8_t> holds(n, 1);
   if (assignment_.condition) {
     const NamedValues::Batch names(condition_names_, in, first_of_condition());

@@ -33,7 +33,7 @@ struct Assignment {
 /// Assignments with commas between. Throws UsageError that begins with `place`.
 std::vector<Assignment> assignments_of(std::string_view text, const std::string& place);
 
-/// What may be stored in the target of an assignment.
+/// The values that the target of an assignment can hold.
 struct TargetRange {
   Type type = Type::f64;
   double least = 0, most = 0;  ///< of whole numbers
@@ -52,26 +52,14 @@ class SetAttribute final : public LocalOperator {
   std::array<bool, 3> changes_system() const override { return {component_ == 0, component_ == 1, component_ == 2}; }
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
-  const Assignment& assignment() const { return assignment_; }
-  /// After bound().
-  const Attribute& target() const { return target_; }
-  std::size_t component() const { return component_; }
-  const TargetRange& range() const { return range_; }
-  const NamedValues& value_names() const { return value_names_; }
-  const NamedValues& condition_names() const { return condition_names_; }
-  /// Number in contract().reads of the value that the target has where the condition does not hold; absent: it is new,
-  /// or the position.
-  std::optional<std::size_t> old_value() const { return old_value_; }
-  /// Numbers in contract().reads of what a name of the value, or of the condition, reads; from there on its others.
-  std::size_t first_of_value() const { return 0; }
-  std::size_t first_of_condition() const { return value_names_.reads().size(); }
-
  protected:
   Options own_options() const override;
 
  private:
   void find_target(const Schema& input, std::span<const Attribute> made);
   void read_old(Attribute attribute);
+  /// Returns the number, in contract().reads, of the first attribute that the condition reads; the value's come before.
+  std::size_t first_of_condition() const { return value_names_.reads().size(); }
   RowSentence refusal(const std::string& value) const;
   template <class T>
   void assign(const Neighborhoods& in, Columns& out) const;

@@ -35,7 +35,6 @@ class Splats : public LocalOperator {
   std::string name() const override { return "splats"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  const SplatsOptions& options() const { return options_; }
 
  private:
   Options own_options() const override;

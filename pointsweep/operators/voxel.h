@@ -34,10 +34,6 @@ class Voxel final : public InOrderOperator {
   /// The numbers of the voxel along the axes.
   Vec3 place_of(Vec3 position) const override;
   std::uint64_t least_bytes(const CloudEstimate&) const override;
-  double size() const { return size_; }
-  VoxelKeep keep() const { return keep_; }
-  /// With VoxelKeep::centroid, after bound(): the attributes that become means beside the position.
-  const std::vector<AveragedAttribute>& averaged() const { return averaged_; }
 
  protected:
   Options own_options() const override;

@@ -17,8 +17,8 @@ struct AveragedAttribute {
   bool is_direction = false;     ///< the mean is made a unit vector again
 };
 
-/// Of the fields of `input` and of what is made: normals, floating-point numbers, colours and intensities; but no
-/// vectors without a sign, arrays, packed or scaled fields.
+/// Returns the normals, floating-point numbers, colours and intensities among the fields of `input` and what is made;
+/// but no vectors without a sign, arrays, packed or scaled fields.
 std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::span<const Attribute> made);
 
 /// Returns the work of voxel(keep=centroid), which drops all rows of a voxel but the one that keep=center would keep. It

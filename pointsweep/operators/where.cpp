@@ -11,7 +11,7 @@ namespace {
 /// Conditions that differ in blanks only are the same.
 MadeStage make_where(const OptionValues& options, const Facts&) {
   auto where = std::make_shared<Where>(options.word("condition"), options.where());
-  where->declare_options({{"condition", where->condition().canonical()}});
+  where->declare_options(where->declared_options());
   return where;
 }
 

@@ -29,8 +29,6 @@ class Where final : public SelectOperator {
   void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
   /// Throws UsageError for a name that fits nothing, with those there are.
   std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
-  const Expression& condition() const { return condition_; }
-  const NamedValues& names() const { return names_; }
 
  protected:
   Options own_options() const override { return {{"condition", condition_.canonical()}}; }

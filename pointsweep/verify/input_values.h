@@ -12,7 +12,6 @@ namespace pointsweep {
 
 /// Gives operators that need values of the input (Reduction::of_input) these values. Reads the cloud once for each
 /// value; returns all other operators unchanged.
-std::vector<StageOperator> with_input_values(std::vector<StageOperator> operators,
-                                                               InputCloud& cloud);
+std::vector<StageOperator> with_input_values(std::vector<StageOperator> operators, InputCloud& cloud);
 
 }  // namespace pointsweep

@@ -21,7 +21,7 @@
 namespace pointsweep {
 namespace {
 
-/// Which of the present rows of `cloud` are kept.
+/// For each of the present rows of a cloud, whether it is kept.
 using Mask = std::vector<bool>;
 
 constexpr std::uint64_t kVoxelSeed = 0x766f78656c;  // "voxel" in ASCII
@@ -37,10 +37,10 @@ struct Competitor {
   auto key() const { return std::tuple(group.x, group.y, group.z, first, second, at.x, at.y, at.z, row); }
 };
 
-/// What group a point is of and what decides there.
+/// Returns the group of a point, and the values by which it competes there.
 using Competes = std::function<Competitor(Vec3 p, std::uint64_t row)>;
 
-/// By which turn a group is looked at; equal ones have the same, -0 and 0 too.
+/// Returns the turn that looks at a group. Equal groups have the same turn, with -0 and 0 too.
 std::uint64_t turn_of(Vec3 p, std::uint64_t turns) {
   std::uint64_t hash = 0;
   for (const double v : {p.x, p.y, p.z}) {
@@ -88,7 +88,6 @@ Mask by_hash(InputCloud& cloud, const NamedOptions& options, const PhaseProgress
   return kept;
 }
 
-/// Asks about every row, also of points without a finite place.
 std::vector<formulas::PolygonRings> polygons_of(const std::string& option) {
   const std::string text =
       is_polygon_text(option) ? option : read_text_file(option, "polygons as WKT or GeoJSON");
@@ -103,6 +102,7 @@ std::vector<formulas::PolygonRings> polygons_of(const std::string& option) {
   return polygons;
 }
 
+/// Decides about every row, also of points without a finite place.
 Mask by_region(InputCloud& cloud, const NamedOptions& options, const PhaseProgress& progress) {
   std::vector<double> bounds;
   if (options.has("bounds")) bounds = options.numbers("bounds");
@@ -125,7 +125,7 @@ void put_value(const Field& field, const std::byte* record, Type type, std::byte
   set_value({.name = "", .type = type}, to, value_of(field, record));
 }
 
-/// Asks the operator about one row at a time.
+/// Applies the operator itself to one row at a time: a condition has no independent formula here.
 Mask by_condition(InputCloud& cloud, const SelectOperator& op, const PhaseProgress& progress) {
   const Contract contract = op.contract();
   const PositionFields position = position_fields(cloud.schema(), "the input");
