@@ -41,11 +41,12 @@ def on_inputs(example):
 
 
 def with_option(example, operator, name, value):
-    """The example with one more option at the last stage of that operator; None where the option stands there already."""
+    """The example with this value of an option at the last stage of that operator. Where another value stands there, all
+    named options of the stage go, as they may belong to it."""
     *_, stage = re.finditer(rf"(?<![\w]){operator}\b(\([^()]*(?:\([^()]*\)[^()]*)*\))?", example)
     options = (stage[1] or "()")[1:-1]
     if re.search(rf"\b{name}=", options):
-        return None
+        options = re.sub(r",? *\b\w+=(\[[^\]]*\]|[^,]*)", "", options)
     options = ", ".join(filter(None, [options, f"{name}={value}"]))
     return f"{example[:stage.start()]}{operator}({options}){example[stage.end():]}"
 
@@ -58,9 +59,9 @@ def chains(tool):
         for option in operator["options"]:
             for choice in option.get("choices", []):
                 more = ", trajectory=flight.csv" if choice == "trajectory" else ""
-                changed = with_option(example, operator["name"], option["name"], choice + more)
-                if changed and choice != option["default"]:
-                    yield f"{operator['name']} {option['name']}={choice}", changed
+                set_to = f"{option['name']}={choice}"
+                if set_to not in example and (choice != option["default"] or f"{option['name']}=" in example):
+                    yield f"{operator['name']} {set_to}", with_option(example, operator["name"], option["name"], choice + more)
 
 
 def run(chain, inputs, *more):
@@ -70,7 +71,7 @@ def run(chain, inputs, *more):
 def cases(tool):
     examples = {operator["name"] for operator in operators(tool)}
     for name, chain in chains(tool):
-        for way, options in WAYS.items() if name in examples else [("in memory", WAYS["in memory"])]:
+        for way, options in WAYS.items():
             yield Case(f"{name}: {way}", run(chain, ["patch.laz"], *options))
         if name in examples:
             yield Case(f"{name}: plan", run(chain, ["patch.laz"], "--dry-run"))
