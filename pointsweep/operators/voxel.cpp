@@ -80,7 +80,7 @@ OperatorDeclaration voxel_declaration() {
           "Of equal ones the point of the least x, then y, then z, then input row.\n"
           "keep=centroid: the row of keep=center, at the mean of the points of the voxel. Floating-point numbers, "
           "intensity and colours become means too: m = (Σ v) / n of the n finite values, limited to their range; Σ is "
-          "exact and rounded once to float64; intensity and colours are rounded to whole numbers.\n"
+          "exact and rounded once to float64; intensity and colours are rounded to whole numbers, halves to even.\n"
           "Normals: the mean, divided by its length; 0 where that is 0. All else is that of the row: whole "
           "numbers (classification, return number, ids), directions without a sign, arrays, scaled fields.",
       .undefined =

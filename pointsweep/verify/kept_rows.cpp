@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <optional>
 #include <tuple>
@@ -12,11 +13,13 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/points/text_file.h"
+#include "pointsweep/points/with_type.h"
 #include "pointsweep/polygons/polygon_text.h"
 #include "pointsweep/verify/disk_rows.h"
 #include "pointsweep/verify/formulas/regions.h"
 #include "pointsweep/verify/formulas/thinning.h"
 #include "pointsweep/verify/named_options.h"
+#include "pointsweep/verify/stage_formula.h"
 
 namespace pointsweep {
 namespace {
@@ -125,7 +128,16 @@ void put_value(const Field& field, const std::byte* record, Type type, std::byte
   set_value({.name = "", .type = type}, to, value_of(field, record));
 }
 
-/// Applies the operator itself to one row at a time: a condition has no independent formula here.
+formulas::Real number_in(Type type, const std::byte* value) {
+  return with_type(type, [&]<class T>() {
+    T number;
+    std::memcpy(&number, value, sizeof number);
+    return static_cast<formulas::Real>(number);
+  });
+}
+
+/// Evaluates the formula of a condition on each row. The operator itself decides where it has no formula, and where
+/// the formula leaves the row open.
 Mask by_condition(InputCloud& cloud, const SelectOperator& op, const PhaseProgress& progress) {
   const Contract contract = op.contract();
   const PositionFields position = position_fields(cloud.schema(), "the input");
@@ -139,6 +151,9 @@ Mask by_condition(InputCloud& cloud, const SelectOperator& op, const PhaseProgre
   }
   std::vector<const std::byte*> columns;
   for (const auto& value : values) columns.push_back(value.data());
+  const std::unique_ptr<StageFormula> formula = formula_of(op);
+  FormulaInput known;
+  known.reads.resize(fields.size());
   Mask kept;
   RowSource source(cloud);
   for (std::uint64_t row = 0; row < source.count();) {
@@ -150,6 +165,15 @@ Mask by_condition(InputCloud& cloud, const SelectOperator& op, const PhaseProgre
       for (std::size_t f = 0; f < fields.size(); ++f)
         put_value(fields[f], record, contract.reads[f].type, values[f].data());
       const double x = value_of(position.x, record), y = value_of(position.y, record), z = value_of(position.z, record);
+      if (formula != nullptr) {
+        known.place.at = {x, y, z};
+        for (std::size_t f = 0; f < fields.size(); ++f)
+          known.reads[f].value.x = number_in(contract.reads[f].type, columns[f]);
+        if (const formulas::Estimate holds = formula->evaluate(known).front(); !holds.is_open()) {
+          kept.push_back(holds.value.x == 1);
+          continue;
+        }
+      }
       const std::uint32_t no_list[2] = {0, 0};
       std::uint8_t decision = 0;
       op.keep({{&x, &y, &z, &row, columns.data()}, 1, nullptr, no_list, nullptr, reads, {}}, {&decision, 1});

@@ -837,7 +837,7 @@ def voxel(size: float, *, keep: Literal["center", "hash", "centroid"] = "center"
     Of equal ones the point of the least x, then y, then z, then input row.
     keep=centroid: the row of keep=center, at the mean of the points of the voxel. Floating-point numbers, intensity
       and colours become means too: m = (Σ v) / n of the n finite values, limited to their range; Σ is exact and
-      rounded once to float64; intensity and colours are rounded to whole numbers.
+      rounded once to float64; intensity and colours are rounded to whole numbers, halves to even.
     Normals: the mean, divided by its length; 0 where that is 0. All else is that of the row: whole numbers
       (classification, return number, ids), directions without a sign, arrays, scaled fields.
 

@@ -9,6 +9,7 @@ namespace pointsweep::formulas {
 void Mean::add(double value) {
   if (!std::isfinite(value)) return;
   sum_ += value, magnitudes_ += std::fabs(static_cast<Real>(value)), count_ += 1;
+  are_whole_ = are_whole_ && value == std::trunc(value);
   least_ = std::fmin(least_, value), most_ = std::fmax(most_, value);
 }
 
@@ -26,6 +27,9 @@ Estimate Mean::single() const {
 }
 
 Estimate Mean::whole() const {
+  // Sums of whole numbers below 2^53 are exact, and so is a mean that lies halfway between two whole numbers.
+  if (are_whole_ && count_ > 0 && magnitudes_ < 0x1p53L && std::fmod(2 * sum_, count_) == 0)
+    return {.value = {std::nearbyint(sum_ / count_), 0, 0}};
   const Estimate e = real();
   const Real low = std::nearbyint(e.value.x - e.error), high = std::nearbyint(e.value.x + e.error);
   return low == high ? Estimate{.value = {low, 0, 0}} : open();

@@ -8,7 +8,8 @@
 
 namespace pointsweep::formulas {
 
-/// Of finite values, float64: their exact sum, rounded, over their number, not below the least nor above the greatest.
+/// The mean of finite values, float64: their exact sum, rounded, over their number, not below the least nor above the
+/// greatest.
 class Mean {
  public:
   void add(double value);
@@ -21,12 +22,13 @@ class Mean {
 
  private:
   Real sum_ = 0, magnitudes_ = 0, count_ = 0;
+  bool are_whole_ = true;  ///< all values
   double least_ = static_cast<double>(kInfinity), most_ = -static_cast<double>(kInfinity);
 };
 
 /// Three numbers as one estimate.
 Estimate mean_vector(const std::array<Mean, 3>& components);
-/// The same divided by its length, float32; 0 where that is 0 or not a number.
+/// The mean vector divided by its length, float32; 0 where that is 0 or not a number.
 Estimate mean_direction(const std::array<Mean, 3>& components);
 
 }  // namespace pointsweep::formulas

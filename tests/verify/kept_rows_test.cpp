@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+/// The rows that verify says a run has kept: found by formulas, whatever the operators do.
+#include "pointsweep/verify/kept_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+
+#include "pointsweep/verify/formulas/mean.h"
+#include "tests/pipeline/attribute_cloud.h"
+
+namespace pointsweep {
+namespace {
+
+/// A `where` that keeps every row, whatever its condition says.
+class BrokenWhere final : public SelectOperator {
+ public:
+  BrokenWhere(std::string condition, std::vector<Attribute> reads)
+      : condition_(std::move(condition)), reads_(std::move(reads)) {}
+  std::string name() const override { return "where"; }
+  std::vector<Attribute> reads() const override { return reads_; }
+  void keep(const Neighborhoods&, std::span<std::uint8_t> kept) const override { std::ranges::fill(kept, 1); }
+
+ private:
+  Options own_options() const override { return {{"condition", condition_}}; }
+
+  std::string condition_;
+  std::vector<Attribute> reads_;
+};
+
+std::uint64_t kept_of(const Records& cloud, const std::string& condition, std::vector<Attribute> reads = {}) {
+  InputCloud input = cloud.cloud();
+  const auto where = std::make_shared<BrokenWhere>(condition, std::move(reads));
+  EXPECT_EQ(select_kept_rows(input, {std::shared_ptr<const SelectOperator>(where)}, 1 << 20, {}), 1u);
+  return input.count();
+}
+
+Records cloud_of_levels() {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 40; ++i) points.push_back({0.1 * i, 0, double(i)});
+  points.push_back({0, 0, std::numeric_limits<double>::quiet_NaN()});
+  return with_attributes(points);
+}
+
+TEST(KeptRows, AConditionIsDecidedByItsFormulaAndNotByTheOperator) {
+  EXPECT_EQ(kept_of(cloud_of_levels(), "z >= 10 && z < 15.5"), 6u);
+  EXPECT_EQ(kept_of(cloud_of_levels(), "z >= 10 || z < 10"), 40u);
+}
+
+TEST(KeptRows, ConditionsOnWholeNumbersOf64BitsAreExact) {
+  const std::vector<Attribute> id = {scalar("id", Type::u64, "1", "")};
+  EXPECT_EQ(kept_of(cloud_of_levels(), "id == 9223372036854775809", id), 1u);  // 2^63 + 1
+}
+
+TEST(KeptRows, AMeanHalfwayBetweenWholeNumbersIsTheEvenOne) {
+  const auto mean_of = [](std::initializer_list<double> values) {
+    formulas::Mean mean;
+    for (const double v : values) mean.add(v);
+    return mean.whole();
+  };
+  EXPECT_FALSE(mean_of({1, 2}).is_open());
+  EXPECT_EQ(mean_of({1, 2}).value.x, 2);
+  EXPECT_FALSE(mean_of({2, 3}).is_open());
+  EXPECT_EQ(mean_of({2, 3}).value.x, 2);
+  EXPECT_EQ(mean_of({1, 2, 2}).value.x, 2);
+  EXPECT_TRUE(mean_of({}).is_open());
+}
+
+}  // namespace
+}  // namespace pointsweep
