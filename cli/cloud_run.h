@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the verbs that run over a whole cloud have in common: inputs, run options, statistics and the last sentence.
+/// The common part of the verbs that run over a whole cloud: inputs, run options, statistics and the last sentence.
 #pragma once
 
 #include <filesystem>

@@ -26,7 +26,7 @@ struct CommonOptions : EngineOptions {
   int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
 };
 
-/// How the inputs become one cloud.
+/// Returns the rules by which the inputs become one cloud.
 CloudOptions cloud_options(const CommonOptions& options);
 
 /// --quiet, --progress-fd N

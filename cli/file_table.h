@@ -26,7 +26,7 @@ struct ListedSummaries {
 /// attributes that the last column counts.
 std::string table_of(const ListedSummaries& files);
 
-/// What all readable files hold together, and in what they differ (inconsistencies_of).
+/// Returns the sums over all readable files, and a sentence for each respect in which they differ (inconsistencies_of).
 std::string summary_of(const ListedSummaries& files);
 
 /// Finite points of all files for each unit of their areas together; none without area.

@@ -17,11 +17,11 @@ struct ListedOperator {
   Contract contract = {};
 };
 
-/// Of an operator whose options have their presets, without what is never written.
+/// Returns the contract of an operator whose options have their presets, without what is never written.
 Contract contract_of(const OperatorDeclaration& declaration);
 
-/// Returns a sentence about the number of neighbours that the operator uses by default; empty if it uses no neighbours or
-/// needs a radius.
+/// Returns a sentence about the number of neighbours that the operator uses by default; empty if it uses no neighbours
+/// or needs a radius.
 std::string default_k_text(const ListedOperator& listed);
 
 /// knn and all operators of pipelines; of these the ones named, in the order named, if any are. Throws UsageError for

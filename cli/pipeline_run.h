@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the verbs that run a pipeline of named operators have in common.
+/// The common part of the verbs that run a pipeline of named operators.
 #pragma once
 
 #include <vector>
@@ -15,11 +15,11 @@ struct PipelineRun {
   std::vector<OptionText> orientation;  ///< options of all stages `normals`; empty: not given
 };
 
-/// The options of the operator `normals`, --keep, --dry-run, --order, --engine and all common options. `run` outlives
-/// the parsing.
+/// Adds the options of the operator `normals`, --keep, --dry-run, --order, --engine and all common options. `run`
+/// outlives the parsing.
 void add_pipeline_options(CLI::App& verb, PipelineRun& run);
 
-/// The same without the options of normals.
+/// Adds these options without those of normals.
 void add_output_options(CLI::App& verb, PipelineRun& run);
 
 /// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or one that has its own.

@@ -32,7 +32,7 @@ struct Field {
   }
 };
 
-/// What a buffer keeps of its points for their neighbours, because it or a later operator overwrites it.
+/// A field that a buffer keeps of its points for their neighbours, because it or a later operator overwrites it.
 struct Copy {
   Field from, to;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How much of the plane points cover, seen from above.
+/// The area of the plane that points cover, seen from above.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// The object of one file; docs/info.md lists its keys.
+/// Returns the object of one file; docs/info.md lists its keys.
 nlohmann::ordered_json json_of(const FileSummary& summary);
 nlohmann::ordered_json json_of(const Box& bounds);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What an entry of a chain says of itself, be it an operator or an instruction.
+/// Name, contract and options of an entry of a chain, be it an operator or an instruction.
 #pragma once
 
 #include <string>

@@ -48,8 +48,8 @@ class Fair : public LocalOperator {
 
 OperatorDeclaration fair_declaration();
 
-/// The same with both widths in % of the diagonal of the box around the finite points of the INPUT that are left, for
-/// every `fair` of a chain: a second one, and one behind `reneighbor`, do not measure the moved cloud.
+/// Fair with both widths in % of the diagonal of the box around the finite points of the INPUT that are left, for
+/// every `fair` of a chain: a second one, and one after `reneighbor`, do not measure the moved cloud.
 class FairInPercent final : public LocalOperator {
  public:
   /// `place`: for messages, e.g. "pipeline, column 20: fair".

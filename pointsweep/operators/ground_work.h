@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What Ground does while the points come in order: first it finds the lowest point of each cell, then it compares all
-/// points with the surface.
+/// The work of Ground on points in order: first it finds the lowest point of each cell, then it compares all points
+/// with the surface.
 #pragma once
 
 #include <cstddef>

@@ -20,7 +20,7 @@ namespace pointsweep {
 /// Finds the fields of the output that hold a made attribute; nothing if it was not written.
 using OutputColumns = std::function<std::optional<std::vector<FieldPair>>(const Attribute& made)>;
 
-/// Of some points, for each point the kept attributes one after another.
+/// The kept attributes of some points, for each point one after another.
 struct ChainResults {
   std::vector<std::byte> values;              ///< result_bytes() for each point, in the types of the attributes
   std::vector<formulas::Estimate> estimates;  ///< estimates_per_point() for each point: the same, and how far off
@@ -33,7 +33,7 @@ class ChainValues {
   /// not. A select makes selection_name(), which counts in any case.
   ChainValues(std::vector<StageOperator> operators, const std::vector<std::string>& keep,
               const Schema& input, SharedRule rule = {}, const CloudThreshold& threshold = {});
-  /// Of the `number`-th operator.
+  /// Returns the name of the selection by the `number`-th operator.
   static std::string selection_name(std::size_t number);
   static bool is_selection(const Attribute& made);
 
@@ -43,15 +43,16 @@ class ChainValues {
   /// cannot be checked, or not in full, which names what it makes and says why.
   std::vector<std::string> look_at_cloud(CloudRows& rows, const NeighborRule& neighborhood, InputCloud* before_means,
                                          const OutputColumns& in_output);
-  /// Whether made()[a] can be evaluated.
+  /// Returns whether made()[a] can be evaluated.
   bool is_told(std::size_t a) const;
-  /// Whether made()[a] comes from a formula, and not from the operator that also made the output.
+  /// Returns whether made()[a] comes from a formula, and not from the operator that also made the output.
   bool is_independent(std::size_t a) const;
   /// Bytes of a result: the values of made(), one after another.
   std::size_t result_bytes() const;
   std::size_t estimates_per_point() const;
-  /// How many rings of neighbours need neighbours of their own: 1 if only neighbours' positions and attributes of the
-  /// file are looked at, one more for each stage that looks at what another made of neighbours. 0 without operators.
+  /// Returns the number of rings of neighbours that need neighbours themselves: 1 if only neighbours' positions and
+  /// attributes of the file are looked at, one more for each stage that looks at what another made of neighbours. 0
+  /// without operators.
   std::size_t rings() const;
 
   /// Results of the chosen points of `around`, which has rings() rings. Reads the input once more if an operator reads

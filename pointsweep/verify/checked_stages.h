@@ -12,14 +12,14 @@
 
 namespace pointsweep {
 
-/// What the stages of a plan make, as far as the input can tell: up to the first new neighbourhood, and not from all
-/// points of a cloud that has moved. The selects at the beginning are not among them.
+/// Returns what the stages of a plan make, as far as the input can tell: up to the first new neighbourhood, and not
+/// from all points of a cloud that has moved. The selects at the beginning are not among them.
 MadeBy made_by(const ChainPlan& plan);
 
-/// Where no made attribute is checked: keeps the selects alone among the operators.
+/// Keeps the selects alone among the operators, for a check that compares no made attribute.
 void leave_selects(MadeBy& made);
 
-/// What --keep has left out of the output.
+/// Notes in `made` the fields that --keep has left out of the output.
 void leave_out(const KeptFields& named, const std::string& prefix, const Schema& input, MadeBy& made);
 
 /// Selects the rows that the first stages keep. With voxel(keep=centroid) after these, returns the cloud before it,

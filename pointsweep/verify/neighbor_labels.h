@@ -19,7 +19,8 @@ class JoiningRule {
   virtual formulas::Estimate alone(std::span<const double> point) const = 0;
 };
 
-/// Of each point the number that its neighbours have in the output, and how many points of the output have its own.
+/// Returns for each point the number that its neighbours have in the output, and how many points of the output have
+/// the number of the point.
 /// `more`: columns that the rule reads.
 std::vector<std::vector<formulas::Estimate>> labels_of_neighbors(std::span<const CloudPoint> points,
                                                                  const CloudInput& in,

@@ -20,8 +20,8 @@ namespace pointsweep {
 CloudThreshold outlier_threshold(Reader& out, const std::vector<StageOperator>& operators,
                                  const std::string& prefix, const PhaseProgress& progress);
 
-/// The same of the mean distances of all points of the input, where the output has not all: those that the operators
-/// themselves make. Throws NotTold.
+/// Returns the threshold of the mean distances of all points of the input, for an output that has not all. The
+/// operators themselves make these distances. Throws NotTold.
 CloudThreshold outlier_threshold_of_all(InputCloud& in, const std::vector<StageOperator>& operators,
                                         const SharedRule& rule, const NeighborRule& neighborhood,
                                         std::uint64_t memory_bytes);

@@ -10,7 +10,8 @@
 
 namespace pointsweep {
 
-/// As verify() of the public header. `neighborhood`: the options of knn as text, with their places for messages.
+/// Does the work of verify() of the public header. `neighborhood`: the options of knn as text, with their places for
+/// messages.
 Verdict verify_output(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                       const VerifyOptions& options, const std::vector<OptionText>& neighborhood);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Where chosen points stand in an output whose rows are in the order of the sweep.
+/// The rows of chosen points in an output whose rows are in the order of the sweep.
 #pragma once
 
 #include <cstdint>

@@ -19,10 +19,10 @@
 
 namespace pointsweep {
 
-/// What the run was asked to make.
+/// The request of the run: its stages and what it wrote.
 struct MadeBy {
   NeighborRule neighborhood = {};
-  SharedRule rule = {};  ///< what is left of that
+  SharedRule rule = {};  ///< shortens the neighbourhood
   std::vector<StageOperator> operators = {};
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
   /// Made too, but from neighbours of moved points, which no sample of the input tells: they are not checked.
@@ -31,7 +31,7 @@ struct MadeBy {
   std::shared_ptr<InputCloud> before_means = {};
   /// The threshold of outliers, found in the output (outlier_threshold.h).
   CloudThreshold outlier_threshold = {};
-  /// Selects behind other stages are among the operators: the output has a part of the rows of the input.
+  /// Selects after other stages are among the operators: the output has a part of the rows of the input.
   bool leaves_out = false;
   /// Other stages leave out rows too, so that a row that the output has not may have gone there.
   bool leaves_out_more = false;
@@ -41,12 +41,12 @@ struct MadeBy {
   OwnField own_field = nullptr;  ///< of the output's format
 };
 
-/// Whether `out` is what a run over `in` gives. Every point: the count, and each attribute by value, row by row or, in
-/// the order of the sweep, by checksums of values and of whole points. A sample: the made attributes equal those that
-/// the same operators make of neighbourhoods found by holding every point of the input against them. `is_array`: `out`
-/// holds made values only. Values are compared as far as the types of the output tell (FieldPair).
+/// Checks whether `out` is what a run over `in` gives. Every point: the count, and each attribute by value, row by row
+/// or, in the order of the sweep, by checksums of values and of whole points. A sample: the made attributes equal those
+/// that the same operators make of neighbourhoods found by holding every point of the input against them. `is_array`:
+/// `out` holds made values only. Values are compared as far as the types of the output tell (FieldPair).
 ///
-/// Where rows are left out behind other stages, half of the sample are rows that the output has not: the conditions are
+/// Where rows are left out after other stages, half of the sample are rows that the output has not: the conditions are
 /// evaluated on what the stages before make of all rows of the input, and tell whether a row stays.
 ///
 /// Reads both files once, the input once more for each ring of neighbours a chain looks at (normals and splats 1,

@@ -6,7 +6,7 @@
 
 namespace pointsweep {
 
-/// Of a voxel that only keeps rows there is nothing to evaluate.
+/// Returns the formula of the means of voxel(keep=centroid). A voxel that only keeps rows has nothing to evaluate.
 NamedCloudFormula voxel_formula();
 
 }  // namespace pointsweep
