@@ -43,8 +43,8 @@ struct MadeBy {
 
 /// Checks whether `out` is what a run over `in` gives. Every point: the count, and each attribute by value, row by row
 /// or, in the order of the sweep, by checksums of values and of whole points. A sample: the made attributes equal those
-/// that the same operators make of neighbourhoods found by holding every point of the input against them. `is_array`:
-/// `out` holds made values only. Values are compared as far as the types of the output tell (FieldPair).
+/// that the formulas of the operators give for neighbourhoods found by holding every point of the input against them.
+/// `is_array`: `out` holds made values only. Values are compared as far as the types of the output tell (FieldPair).
 ///
 /// Where rows are left out after other stages, half of the sample are rows that the output has not: the conditions are
 /// evaluated on what the stages before make of all rows of the input, and tell whether a row stays.
