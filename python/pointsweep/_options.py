@@ -8,11 +8,12 @@ import math
 import operator
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 from . import _core
 from ._errors import UsageError
+from ._types import RunOptions
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -104,22 +105,21 @@ def names(option: str, value: Any) -> list[str]:
 
 def run_options(
     *,
-    order: str = "input",
-    axis: int | str | None = None,
-    memory: int | str | None = None,
-    threads: int | None = None,
-    temp_folder: str | os.PathLike[str] | None = None,
-    resume: str | os.PathLike[str] | None = None,
-    nonfinite: str | None = None,
-    overwrite: bool = False,
-    replace: Sequence[str] | str | None = None,
-    prefix: str = "",
-    positions: str | None = None,
-    provenance: str | bool = True,
-    ignore_crs: bool = False,
+    order: Any = "input",
+    axis: Any = None,
+    memory: Any = None,
+    threads: Any = None,
+    temp_folder: Any = None,
+    resume: Any = None,
+    nonfinite: Any = None,
+    overwrite: Any = False,
+    replace: Any = None,
+    prefix: Any = "",
+    positions: Any = None,
+    provenance: Any = True,
+    ignore_crs: Any = False,
 ) -> dict[str, Any]:
-    """The options of `pointsweep.run` that have the same meaning for all kinds of input and output, checked. Their types
-    are those of `RunOptions`."""
+    """The options in `RunOptions`, with their defaults, checked."""
     count = 0 if threads is None else whole("threads", threads)
     if threads is not None and not 1 <= count <= 4096:
         raise UsageError(f"threads: {threads} is not a number of threads from 1 to 4096.")
@@ -148,9 +148,11 @@ def refuse_options_of_files(given: dict[str, Any], remedy: str) -> None:
 
 
 def with_run_options(function: _Function) -> _Function:
-    """The function, whose signature names the options of `run_options` in place of ``**options``."""
+    """The function, whose signature names the options of `run_options` in place of ``**options``, with the types that they
+    have in `RunOptions`."""
     signature = inspect.signature(function)
     own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
-    options = inspect.signature(run_options).parameters.values()
+    types = {name: getattr(kind, "__forward_arg__", kind) for name, kind in RunOptions.__annotations__.items()}
+    options = [p.replace(annotation=types[p.name]) for p in inspect.signature(run_options).parameters.values()]
     function.__signature__ = signature.replace(parameters=[*own, *options])  # type: ignore[attr-defined]
     return function
