@@ -34,7 +34,7 @@ class RecalledPoints {
         workers_(workers),
         region_(stream, loader, frontier, memory.slabs_at_once),
         lists_(plan, region_, {memory.bytes, memory.lists_bytes}),
-        point_bytes_(window_point_bytes(plan) + kStateBytes),
+        point_bytes_(window_point_bytes(plan) + kStateBytes + (frontier.has_outside() ? kUnresolvedBytes : 0)),
         record_bytes_(stream.record_schema().stride + sizeof(std::uint32_t)) {}
 
   /// Collects the surroundings of `points` and finds all lists. Returns false if these take more memory than allowed; a
@@ -105,7 +105,8 @@ class RecalledPoints {
   std::vector<Worker>& workers_;
   Region region_;
   const CellLists lists_;
-  static constexpr std::uint64_t kStateBytes = sizeof(double) + 1;  ///< of a point in CellState
+  static constexpr std::uint64_t kStateBytes = sizeof(double) + 1;          ///< of a point in CellState
+  static constexpr std::uint64_t kUnresolvedBytes = sizeof(std::uint32_t);  ///< in addition, if parts are swept
   std::uint64_t point_bytes_;
   std::uint64_t record_bytes_;  ///< of a point while it is collected
   bool alone_ = false;           ///< there is one deferred point

@@ -59,9 +59,10 @@ void SweepObserver::note_buffers(const Window& window) {
 }
 
 void SweepObserver::cells_were_dropped(const Window& window) {
+  if (half_way_noted_) return;
   std::uint64_t all = 0;
   for (const auto& slab : stream_.slabs()) all += slab.count;
-  if (!half_way_noted_ && points_read_ >= all - points_read_) note_half_way(window);
+  if (points_read_ >= all - points_read_) note_half_way(window);
 }
 
 /// All points that were read are gone but for those in the window.
