@@ -33,7 +33,7 @@ struct CellNeighbor {
   }
 };
 
-/// Which points of the set are asked for.
+/// A request for the nearest points of a set.
 struct NearestWanted {
   std::size_t k = 1;
   double most2 = std::numeric_limits<double>::infinity();  ///< squared distance, at most
@@ -66,7 +66,7 @@ class NearestSoFar {
     if (full()) worst_ = wanted_.any_of_equal ? below(found_.back().distance2) : found_.back().distance2;
   }
   const std::vector<CellNeighbor>& found() const { return found_; }
-  /// How many points.
+  /// Returns the number of points seen so far.
   std::size_t seen() const { return seen_; }
 
  private:

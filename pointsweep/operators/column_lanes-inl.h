@@ -24,8 +24,8 @@ namespace pointsweep::HWY_NAMESPACE {
 
 using FloatV = hn::Vec<FloatLanes>;
 
-/// The points of the batch that a vector of a tile is about; none of a vector behind its last. Lanes behind the last
-/// point belong to no point.
+/// The points of the batch in one vector of a tile; empty for a vector after the last point of the tile. Lanes after
+/// the last point belong to no point.
 struct Points {
   std::size_t first, size;  // size: at most kLanes
 

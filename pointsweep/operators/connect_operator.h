@@ -34,7 +34,7 @@ class ConnectOperator : public Operator {
   /// Appends edges of the points of the batch, which may be fewer than one for each neighbour, and fills ballots,
   /// votes()->ballot_bytes() for each point. Called from many threads at once.
   virtual void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const = 0;
-  /// Sets the values of a point, those of all that it makes one after another.
+  /// Sets the values of all attributes that the operator makes of a point, one after another.
   virtual void put_values(const ComponentLabel& label, std::byte* values) const = 0;
   /// Returns the operator for such a cloud; see LocalOperator::bound().
   virtual std::shared_ptr<const ConnectOperator> bound(const Schema& input, std::span<const Attribute> made) const {

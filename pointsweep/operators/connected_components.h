@@ -16,11 +16,11 @@ struct OperatorDeclaration;
 
 OperatorDeclaration components_declaration();
 
-/// Whether numbers of components and sizes have 32 bits: for clouds of so many points, as far as that is known (not 0).
+/// Returns whether component numbers and sizes have 32 bits in a cloud of `points` points; 0: not known.
 bool has_short_numbers(std::uint64_t points);
 /// N i32 or i64: the number of the component `name` of a point; -1 for points without one.
 Attribute component_number(std::string name, std::string meaning, std::uint64_t points);
-/// N u32 or u64: how many points it has.
+/// N u32 or u64: the number of points in the component of a point.
 Attribute component_size(std::string name, std::string meaning, std::uint64_t points);
 /// Appends both, in these types, to `values`.
 void put_component(const ComponentLabel& label, bool is_short, std::byte* values);

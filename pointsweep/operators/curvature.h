@@ -31,8 +31,8 @@ struct OperatorDeclaration;
 ///
 /// Makes "k1" "k2" (k1 >= k2 >= 0), "k1_direction", "mean_curvature" (k1 + k2)/2, "gaussian_curvature" k1 k2,
 /// "rms_curvature" √((k1² + k2²)/2), "absolute_curvature" k1 + k2, "surface_variation" λ0/(λ0 + λ1 + λ2) of M_i
-/// (Equation 1), and "normal_eigenvalues", those of C_i with θ as the paper has it, ascending. Where the directions of
-/// k1 and k2 tie (a sphere, a plane), k1_direction is some tangent.
+/// (Equation 1), and "normal_eigenvalues", the eigenvalues of C_i with θ as the paper has it, ascending. Where the
+/// directions of k1 and k2 tie (a sphere, a plane), k1_direction is some tangent.
 ///
 /// All are 0, and the point counted as degenerate, where it has no normal, where fewer than three neighbours have one,
 /// or where those lie on a line to rounding: det <= (1e-12 trace + ρ²) trace of D within the tangent plane, with ρ =

@@ -71,7 +71,7 @@ struct Sums {
   V count = hn::Zero(Lanes());
 };
 
-/// Those sums, and the weighted ones if they are wanted.
+/// The sums of Sums, and the weighted sums if they are wanted.
 template <bool kWeighted>
 struct AllSums : Sums {
   WeightedSums weighted = {};
@@ -115,7 +115,7 @@ struct Principal {
   hn::Mask<Lanes> found;
 };
 
-/// `e` is that of sums.normals.
+/// Returns the principal curvatures. `e`: eigenvalues and eigenvectors of sums.normals.
 HWY_INLINE Principal PrincipalCurvatures(const Vector& n, const Sums& sums, const Eigen3Lanes<V>& e) {
   const Lanes d;
   const V zero = hn::Zero(d);

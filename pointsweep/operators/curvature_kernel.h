@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// What Curvature makes: each as long as the batch, or empty if it is not wanted.
+/// The columns that Curvature makes. Each is as long as the batch, or empty if it is not wanted.
 struct CurvatureColumns {
   std::span<float> k1, k2;
   std::span<std::array<float, 3>> direction;  ///< of k1
@@ -19,7 +19,7 @@ struct CurvatureColumns {
   std::span<float> surface_variation;
   std::span<std::array<float, 3>> normal_eigenvalues;  ///< of C_i, ascending
 
-  /// Whether anything of Equations 1 and 2 with their θ is wanted.
+  /// Returns whether a result of Equations 1 and 2 with their θ is wanted.
   bool weighted() const { return !surface_variation.empty() || !normal_eigenvalues.empty(); }
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What an operator says of itself, beside its code. Pipelines as text and JSON, flags of verbs, help, docs,
-/// checkpoints and the records in outputs all come from it.
+/// The declaration of an operator, beside its code. Pipelines as text and JSON, flags of verbs, help, docs, checkpoints
+/// and the records in outputs all come from it.
 #pragma once
 
 #include <cstdint>
@@ -61,7 +61,7 @@ struct OptionDeclaration {
 
   /// "1 or more", "0 to 90", "none, up or input", "[X,Y,Z]": what may be given.
   std::string allowed() const;
-  /// Whether `value` has the type of the kind and lies within the limits.
+  /// Returns whether `value` has the type of the kind and lies within the limits.
   bool allows(const OptionValue& value) const;
 };
 
@@ -73,7 +73,7 @@ class OptionValues {
 
   /// False if the option has been given before. `name` is declared, and its declaration allows `value`.
   bool give(const std::string& name, OptionValue value);
-  /// The same, with the presets of `declared` for what is not given.
+  /// Returns these values, with the presets of `declared` for options that are not given.
   OptionValues with_presets_of(const std::vector<OptionDeclaration>& declared) const;
 
   bool given(std::string_view name) const { return given_.contains(name); }
@@ -82,7 +82,7 @@ class OptionValues {
   std::uint64_t whole(std::string_view name) const { return std::get<std::uint64_t>(value(name)); }
   double number(std::string_view name) const { return std::get<double>(value(name)); }
   Vec3 point(std::string_view name) const { return std::get<Vec3>(value(name)); }
-  /// Of a choice, names, an attribute or a condition.
+  /// Returns the value of a choice, of names, of an attribute or of a condition.
   const std::string& word(std::string_view name) const { return std::get<std::string>(value(name)); }
   /// All that have a value, in the order of their declaration.
   Options all() const;
@@ -97,7 +97,7 @@ class OptionValues {
   std::map<std::string, OptionValue, std::less<>> given_, preset_;
 };
 
-/// What an operator may have to know of the cloud, and of the stages before it, when it is made.
+/// Facts about the cloud and the earlier stages that an operator may need when it is made.
 struct Facts {
   std::uint64_t points = 0;
   std::set<std::string> made = {};                ///< names of the attributes that earlier stages make

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How many points there are around a point, for the area of a plane through it and for the volume.
+/// The number of points around a point, per area of a plane through it and per volume.
 #pragma once
 
 #include <optional>

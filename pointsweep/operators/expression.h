@@ -44,15 +44,16 @@ class Expression {
   /// The attributes it looks at, each once, in the order of appearance.
   const std::vector<Name>& names() const { return names_; }
   const std::string& text() const { return text_; }  ///< as given, without blanks at both ends
-  /// The same for conditions that differ in nothing but blanks: "a < 2 && !(b == 3)".
+  /// A text that is equal for conditions that differ in nothing but blanks: "a < 2 && !(b == 3)".
   const std::string& canonical() const { return canonical_; }
 
   /// Sets kept[i] to 1 where the condition holds for point i, else to 0. `values`: by number in names().
   void evaluate(std::span<const ExpressionValues> values, std::span<std::uint8_t> kept) const;
 
-  /// Of a number: sets values_of_points[i] to it for point i.
+  /// Evaluates an expression that gives a number: sets values_of_points[i] to its value for point i.
   void evaluate_number(std::span<const ExpressionValues> values, std::span<double> values_of_points) const;
-  /// Whether it is a name of 64-bit integers, or a whole number, alone: then evaluate_whole() loses nothing.
+  /// Returns whether the expression is a single name of 64-bit integers, or a single whole number: then
+  /// evaluate_whole() loses nothing.
   bool is_whole(std::span<const ExpressionValues> values) const;
   void evaluate_whole(std::span<const ExpressionValues> values, std::span<WholeNumber> values_of_points) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a condition is made of, between its parser and its evaluation.
+/// The nodes of an expression, between its parser and its evaluation.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// Those from `equal` on give a truth value, the others a number.
+/// The operation of a node. Operations from `equal` on give a truth value, the others a number.
 enum class Operation : std::uint8_t {
   number,
   name,

@@ -24,7 +24,7 @@ struct OperatorDeclaration;
 /// | sphericity          | λ3 / λ1                         | 1 |
 /// | omnivariance        | ∛(λ1 λ2 λ3)                     | length² / length / 1 |
 /// | anisotropy          | (λ1 - λ3) / λ1                  | 1 |
-/// | eigenentropy        | -Σ λ ln λ, 0 ln 0 = 0           | that of λ, with ln of its number / 1 |
+/// | eigenentropy        | -Σ λ ln λ, 0 ln 0 = 0           | unit of λ, with ln of its number / 1 |
 /// | eigenvalue_sum      | λ1 + λ2 + λ3                    | length² / length / 1 |
 /// | surface_variation   | λ3 / (λ1 + λ2 + λ3)             | 1, [0, 1/3] |
 /// | verticality         | 1 - |e3 · z|                    | 1, [0, 1] |
@@ -38,7 +38,7 @@ struct OperatorDeclaration;
 /// have the sign of an eigenvector, which is arbitrary, and are here without it. CloudCompare's "1st order moment" is
 /// moment1_axis2² / moment2_axis2.
 ///
-/// Of lone points, or points all in one place, number_of_neighbors and height_range have their values and all else is
+/// For lone points, or points all in one place, number_of_neighbors and height_range have their values and all else is
 /// 0; so is everything but number_of_neighbors where an offset is not finite. verticality is 0 where P lies on a line
 /// to rounding: l2 <= 1e-12 l1 + ρ², ρ as in Normals. Such points count as degenerate, unless none of the attributes
 /// concerned was asked for. Where two eigenvalues are equal, their axes are some pair across each other.

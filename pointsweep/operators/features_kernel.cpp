@@ -74,7 +74,7 @@ HWY_INLINE PointSums SumPoints(const Tile& tile, const Extents& extents, Offsets
     offsets.Hold(from);
     for (std::size_t c = 0; c < tile.Held(from); ++c) {
       const Vector o = sums.scaling.Scaled(offsets.Load(v, c));
-      // Behind a point's last neighbour offsets are 0, as that of p_i is.
+      // After a point's last neighbour the offsets are 0, like the offset of p_i itself.
       if constexpr (kWithPoint) {
         sums.Include(o);
       } else {
@@ -113,7 +113,7 @@ struct Values {
   }
 };
 
-/// What is made of the logarithms of the values; 0 ln 0 is 0.
+/// The features from logarithms of the values; 0 ln 0 is 0.
 struct Logarithms {
   V omnivariance, eigenentropy;
 
@@ -188,7 +188,7 @@ class FeatureLanes {
     const V verticality = hn::Sub(hn::Set(d, 1.0), hn::Abs(e.vector0.z));
     Store(Feature::verticality, plane, hn::Max(verticality, hn::Zero(d)));
   }
-  /// Of offsets from p_i along a unit vector: the sum's magnitude, and the sum of squares.
+  /// Stores moments of the offsets from p_i along a unit vector: the sum's magnitude, and the sum of squares.
   HWY_INLINE void StoreMoments(Mask found, const Vector& axis, const Values& v, Feature first, Feature second) const {
     if (out_[first].empty() && out_[second].empty()) return;
     const V sum = Dot(sums_.offset, axis), squares = Dot(axis, Times(sums_.products, axis));
@@ -203,7 +203,7 @@ class FeatureLanes {
   const PointSums& sums_;
 };
 
-/// Whether an eigenvalue or eigenvector is needed.
+/// Returns whether an eigenvalue or eigenvector is needed.
 bool NeedsEigenvalues(const FeatureColumns& out) {
   for (std::size_t f = 0; f < static_cast<std::size_t>(Feature::height_range); ++f)
     if (!out.numbers[f].empty()) return true;

@@ -33,7 +33,7 @@ enum class Feature : std::uint8_t {
 };
 inline constexpr std::size_t kFeatures = 15;
 
-/// What to compute, and where to put it.
+/// The features to compute, and the columns that take them.
 struct FeatureColumns {
   std::array<std::span<float>, kFeatures - 1> numbers;  ///< by Feature; each as long as the batch, or empty: not wanted
   EigenvalueScale eigenvalues = EigenvalueScale::raw;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Which points are ground, by a filter of the raster of the lowest points (T. J. Pingel, K. C. Clarke and W. A.
-/// McBride, "An improved simple morphological filter for the terrain classification of airborne LIDAR data", ISPRS
-/// Journal of Photogrammetry and Remote Sensing 77, 2013).
+/// Ground points, found by a filter of the raster of the lowest points (T. J. Pingel, K. C. Clarke and W. A. McBride,
+/// "An improved simple morphological filter for the terrain classification of airborne LIDAR data", ISPRS Journal of
+/// Photogrammetry and Remote Sensing 77, 2013).
 #pragma once
 
 #include <cstdint>

@@ -17,7 +17,7 @@ double difference(double before, double here, double behind, double cell) {
   return before != kNoCell ? (here - before) / cell : 0;
 }
 
-/// Where a coordinate lies between the centres of two cells.
+/// The position of a coordinate between the centres of two cells.
 struct Between {
   int first;        ///< the lower of the two, relative to the cell of the coordinate: -1 or 0
   double fraction;  ///< of the way from it to the next, in [0, 1)
@@ -127,7 +127,7 @@ std::optional<GroundWork::Surface> GroundWork::surface_at(Vec3 p, Cell cell) con
   return Surface{bilinear(z, x.fraction, y.fraction), bilinear(slopes, x.fraction, y.fraction)};
 }
 
-/// Of the cell `dx` cells east and `dy` cells north.
+/// Returns the surface of the cell that lies `dx` cells east and `dy` cells north of `cell`.
 double GroundWork::surface(Cell cell, int dx, int dy) const {
   const int rows = setup_.axis == 0 ? dx : dy, columns = setup_.axis == 0 ? dy : dx;
   return surface_->at(cell.row + static_cast<std::uint64_t>(rows), cell.column + static_cast<std::size_t>(columns));

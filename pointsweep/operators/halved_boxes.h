@@ -22,7 +22,7 @@ class HalvedBoxes {
 
   unsigned levels() const { return levels_; }
   const Box& box(unsigned level, std::size_t j) const { return boxes_[(std::size_t{1} << level) - 1 + j]; }
-  /// The first point of part j of a level; of the part behind the last one: their number.
+  /// Returns the first point of part j of a level; for the part after the last one, the number of points.
   std::size_t begin(unsigned level, std::size_t j) const { return points_ * j >> level; }
   std::size_t begin(std::size_t j) const { return begin(levels_, j); }
   /// Calls `use(j)` for parts of the last level that are not farther than worst() when their turn comes, the nearer
@@ -31,7 +31,8 @@ class HalvedBoxes {
   bool nearest_first(Vec3 place, Worst worst, Use use) const {
     return descend(0, 0, distance2(box(0, 0), place), place, worst, use);
   }
-  /// The same for all parts whose boxes, and those that hold them, are `wanted(box)`.
+  /// Calls `use(j)` for all parts of the last level whose boxes, and the boxes that hold them, are `wanted(box)`. Ends
+  /// and returns false when `use` does.
   template <class Wanted, class Use>
   bool all_of(Wanted wanted, Use use, unsigned level = 0, std::size_t j = 0) const {
     if (!wanted(box(level, j))) return true;

@@ -22,10 +22,10 @@ namespace pointsweep {
 /// 105 (2015), which replaces by E the entropy of three dimensionality features of Demantké et al., "Dimensionality
 /// based scale selection in 3D lidar point clouds" (2011). They let k run from 10 to 100 in steps of 1, as here.
 ///
-/// What they leave open: e ln e is 0 at e = 0 (points on a plane or a line); a k whose neighbours are all on p_i has no
-/// E and is passed over; a point with fewer than `least` neighbours, or without any E, keeps all it has. The covariance
-/// comes from running sums of offsets from p_i, and the logarithm is made of plain IEEE operations, so that near-ties
-/// fall the same way on every machine.
+/// Cases that the papers leave open: e ln e is 0 at e = 0 (points on a plane or a line); a k whose neighbours are all
+/// on p_i has no E and is passed over; a point with fewer than `least` neighbours, or without any E, keeps all it has.
+/// The covariance comes from running sums of offsets from p_i, and the logarithm is made of plain IEEE operations, so
+/// that near-ties fall the same way on every machine.
 ///
 /// Cost: about 0.1 µs for each k tried, in addition to the search for the largest.
 class LeastEigenentropy final : public NeighborhoodRule {

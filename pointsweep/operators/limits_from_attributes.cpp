@@ -18,7 +18,7 @@ std::size_t at_most(double value, std::size_t count) {
   return value < static_cast<double>(count) ? static_cast<std::size_t>(value) : count;
 }
 
-/// How many of the first `count` neighbours lie within `radius`. They come nearest first.
+/// Returns how many of the first `count` neighbours lie within `radius`. Neighbours come nearest first.
 std::size_t within(double radius, const Neighborhoods& in, std::size_t i, std::size_t count) {
   if (!(radius >= 0)) return 0;
   const double radius2 = radius * radius;

@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-/// That a thread compares with a view of the cells.
+/// Number of points that a thread compares with a view of the cells.
 constexpr std::size_t kPointsAtOnce = 256;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -56,7 +56,7 @@ class Cylinder {
     }
     return {center_ - half, center_ + half};
   }
-  /// Where a point lies along the axis, or nothing if it is outside.
+  /// Returns the coordinate of a point along the axis, or nothing if the point is outside of the cylinder.
   std::optional<double> along(Vec3 point) const {
     const Vec3 offset = point - center_;
     const double a = dot(offset, axis_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the names of an expression stand for, and their values for a batch of points.
+/// The attributes that the names of an expression stand for, and their values for a batch of points.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ class NamedValues {
   NamedValues(const Expression& expression, const std::string& place, const Schema& input,
               std::span<const Attribute> made);
 
-  /// What has to be read, each attribute once.
+  /// The attributes that have to be read, each once.
   const std::vector<Attribute>& reads() const { return reads_; }
 
   /// The values of one batch, by number of the name.
@@ -42,8 +42,8 @@ class NamedValues {
     std::vector<ExpressionValues> values_;
   };
 
-  /// Where the values of a name are: component `component` of reads()[attribute]; or of the position if that is
-  /// negative.
+  /// The source of the values of a name: component `component` of reads()[attribute], or of the position if `attribute`
+  /// is negative.
   struct Source {
     int attribute = -1;
     std::size_t component = 0;

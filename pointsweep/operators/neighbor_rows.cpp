@@ -12,8 +12,8 @@
 namespace pointsweep {
 
 namespace {
-/// Where in the list of a point its k nearest neighbours are, nearest first at the positions of now: by distance, then
-/// x, y, z and row. Neighbours without a finite place come last.
+/// The places of the k nearest neighbours in the list of a point, nearest first at the current positions: by distance,
+/// then x, y, z and row. Neighbours without a finite place come last.
 class NearestPlaces {
  public:
   NearestPlaces(const Neighborhoods& in, std::size_t k) : in_(in), k_(k) {}

@@ -15,7 +15,7 @@ struct OperatorDeclaration;
 /// asked, "distances", N×k f64 beside it. Where there are fewer than k, the rest is the largest value of the type, and
 /// NaN.
 ///
-/// Behind an operator that moves points N_i is still the set that was found before, and its k nearest at the moved
+/// After an operator that moves points, N_i is still the set that was found before, and its k nearest at the moved
 /// positions are written, nearest first at these positions; equal distances go by moved x, y, z, then row. Neighbours
 /// moved to a place that is not finite come last, by row.
 class NeighborRows : public LocalOperator {
@@ -35,7 +35,7 @@ class NeighborRows : public LocalOperator {
   bool distances_;
 };
 
-/// Of the verb `neighbors`; as a stage it would need the k of its neighbourhoods.
+/// The declaration for the verb `neighbors`; as a stage the operator would need the k of its neighbourhoods.
 OperatorDeclaration neighbor_rows_declaration();
 
 }  // namespace pointsweep

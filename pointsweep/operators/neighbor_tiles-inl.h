@@ -2,7 +2,7 @@
 /// Points and their neighbours in vector lanes, a point per lane, a tile of points at a time. Included once per
 /// instruction set.
 ///
-/// What belongs to a tile is fetched point by point into arrays first and read as vectors afterwards: a vector that is
+/// The data of a tile are fetched point by point into arrays first and read as vectors afterwards: a vector that is
 /// read just after its numbers were written one by one would have to wait for them.
 #if defined(POINTSWEEP_OPERATORS_NEIGHBOR_TILES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_OPERATORS_NEIGHBOR_TILES_INL_H_
@@ -61,7 +61,7 @@ struct Tile {
   }
   /// Neighbours of a point that are there at a time, from the `from`-th on.
   std::size_t Held(std::size_t from) const { return std::min(chunk, most - from); }
-  /// Where in an array of neighbours the c-th of those held of a vector of points begin.
+  /// Returns the index, in an array of neighbours, of the c-th held neighbours of a vector of points.
   std::size_t At(std::size_t vector, std::size_t c) const { return c * stride + vector * kLanes; }
 };
 
@@ -71,7 +71,8 @@ struct TileArray {
   V Load(std::size_t vector) const { return hn::Load(Lanes(), of + vector * kLanes); }
 };
 
-/// Calls use() with where attribute `a` of a vector of points is, a T each; behind the last of the tile all are 0.
+/// Calls use() with a pointer to attribute `a` of a vector of points, a T each; lanes after the last point of the tile
+/// are 0.
 template <class T, class Use>
 HWY_INLINE auto WithOwn(const Tile& tile, std::size_t a, std::size_t vector, const Use& use) {
   const std::size_t first = vector * kLanes, size = tile.size - first;
@@ -88,7 +89,7 @@ HWY_INLINE V OwnNumbers(const Tile& tile, std::size_t a, std::size_t vector) {
                         [](const float* own) HWY_ATTR { return hn::PromoteTo(Lanes(), hn::LoadU(FloatLanes(), own)); });
 }
 
-/// The same of three numbers each.
+/// Loads attribute `a`, three numbers each, of a vector of points.
 HWY_INLINE Vec3Lanes<V> OwnVectors(const Tile& tile, std::size_t a, std::size_t vector) {
   return WithOwn<std::array<float, 3>>(tile, a, vector, [](const std::array<float, 3>* own) HWY_ATTR {
     hn::Vec<FloatLanes> x, y, z;
@@ -105,12 +106,12 @@ struct NeighborArray {
 };
 
 /// Vectors that belong to the neighbours of a tile, transposed: of(i)(ref) of the neighbours of each point i in turn; 0
-/// behind a point's last.
+/// after a point's last neighbour.
 template <class OfNeighbor>
 class NeighborVectors {
  public:
   NeighborVectors(const Tile& tile, OfNeighbor of) : tile_(tile), of_(of) { Fetch(0); }
-  /// Makes sure that those from the `from`-th neighbour on are there; true if they were not.
+  /// Makes sure that the vectors from the `from`-th neighbour on are there; true if they were not.
   HWY_INLINE bool Hold(std::size_t from) {
     if (from == from_) return false;
     Fetch(from);
@@ -127,7 +128,7 @@ class NeighborVectors {
     const std::size_t at = tile_.At(vector, c);
     hn::Store(value.x, d, x_ + at), hn::Store(value.y, d, y_ + at), hn::Store(value.z, d, z_ + at);
   }
-  /// That of the c-th held of point l of the tile.
+  /// Returns the vector of the c-th held neighbour of point l of the tile.
   Vec3 Of(std::size_t l, std::size_t c) const {
     const std::size_t at = c * tile_.stride + l;
     return {x_[at], y_[at], z_[at]};

@@ -23,7 +23,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-/// What must be known of the neighbourhoods of a tile before their sums begin.
+/// Measures of the neighbourhoods of a tile that are needed before their sums begin.
 struct Extents {
   TileArray count;       // |N_i|
   TileArray largest;     // a largest magnitude of a component, from which Scaling takes its power of two
@@ -66,7 +66,7 @@ struct Extents {
     hn::Store(hn::Zero(d), d, coincident.of + begin);
     return true;
   }
-  /// Of neighbours that come nearest first: the last is the farthest, the first off p_i the nearest.
+  /// Measures point l, whose neighbours come nearest first: the last is the farthest, the first off p_i the nearest.
   HWY_INLINE void MeasureEnds(Tile& tile, Offsets& offsets, std::size_t l) {
     const std::size_t k = tile.count[l];
     if (k == 0) return HaveNone(l);
@@ -81,7 +81,7 @@ struct Extents {
     largest.of[l] = extent, far2.of[l] = Length2(scale * last), near2.of[l] = Length2(scale * offset(j));
     coincident.of[l] = j > 0 ? 1 : 0;
   }
-  /// Of neighbours in any order.
+  /// Measures vector v of points, whose neighbours come in any order.
   HWY_INLINE void MeasureAll(Tile& tile, Offsets& offsets, std::size_t v) {
     const Lanes d;
     const std::size_t begin = v * kLanes;
@@ -99,7 +99,7 @@ struct Extents {
       if (ordinary.of[l - begin] == 0) tile.count[l] == 0 ? HaveNone(l) : Search(tile, offsets, l);
     }
   }
-  /// Of neighbours in any order, at distances whose squares may under- or overflow.
+  /// Measures point l, whose neighbours come in any order, at distances whose squares may under- or overflow.
   HWY_INLINE void Search(Tile& tile, Offsets& offsets, std::size_t l) {
     const std::size_t k = tile.count[l], i = tile.first + l;
     double extent = 0;
@@ -126,7 +126,7 @@ struct Extents {
   }
   void HaveNone(std::size_t l) { largest.of[l] = far2.of[l] = near2.of[l] = 1, coincident.of[l] = 0; }
 
-  /// Sums up offsets one after the other; those of 0 behind a point's last count as none.
+  /// Sums up offsets one after the other; the zeros after a point's last neighbour count as none.
   struct AnyOrder {
     V largest, far2, near2, off;
     hn::Mask<Lanes> reachable;
@@ -195,7 +195,7 @@ struct Weighting {
     near2 = extents.near2.Load(vector);
     falloff = hn::Div(hn::Mul(count, hn::Set(Lanes(), 0.5 / std::numbers::pi)), extents.far2.Load(vector));  // 1 / 2σ²
   }
-  /// -ln θ of the j-th neighbours, so large behind the last that θ is 0.
+  /// Returns -ln θ of the j-th neighbours; after a point's last neighbour it is so large that θ is 0.
   HWY_INLINE V Exponent(const Vec3Lanes<V>& offset, std::size_t j) const {
     const Lanes d;
     const Vec3Lanes<V> scaled = scaling.Scaled(offset);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How large the neighbourhoods are, as attributes.
+/// The sizes of the neighbourhoods, as attributes.
 #pragma once
 
 #include <string>

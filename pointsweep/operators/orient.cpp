@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-/// What outputs record also tells the content of the file.
+/// Makes the stage. Its recorded options also hold the checksum of the trajectory file.
 MadeStage make_facing(const OptionValues& options) {
   if (!options.given("trajectory") || options.given("viewpoint"))
     fail_usage("{}: method=trajectory needs trajectory=FILE and no viewpoint.", options.where());

@@ -64,7 +64,7 @@ class OrientedNormals final : public CompositeOperator {
   OrientedNormals(std::string trajectory, std::string checksum);
   std::string name() const override { return "orient"; }
   Contract contract() const override;
-  /// Of one by a trajectory, whose content has the checksum.
+  /// Returns the options of an operator with a trajectory, with the checksum of the trajectory's content.
   Options facing_options() const;
   std::vector<ChainStage> parts() const override;
 

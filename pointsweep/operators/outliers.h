@@ -23,7 +23,7 @@ struct OutlierRule {
   bool threshold_is_outlier = false;  ///< and so is one that equals the threshold
 };
 OutlierRule rule_of(OutlierDefinition definition);
-/// As pipelines call it: "pdal".
+/// Returns the name of a definition in pipelines: "pdal".
 const char* name_of(OutlierDefinition definition);
 
 struct OperatorDeclaration;
@@ -51,10 +51,10 @@ class MeanDistance final : public LocalOperator {
   bool counts_point_;
 };
 
-/// {mean, deviation, count} of the finite values of a scalar: the mean and the standard deviation,
-/// sqrt(Σ (d - mean)² / (n - 1)), 0 for one value. A rule with `population` divides by n; one with `zero_is_outlier`
-/// leaves values of 0 out of the sum of squares, while they count in n and in the mean. The sums behind both are exact;
-/// no difference of rounded sums is taken. The mean of no values is NaN.
+/// {mean, deviation, count} of the finite values of a scalar: the mean and the standard deviation, sqrt(Σ (d - mean)² /
+/// (n - 1)), 0 for one value. A rule with `population` divides by n; one with `zero_is_outlier` leaves values of 0 out
+/// of the sum of squares, while they count in n and in the mean. The sums for both are exact; no difference of rounded
+/// sums is taken. The mean of no values is NaN.
 class MeanAndDeviation final : public Reduction {
  public:
   explicit MeanAndDeviation(Attribute of, OutlierRule rule = {}) : of_(std::move(of)), rule_(rule) {}

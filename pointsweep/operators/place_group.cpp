@@ -96,7 +96,8 @@ void PlaceGroup::nearest_of(std::span<const CellPoint> points, Vec3 place, const
   for (const CellPoint& p : points) nearest_.see(distance2(flat(p.position), place), p);
 }
 
-/// Of the first `count` points. Each half moves the points it needs to the front, so no points are copied.
+/// Narrows the search to the first `count` points. Each half moves the points it needs to the front, so no points are
+/// copied.
 void PlaceGroup::narrow(Part part, std::size_t count, const Use& use) {
   stop_if_cancelled();
   const std::span<CellPoint> points = std::span(points_).first(count);

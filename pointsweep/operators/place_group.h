@@ -14,10 +14,10 @@
 
 namespace pointsweep {
 
-/// Places are searched for one by one as long as that takes few points each. Far away from the points, or in the middle
-/// of them, nearly all are as far away as the nearest. Then the points that may be among the nearest of any place are
-/// collected from the cells once, the group is halved again and again, and each half keeps those that may be among the
-/// nearest of its own. A group with too many such points is halved before.
+/// Places are searched for one by one as long as each search takes few points. Far away from the points, or in the
+/// middle of them, nearly all are as far away as the nearest. Then the points that may be among the nearest of any
+/// place are collected from the cells once, the group is halved again and again, and each half keeps the points that
+/// may be among the nearest of its own places. A group with too many such points is halved before.
 class PlaceGroup {
  public:
   using Use = std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How far the points of a component are from a plane.
+/// The residual of a component: the distance of its points from a plane.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace pointsweep {
 /// 0.
 class PlaneResidual final : public VoteRule {
  public:
-  /// `moved`: a ballot is a position, three float64; otherwise that of the search counts and ballots are empty.
+  /// `moved`: a ballot is a position, three float64; otherwise the position of the search counts and ballots are empty.
   explicit PlaneResidual(bool moved) : moved_(moved) {}
   std::size_t ballot_bytes() const override { return moved_ ? 3 * sizeof(double) : 0; }
   std::size_t bytes() const override;

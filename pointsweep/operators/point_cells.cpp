@@ -78,7 +78,8 @@ PointCells::PointCells(Space space, int axis, std::uint64_t memory_bytes, std::u
 PointCells::PointCells(PointCells&&) noexcept = default;
 PointCells::~PointCells() = default;
 
-/// Of the cells, with their boxes and the nodes of the map that holds them; and of the slab that grows.
+/// Counts the bytes of the least number of cells, with their boxes and the nodes of the map that holds them, and of the
+/// slab that grows.
 std::uint64_t PointCells::least_bytes() {
   constexpr std::size_t kBoxes = 2 * 2 * kCellPoints / kLeafPoints;
   return (kLeastCells + kSlabCells) * (kCellPoints * sizeof(CellPoint) + kBoxes * sizeof(Box) + 128);
@@ -107,7 +108,7 @@ void PointCells::end_slab() {
   slab_.clear();
 }
 
-/// The first slab that ends at or behind a place along the axis, or the last one.
+/// Returns the first slab that ends at or after a place along the axis, or the last slab.
 std::size_t PointCells::slab_at(double along) const {
   const auto at = std::ranges::lower_bound(slabs_, along, {}, [this](const Slab& s) { return s.box.hi[axis_]; });
   return std::min(static_cast<std::size_t>(at - slabs_.begin()), slabs_.size() - 1);

@@ -21,7 +21,7 @@ namespace pointsweep {
 
 class PointCells {
  public:
-  /// Whether distances have a third coordinate.
+  /// The coordinates that count in distances: `plane` without the third one.
   enum class Space : std::uint8_t { plane, all };
 
   /// `axis`: along which points come; `memory_bytes`: for the cells that are in memory, of which there are a few in any
@@ -33,7 +33,7 @@ class PointCells {
   void add(Vec3 position, std::uint64_t row);
   void finish();
 
-  /// What a question is asked of. It sees the cells that are in memory.
+  /// The object that answers searches. It sees the cells that are in memory.
   class View;
   /// Answers question i; false if a search lacked cells. Then it is asked again, when more cells are in memory.
   using Answer = std::function<bool(std::size_t i, View& view)>;

@@ -42,7 +42,7 @@ class Poisson final : public InOrderOperator {
   std::size_t component_ = 0;     ///< which of its components
 };
 
-/// Seed of the hashes whose order is that of the choice.
+/// Seed of the hashes that give the order in which points are chosen.
 inline constexpr std::uint64_t kPoissonSeed = 0x706f6973736f6e;
 
 }  // namespace pointsweep

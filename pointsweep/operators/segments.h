@@ -31,7 +31,7 @@ class Segments final : public ConnectOperator {
   std::string name() const override { return "segments"; }
   Contract contract() const override;
   const VoteRule* votes() const override { return &residual_; }
-  /// Behind stages that move points, the residual is that of the moved ones.
+  /// After stages that move points, the residual is computed from the moved points.
   std::shared_ptr<const ConnectOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;

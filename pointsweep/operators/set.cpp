@@ -50,7 +50,8 @@ TargetRange range_of(Type type) {
   });
 }
 
-/// Of a field of the input: of packed bits the smallest type that holds them; float64 of scaled numbers.
+/// Returns the range of a field of the input: for packed bits of the smallest type that holds them, for scaled numbers
+/// of float64.
 TargetRange range_of(const Field& field) {
   if (field.is_plain()) return range_of(field.type);
   if (field.bit_width == 0 || field.scale != 1 || field.bias != 0) return range_of(Type::f64);
@@ -73,7 +74,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Where the word `where` stands in the text; npos if it does not.
+/// Returns the index of the word `where` in the text; npos if the text does not contain it.
 std::size_t place_of_where(std::string_view text) {
   for (std::size_t at = text.find("where"); at != text.npos; at = text.find("where", at + 1)) {
     const bool begins = at > 0 && !continues_word(text[at - 1]);

@@ -43,7 +43,7 @@ struct TargetRange {
 /// Makes a new version of one attribute. Values of whole-number types are rounded to the nearest, halves to even.
 class SetAttribute final : public LocalOperator {
  public:
-  /// `type`: of a new attribute; absent: that of LAS if it has one of the name, else float64.
+  /// `type`: the type of a new attribute; absent: the type that LAS gives to an attribute of this name, else float64.
   SetAttribute(Assignment assignment, std::optional<Type> type, std::string place = "set");
   std::string name() const override { return "set"; }
   Contract contract() const override;

@@ -13,7 +13,8 @@
 namespace pointsweep {
 namespace {
 
-/// The largest radius, in errors, unless it is given: that of a surface with a radius of curvature of 512 errors.
+/// The largest radius, in errors, unless it is given: the radius for a surface with a radius of curvature of 512
+/// errors.
 constexpr double kMostOfErrors = 32;
 
 Options all_options(const SimplifyOptions& options) {

@@ -9,8 +9,8 @@
 
 namespace pointsweep {
 
-/// The attribute of one value that an earlier stage makes under this name, or that of the input as float64; nothing if
-/// there is none.
+/// Returns the attribute of one value that an earlier stage makes under this name, or the attribute of the input as
+/// float64; nothing if there is none.
 std::optional<Attribute> single_value(const char* name, const Schema& input, std::span<const Attribute> made);
 
 }  // namespace pointsweep

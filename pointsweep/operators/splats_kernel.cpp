@@ -32,7 +32,7 @@ Ellipse MakeEllipse(const Vector& axis, V flatness) {
   return {axis, hn::Min(hn::Max(flatness, hn::Set(Lanes(), kThinnest)), hn::Set(Lanes(), 1.0))};
 }
 
-/// Of the eigenvectors of M_i.
+/// Returns the ellipse from the eigenvectors of M_i.
 HWY_INLINE Ellipse EllipseOfPositions(const Moments& moments, const Vector& normal) {
   const Lanes d;
   const Eigen3Lanes<V> e = EigenSymmetric3(d, moments.m)[0];

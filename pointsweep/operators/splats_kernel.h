@@ -11,16 +11,16 @@
 
 namespace pointsweep {
 
-/// What Splats makes, each as long as the batch.
+/// The columns that Splats makes, each as long as the batch.
 struct SplatColumns {
   std::span<std::array<float, 3>> axis;  ///< unit, of the major semi-axis
   std::span<float> length;               ///< of the major semi-axis, in lengths of the cloud
   std::span<float> ratio;                ///< minor over major, in [1/8, 1]
 };
 
-/// Of all points of the batch, whose first attribute read is their normal. `along_ridges`: the next three are the
-/// direction of k1, k1 and k2, and shape the ellipse where there are curvatures; elsewhere M_i does. All is 0 where
-/// there is no splat; such points are marked. The bits depend on a point's neighbourhood alone: not on the
+/// Fits the splats of all points of the batch, whose first attribute read is their normal. `along_ridges`: the next
+/// three are the direction of k1, k1 and k2, and shape the ellipse where there are curvatures; elsewhere M_i does. All
+/// is 0 where there is no splat; such points are marked. The bits depend on a point's neighbourhood alone: not on the
 /// instruction set, nor on what shares the batch.
 void fit_splats(const Neighborhoods& in, bool along_ridges, const SplatColumns& out, DegeneratePoints& degenerate);
 

@@ -21,8 +21,8 @@ struct Direction {
   hn::Mask<hn::DFromV<V>> exists;
 };
 
-/// That of v, unless v is 0 or not finite. Of vectors whose squared length 1 + e is near 1, as stored unit vectors are,
-/// 1 / |v| is 1 - e/2 + 3e²/8 to rounding.
+/// Returns the direction of v, unless v is 0 or not finite. For vectors whose squared length 1 + e is near 1, as that
+/// of stored unit vectors, 1 / |v| is 1 - e/2 + 3e²/8 to rounding.
 template <class V>
 HWY_INLINE Direction<V> DirectionOf(const Vec3Lanes<V>& v) {
   const hn::DFromV<V> d;

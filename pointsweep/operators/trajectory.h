@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Where a sensor was at which time.
+/// The positions of a sensor over time.
 #pragma once
 
 #include <string>

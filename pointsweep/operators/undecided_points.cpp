@@ -173,7 +173,7 @@ void UndecidedPoints::keep(Slot slot, std::vector<std::uint64_t>& dropped) {
     forget_decided(cell);
     return false;
   });
-  // Those that waited for it have it within their radius, so that they are left out by now.
+  // Points that waited for this one have it within their radius, so that they are left out by now.
   for (Slot waiter = slots_[slot].first_waiter; waiter != kNone;) {
     const Slot next = slots_[waiter].next_waiter;
     assert(slots_[waiter].is_decided);

@@ -46,7 +46,7 @@ class UndecidedPoints {
   void finish(std::vector<std::uint64_t>& dropped);
   std::uint64_t held() const { return slots_.size() - free_.size(); }
 
-  /// Of memory for each point held, with what grows in steps.
+  /// Bytes of memory for each point held, with those of containers that grow in steps.
   static constexpr std::uint64_t kPointBytes = 192;
 
  private:
@@ -63,7 +63,7 @@ class UndecidedPoints {
     std::uint64_t hash;
     Slot slot;
   };
-  /// The first `sorted` members ascend; behind them are those that have come since. Decided ones may be among them.
+  /// The points of a cell. The first `sorted` members ascend; newer ones follow. Decided points may be among them.
   struct Cell {
     std::vector<Member> members;
     std::size_t sorted = 0, decided = 0;

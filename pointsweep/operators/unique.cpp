@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-/// Points of one place follow one another, that of the first row first.
+/// Keeps the first of equal points. Points of one place follow one another, the point of the first row first.
 class FirstOfEqual final : public InOrderWork {
  public:
   void add(unsigned, const OrderedPoints& points, Findings& findings) override {

@@ -19,7 +19,7 @@ struct OperatorDeclaration;
 OperatorDeclaration voxel_declaration();
 
 /// Keeps one of the points of each voxel. Along each axis, voxel v holds the coordinates whose quotient by the size,
-/// rounded to float64, lies in [v, v + 1): the grid is that of the coordinates, whatever the cloud, and a point on a
+/// rounded to float64, lies in [v, v + 1): the grid depends on coordinates only, not on the cloud, and a point on a
 /// face belongs to the voxel above it. Points without a finite place all stay. The points are put in order by voxel, so
 /// that memory holds one voxel's choice at a time, however large voxels are. With VoxelKeep::centroid the point that
 /// stays moves to the mean position, and attributes become means.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What decides which of the points of a voxel stays.
+/// The comparison that decides which point of a voxel stays.
 #pragma once
 
 #include <cstdint>

@@ -55,7 +55,7 @@ class MeansOfVoxels final : public InOrderWork {
   void end(unsigned, Findings& findings) override { finish_voxel(findings); }
 
  private:
-  /// Of the values that are finite.
+  /// The sum, count and range of the finite values.
   struct Term {
     ExactSum sum;
     std::uint64_t count = 0;
