@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which of many balls a point may lie in.
+/// An index of many balls that finds the balls in which a point may lie.
 #pragma once
 
 #include <array>

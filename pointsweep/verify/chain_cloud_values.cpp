@@ -50,7 +50,7 @@ std::optional<ColumnSource> ChainValues::source_of(std::uint16_t column, const O
 
 namespace {
 
-/// Points of a sorted cloud, one after another, with their neighbours, which come behind them.
+/// Points of a sorted cloud, one after another, followed by their neighbours.
 class SomePoints {
  public:
   explicit SomePoints(const SortedCloud& cloud) : cloud_(cloud) {}
@@ -61,7 +61,7 @@ class SomePoints {
     std::ranges::sort(list);
     lists_.push_back(std::move(list));
   }
-  /// Gives them, nearest neighbours first, equal ones by x, y, z, then row; goes on behind them.
+  /// Returns the points, nearest neighbours first, equal ones by x, y, z, then row; the next call goes on after them.
   Surroundings take(std::size_t rings) {
     Surroundings out;
     const auto add_point = [&](std::uint32_t i) {
@@ -148,7 +148,7 @@ std::vector<double> ChainValues::made_by_operators(const std::string& attribute,
   return values;
 }
 
-/// Of an attribute that the output has not of all rows.
+/// Returns the source of an attribute that the output does not have for all rows.
 std::optional<ColumnSource> ChainValues::source_again(std::uint16_t column, CloudRows& rows) const {
   const auto maker = static_cast<std::size_t>(maker_[column]);
   std::vector<StageOperator> before;

@@ -38,7 +38,7 @@ void store(Type type, formulas::Real number, std::byte* to) {
   set_value(field, to, static_cast<double>(number));
 }
 
-/// Stores an attribute, whose components are those of one estimate or one of each.
+/// Stores an attribute, whose components come from one estimate, or from one estimate for each component.
 void store(const Attribute& a, const Estimate* estimates, std::byte* to) {
   const std::size_t components = a.fields.size(), size = size_of(a.type);
   for (std::size_t c = 0; c < components; ++c) {
@@ -265,7 +265,7 @@ std::size_t ChainValues::bytes_per_point() const {
   return bytes;
 }
 
-/// What the rule keeps of the list of point i.
+/// Returns the part of the list of point i that the rule keeps.
 formulas::Kept ChainValues::kept_of(const Surroundings& around, std::size_t i, const ColumnBytes& columns,
                                     const std::vector<PointColumns>& slots) const {
   const std::size_t first = around.list_begin[i], count = around.list_begin[i + 1] - first;
@@ -356,7 +356,8 @@ void ChainValues::estimate(const Stage& stage, const Surroundings& around, const
   for (std::size_t i = 0; i < around.ring_end[static_cast<std::size_t>(stage.ring)]; ++i) {
     stop_if_cancelled();
     places.clear(), rows.clear();
-    // What a stage that is alone reads is known of the points that it is evaluated for, and not of their neighbours.
+    // The values that a stage of its own points alone reads are known of the evaluated points, and not of their
+    // neighbours.
     for (std::size_t n = around.list_begin[i]; !stage.alone && n < around.list_begin[i + 1]; ++n)
       places.push_back(place(around.neighbors[n])), rows.push_back(around.row[around.neighbors[n]]);
     FormulaInput in = input_of(stage, around, i, columns);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What a chain of operators makes of chosen points, evaluated stage by stage on their surroundings in memory: by the
-/// independent formulas where the library has them, by the operators themselves where a user wrote them.
+/// The values that a chain of operators makes of chosen points, evaluated stage by stage on their surroundings in
+/// memory: by the independent formulas where the library has them, by the operators themselves where a user wrote them.
 #pragma once
 
 #include <cstddef>

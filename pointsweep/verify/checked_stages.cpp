@@ -18,7 +18,7 @@ bool drops_rows_and_makes(const GraphNode& node) { return node.drops_rows() && n
 
 bool is_selection(const Attribute& a) { return a.name == selection_attribute().name; }
 
-/// What is made again after a new neighbourhood is not checked.
+/// Leaves out attributes that are made again after a new neighbourhood: they are not checked.
 void keep_what_is_told(MadeBy& made) {
   if (made.keep.empty())
     for (const auto& op : made.operators)
@@ -27,7 +27,7 @@ void keep_what_is_told(MadeBy& made) {
   if (made.keep.empty()) leave_selects(made);
 }
 
-/// Its values are those of a raster, of a search, or of a graph over the whole cloud.
+/// Returns whether the values of the operator come from a raster, a search or a graph over the whole cloud.
 bool depends_on_all_points(const StageOperator& op) {
   return std::visit(overloaded{[](const std::shared_ptr<const LocalOperator>&) { return false; },
                                [](const std::shared_ptr<const SelectOperator>&) { return false; },
@@ -37,7 +37,7 @@ bool depends_on_all_points(const StageOperator& op) {
                     op);
 }
 
-/// Whether a sample of the input, and all its points where they are, tell what the stage makes.
+/// Returns whether a sample of the input, and all its points where they are, tell what the stage makes.
 bool is_told_by_input(const GraphNode& node) {
   return !depends_on_all_points(*node.op()) || (!node.position && has_cloud_formula(*operator_of(*node.op())));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which stages of a run `verify` can check, and on which rows of the input.
+/// The stages of a run that `verify` can check, and the rows of the input on which it checks them.
 #pragma once
 
 #include <functional>

@@ -19,7 +19,7 @@
 
 namespace pointsweep {
 
-/// One of the points to be evaluated, with what the stage reads of it, in the order of its contract.
+/// A point to be evaluated, with the values that the stage reads of it, in the order of the stage's contract.
 struct CloudPoint {
   KnownPoint at;
   std::vector<formulas::Estimate> reads;
@@ -42,9 +42,9 @@ class CloudFormula {
   virtual ~CloudFormula() = default;
   /// Looks at all points, once before the first evaluate(). Throws NotTold.
   virtual void prepare(const CloudInput& in) = 0;
-  /// What the check does not look at, without a full stop; empty: nothing.
+  /// Returns what the check does not look at, without a full stop; empty: nothing.
   virtual std::string limits() const { return {}; }
-  /// For each point the estimates of what the stage makes, as StageFormula::evaluate().
+  /// Returns the estimates of the values that the stage makes of each point, as StageFormula::evaluate().
   virtual std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
                                                                 const CloudInput& in) = 0;
   /// Returns the values of a point without a finite place; none if the stage leaves such points unchanged.
@@ -65,7 +65,7 @@ std::unique_ptr<CloudFormula> cloud_formula_made(const FormulaSetup& stage) {
   return std::make_unique<Formula>(stage);
 }
 
-/// Whether the operator has such a formula.
+/// Returns whether the operator has a formula over the whole cloud.
 bool has_cloud_formula(const Operator& op);
 /// Null for operators that are local, and where no formula has the name of the operator. `makers`: of each attribute of
 /// contract().reads, or null where the input has it.

@@ -31,7 +31,7 @@ class NeedsMemory : public NotTold {
   using NotTold::NotTold;
 };
 
-/// Where the values of an attribute are.
+/// The source of the values of an attribute.
 struct ColumnSource {
   Attribute attribute;
   std::vector<Field> in_input = {};         ///< by component; or
@@ -42,8 +42,8 @@ struct ColumnSource {
 
 class CloudRows {
  public:
-  /// `axis`: of the sweep in whose order the rows of `out` are; negative: that of the input. `has_all`: the output has
-  /// all rows of the input. Borrows both.
+  /// `axis`: of the sweep in whose order the rows of `out` are; negative: the rows of `out` are in input order.
+  /// `has_all`: the output has all rows of the input. Borrows both.
   CloudRows(RowSource& in, RowSource& out, int axis, std::uint64_t memory_bytes, const PhaseProgress& progress,
             bool has_all = true)
       : in_(in), out_(out), axis_(axis), memory_bytes_(memory_bytes), progress_(progress), has_all_(has_all) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which rows poisson keeps, by its definition: one point after another, in the order of their hashes.
+/// The rows that poisson keeps, by its definition: one point after another, in the order of their hashes.
 #pragma once
 
 #include <cstdint>

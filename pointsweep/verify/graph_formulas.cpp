@@ -30,7 +30,7 @@ void require_plain_neighbors(const CloudInput& in) {
 
 Estimate exact(double value) { return {.value = {value, 0, 0}}; }
 
-/// Of points, or of their places.
+/// Labels of points, or of the places of points, by row.
 struct LabelsOfRows {
   std::vector<std::uint32_t> item_of_row;
   formulas::SetLabels labels;
@@ -69,7 +69,8 @@ LabelsOfRows labels_of_points(const SortedCloud& cloud, JoinedSets& sets, std::u
           formulas::labels_of(sets, cloud.size(), one, all)};
 }
 
-/// Numbers and sizes of components: by the whole graph, or, where the memory does not hold it, by those of neighbours.
+/// Numbers and sizes of components: by the whole graph, or, where the memory does not hold it, by the labels of
+/// neighbours.
 class LabelFormula : public CloudFormula, protected JoiningRule {
  public:
   void prepare(const CloudInput& in) final {
@@ -87,13 +88,13 @@ class LabelFormula : public CloudFormula, protected JoiningRule {
   }
 
  protected:
-  /// Whether the whole graph is known.
+  /// Returns whether the whole graph is known.
   bool is_found() const { return limits_.empty(); }
   const LabelsOfRows& found() const { return found_; }
 
  private:
   virtual LabelsOfRows labels(const CloudInput& in) const = 0;
-  /// That joined() reads.
+  /// Returns the columns that joined() reads.
   virtual std::vector<ColumnSource> columns(const CloudInput& in) const = 0;
   Estimate alone(std::span<const double>) const override { return formulas::open(); }
 
@@ -161,7 +162,7 @@ class ClusterFormula final : public LabelFormula {
     return {items_of_rows(cloud, in.rows.count(), [&](std::uint32_t point) { return cloud.place_of(point); }),
             formulas::labels_of(sets, places, points_at, counts)};
   }
-  /// Whether a point is a core point, as the output has it.
+  /// Returns the column that tells whether a point is a core point, as the output has it.
   std::vector<ColumnSource> columns(const CloudInput& in) const override { return {in.source(0)}; }
   Join joined(std::span<const double> point, std::span<const double> neighbor, double d2) const override {
     if (!(d2 <= eps2_) || neighbor[0] == 0) return Join::no;
@@ -194,7 +195,8 @@ std::map<std::int64_t, formulas::Flatness> flatness_of(std::map<std::int64_t, fo
   return segments;
 }
 
-/// Where the whole graph does not fit the memory, the residual is that of the points with the number in the output.
+/// Segments. Where the whole graph does not fit the memory, the residual is computed from the points with the number in
+/// the output.
 class SegmentFormula final : public LabelFormula {
  public:
   std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {

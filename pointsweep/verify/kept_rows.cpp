@@ -211,7 +211,7 @@ Mask kept_by(const StageOperator& stage, InputCloud& cloud, std::uint64_t memory
   return least_of_groups(cloud, competes, memory_bytes, progress);
 }
 
-/// As a selection of all rows of the cloud, of which `cloud` may have selected some already.
+/// Returns `kept` as a selection of all rows of the cloud, of which `cloud` may have selected some already.
 RowSelection selection_of(const InputCloud& cloud, const Mask& kept) {
   const RowSelection* before = cloud.selection();
   const std::uint64_t rows = before == nullptr ? cloud.count() : before->rows();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Whether a made attribute in an output is what its formula gives.
+/// The comparison of a made attribute in an output with the estimate of its formula.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ class MadeValue {
   std::string difference(std::size_t component, const formulas::Estimate& estimate, const std::byte* result,
                          const std::byte* record) const;
 
-  /// How far the value in the output is from the nearest right one, beyond what its type rounds; 0 is exact.
+  /// Returns how far the value in the output is from the nearest right one, beyond what its type rounds; 0 is exact.
   formulas::Real distance(const formulas::Estimate& estimate, const std::byte* record) const;
 
  private:

@@ -44,7 +44,7 @@ class NearestInStream {
   void offer(Vec3 p, std::uint64_t row);
   /// Squared distance beyond which nothing is wanted any more at `place`.
   double reach2(std::size_t place) const { return reach2_[place]; }
-  /// What was found, nearest first; nothing may be offered afterwards.
+  /// Returns the points found, nearest first; nothing may be offered afterwards.
   std::vector<NearPoint>& nearest(std::size_t place);
 
  private:

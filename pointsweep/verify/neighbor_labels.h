@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// Which neighbours have the same label. Points are given by their values of more columns.
+/// A rule that says which neighbours have the same label. Points are given by their values of more columns.
 class JoiningRule {
  public:
   enum class Join { no, yes, as_first /**< the first neighbour of which this is said decides alone */ };

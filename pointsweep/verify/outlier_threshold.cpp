@@ -40,7 +40,7 @@ CloudThreshold threshold_of(ForEach for_each, Type type, const NamedOptions& opt
   });
   const Real by = definition == "cloudcompare" ? n : n - 1;
   const Real deviation = by > 0 ? std::sqrt(squares / by) : 0;
-  // What n additions lose in extended precision, and what a text or a float32 output has rounded.
+  // The relative error of n additions in extended precision, and of values that a text or a float32 output has rounded.
   const Real lost = type == Type::f64 ? n * 0x1p-63L + 8 * formulas::kDouble : 4 * formulas::kSingle;
   const Real threshold = mean + options.number("multiplier") * deviation;
   return {threshold, lost * threshold};

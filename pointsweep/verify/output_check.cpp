@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is checked, completed by the record of the output.
+/// The files and options of a check, completed by the record of the output.
 struct OutputCheck {
   std::vector<fs::path> inputs;
   fs::path output;
@@ -159,7 +159,7 @@ MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, cons
   return made_by(plan_chain(chain, cloud.schema()));
 }
 
-/// The attributes of an output that are not simply those of the input: new ones, and old ones that are `changed`.
+/// The attributes of an output that are not simply attributes of the input: new ones, and old ones that are `changed`.
 class MadeAttributes {
  public:
   MadeAttributes(const Schema& in, const Schema& out, const std::set<std::string>& changed)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which rows of an input an output has, where a stage has left out some.
+/// The rows of an input that an output has, where a stage has left out some.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ struct RowAlignment {
   std::optional<std::uint64_t> place_of(std::uint64_t row) const;
 };
 
-/// Rows of the output are those of the input in its order, without some: each is the first that has its values.
-/// `pairs`: what is compared. Of rows that are equal the first ones are taken.
+/// Aligns an output whose rows are rows of the input, in the order of the input, with some left out: each row of the
+/// output is taken for the first row of the input that has its values. `pairs`: the fields that are compared.
 RowAlignment align_rows(RowSource& in, RowSource& out, std::span<const FieldPair> pairs, const PhaseProgress& progress);
 
 /// A random sample of the rows of the input: half of them rows that the output has, if there are enough of both. In no
@@ -30,9 +30,9 @@ RowAlignment align_rows(RowSource& in, RowSource& out, std::span<const FieldPair
 std::vector<std::uint64_t> sample_of_both(const RowAlignment& alignment, std::uint64_t count, std::uint64_t size,
                                           std::uint64_t seed);
 
-/// Of some rows of the input, ascending: those that have a twin, a row that differs from it less than the output can
-/// hold, and that the output has where it has not this one, or the other way round: it does not tell which of the two
-/// it has. Rows without a difference stay or go together.
+/// Returns the rows among `rows`, ascending, that have a twin: a row that differs from it less than the output can
+/// hold, where the output has only one of the two, so that it does not tell which. Rows without a difference stay or go
+/// together.
 std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& alignment,
                                            std::span<const FieldPair> pairs, std::span<const std::uint64_t> rows,
                                            const PhaseProgress& progress);

@@ -30,7 +30,7 @@ class RowSource {
   const Schema& schema() const { return *schema_; }
   std::uint64_t count() const { return count_; }
   const std::string& name() const { return name_; }  ///< of the (first) file
-  /// How many rows make a piece of about 4 MB.
+  /// Returns the number of rows that make a piece of about 4 MB.
   std::size_t block_rows() const { return std::max<std::size_t>(1, kBlockBytes / schema_->stride); }
 
   /// The records [first, first + count), all of which exist; valid until the next call. Throws Error when the file

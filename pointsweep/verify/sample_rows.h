@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which points a check looks at closely.
+/// The random sample of the rows that a check evaluates.
 #pragma once
 
 #include <cstdint>

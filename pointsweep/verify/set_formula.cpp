@@ -94,7 +94,7 @@ class AssignmentFormula final : public StageFormula {
   }
 
  private:
-  /// Whether the attribute is the assigned component alone.
+  /// Returns whether the attribute consists of the assigned component alone.
   bool is_alone() const { return !moves_ && width_ == 1; }
 
   formulas::PlainExpression value_;

@@ -8,7 +8,7 @@
 
 namespace pointsweep {
 
-/// That of `where` makes selection_attribute().
+/// The formulas of set() and of `where`, which makes selection_attribute().
 std::vector<NamedFormula> assignment_formulas();
 
 }  // namespace pointsweep

@@ -141,7 +141,7 @@ class FeaturesFormula final : public StageFormula {
   Lambda lambda_;
 };
 
-/// What orient() makes of a normal.
+/// The normal that orient() makes of a normal.
 class TurnedFormula final : public StageFormula {
  public:
   ShapeEstimates evaluate(const FormulaInput& in) const override {

@@ -13,7 +13,7 @@
 
 namespace pointsweep {
 
-/// Points are numbered by x, y, z, then row, so that those of one place follow one another.
+/// A cloud sorted in memory. Points are numbered by x, y, z, then row, so that points of one place follow one another.
 class SortedCloud {
  public:
   static constexpr std::uint32_t kNone = 0xffffffff;

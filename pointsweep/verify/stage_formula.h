@@ -32,8 +32,8 @@ struct FormulaInput {
 class StageFormula {
  public:
   virtual ~StageFormula() = default;
-  /// Estimates of the made attributes, component by component: those of up to three components are one estimate, wider
-  /// ones an estimate for each.
+  /// Returns estimates of the made attributes: one estimate for an attribute of up to three components, else one for
+  /// each component.
   virtual std::vector<formulas::Estimate> evaluate(const FormulaInput& in) const = 0;
 };
 
@@ -72,7 +72,7 @@ std::unique_ptr<StageFormula> formula_made(const FormulaSetup& stage) {
 /// Null where no formula has the name of the operator.
 std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold = {});
 
-/// How many neighbours a rule keeps of those found; `values` are its reads() of the point.
+/// Returns how many of the neighbours found a rule keeps; `values` are the rule's reads() of the point.
 using RuleFormula = std::function<formulas::Kept(const formulas::Place&, std::span<const formulas::Place> neighbors,
                                                  std::span<const double> values)>;
 /// Empty for rules that are not of this library.

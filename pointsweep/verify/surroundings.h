@@ -20,8 +20,8 @@ struct NeighborRule {
   double radius = std::numeric_limits<double>::infinity();
 };
 
-/// Points are numbered ring by ring: first the chosen ones, then their neighbours that were not chosen, and so on. All
-/// but those of the last ring have their neighbours.
+/// Chosen points with their neighbours, numbered ring by ring: first the chosen points, then their neighbours that were
+/// not chosen, and so on. All points but the points of the last ring have their neighbours.
 struct Surroundings {
   std::vector<double> x, y, z;
   std::vector<std::uint64_t> row;

@@ -46,7 +46,7 @@ std::vector<std::uint64_t> sweep_rows(RowSource& in, std::span<const std::uint64
   std::vector<std::uint64_t> ranks(rows.size());
   std::uint64_t before = 0;
   for (std::size_t s = 0; s < order.size(); ++s) ranks[order[s]] = before += between[s];
-  // A chosen point is counted behind itself, so every rank holds the chosen points before it and not itself.
+  // A chosen point is counted after itself, so every rank holds the chosen points before it and not itself.
   return ranks;
 }
 

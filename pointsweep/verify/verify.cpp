@@ -20,7 +20,7 @@ namespace {
 constexpr std::uint64_t kSubset = 65536;
 constexpr std::size_t kDifferencesShown = 10;
 
-/// Of the sample and those asked for by number, ascending.
+/// Returns the rows of the sample and the rows asked for by number, ascending.
 std::vector<std::uint64_t> rows_to_check(std::uint64_t count, const VerifyOptions& options,
                                          const RowAlignment* alignment = nullptr) {
   std::vector<std::uint64_t> rows = alignment != nullptr

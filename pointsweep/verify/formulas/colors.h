@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What color makes of a value, by tables of its own.
+/// The colours that color() makes of values, by tables written for the check.
 #pragma once
 
 #include <array>

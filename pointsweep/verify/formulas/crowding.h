@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How crowded it is around a point: radius outliers, densities, local outlier factors.
+/// Measures of how crowded points are: radius outliers, densities, local outlier factors.
 #pragma once
 
 #include <optional>

@@ -14,9 +14,9 @@ class Cylinder {
  public:
   Cylinder(Vector center, const Estimate& normal, Real diameter, Real depth);
 
-  /// Whether there is a direction; without one counts are 0 and all else is NaN.
+  /// Returns whether the cylinder has a direction; without one counts are 0 and all else is NaN.
   bool has_axis() const { return norm(axis_) > 0; }
-  /// Whether the data leave open what is inside.
+  /// Returns whether the data leave open which points are inside.
   bool is_open() const { return open_; }
   /// No point of the cylinder is farther from its centre, squared.
   Real reach2() const;

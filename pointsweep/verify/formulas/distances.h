@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Distances to neighbours: those of the neighbour graph and of the size of a neighbourhood.
+/// Distances to neighbours: for the neighbour graph and for the size of a neighbourhood.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ enum class OutlierProgram { pointsweep, pdal, pcl, open3d, cloudcompare };
 /// the point itself is one more neighbour at distance 0.
 Estimate mean_distance(const Place& p, std::span<const Place> neighbors, bool of_open3d);
 
-/// Whether a mean distance is that of an outlier: 1 if it is NaN or above the threshold, in PDAL and Open3D also at the
+/// Returns 1 for the mean distance of an outlier: if it is NaN or above the threshold, in PDAL and Open3D also at the
 /// threshold, in Open3D also if it is 0; else 0. Open if the threshold is NaN.
 Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_error, OutlierProgram program);
 

@@ -24,9 +24,9 @@ inline constexpr Real kDouble = 0x1p-53L;  ///< the same of float64
 /// Relative error of a weight exp(-x) in single precision, of the exponential and of its argument: never more than
 /// 1.2e-7 of the largest weight.
 inline Real single_weight_error(Real x) { return 2 * kSingle * (1 + x); }
-/// The same in double.
+/// Relative error of a weight exp(-x) in double precision.
 inline Real double_weight_error(Real x) { return 16 * kDouble * (1 + x); }
-/// What a sum of `terms` numbers, and some twenty operations after it, lose in double, relative to the sum of
+/// The error of a sum of `terms` numbers, and of some twenty operations after it, in double, relative to the sum of
 /// magnitudes.
 inline Real rounding_of_sum(std::size_t terms) { return (static_cast<Real>(terms) + 64) * kDouble; }
 
@@ -46,7 +46,7 @@ struct Estimate {
   bool is_open() const { return !(error < kInfinity); }
 };
 
-/// Whether what reads it can tell little: it is open, or may be 0.
+/// Returns whether a reader of the estimate can tell little: it is open, or may be 0.
 inline bool in_doubt(const Estimate& e) { return e.is_open() || e.may_be_undefined; }
 /// The documented value where the data define none.
 inline Estimate undefined() { return {}; }

@@ -6,7 +6,7 @@
 
 namespace pointsweep::formulas {
 
-/// What Equation 3 reads of a point.
+/// The values that Equation 3 reads of a point.
 struct Surfel {
   Place place;
   Estimate normal, splat_length, splat_ratio;

@@ -6,7 +6,7 @@
 
 namespace pointsweep::formulas {
 
-/// What λ is of the eigenvalues l.
+/// The definition of λ from the eigenvalues l.
 enum class Lambda { raw, root, normalized };
 
 /// float32, but for number_of_neighbors. P are the neighbours and, if it counts, p; n = |P|.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How far points are from a plane.
+/// The distance of points from a plane.
 #pragma once
 
 #include "pointsweep/verify/formulas/estimate.h"

@@ -23,7 +23,7 @@ class CellNumbers {
   /// `numbers`: of cells with points, in any order and often.
   CellNumbers(std::vector<double> numbers, std::size_t reach, std::size_t radius);
   std::size_t count() const { return count_; }
-  /// Where a cell is that has points.
+  /// Returns the place of a cell that has points.
   std::size_t place(double number) const;
 
  private:
@@ -42,7 +42,7 @@ class GroundRaster {
   void add(double x, double y, double z);
   /// After the last point.
   void finish();
-  /// Whether a point that takes part is ground; nothing where rounding decides.
+  /// Returns whether a point that takes part is ground; nothing where rounding decides.
   std::optional<bool> is_ground(double x, double y, double z) const;
 
  private:

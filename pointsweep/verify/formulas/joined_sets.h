@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which points are connected, and with which signs.
+/// Sets of connected points, and the signs of the points in them.
 #pragma once
 
 #include <cstddef>

@@ -15,9 +15,9 @@ class Mean {
   void add(double value);
   /// The mean and how far it may be off; NaN without values.
   Estimate real() const;
-  /// As float32.
+  /// Returns the mean as float32.
   Estimate single() const;
-  /// As a whole number, halves to even; open where rounding decides.
+  /// Returns the mean as a whole number, halves to even; open where rounding decides.
   Estimate whole() const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How many of the neighbours found a point keeps.
+/// The numbers of neighbours that a point keeps of those found, by the rules.
 #pragma once
 
 #include <optional>

@@ -6,7 +6,7 @@
 
 namespace pointsweep::formulas {
 
-/// Which of its two directions a normal takes.
+/// The choice between the two directions of a normal.
 struct Facing {
   enum class Side {
     none,       ///< the component of largest magnitude, the first of equal ones, is positive

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The neighbours of all points of a cloud in memory, by a tree of boxes of its own.
+/// A tree of boxes, written for the check, that finds the neighbours of all points of a cloud in memory.
 #pragma once
 
 #include <array>

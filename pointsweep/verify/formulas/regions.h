@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What is inside for crop, from its definition.
+/// The regions of crop, from its definition.
 #pragma once
 
 #include <array>
@@ -14,7 +14,8 @@ using Corner = std::array<double, 2>;
 /// Rings without the repeated first corner.
 using PolygonRings = std::vector<std::vector<Corner>>;
 
-/// Whether the first `bounds.size()` / 2 coordinates of p lie between the two corners of the box, or on its faces.
+/// Returns whether the first `bounds.size()` / 2 coordinates of p lie between the two corners of the box, or on its
+/// faces.
 bool is_in_box(const std::array<double, 3>& p, std::span<const double> bounds);
 
 /// Polygons whose edges are found by where they lie along x.
@@ -22,8 +23,8 @@ class EdgesAlongX {
  public:
   explicit EdgesAlongX(std::span<const PolygonRings> polygons);
 
-  /// Whether p lies in one of the polygons, by the even-odd rule, or on an edge. Exact unless magnitudes of coordinates
-  /// differ by more than 2^400. Looks at every edge above and below p, and at no other.
+  /// Returns whether p lies in one of the polygons, by the even-odd rule, or on an edge. Exact unless magnitudes of
+  /// coordinates differ by more than 2^400. Looks at every edge above and below p, and at no other.
   bool hold(const Corner& p) const;
 
  private:
@@ -33,7 +34,7 @@ class EdgesAlongX {
   };
   void list(std::uint32_t edge, std::size_t node, std::size_t first, std::size_t last);
 
-  /// A binary tree over the stretches between neighbouring corners: stretch 2 i is at ends_[i], stretch 2 i + 1 behind
+  /// A binary tree over the stretches between neighbouring corners: stretch 2 i is at ends_[i], stretch 2 i + 1 after
   /// it. An edge is listed in the fewest nodes that make up its extent.
   std::vector<double> ends_;
   std::vector<Edge> edges_;

@@ -13,7 +13,7 @@ struct Splat {
   Estimate ratio;   ///< minor over major semi-axis, in [1/8, 1]
 };
 
-/// What the variant from curvature reads of the point.
+/// The values that the variant from curvature reads of the point.
 struct CurvatureHere {
   Estimate k1, k2, k1_direction;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which point of several stays, from the definitions of decimate and voxel.
+/// The choice of the point that stays of several, from the definitions of decimate and voxel.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ using Coordinates = std::array<double, 3>;
 /// The hash of the three coordinates, in [0, 2^64): three rounds of SplitMix64.
 std::uint64_t hash_of(const Coordinates& p, std::uint64_t seed);
 
-/// Whether `hash` / 2^64 < `share`, in the 53 bits that a float64 has.
+/// Returns whether `hash` / 2^64 < `share`, in the 53 bits that a float64 has.
 bool is_in_share(std::uint64_t hash, double share);
 
 /// The numbers of the voxel of edge length `size` that holds p.

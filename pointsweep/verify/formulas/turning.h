@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which way the normals of a component face, after their signs agree.
+/// The side to which the normals of a component face, after their signs agree.
 #pragma once
 
 #include <optional>
@@ -14,9 +14,9 @@ class TurningVotes {
   void measure(Vector p);
   void vote(Vector p, Vector signed_normal, const std::optional<Vector>& viewpoint);
 
-  /// Whether all signs are to be turned: where the larger in absolute value of Σ s n_z and Σ s n . (p - c) / e is
-  /// negative, c the centroid and e the mean extent; with a viewpoint v, where Σ sign(s n . (v - p)) is. Nothing where
-  /// the data do not tell: the operator's normals in sums are whole multiples of 2^-20.
+  /// Returns whether all signs are to be turned: where the larger in absolute value of Σ s n_z and Σ s n . (p - c) / e
+  /// is negative, c the centroid and e the mean extent; with a viewpoint v, where Σ sign(s n . (v - p)) is. Nothing
+  /// where the data do not tell: the operator's normals in sums are whole multiples of 2^-20.
   std::optional<bool> turns(bool has_viewpoint) const;
 
  private:
