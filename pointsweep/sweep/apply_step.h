@@ -15,7 +15,7 @@ namespace pointsweep {
 /// Sets worker.columns: the columns that the step makes and that outlast it are the cell's, the others the worker's.
 /// All are 0 where an operator writes nothing.
 void place_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
-/// The same without a place for columns that do not outlast the step, which stay null.
+/// Sets worker.columns as place_columns() does, but leaves the columns that do not outlast the step null.
 void place_cell_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
 
 /// Drops all lists but those with the numbers `kept`, which ascend.

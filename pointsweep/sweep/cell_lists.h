@@ -12,11 +12,11 @@
 namespace pointsweep {
 
 struct ListMemory {
-  /// For the cells of the window, lists included. Lists that later steps need and that do not fit are found again then,
-  /// the same ones.
+  /// Bytes for the cells of the window, lists included. Lists that later steps need and that do not fit are not kept; a
+  /// later step finds equal lists again.
   std::uint64_t cells_bytes;
-  /// For the lists that a thread has in hand, unless those of one point take more. The lists of a cell that need more
-  /// are found, used and dropped run by run.
+  /// Bytes for the lists that one thread works on; the list of a single point may take more. Larger lists of a cell are
+  /// found, used and dropped for one run of its points after another.
   std::uint64_t lists_bytes;
 };
 
@@ -50,8 +50,8 @@ class CellLists {
   const SweepPlan& plan_;
   const CellSet& cells_;
   ListMemory memory_;
-  std::uint64_t point_bytes_;                     ///< of a point in the window, with its columns
-  mutable std::atomic<std::uint64_t> bytes_ = 0;  ///< of all lists kept now
+  std::uint64_t point_bytes_;                     ///< bytes of a point in the window, with its columns
+  mutable std::atomic<std::uint64_t> bytes_ = 0;  ///< bytes of all lists kept now
 };
 
 }  // namespace pointsweep

@@ -57,8 +57,8 @@ void CellRunner::run_first_step(std::uint32_t slot, bool all_found, Worker& work
   CellLists::hold_references(cell, worker);
 }
 
-/// With the lists that were kept, or the same ones found again: within their certified balls nothing has come, and what
-/// they name has stayed.
+/// Takes a later step with the lists that were kept, or finds equal lists again: no point has come into their certified
+/// balls, and the cells that they name are still in the window.
 void CellRunner::run_later_step(std::uint32_t slot, std::uint32_t step, Worker& worker) const {
   WindowCell& cell = window_.at(slot);
   const std::uint32_t size = cell.cell.size();

@@ -20,7 +20,8 @@ double reach_of_most(const std::vector<double>& reach2, double share) {
   return std::sqrt(*at);
 }
 
-/// The share of the points of a cell whose reach counts as that of the cell: it decides how long the cell is kept.
+/// The quantile of the reaches of a cell's points that counts as the reach of the cell. The reach of a cell decides how
+/// long the cell stays in the window.
 constexpr double kCountedShare = 0.9;
 
 /// The cell waits with a better idea of its reach than its density gave.

@@ -13,7 +13,7 @@ namespace pointsweep {
 
 class ChosenPoints {
  public:
-  /// Copies points of the cell with those of the plan's columns that are not null.
+  /// Copies points of the cell, with the columns of the plan whose pointer in `columns` is not null.
   void take(const SweepPlan& plan, const Cell& cell, const CellSubset& points, const std::byte* const* columns);
   /// Gives every column that the step makes and that was not copied a place, filled with 0.
   void make_columns(const SweepPlan& plan, std::size_t step);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How far neighbours are, counted while the neighbourhoods pass by.
+/// Histograms of the distances to neighbours, filled during the sweep.
 #pragma once
 
 #include <array>
@@ -20,14 +20,14 @@ class DistanceHistogram {
     for (std::size_t i = 0; i < kBins; ++i) counts_[i] += other.counts_[i];
   }
   std::uint64_t count(std::size_t bin) const { return counts_[bin]; }
-  /// Smallest squared distance of the bin. Bin 0 is 0 and what is too small to tell from it.
+  /// Smallest squared distance of the bin. Bin 0 holds 0 and squared distances too small to tell from 0.
   static double lower_end2(std::size_t bin) { return std::bit_cast<double>(std::uint64_t{bin} << 50); }
 
  private:
   std::array<std::uint64_t, kBins> counts_{};
 };
 
-/// Of each point the distances to the nearest and to the farthest of its neighbourhood.
+/// Histograms of the distances from each point to the nearest and to the farthest point of its neighbourhood.
 struct NeighborDistances {
   DistanceHistogram nearest, farthest;
   void add(const NeighborDistances& other) {

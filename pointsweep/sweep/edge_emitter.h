@@ -14,15 +14,15 @@ namespace pointsweep {
 
 struct Batch;
 
-/// Of one thread.
+/// The edge emitter of one thread. It owns the memory that is reused from batch to batch, so it is not thread-safe.
 class EdgeEmitter {
  public:
   explicit EdgeEmitter(EdgeBuckets& buckets) : buckets_(buckets) {}
   void take(const ConnectOperator& op, const Neighborhoods& in, const Batch& batch);
 
-  /// What the edges of a neighbour take in memory while the batch is in hand.
+  /// Bytes that the edges to one neighbour take while the batch is worked on.
   static constexpr std::uint64_t bytes_per_neighbor(bool weighted) {
-    constexpr std::uint64_t kGrowth = 2;  // of vectors
+    constexpr std::uint64_t kGrowth = 2;  // capacity of a growing vector, as a multiple of its size
     return kGrowth * sizeof(NeighborEdge) + EdgeBatch::bytes_per_edge(weighted);
   }
 
@@ -33,11 +33,11 @@ class EdgeEmitter {
   std::vector<std::byte> ballots_;
 };
 
-/// Points of a bucket, by and large.
+/// Number of points that a bucket should hold.
 inline constexpr std::uint64_t kBucketPoints = 16384;
 
-/// Where buckets begin: with each slab, in a large one so often that they hold about kBucketPoints if its points lie
-/// evenly along the axis, and at `places`.
+/// Returns the places where buckets begin: at each slab, at `places`, and inside a large slab so often that each bucket
+/// holds about kBucketPoints if the points of the slab lie evenly along the axis.
 std::vector<PointKey> bucket_begins(const class Stream& stream, std::span<const Vec3> places);
 
 }  // namespace pointsweep

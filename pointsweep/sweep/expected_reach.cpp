@@ -11,7 +11,8 @@ namespace {
 /// The ball that holds k points where they lie as densely as in the leaf is not centred in it: so much farther.
 constexpr double kAllowance = 1.3;
 
-/// From the density of the leaf itself, taken as a surface or as a volume.
+/// Estimates the reach from the density of the leaf itself. Returns the larger of two estimates: one takes the points
+/// of the leaf as a surface, one as a volume.
 double expected_reach(const Cell& cell, std::uint32_t leaf, const Neighborhood& what) {
   double side[3];
   for (int a = 0; a < 3; ++a) side[a] = double{cell.leaf_box[a + 3][leaf]} - double{cell.leaf_box[a][leaf]};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How far neighbourhoods should reach, guessed from the density of the points before any search.
+/// Estimates how far neighbourhoods reach, from the density of the points, before any search.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@
 
 namespace pointsweep {
 
-/// In length units, for the points of each leaf. No result depends on it.
+/// Returns the expected reach of the neighbourhoods of the points of each leaf, by leaf, in units of the cloud. No
+/// result depends on it.
 std::vector<double> expected_reaches(const Cell& cell, const Neighborhood& what);
 
 }  // namespace pointsweep

@@ -24,14 +24,15 @@ struct DroppedCell {
 /// The boxes of the slabs still to come and of the cells that have left the window. Only the thread of the sweep
 /// changes it; asking is thread-safe.
 ///
-/// Of coincident points only the k + 1 lowest rows belong to any neighbourhood. A location is saturated when a cell has
-/// been read that holds more than k points there, of the lowest rows. Slabs and cells that hold only further copies are
-/// superfluous, unread or dropped, so that more copies of a point than fit in memory can pass.
+/// Among coincident points, only the k + 1 with the lowest rows belong to any neighbourhood. A location is saturated
+/// when a cell has been read that holds more than k points there, the ones with the lowest rows. Slabs and cells that
+/// hold only further copies are superfluous, unread or dropped, so that more copies of a point than fit in memory can
+/// pass.
 ///
 /// The stream may be a part of a cloud. Boxes outside of the stream hold all other points of the cloud.
 class Frontier {
  public:
-  /// Slabs in any order; they ascend along the axis only by and large.
+  /// `slabs` is borrowed. The slabs may have any order; they ascend along the axis only for the most part.
   Frontier(const std::vector<Slab>& slabs, int axis, std::vector<Box> outside = {});
 
   std::size_t slabs_read() const { return read_; }
@@ -41,15 +42,15 @@ class Frontier {
   /// Points at `place` with a row above `row` are superfluous.
   void location_is_saturated(Vec3 place, std::uint64_t row);
 
-  /// Whether all points in a box, none of a row below `least_row`, are superfluous.
+  /// Returns whether all points in a box are superfluous, if none of them has a row below `least_row`.
   bool is_superfluous(const Box& box, std::uint64_t least_row) const;
-  /// Whether a slab still to come that is not superfluous lies within sqrt(reach2) of a box. Never once all are read,
-  /// however far the reach.
+  /// Returns whether an unread slab that is not superfluous lies within sqrt(reach2) of a box. Returns false once all
+  /// slabs are read, even for an infinite reach.
   bool unread_within(const Box& box, double reach2) const { return unread_within(box, reach2, true); }
   bool unread_within(Vec3 p, double reach2) const { return unread_within(Box{p, p}, reach2); }
-  /// The same for any slab still to come.
+  /// Returns whether any unread slab, superfluous or not, lies within sqrt(reach2) of a box.
   bool anything_unread_within(const Box& box, double reach2) const { return unread_within(box, reach2, false); }
-  /// The cells of a slab that have left, but for superfluous ones, in any order.
+  /// Returns the cells of a slab that have left the window, except superfluous cells, in any order.
   const std::vector<DroppedCell>& dropped_of(std::uint32_t slab) const { return dropped_[slab]; }
   /// Calls use(place, row) for the saturated locations.
   template <class Use>
@@ -73,7 +74,7 @@ class Frontier {
   std::vector<Box> outside_;
   std::vector<double> least_begin_;  ///< by slab: where it or any later one begins along the axis
   std::size_t read_ = 0;
-  std::vector<std::uint32_t> dropping_slabs_;      ///< those with dropped cells
+  std::vector<std::uint32_t> dropping_slabs_;      ///< numbers of the slabs with dropped cells
   std::vector<std::vector<DroppedCell>> dropped_;  ///< by slab
   std::map<std::array<double, 3>, std::uint64_t> saturated_locations_;
 };

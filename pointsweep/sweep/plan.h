@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the sweep is to do, with every name already turned into a column number.
+/// The plan of a sweep: stages, steps and columns. Every attribute name is already resolved to a column number.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,11 @@
 
 namespace pointsweep {
 
-/// How long the values of a column are needed.
+/// The time for which the values of a column are needed.
 enum class Lifetime : std::uint8_t {
   none,  ///< no stage reads it and it is not written
   step,  ///< only later stages of the same step read it, of the point itself; or it is written after that step
-  cell,  ///< as long as the point is in memory
+  cell,  ///< needed as long as the point is in memory
 };
 
 /// An operator at its place in the chain (the paper's Φ_k). Columns are numbered; remaking an attribute makes a new
@@ -26,7 +26,7 @@ enum class Lifetime : std::uint8_t {
 struct Stage {
   StageOperator op;
   std::vector<std::uint16_t> reads, reads_neighbors, makes;
-  int position = -1;  ///< the column of the moved positions it sees; negative: those of the input
+  int position = -1;  ///< column of the moved positions that the stage sees; negative: positions of the input
 
   /// `op`, if it emits edges instead of filling its columns; else null.
   const ConnectOperator* connects() const {
@@ -38,7 +38,7 @@ struct Stage {
 /// A column that comes from the file: field `field` (and the next components) of the working record, bit for bit.
 struct FileColumn {
   std::uint16_t column;
-  std::vector<std::size_t> fields;  ///< one per component
+  std::vector<std::size_t> fields;  ///< indices of the fields, one for each component
   Type type;                        ///< what the operator was promised; values are converted to it
 };
 
@@ -54,11 +54,11 @@ struct SweepPlan {
   std::vector<std::uint16_t> rule_reads = {};  ///< columns of neighborhood.rule->reads(), all of them from the file
   std::vector<Stage> stages;
   /// Stages run in steps: step s is stages [steps[s], steps[s+1]). A step begins with the search (step 0) or with a
-  /// pre-buffered stage, whose neighbours must all have finished the step before; the stages behind it in the step are
+  /// pre-buffered stage, whose neighbours must all have finished the step before; the stages after it in the step are
   /// through-buffered and run at once, while the cell is in cache (paper Section 5.2).
   std::vector<std::size_t> steps;
   std::vector<std::uint32_t> column_bytes;  ///< per point, by column number
-  std::vector<Lifetime> lifetimes;          ///< by column number; what comes from the file lasts as long as its cell
+  std::vector<Lifetime> lifetimes;          ///< by column number; a file column has the lifetime `cell`
   std::vector<FileColumn> file_columns;
   std::vector<ResultColumn> results;
   std::uint32_t result_bytes = 0;
@@ -86,26 +86,28 @@ struct Finished {
   std::size_t size;
 };
 
-/// Where finished points go: the deferred-write operator Φ_W (paper Section 4.2.1). For every point that has a slab
+/// Receives finished points: the deferred-write operator Φ_W (paper Section 4.2.1). For every point that has a slab
 /// either finished() or recalled() is called once, from many threads, unless the point is unresolved.
 class Sink {
  public:
   virtual ~Sink() = default;
   virtual void finished(const Finished& points) = 0;
-  /// The same for points that were deferred.
+  /// Receives points that the sweep deferred and the recall has finished. Calls finished() unless overridden.
   virtual void recalled(const Finished& points) { finished(points); }
   /// A point of this slab will be finished only after the whole stream has been read, or is unresolved. Thread-safe.
   virtual void deferred(std::uint32_t slab, std::uint32_t index_in_slab) {
     (void)slab;
     (void)index_in_slab;
   }
-  /// The working records of a slab, as they were read, before any point of it is finished. Only if wants_records().
+  /// Returns whether the sink takes the working records of the slabs: then slab_read() is called with the records of a
+  /// slab before any point of the slab is finished.
   virtual bool wants_records() const { return false; }
   virtual void slab_read(std::uint32_t slab, std::vector<std::byte> records) {
     (void)slab;
     (void)records;
   }
-  /// So many points of a slab that was read had been finished before the run was resumed. Only if wants_records().
+  /// Tells that `points` points of a slab that was read had been finished before the run was resumed. Called only if
+  /// wants_records().
   virtual void were_finished(std::uint32_t slab, std::uint64_t points) {
     (void)slab;
     (void)points;

@@ -66,7 +66,7 @@ struct SlabsRead {
 /// One reading of the stream for wanted points. Superfluous points (see Frontier) are found by their places only.
 class PointCollector {
  public:
-  /// `frontier` is that of a sweep that has ended: it holds the boxes of all cells but superfluous ones.
+  /// `frontier` comes from a sweep that has ended: it holds the boxes of all cells except superfluous cells.
   PointCollector(const Stream& stream, const Frontier& frontier, WantedPoints wanted);
 
   /// Reads slabs in the order of the stream, `slabs_at_once` of them ahead. Returns false if too many points are found.

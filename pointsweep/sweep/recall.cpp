@@ -8,9 +8,10 @@
 namespace pointsweep {
 namespace {
 
-/// Of the memory, the share that a group of points is planned to take: how much it takes is known only afterwards.
+/// The share of the memory that a group of points is planned to take. The memory that it really takes is known only
+/// afterwards.
 constexpr double kPlannedShare = 0.7;
-/// A group grows at most by this factor from one to the next.
+/// The largest factor by which the size of a group grows from one group to the next.
 constexpr std::size_t kMostGrowth = 4;
 
 }  // namespace

@@ -20,9 +20,9 @@
 namespace pointsweep {
 
 struct RecallMemory {
-  std::uint64_t bytes;            ///< for points, columns and lists. The surroundings of one point may take more.
+  std::uint64_t bytes;            ///< for points, columns and lists; the surroundings of a single point may take more
   std::uint64_t lists_bytes;      ///< for the lists that each thread has in hand
-  std::size_t slabs_at_once = 1;  ///< that may be read ahead, in addition
+  std::size_t slabs_at_once = 1;  ///< number of slabs that may be read ahead; their memory comes in addition to `bytes`
 };
 
 class Recall {
@@ -32,8 +32,8 @@ class Recall {
       : stream_(stream), plan_(plan), loader_(loader), frontier_(frontier), memory_(memory), workers_(workers) {}
 
   /// Finishes the deferred points of all workers and hands them to `sink`, group after group from the end of the
-  /// stream. Calls done(points of the group, points left) after each; the points left are those of the first worker
-  /// then.
+  /// stream. Calls done(points of the group, points left) after each; at that moment, the first worker holds the points
+  /// left.
   void run(Sink& sink, const std::function<void(std::size_t points, std::size_t left)>& done);
   const SlabsRead& slabs_read() const { return slabs_read_; }
 

@@ -16,7 +16,7 @@ namespace pointsweep {
 /// Only collect() changes the region, all else is thread-safe.
 class Region : public CellSet {
  public:
-  /// `frontier` is that of a sweep that has ended: it holds the boxes of all cells but superfluous ones.
+  /// `frontier` comes from a sweep that has ended: it holds the boxes of all cells except superfluous cells.
   Region(const Stream& stream, const SlabLoader& loader, const Frontier& frontier, std::size_t slabs_at_once)
       : stream_(stream),
         loader_(loader),

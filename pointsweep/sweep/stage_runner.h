@@ -17,15 +17,15 @@
 
 namespace pointsweep {
 
-/// What one thread did in one operator, or in all.
+/// Times, degenerate points and errors of the stages that one thread ran.
 struct StageTally {
   std::vector<double> seconds;           ///< by stage
   std::vector<DegeneratePoints> marked;  ///< by stage, those of the step that was run last: points of its batch
-  /// By stage: the rows of marked points whose results are final. The callers of run_step add them.
+  /// By stage: the rows of marked points whose results are final. Callers of run_step() add these rows.
   std::vector<DegenerateRows> degenerate;
   FirstRowError refused;                         ///< by a stage that cannot make the value of a row; ends the pass
-  std::unique_ptr<NeighborDistances> distances;  ///< filled if it is there
-  std::unique_ptr<EdgeEmitter> edges;            ///< takes the edges of a connecting stage if it is there
+  std::unique_ptr<NeighborDistances> distances;  ///< filled if not null
+  std::unique_ptr<EdgeEmitter> edges;            ///< takes the edges of a connecting stage if not null
 };
 
 /// A batch as the stages see it. `own_columns` are the columns of the batch itself, which a stage both reads and fills.
@@ -38,7 +38,8 @@ struct Batch {
   std::byte* const* made = nullptr;  ///< writable columns by column number
 };
 
-/// Calls `use(stage, point of the batch)` for what `step`, which was run last, has marked.
+/// Calls `use(stage, point of the batch)` for each point that a stage of `step` has marked. `step` must be the step
+/// that was run last.
 template <class Use>
 void for_each_marked(const SweepPlan& plan, std::size_t step, const StageTally& tally, Use use) {
   for (std::size_t s = plan.steps[step]; s < plan.steps[step + 1]; ++s)

@@ -106,7 +106,7 @@ class Sweep {
     options_.keeper->keep(progress_of(stream_, plan_, frontier_, window_, workers_, observer_.so_far()));
   }
 
-  /// Of a stage, if one has refused a row; else of the sink.
+  /// Returns the error of a stage that refused a row, if there is one; else the error of the sink, which may be none.
   FirstRowError refused() const {
     FirstRowError by_stage = loader_.refused(), by_sink;
     for (const Worker& worker : workers_) {

@@ -18,7 +18,7 @@
 
 namespace pointsweep {
 
-/// How far a point has come.
+/// The state of a point during a sweep.
 enum class PointState : std::uint8_t {
   unread,
   waiting,   ///< in the window, for what is unread near it
@@ -46,8 +46,9 @@ struct SweepOptions {
   /// If the stream is a part of a cloud: boxes that hold all other points of the cloud. With boxes, no keeper.
   std::vector<Box> outside = {};
   ProgressKeeper* keeper = nullptr;
-  /// What a keeper was given, by another process perhaps, of the same stream and plan and cells of the same size, with
-  /// a sink that holds what had been handed over then. Not together with half_way.
+  /// If not null, the sweep continues from this progress, which a keeper was given, perhaps in another process. Stream,
+  /// plan and `cell_points` must be equal to those of that sweep, and the sink must hold the results that had been
+  /// handed over. Not together with half_way.
   const SweepProgress* resume_from = nullptr;
   /// Called by the sweep's thread after each turn with the points read and finished so far; may throw to end the run.
   std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
@@ -55,9 +56,9 @@ struct SweepOptions {
 
 struct SweepStatistics {
   std::uint64_t certified = 0;  ///< points whose neighbourhood is proven exact; in the end all of them
-  std::uint64_t recalled = 0;   ///< of these, in the recall
+  std::uint64_t recalled = 0;   ///< certified points that were finished in the recall
   std::uint64_t recalled_slabs = 0;
-  std::uint64_t recalled_bytes = 0;  ///< of slabs that the recall of this process has read
+  std::uint64_t recalled_bytes = 0;  ///< bytes of the slabs that the recall of this process has read
   std::vector<UnresolvedPoint> unresolved;                          ///< by row
   std::vector<DegenerateRows> degenerate;                           ///< by stage
   double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads (recall: wall)
@@ -65,8 +66,8 @@ struct SweepStatistics {
   std::uint64_t peak_points = 0;
   double mean_points = 0;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active; one entry a turn
-  /// By step, what waits for it or for its own neighbours: points read, points waiting; last, what is finished and kept
-  /// for others. Named after the operators of the step.
+  /// One series for each step, named after the operators of the step: points read, and points in the window that have
+  /// still to take this step. The last series counts the points of finished cells that stay in the window for others.
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
   double lifespan_mean = 0, lifespan_max = 0;  ///< seconds
   NeighborDistances distances;                 ///< one count for each finite point, if asked for

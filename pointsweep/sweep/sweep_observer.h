@@ -39,8 +39,8 @@ class SweepObserver {
   const SweepPlan& plan_;
   const SweepOptions& options_;
   SweepStatistics statistics_;
-  std::uint64_t points_read_ = 0, points_swept_ = 0;  ///< in all; by this process
-  std::uint64_t recalled_slabs_before_ = 0;           ///< by earlier processes
+  std::uint64_t points_read_ = 0, points_swept_ = 0;  ///< points read in all; points swept by this process
+  std::uint64_t recalled_slabs_before_ = 0;           ///< slabs that the recall of earlier processes has read
   bool half_way_noted_;
   double active_sum_ = 0;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How far a sweep has come, between two turns: all that another process needs to go on with it (docs/adr/0008).
+/// The progress of a sweep between two turns: all that another process needs to continue the sweep (docs/adr/0008).
 #pragma once
 
 #include <cstdint>
@@ -33,11 +33,11 @@ struct SaturatedLocation {
 
 struct SweepProgress {
   std::uint32_t slabs_read = 0;
-  std::vector<WindowedCell> window;        ///< by slab and number. What was read and is not here has been finished.
+  std::vector<WindowedCell> window;        ///< by slab and number; read cells that are not listed are finished
   std::vector<DroppedCellOfSlab> dropped;  ///< also once all slabs were read, for the recall
   std::vector<SaturatedLocation> saturated_locations;
-  std::vector<DeferredPoint> deferred;  ///< of finished cells, not yet recalled
-  /// Of finished cells and recalled points, as in SweepStatistics.
+  std::vector<DeferredPoint> deferred;  ///< points of finished cells that are not yet recalled
+  /// Counts over finished cells and recalled points, with the meaning that they have in SweepStatistics.
   std::uint64_t certified = 0, recalled = 0, recalled_slabs = 0, peak_points = 0;
   std::vector<DegenerateRows> degenerate;  ///< by stage; may be shorter than the chain
 
@@ -45,7 +45,7 @@ struct SweepProgress {
   static SweepProgress unpacked(Unpacker& packed);
 };
 
-/// Where a sweep's progress is kept. Called by the sweep's own thread, while nothing is handed to the sink.
+/// Keeps the progress of a sweep. Called by the thread of the sweep, while no points are handed to the sink.
 class ProgressKeeper {
  public:
   virtual ~ProgressKeeper() = default;

@@ -9,8 +9,8 @@
 namespace pointsweep {
 namespace {
 
-/// Of the unfinished points, one in so many may lie before the slabs that are read again: sparse ones that have waited
-/// for long.
+/// At most one in this many unfinished points may lie before the slabs that are read again. Such points are sparse and
+/// have waited for long.
 constexpr std::uint64_t kLeftBehind = 64;
 
 }  // namespace
@@ -47,8 +47,9 @@ SweepRestart::SweepRestart(const SweepProgress& from, const Stream& stream, cons
   for (const DeferredPoint& point : from.deferred) deferred_[point.slab].push_back(point.index_in_slab);
 }
 
-/// Of a single step, neighbours need nothing but what the file gave, and they are in the window. Otherwise a value of
-/// step s rests on those of step s-1 around it and so on: one slab further back for each step should do.
+/// In a plan with a single step, a point needs only file columns of its neighbours, and these neighbours are in the
+/// window. Otherwise a value of step s depends on values of step s-1 around it, and so on: one slab further back for
+/// each step should do.
 std::uint32_t SweepRestart::slab_to_begin_with() const {
   std::uint32_t slab = from_.slabs_read;
   if (plan_.step_count() == 1 || slab == stream_.slabs().size()) return slab;

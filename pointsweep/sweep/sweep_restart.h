@@ -21,13 +21,13 @@
 
 namespace pointsweep {
 
-/// How far a sweep has come, between two turns or two groups of its recall.
+/// Returns the progress of a sweep between two turns, or between two groups of its recall.
 SweepProgress progress_of(const Stream& stream, const SweepPlan& plan, const Frontier& frontier, const Window& window,
                           const std::vector<Worker>& workers, const SweepStatistics& statistics);
 
 class SweepRestart {
  public:
-  /// What is given must outlive it.
+  /// All arguments must outlive the restart.
   SweepRestart(const SweepProgress& from, const Stream& stream, const SweepPlan& plan);
 
   /// Slabs are to be read from here on, some of them for the second time.

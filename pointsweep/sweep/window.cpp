@@ -23,7 +23,8 @@ Box leaf_box(const Cell& cell, std::uint32_t leaf) {
   return b;
 }
 
-/// Of all leaves but one in kStragglers, whose points may be deferred.
+/// Returns a bound of the reaches of all leaves except about one in kStragglers. The points of the excepted leaves may
+/// be deferred.
 double reach_of_most(std::vector<double> reach) {
   const auto most = reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * (kStragglers - 1) / kStragglers);
   std::nth_element(reach.begin(), most, reach.end());
@@ -66,15 +67,15 @@ std::vector<std::uint32_t> Window::ready_for(std::uint32_t step) const {
   return slots;
 }
 
-/// How far from a cell a point may be that will search it. Without a limit k: the radius plus what rounding of a
-/// square root may lose. Otherwise an estimate: twice the reach at the density of the cell.
+/// Returns the distance from a cell within which points may still search it. Without a limit k: the radius plus what
+/// rounding of a square root may lose. Otherwise an estimate: twice the reach at the density of the cell.
 double Window::kept_clear(double reach) const {
   return (plan_.neighborhood.k == Neighborhood::kUnlimited ? 1 + 1e-9 : 2) * reach;
 }
 
-/// Whether a waiting cell will probably look at `cell`: for each leaf in turn, since one cell may hold a dense and a
-/// sparse end. A leaf asks as far as twice its reach. What is four times denser than a leaf is not kept for it: its few
-/// points that fall on dropped cells are recalled instead.
+/// Returns whether a waiting cell will probably search `cell`. Each leaf is asked in turn, since one cell may have a
+/// dense and a sparse end. A leaf needs cells as far as twice its reach. Cells whose reach is less than a quarter of
+/// the leaf's are not kept for it: its few points whose balls touch dropped cells are recalled instead.
 bool Window::asks_for(const WindowCell& waiting, const WindowCell& cell) const {
   const double most = kMuchDenser * cell.reach;
   if (distance2(waiting.cell.box, cell.cell.box) > most * most) return false;

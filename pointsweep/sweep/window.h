@@ -25,7 +25,7 @@ class Window : public CellSet {
   /// need.
   void drop();
 
-  double lifespan_sum() const { return lifespan_sum_; }  ///< seconds × points, over cells that have left
+  double lifespan_sum() const { return lifespan_sum_; }  ///< sum of seconds × points over cells that have left
   double lifespan_max() const { return lifespan_max_; }
 
  private:

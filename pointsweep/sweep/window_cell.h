@@ -20,7 +20,7 @@ struct WindowCell {
   std::uint32_t number = 0;  ///< in its slab
   std::vector<std::uint32_t> index_in_slab;
   std::vector<std::vector<std::byte>> columns;    ///< by column number; empty where not made
-  std::vector<const std::byte*> column_pointers;  ///< the same, as Neighborhoods wants them
+  std::vector<const std::byte*> column_pointers;  ///< pointers into `columns`, in the form that Neighborhoods takes
 
   std::uint32_t steps_done = 0;
   std::vector<double> leaf_reach;        ///< how far the neighbourhoods of each leaf should reach; until searched
@@ -33,7 +33,7 @@ struct WindowCell {
   /// none. While cells are worked on in parallel a cell marks its own in `deferred`; others look at `deferred_before`,
   /// as it was before the step.
   std::vector<std::uint8_t> deferred, deferred_before;
-  /// What the cell adds to the counts and the deferred points of the run when it is finished.
+  /// Counts and points that the cell adds to the counts and the deferred points of the run when it is finished.
   std::uint64_t certified = 0;
   std::vector<DegeneratePoints> degenerate;  ///< by stage; empty if there are none
   std::vector<DeferredPoint> left_to_recall;
@@ -51,22 +51,22 @@ struct WindowCell {
   }
 };
 
-/// Up to one point in so many of a cell is deferred; of more the cell waits. A deferred point costs several times what
-/// one costs that is searched twice.
+/// At most one in this many points of a cell is deferred for unread slabs. With more such points, the cell waits and is
+/// searched again. A deferred point costs several times as much as a point that is searched twice.
 inline constexpr std::size_t kStragglers = 8;
 
-/// Of a point, without columns and lists: coordinates, row and place in the slab.
+/// Bytes of a point in the window without columns and lists: coordinates, row and place in the slab.
 inline constexpr std::uint64_t kOwnPointBytes =
     3 * sizeof(double) + sizeof(std::uint64_t) + sizeof(decltype(WindowCell::index_in_slab)::value_type);
-/// Of a leaf: its box, lowest row and reach.
+/// Bytes of a leaf in the window: its box, lowest row and reach.
 inline constexpr std::uint64_t kWindowLeafBytes = 6 * sizeof(float) + sizeof(std::uint64_t) + sizeof(double);
-/// Points of a cell that is cut in two with one point too many. A smaller cell is that of a whole slab.
+/// Points in each half of a cell that has one point too many and is cut in two. A smaller cell holds a whole slab.
 inline constexpr std::uint64_t kUsualCellPoints = 512;
 /// Padding of whole leaves, and what is lost between allocations: a fifth of the rest.
 inline constexpr std::uint64_t kLostShare = 5;
 
-/// What a point takes in the window with its columns, and without its lists. The memory plan, the lists that are kept,
-/// and the recall count with this one number.
+/// Returns the bytes that a point takes in the window, with its columns and without its lists. The memory plan, the
+/// limit on kept lists and the recall all use this number.
 inline std::uint64_t window_point_bytes(const SweepPlan& plan) {
   constexpr std::uint64_t kShared = kWindowLeafBytes / kLeafCapacity + 1 + sizeof(WindowCell) / kUsualCellPoints + 1;
   constexpr std::uint64_t kBytes = kOwnPointBytes + kShared;

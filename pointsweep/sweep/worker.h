@@ -16,14 +16,14 @@ namespace pointsweep {
 struct Worker {
   SearchScratch search;
   CellNeighbors neighbors;
-  std::vector<double> reach2;        ///< of the points of a cell
+  std::vector<double> reach2;        ///< by point of the cell: squared radius of its neighbourhood
   std::vector<std::uint32_t> named;  ///< slots that the lists of a cell name
   std::vector<bool> is_named;        ///< by slot
   std::vector<Box> dropped;
   std::vector<std::byte*> columns;  ///< of the cell in hand, by column number
   std::vector<const std::byte*> own_columns;
-  std::vector<std::byte*> run_columns;  ///< the same from the first point of a run on
-  std::vector<std::byte> passing;       ///< those of them that do not outlast the step
+  std::vector<std::byte*> run_columns;  ///< `columns`, from the first point of a run on
+  std::vector<std::byte> passing;       ///< memory of the columns that do not outlast the step
   ChosenPoints chosen;                  ///< where only some points of the cell take the step
   CellNeighbors chosen_lists;
   std::vector<std::byte> results;
@@ -31,7 +31,7 @@ struct Worker {
   StageTally halo;  ///< of points that a recall evaluates only because others need their values
   FirstRowError unwritten;  ///< of a row whose results the sink cannot take; ends the sweep
   double search_seconds = 0;
-  /// Of finished cells.
+  /// Points and counts of finished cells.
   std::vector<DeferredPoint> deferred;
   std::vector<UnresolvedPoint> unresolved;
   std::uint64_t certified = 0;
