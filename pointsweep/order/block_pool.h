@@ -15,12 +15,12 @@ class BlockPool {
  public:
   explicit BlockPool(std::size_t block_bytes);
 
-  /// A block whose content is undefined.
+  /// Returns a block whose content is undefined. The pool owns it.
   std::byte* take();
   void give_back(std::byte* block);
-  /// Gives everything back to the system. All blocks must have been given back.
+  /// Returns all memory of the pool to the system. All blocks must have been given back.
   void clear();
-  /// Of the blocks that are taken.
+  /// Returns the bytes of the blocks that are taken now.
   std::size_t taken_bytes() const;
 
  private:

@@ -13,7 +13,7 @@
 
 namespace pointsweep {
 
-/// The indices of x, y and z.
+/// Returns the indices of the fields x, y and z.
 std::vector<std::size_t> position_columns(const Schema& schema);
 
 class BlockReader {
@@ -24,7 +24,7 @@ class BlockReader {
   /// Throws Error if the source ends before.
   void read(std::uint64_t first_row, std::size_t rows);
 
-  // Of what was read last.
+  // The rows of the last read().
   std::size_t count() const { return count_; }
   Vec3 position(std::size_t i) const { return {numbers_[i], numbers_[count_ + i], numbers_[2 * count_ + i]}; }
   const std::byte* records() const { return records_.data(); }

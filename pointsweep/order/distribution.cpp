@@ -87,7 +87,7 @@ class Distribution {
     return true;
   }
 
-  /// The same beside other threads, each of which reads the chunks that it takes.
+  /// Reads a chunk with `own`, at the same time as other threads read theirs. Returns false at the end of the source.
   bool read(Chunk& chunk, const ReadRecords& own) {
     stop_if_cancelled();
     {

@@ -18,18 +18,18 @@
 
 namespace pointsweep {
 
-/// What decides to which piece a point goes: a coordinate, or its input row (exact below 2^53, as a double).
+/// The key that assigns a point to a piece: a coordinate, or its input row as a double (exact below 2^53).
 enum class SortKey : std::uint8_t { x, y, z, row };
 
-/// Fills `records` with those from `first` on.
+/// Fills `records` with consecutive records, from number `first` on.
 using ReadRecords = std::function<void(std::uint64_t first, std::span<std::byte> records)>;
 
 /// Records to partition, and how.
 struct PartitionInput {
-  const Schema& schema;  ///< of the records read
+  const Schema& schema;  ///< schema of the records read
   std::uint64_t count;
   ReadRecords read;             ///< called by one thread at a time, in order
-  const WorkingRecord& record;  ///< what the store gets of each
+  const WorkingRecord& record;  ///< makes the record that the store gets from a record read
   SortKey key;
   std::span<const Splitters>
       splitters;           ///< one, or a second one for sparse places; pieces of both are numbered through

@@ -86,7 +86,8 @@ void LocalSpacing::grow(std::span<const std::uint64_t> codes, std::uint64_t begi
 std::vector<int> LocalSpacing::levels_of(std::span<const Vec3> sample, const std::vector<Leaf>& leaves) const {
   constexpr std::size_t kTogether = 4096;
   std::vector<int> levels(sample.size());
-  // The leaf that the first code of each cube of the table lies in; a code of the cube is in that one or one behind it.
+  // The leaf that holds the first code of each cube of the table. Every code of the cube is in this leaf or a later
+  // one.
   std::vector<std::ptrdiff_t> first;
   for (std::uint64_t cube = 0; cube <= codes_of_cube(0) / codes_of_cube(kTableLevels); ++cube) {
     const auto after = std::ranges::upper_bound(leaves, cube * codes_of_cube(kTableLevels), {}, &Leaf::begin);
@@ -153,7 +154,8 @@ std::uint64_t LocalSpacing::code_of(Vec3 p) const {
   return spread(index(p, 0)) | spread(index(p, 1)) << 1 | spread(index(p, 2)) << 2;
 }
 
-/// As far from the root as its own side, no more is known of a place than that the root is nearest: level 0.
+/// Returns the level of a place outside the root cube. It is 0 nearer to the root than two of its sides, and one lower
+/// for each further doubling of the distance, up to a limit.
 int LocalSpacing::level_outside(Vec3 p) const {
   double distance = 0;
   for (int axis = 0; axis < 3; ++axis)

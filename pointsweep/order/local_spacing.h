@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How far apart the points lie in each part of space, estimated from the survey's sample.
+/// Distances between neighbouring points in each part of space, estimated from the survey's sample.
 #pragma once
 
 #include <cstddef>
@@ -22,38 +22,39 @@ class LocalSpacing {
  public:
   /// Knows nothing: no place is sparse.
   LocalSpacing() = default;
-  /// `points` and `dimension` are those of the cloud the sample was taken from. About 13 ms for 65,536 points.
+  /// `points` is the number of points of the cloud that the sample was taken from, `dimension` its intrinsic dimension.
+  /// Takes about 13 ms for 65,536 sample points.
   LocalSpacing(std::span<const Vec3> sample, std::uint64_t points, double dimension);
 
-  /// As it was when it was packed, but for at_sample().
+  /// Restores a packed object, except at_sample(), which is empty.
   explicit LocalSpacing(Unpacker& packed);
   void pack(Packer& out) const;
 
   /// Estimates of the distance between neighbouring points at each sample point, in length units, within a factor of
   /// about two; empty if nothing is known.
   const std::vector<double>& at_sample() const { return at_sample_; }
-  /// Whether there are sparse places: that the sample has points where they lie 16 times farther apart than at most of
-  /// its points.
+  /// Returns whether there are sparse places: whether some sample points lie where points are 16 times farther apart
+  /// than at most sample points.
   bool has_sparse_places() const { return !begin_.empty(); }
-  /// Whether a finite place is one of them. Depends on the place alone. About 10 ns.
+  /// Returns whether a place is sparse. `p` must be finite. The answer depends on the place alone. Takes about 10 ns.
   bool is_sparse(Vec3 p) const;
 
  private:
   struct Leaf {
     std::uint64_t begin;  ///< its first code along the Z-curve
-    int level;            ///< its side is that of the root times 2^-level
+    int level;            ///< the side of the leaf is the side of the root times 2^-level
   };
   static void grow(std::span<const std::uint64_t> codes, std::uint64_t begin, int level, std::vector<Leaf>& leaves);
   std::vector<int> levels_of(std::span<const Vec3> sample, const std::vector<Leaf>& leaves) const;
   void find_sparse_places(const std::vector<int>& levels, const std::vector<Leaf>& leaves);
   bool inside(Vec3 p) const;
-  std::uint64_t index(Vec3 p, int axis) const;  ///< of the finest cube p lies in
+  std::uint64_t index(Vec3 p, int axis) const;  ///< index of the finest cube that holds p
   std::uint64_t code_of(Vec3 p) const;
   int level_outside(Vec3 p) const;
 
   std::vector<double> at_sample_;
   Vec3 lo_;               ///< corner of the root cube
-  double side_ = 0;       ///< of the root cube
+  double side_ = 0;       ///< length of the side of the root cube
   int sparse_level_ = 0;  ///< this level and those below it are sparse
   std::vector<std::uint64_t>
       begin_;  ///< runs of leaves along the Z-curve, ascending: not sparse, sparse, not sparse...

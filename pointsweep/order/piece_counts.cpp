@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-/// What one thread has counted.
+/// The counts of one thread.
 struct Counted {
   explicit Counted(std::size_t pieces) : points(pieces), boxes(pieces) {}
 

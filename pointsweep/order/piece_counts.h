@@ -26,7 +26,7 @@ struct PieceRange {
   }
 };
 
-/// Rows that are decoded together, and the pieces that hold their points: those of each Splitters.
+/// Rows that are decoded together, and the range of pieces that hold their points, one range for each Splitters.
 struct RowBlock {
   std::uint64_t first_row = 0, rows = 0;
   std::array<PieceRange, 2> pieces;

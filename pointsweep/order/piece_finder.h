@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// To which piece of the stream a point goes.
+/// Finds the piece of the stream that a point belongs to.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,8 @@
 
 namespace pointsweep {
 
-/// The pieces of one Splitters, or of a second one for points in sparse places, too: both numbered through.
+/// The pieces of one Splitters, and those of a second Splitters for points in sparse places if there is one. Pieces of
+/// the second are numbered after the pieces of the first.
 class PieceFinder {
  public:
   /// `splitters` and `spacing` are borrowed. `spacing` knows the sparse places where there are two splitters; else it
@@ -21,7 +22,7 @@ class PieceFinder {
   std::size_t pieces() const { return first_sparse_piece() + (splitters_.size() > 1 ? splitters_[1].pieces() : 0); }
   std::size_t first_sparse_piece() const { return splitters_[0].pieces(); }
 
-  /// Of a finite point; `key` is what the splitters divide.
+  /// Returns the piece of a point. `p` must be finite; `key` is the value that the splitters divide.
   std::size_t piece_of(Vec3 p, double key) const {
     if (splitters_.size() > 1 && spacing_->is_sparse(p)) return first_sparse_piece() + splitters_[1].piece_of(key);
     return splitters_[0].piece_of(key);

@@ -15,13 +15,13 @@
 
 namespace pointsweep {
 
-/// One record per row, 0 <= row < rows. In memory an array; spilled, one list per range of rows.
-/// A row that is never put reads as the record `fill`, whose size is that of all records.
+/// One record per row, 0 <= row < rows. In memory an array; spilled, one list per range of rows. A row that is never
+/// put reads as the record `fill`. All records have the size of `fill`.
 class RowStore {
  public:
-  /// In memory an array of all records. Spilling, memory stays under `buffer_bytes`.
+  /// Without a spill place, all records are held in memory. With one, memory stays under `buffer_bytes`.
   RowStore(std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& spill, std::size_t buffer_bytes);
-  /// As it was when it was packed, in the file it kept then; another `buffer_bytes` may be given.
+  /// Restores a packed store from the file `kept`. `buffer_bytes` may differ from the packed store's.
   RowStore(Unpacker& packed, std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& kept,
            std::size_t buffer_bytes);
   ~RowStore();
@@ -32,8 +32,8 @@ class RowStore {
   /// After the last put(): calls `consume(first_row, records)` for consecutive runs that cover all rows in order.
   void drain(const std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>& consume);
   std::uint64_t spilled_bytes() const;
-  /// Of a store in a kept file: all that was put is in the file, and how to find it is packed. No thread may be
-  /// putting.
+  /// Writes all records that were put to the kept file, and packs their places in it. Only for a store in a kept file.
+  /// No thread may call put() meanwhile.
   void pack(Packer& out);
 
  private:

@@ -24,12 +24,12 @@ struct Block {
 struct SlabList {
   std::mutex mutex;
   std::vector<Block> blocks;
-  std::size_t released = 0;   ///< of `blocks`, from the first on
+  std::size_t released = 0;   ///< number of leading `blocks` that are released
   std::byte* open = nullptr;  ///< the block being filled; the last of `blocks` unless spilling
   std::size_t open_bytes = 0;
   std::uint64_t count = 0;
 
-  /// Behind the last record of a block.
+  /// Returns the number of the record after the last record of a block.
   std::uint64_t end_of(std::size_t block) const { return block + 1 < blocks.size() ? blocks[block + 1].first : count; }
 };
 
@@ -62,8 +62,9 @@ struct SlabStore::State {
     return out;
   }
 
-  /// Of a full block that was released, if there is one: to punch a hole for it instead takes milliseconds once its
-  /// bytes are on the disk, and a run under a small budget has a million blocks.
+  /// Returns an offset in the file for `bytes` bytes: the place of a full block that was released, if there is one. To
+  /// punch a hole for each released block instead would take milliseconds once its bytes are on the disk, and a run
+  /// under a small budget has a million blocks.
   std::uint64_t place_of(std::size_t bytes) {
     const std::scoped_lock lock(free_mutex);
     if (bytes < block_bytes || free_places.empty()) return file->reserve(bytes);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Where the working records of the ordered stream wait for the sweep: in memory, or spilled to one temporary file.
+/// Stores the working records of the ordered stream until the sweep reads them: in memory, or spilled to one temporary
+/// file.
 #pragma once
 
 #include <cstddef>
@@ -20,17 +21,18 @@ class SlabStore {
   /// Spilling, memory is slabs * block_bytes while filling, none after finish(). `block_bytes` is rounded down to whole
   /// records, but never below one.
   SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& spill);
-  /// As it was when it was packed, in the file it kept then.
+  /// Restores a packed store from the file `kept`.
   SlabStore(Unpacker& packed, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& kept);
   ~SlabStore();
 
-  /// Makes `slabs` more, empty ones, and returns the first. Nothing else may run meanwhile.
+  /// Adds `slabs` empty slabs and returns the number of the first. No other function may run meanwhile.
   std::size_t add_slabs(std::size_t slabs);
   /// Appends whole records to a slab. Thread-safe.
   void append(std::size_t slab, std::span<const std::byte> records);
-  /// Flushes what is buffered. No append() to these slabs after it, only to those that add_slabs() makes later.
+  /// Flushes the buffers. After it, append() may be called only for slabs that add_slabs() makes later.
   void finish();
-  /// What was appended to a kept file is in it, and all that pack() says. No thread may be appending.
+  /// Writes everything that was appended, and that pack() refers to, to the kept file. No thread may call append()
+  /// meanwhile.
   void flush();
   void pack(Packer& out) const;
   /// Gives the space of blocks of a finished slab that end before `record` to blocks that will be filled, in memory as

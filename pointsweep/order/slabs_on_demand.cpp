@@ -29,7 +29,7 @@ std::size_t block_bytes(const CountedSlabs& slabs, std::size_t record_bytes) {
   return waiting_block_bytes(largest, record_bytes);
 }
 
-/// What one thread needs to bring the records of a block into the order of their slabs.
+/// Memory of one thread for sorting the records of a block by slab.
 struct Partition {
   Partition(const PointSource& source, const std::vector<std::size_t>& wanted) : rows(source, wanted) {}
 
@@ -122,7 +122,8 @@ class SlabsOnDemand::State {
   }
 
  private:
-  /// Whether the slab is the next one, or one of those that are read ahead. Only these are read in order.
+  /// Marks the slab as begun and returns true if it is the next slab or within the read-ahead, and not begun before.
+  /// Only such slabs are read in order.
   bool begin(std::size_t slab) {
     const std::lock_guard lock(mutex_);
     if (begun_[slab] || slab >= next_slab_ + ahead_) return false;
@@ -246,7 +247,8 @@ class SlabsOnDemand::State {
     again_ = std::move(made);
   }
 
-  /// As many on both sides as there is memory for, which is free when no points wait for slabs in order.
+  /// Returns the range of slabs around `slab` that fit into memory, half of it on each side. While points wait for
+  /// slabs in order, the memory is theirs, and the range is the slab alone.
   std::pair<std::size_t, std::size_t> slabs_around(std::size_t slab) const {
     std::size_t first = slab, end = slab + 1;
     {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Slabs made from the input at the moment they are read, in place of a distribution pass before.
+/// Makes slabs from the input when they are read, without a distribution pass before.
 #pragma once
 
 #include <cstddef>
@@ -23,9 +23,9 @@ struct SlabBlock {
   std::uint32_t first_slab = 0, last_slab = 0;
 };
 
-/// What is known when all points have been counted.
+/// The slabs and their blocks, known once all points have been counted.
 struct CountedSlabs {
-  std::vector<Splitters> splitters;  ///< one, or a second one for sparse places
+  std::vector<Splitters> splitters;  ///< one, and a second one if there are sparse places
   LocalSpacing spacing;              ///< knows the sparse places where there are two splitters
   std::vector<std::uint32_t> slab_of_piece;
   std::vector<std::uint64_t> points;  ///< by slab
@@ -36,7 +36,8 @@ struct CountedSlabs {
 /// `ahead` of them at once.
 std::uint64_t most_waiting(const CountedSlabs& slabs, std::size_t ahead);
 
-/// Of memory for the points of a slab that wait: small against the slab, so that slabs that begin to fill waste little.
+/// Returns the size of a block of memory for the waiting points of a slab. It is small against the slab, so that a slab
+/// with few waiting points wastes little.
 std::size_t waiting_block_bytes(std::uint64_t slab_points, std::size_t record_bytes);
 
 /// Slabs read in their order: a block is decoded when the first slab that holds one of its points is read, and its

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Where points come from; independent of files and formats.
+/// Sources of points, independent of files and formats.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ using ReadRows = std::function<std::size_t(std::uint64_t row, std::span<std::byt
 struct PointSource {
   Schema schema;
   std::uint64_t count = 0;
-  ReadRows read;  ///< for one thread at a time
+  ReadRows read;  ///< reads rows; called by one thread at a time
   /// Makes a function for one thread, while other threads read with theirs; it fills only the `wanted` fields, or all
   /// if none is named. Returns an empty function where only one thread at a time can read.
   std::function<ReadRows(const std::vector<std::size_t>& wanted)> for_thread = {};
@@ -29,7 +29,8 @@ struct PointSource {
 
 /// Fills `records` (whole ones) from `row` on, or throws Error if the source ends before.
 void read_fully(const PointSource& source, std::uint64_t row, std::span<std::byte> records);
-/// The same with `read` in the place of source.read.
+/// Fills `records` (whole ones) from `row` on with `read` instead of source.read, or throws Error if the source ends
+/// before.
 void read_fully(const PointSource& source, const ReadRows& read, std::uint64_t row, std::span<std::byte> records);
 
 }  // namespace pointsweep

@@ -65,7 +65,7 @@ SpillFile::SpillFile(const SpillPlace& place, std::uint64_t bytes)
   struct stat status {};
   const bool found = descriptor_ >= 0 && ::fstat(descriptor_, &status) == 0;
   if (found && static_cast<std::uint64_t>(status.st_size) >= bytes) {
-    // What was written behind it is of no checkpoint.
+    // Bytes after `bytes` belong to no checkpoint.
     if (::ftruncate(descriptor_, static_cast<off_t>(bytes)) == 0) return;
   }
   if (descriptor_ >= 0) ::close(descriptor_);

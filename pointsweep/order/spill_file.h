@@ -13,11 +13,11 @@ namespace pointsweep {
 
 class TempFolder;
 
-/// Where spilled data go: to memory; to a file that is unlinked as soon as it is open, so that it vanishes however the
-/// process ends; or to a file that is kept so that the run can be resumed.
+/// The place of spilled data: memory; a file that is unlinked as soon as it is open, so that it vanishes however the
+/// process ends; or a file that is kept so that the run can be resumed.
 class SpillPlace {
  public:
-  /// Null: memory.
+  /// The place is memory if `folder` is null.
   SpillPlace(const TempFolder* folder);  // NOLINT: a folder is a place
   static SpillPlace kept(const std::filesystem::path& file);
 
@@ -33,7 +33,7 @@ class SpillPlace {
 
 class SpillFile {
  public:
-  /// A new file, replacing one of the same name.
+  /// Creates a new file; replaces a kept file of the same name.
   explicit SpillFile(const SpillPlace& place);
   /// Goes on with a kept file of which the first `bytes` are in use. Throws Error if it has fewer.
   SpillFile(const SpillPlace& place, std::uint64_t bytes);
@@ -41,7 +41,7 @@ class SpillFile {
   SpillFile(const SpillFile&) = delete;
   SpillFile& operator=(const SpillFile&) = delete;
 
-  /// The offset of `bytes` bytes that belong to the caller from now on.
+  /// Reserves `bytes` bytes of the file for the caller and returns their offset. Thread-safe.
   std::uint64_t reserve(std::uint64_t bytes) { return reserved_.fetch_add(bytes, std::memory_order_relaxed); }
   /// Throws Error that says what to do when no space is left.
   void write(std::uint64_t offset, std::span<const std::byte> bytes);
@@ -51,14 +51,14 @@ class SpillFile {
   /// Lets the system begin to read a piece that read() will ask for soon.
   void will_read(std::uint64_t offset, std::uint64_t bytes) const;
 
-  /// The bytes reserved so far: as much of the file as is in use.
+  /// Returns the bytes reserved so far, which are the part of the file in use.
   std::uint64_t end() const { return reserved_.load(std::memory_order_relaxed); }
-  /// By this process.
+  /// Returns the bytes written by this process.
   std::uint64_t written_bytes() const { return written_.load(std::memory_order_relaxed); }
 
  private:
   std::string parent_;  ///< for messages: the folder the user chose
-  std::string option_;  ///< by which it was chosen
+  std::string option_;  ///< for messages: the option by which the folder was chosen
   int descriptor_ = -1;
   std::atomic<std::uint64_t> reserved_{0}, written_{0};
 };

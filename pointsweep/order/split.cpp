@@ -64,8 +64,9 @@ class Splitting {
     return piece.box.hi[static_cast<int>(keys_[level])];
   }
 
-  /// That of the coordinate whose middle four fifths lie widest apart, so that a noisy wall is not split into sheets
-  /// thinner than its noise, however far a few other points are; where they do not lie apart, that of the longest side.
+  /// Returns the level of the coordinate whose middle four fifths of the sample spread widest, so that a noisy wall is
+  /// not split into sheets thinner than its noise, however far away a few other points are. On a tie, returns the level
+  /// with the longer side of the piece's box.
   std::size_t level_of_widest_spread(const StreamPiece& piece, const Sample& sample) const {
     std::size_t widest = 0;
     std::array<double, 2> most{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Where the stream is cut into slabs: limits on the coordinate along the axis, taken from a sample's quantiles.
+/// Limits between slabs of the stream: values of the coordinate along the axis, taken from a sample's quantiles.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace pointsweep {
 /// Pieces of the real line. Piece p holds the finite values v with limits[p-1] <= v < limits[p].
 class Splitters {
  public:
-  /// One piece.
+  /// Makes one piece of all values.
   Splitters() : Splitters(std::vector<double>()) {}
   /// `limits` strictly ascending, at most 65,534.
   explicit Splitters(std::vector<double> limits);
@@ -31,26 +31,26 @@ class Splitters {
   }
 
  private:
-  /// Never descends as the value ascends, whatever is rounded, so that the limits of a lower cell are below the value
-  /// and those of a higher cell above it.
+  /// Returns the cell of the look-up table for a value. Monotonic in spite of rounding: the limits of lower cells are
+  /// below the value, and the limits of higher cells above it.
   std::size_t cell_of(double value) const {
     const double cell = (value - lo_) * scale_;
     return static_cast<std::size_t>(cell > 0 ? std::min(cell, last_cell_) : 0.0);
   }
   std::uint32_t search(std::size_t cell, double value) const;
 
-  std::vector<double> limits_;        ///< then infinity, which no value reaches
-  std::vector<std::uint16_t> first_;  ///< by cell: limits in lower cells; one more at the end
+  std::vector<double> limits_;        ///< the limits, then infinity, which no value reaches
+  std::vector<std::uint16_t> first_;  ///< by cell: number of limits in lower cells; one more entry at the end
   double lo_ = 0, scale_ = 0, last_cell_ = 0;
 };
 
-/// At most `pieces` - 1 quantiles of a sample. A value that fills more than one piece gets its own piece, so that
-/// it can be split by something else. Reorders the sample.
+/// Returns at most `pieces` - 1 quantiles of a sample. A value that fills more than one piece gets its own piece, so
+/// that it can be split by something else. Reorders the sample.
 std::vector<double> quantile_limits(std::vector<double>& sample, std::size_t pieces);
 
-/// Those of the ascending `limits` that leave every piece at least as thick as four times the median spacing of its
-/// points: slabs thinner than that are slivers that wait for each other. `spacing` is that at each sample point; if it
-/// is empty, all limits are kept.
+/// Returns the subset of the ascending `limits` that leaves every piece at least as thick as four times the median
+/// spacing of its points. Thinner slabs are slivers that wait for each other. `spacing` holds the spacing at each
+/// sample point; if it is empty, all limits are kept.
 std::vector<double> limits_not_too_near(std::span<const double> limits, std::span<const double> sample,
                                         std::span<const double> spacing);
 

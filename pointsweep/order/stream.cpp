@@ -34,8 +34,8 @@ std::size_t most_pieces(const StreamOptions& options) {
   return std::clamp<std::size_t>(options.buffer_bytes / 2 / kLeastBlock, 2, kMostPieces);
 }
 
-/// In memory, blocks are small against a slab, so that little of the last one is wasted; spilling, as large as the
-/// buffers allow, so that the disk writes long pieces.
+/// Returns the bytes of a block of a slab. In memory, blocks are small against a slab, so that little of the last block
+/// is wasted. Spilled blocks are as large as the buffers allow, so that the disk writes long pieces.
 std::size_t block_bytes(const StreamOptions& options, std::size_t pieces, std::size_t record_bytes) {
   if (!options.spill)
     return std::clamp<std::size_t>(options.slab_points * record_bytes / 16, kLeastBlock / 2, kLargestBlock / 4);
@@ -43,7 +43,7 @@ std::size_t block_bytes(const StreamOptions& options, std::size_t pieces, std::s
   return std::clamp<std::size_t>(options.buffer_bytes / 2 / open, kLeastBlock, kLargestBlock);
 }
 
-/// At most `most` pieces of about `aim` points each, of what the sample stands for.
+/// Returns the limits of at most `most` pieces of about `aim` points each, for the points that the sample stands for.
 Splitters splitters_of(const std::vector<Vec3>& sample, const std::vector<double>& spacing, std::uint64_t aim,
                        std::size_t most, double points_per_sample, const StreamOptions& options) {
   std::vector<double> coordinates;
@@ -61,7 +61,7 @@ Splitters splitters_of(const std::vector<Vec3>& sample, const std::vector<double
 /// across the cloud.
 std::uint64_t sparse_aim(const StreamOptions& options) { return std::min<std::uint64_t>(options.slab_points, 4096); }
 
-/// One for the whole cloud, or one for most of it and one for its sparse places.
+/// Returns one Splitters for the whole cloud, or one for its dense part and one for its sparse places.
 std::vector<Splitters> first_splitters(std::uint64_t points, const Survey& survey, const LocalSpacing& spacing,
                                        const StreamOptions& options, std::size_t most) {
   const double each = static_cast<double>(points) / static_cast<double>(std::max<std::size_t>(survey.sample.size(), 1));
@@ -80,7 +80,8 @@ std::vector<Splitters> first_splitters(std::uint64_t points, const Survey& surve
   return {splitters_of(sample[0], spacings[0], options.slab_points, rest, each, options), thin};
 }
 
-/// Of rows that are decoded together: few, so that they lie close together, but worth a read of the file.
+/// Returns the number of rows of a block, which are decoded together. It is small, so that the rows lie close together,
+/// but large enough to be worth a read of the file.
 std::uint64_t block_rows(const PointSource& source, const OnDemandOptions& how) {
   constexpr std::uint64_t kBytes = 512 << 10, kLeastRows = 256, kMostRows = 8192, kMostBlocks = 1 << 18;
   if (how.block_rows != 0) return how.block_rows;
@@ -92,7 +93,7 @@ struct PiecedSlab {
   std::vector<StreamPiece> pieces;
 };
 
-/// What working records are made of.
+/// Returns the indices of the source fields that working records carry; empty for all fields.
 std::vector<std::size_t> wanted_fields(const Schema& schema, const StreamOptions& options) {
   std::vector<std::size_t> wanted;
   if (options.whole_records) return wanted;
@@ -204,7 +205,7 @@ struct Stream::State {
     slabs = std::move(merged);
   }
 
-  /// By slab: where it or any later one begins along the axis.
+  /// Returns, by slab, the least coordinate along the axis at which it or any later slab begins.
   std::vector<double> least_begins(const std::vector<PiecedSlab>& of) const {
     std::vector<double> begins(of.size());
     double least = Box::kInf;

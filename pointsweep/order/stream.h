@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// From any cloud to slabs in order: the distribution and the ordered stream (paper Sections 3 and 7.1).
+/// The ordered stream: the slabs of a cloud in order, made by the distribution (paper Sections 3 and 7.1).
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ namespace pointsweep {
 struct Slab {
   std::uint64_t first = 0;  ///< points in slabs before it
   std::uint64_t count = 0;
-  Box box;                      ///< tight, of its points in double
+  Box box;                      ///< tight box of its points, in double precision
   std::uint64_t least_row = 0;  ///< no input row in it is below
 };
 
@@ -45,10 +45,10 @@ struct StreamOptions {
   std::function<void(std::uint64_t rows_read)> progress;
 };
 
-/// How slabs are to be made from the input when they are read.
+/// Options for making slabs from the input when they are read.
 struct OnDemandOptions {
-  std::vector<RowBox> boxes;       ///< no block of rows that are decoded together crosses the end of one
-  std::uint64_t block_rows = 0;    ///< at most; 0: chosen
+  std::vector<RowBox> boxes;       ///< no block of rows that are decoded together crosses the end of a box
+  std::uint64_t block_rows = 0;    ///< most rows of a block; 0: chosen by the stream
   std::size_t read_ahead = 1;      ///< slabs that are read at once
   std::uint64_t most_waiting = 0;  ///< points that may be decoded and wait for their slabs
 };
@@ -62,17 +62,18 @@ class Stream {
   /// The distribution pass: reads the source once, and once more what a slab that turned out too big needs.
   /// Works on all threads; throws Error from the source or the temporary folder.
   Stream(const PointSource& source, const Survey& survey, const StreamOptions& options);
-  /// As it was when it was packed, in the file it kept then. The source is not read; schema and number of points must
-  /// be the same, and of the options the kind of records.
+  /// Restores a packed stream from its kept file, without reading the source. The schema and number of points of the
+  /// source, and the options for records, must equal those of the packed stream.
   Stream(Unpacker& packed, const PointSource& source, const StreamOptions& options);
-  /// Without a distribution pass: the source is read once to count, and decoded again when slabs are read in their
-  /// order; a slab that is read twice is decoded twice. Nothing is spilled. The source, whose functions are copied,
-  /// must have for_thread(). Empty where this cannot be: then `why_not` says why, as the end of a sentence.
+  /// Makes a stream without a distribution pass. The source is read once to count, and decoded again when slabs are
+  /// read in their order; a slab that is read twice is decoded twice. Nothing is spilled. The source, whose functions
+  /// are copied, must have for_thread(). Returns an empty optional if this is not possible: then `why_not` holds the
+  /// reason, as the end of a sentence.
   static std::optional<Stream> on_demand(const PointSource& source, const Survey& survey, const StreamOptions& options,
                                          const OnDemandOptions& how, std::string& why_not);
   Stream(Stream&&) noexcept;
   ~Stream();
-  /// Of a stream in a kept file, which is not on demand.
+  /// Packs the stream. Only for a stream in a kept file, which is not on demand.
   void pack(Packer& out) const;
 
   int axis() const { return axis_; }
@@ -81,7 +82,7 @@ class Stream {
   const LocalSpacing& spacing_in_slabs() const { return spacing_; }
   std::uint64_t nonfinite_count() const { return nonfinite_count_; }
   std::uint64_t spilled_bytes() const;
-  /// Of what is stored; 0 on demand.
+  /// Returns the bytes of memory that the stored records take; 0 for a stream on demand.
   std::uint64_t memory_bytes() const;
 
   /// Layout of a working record: the carried fields under their names in the source (x, y, z first in type and scale of

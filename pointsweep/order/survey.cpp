@@ -16,10 +16,10 @@ namespace {
 
 constexpr std::uint64_t kSample = 65536;
 constexpr std::uint64_t kRuns = 1024;              ///< jumps a reader has to make
-constexpr std::uint64_t kInRun = kSample / kRuns;  ///< rows sampled at each
-constexpr std::uint64_t kMostGap = 16;             ///< so many times the rows of the sample are read at most
+constexpr std::uint64_t kInRun = kSample / kRuns;  ///< rows sampled in each run
+constexpr std::uint64_t kMostGap = 16;             ///< at most this many times the rows of the sample are read
 
-/// Which rows are sampled: ascending, some in each of the runs that lie all over the file.
+/// The rows of the sample, ascending. They lie in runs that are spread over the whole file.
 class SampledRows {
  public:
   /// A scanner writes line after line. With gaps as wide as this, the sample of a square of lines is about as dense
@@ -62,7 +62,8 @@ class Surveyor {
     }
   }
 
-  /// The same sample, or all rows where they are no more, and the bounds of all finite points. On all threads.
+  /// Takes the sample, or all rows if there are no more than a sample has, and the bounds of all finite points. Uses
+  /// all threads.
   void look_at_all() {
     std::optional<SampledRows> rows;
     if (source_.count > kSample) rows.emplace(source_.count);
@@ -94,8 +95,8 @@ class Surveyor {
     for (std::vector<double>* c : {&x_, &y_, &z_}) c->resize(n);
   }
 
-  /// Decodes the positions of all records. Returns the box of the finite ones, joined in their order so that of -0 and
-  /// 0 the same one is in it for any number of threads.
+  /// Decodes the positions of all records. Returns the box of the finite positions. Boxes are joined in the order of
+  /// the records, so that the choice between -0 and 0 does not depend on the number of threads.
   Box decoded_box() {
     const std::size_t stride = source_.schema.stride, all = x_.size();
     std::vector<Box> boxes((all + kTaskRows - 1) / kTaskRows);

@@ -12,10 +12,11 @@
 
 namespace pointsweep {
 
-/// What a look at a sample of the cloud tells. The sample is strided through all rows and the same in every run.
+/// A sample of the cloud and the properties estimated from it. The sample is spread over all rows and equal in every
+/// run.
 struct Survey {
   std::vector<Vec3> sample;  ///< at most 65,536 finite points
-  Box bounds;                ///< of the sample, or of all finite points if `exact`
+  Box bounds;                ///< box of the sample, or of all finite points if `exact`
   bool exact = false;
   int axis = 0;          ///< sweep axis: largest extent of `bounds` unless chosen
   double dimension = 2;  ///< estimate of the intrinsic dimension, in [1, 3], by counting occupied boxes

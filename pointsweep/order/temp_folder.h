@@ -13,10 +13,10 @@ namespace pointsweep {
 /// Throws Error unless `parent` is an existing folder in which this process may create files.
 void require_temp_parent(const std::filesystem::path& parent);
 
-/// `asked`, or the folder for temporary files of the system where it is empty.
+/// Returns `asked`, or the system's folder for temporary files if `asked` is empty.
 std::filesystem::path temp_parent(const std::filesystem::path& asked);
 
-/// `begin` and six letters: another one in each call, and by all probability in each process.
+/// Returns `begin` and six letters. The name differs in each call, and almost certainly in each process.
 std::string random_name(const std::string& begin);
 
 /// Made as `<parent>/pointsweep-<pid>-<random>`, mode 0700; removed with everything in it by the destructor. Creating

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// How many points would wait in memory if slabs were made on demand, as far as boxes tell before any point is read.
+/// Estimates how many points wait in memory if slabs are made on demand, from the boxes of a file, before any point is
+/// read.
 #pragma once
 
 #include <cstddef>
@@ -11,9 +12,10 @@
 
 namespace pointsweep {
 
-/// The most points decoded and not yet handed over at any time, if all rows of a box are decoded when the sweep reaches
-/// where it begins, and slabs of `slab_points` are handed over, `ahead` of them made at once. `sample`: of the points,
-/// which tells where slabs begin. Never above `points`.
+/// Returns the largest number of points that are decoded and not yet handed over at any time. Assumes that all rows of
+/// a box are decoded when the sweep reaches the place where the box begins, and that slabs of `slab_points` are handed
+/// over, `ahead` of them made at once. `sample`: a sample of the points, which tells where slabs begin. Never above
+/// `points`.
 std::uint64_t estimate_waiting(std::span<const RowBox> boxes, int axis, std::span<const Vec3> sample,
                                std::uint64_t points, std::uint64_t slab_points, std::size_t ahead);
 

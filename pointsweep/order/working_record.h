@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What of a point travels along the stream: its position, the fields that stages need, and its input row.
+/// Working records: the position of a point, the fields that stages need, and its input row, as the stream carries
+/// them.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +12,12 @@
 
 namespace pointsweep {
 
-/// How working records are made of source records: pieces copied bit for bit, then the row.
+/// Makes working records from source records: copies pieces bit for bit, then adds the row.
 class WorkingRecord {
  public:
   /// Carries the position and the fields `payload`, or every byte of a record if `whole`; rows below `rows`.
   WorkingRecord(const Schema& source, bool whole, std::span<const std::size_t> payload, std::uint64_t rows);
-  /// For records that already are working records.
+  /// Copies records that are working records already.
   explicit WorkingRecord(const Schema& working);
 
   /// Source schema (with names, types, scales), then "row".
@@ -38,7 +39,7 @@ class WorkingRecord {
   bool makes_row_ = false;
 };
 
-/// The input row of a working record of this schema.
+/// Returns the input row of a working record of this schema.
 std::uint64_t row_of(const Schema& working, const std::byte* record);
 
 }  // namespace pointsweep
