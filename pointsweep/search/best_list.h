@@ -48,9 +48,10 @@ class BestList {
     full_ = false;
     kept_.clear();
   }
-  /// A candidate farther than this (squared) cannot belong to the neighbourhood; one at this distance may.
+  /// Returns a squared distance. A candidate farther away cannot belong to the neighbourhood; a candidate at this
+  /// distance may.
   double limit() const { return limit_; }
-  /// Whether `c` would enter the neighbourhood now.
+  /// Returns whether `c` would enter the neighbourhood now.
   bool wants(const Candidate& c) const { return c.distance2 <= limit_ && !(full_ && nearer(worst_, c)); }
   void offer(const Candidate& c) {
     if (c.distance2 > limit_) return;

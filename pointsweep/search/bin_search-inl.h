@@ -47,12 +47,12 @@ class BinSearch {
     sharing_ = count_sharing();
     return count;
   }
-  /// How many are in order, whole bins.
+  /// Returns the number of found points that are in order. They fill whole bins.
   std::size_t sorted() const { return sorted_; }
-  /// How many of them share the bin of the one before.
+  /// Returns the number of ordered points that share the bin of the point before them.
   std::size_t sharing() const { return sharing_; }
 
-  /// Writes those in order to `refs`, and calls order(span) for those of one bin.
+  /// Writes the ordered points to `refs`, and calls order(span) for each bin with more than one point.
   template <class Order>
   void write(NeighborRef* refs, Order order) const {
     const std::uint32_t* const keys = points_.bin_key.data();

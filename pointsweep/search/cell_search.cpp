@@ -80,8 +80,8 @@ class CellSearch {
   }
 
   static constexpr std::uint32_t kGroup = hn::MaxLanes(Lanes()), kGroups = kLeafCapacity / kGroup;
-  static constexpr float kWide = 64;               ///< a leaf so many times as wide as that of the queries
-  static constexpr std::size_t kFew = 2 * K + 16;  ///< so many are put in order by insertion
+  static constexpr float kWide = 64;               ///< in widths of the queries' leaf; a leaf that exceeds it is wide
+  static constexpr std::size_t kFew = 2 * K + 16;  ///< up to this many candidates are sorted by insertion
 
   void search_leaf(std::uint32_t leaf) {
     const std::uint32_t first = leaf * kLeafCapacity, queries = cell_.leaf_size(leaf);
@@ -165,7 +165,8 @@ class CellSearch {
                                       : std::numeric_limits<double>::infinity();
   }
 
-  /// Collects the leaves that a query may need, nearest first, except those of its own cell tried before.
+  /// Collects the leaves that a query may need, nearest first, except leaves [begin, end) of its own cell, which were
+  /// tried before.
   void find_leaves(std::uint32_t begin, std::uint32_t end) {
     const double reach2 = unscaled(farthest_reach2());
     if (reach2 > scratch_.near.reach2) scratch_.near.find(query_, 4 * reach2);
@@ -200,7 +201,8 @@ class CellSearch {
     return true;
   }
 
-  /// Of a leaf much wider than that of the queries only what a query may need.
+  /// Packs the points of a leaf. Of a leaf much wider than the leaf of the queries, keeps only the points that a query
+  /// may need.
   void take_within_reach(const Cell& cell, std::uint32_t slot, std::uint32_t leaf, float farthest) {
     const float others = packed_.farthest;
     pack(frame_, cell, slot, leaf, farthest, packed_);
@@ -255,8 +257,8 @@ class CellSearch {
     out_.refs.resize(written_);
   }
 
-  /// For the lists of so many queries, which are written in place: what is copied right after it was written number by
-  /// number has to wait for it.
+  /// Makes room in out_.refs for the lists of `queries` queries, which are written in place: a copy of values that have
+  /// just been written one by one would have to wait for these writes.
   void make_room(std::uint32_t queries) {
     written_ = out_.refs.size();
     out_.refs.resize(written_ + queries * K);
@@ -273,21 +275,22 @@ class CellSearch {
     written_ += size;
   }
 
-  /// One query again among the packed candidates, by their exact distances.
+  /// Searches again for one query among the packed candidates, by their exact distances.
   void settle_in_double(const Group<K>& group, std::uint32_t point, std::uint32_t lane, float reach) {
     ++scratch_.settled_in_double;
     const std::size_t near = find_near(group, lane, reach);
     near <= kFew ? settle_few(point, near) : settle_many(point, near);
   }
 
-  /// Notes in near_ all candidates whose key may be as small as that of the last one wanted, and returns how many.
+  /// Notes in near_ all candidates whose key may be as small as the key of the last wanted candidate, and returns their
+  /// number.
   std::size_t find_near(const Group<K>& group, std::uint32_t lane, float reach) {
     const float limit = reach * (1 + 2 * kRelativeMargin) + packed_.farthest * packed_.farthest * 2 * kAbsoluteMargin;
     const auto all = [&](Vec v) HWY_ATTR { return hn::Set(d_, lane_of(v, lane)); };
     return packed_within(d_, packed_, all(group.x), all(group.y), all(group.z), limit, near_.data());
   }
 
-  /// Calls use(candidate) with those of near_ that are points, and not the query itself.
+  /// Calls use(candidate) for each candidate of near_ that is a point, not padding, and not the query itself.
   template <class Use>
   void for_each_near(std::uint32_t point, std::size_t near, Use use) const {
     const Vec3 p = cell_.position(point);

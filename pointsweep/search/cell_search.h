@@ -21,12 +21,13 @@ namespace pointsweep {
 struct CellNeighbors {
   std::vector<std::uint32_t> begin;  ///< size + 1; list of point i is refs[begin[i] .. begin[i+1]), nearest first
   std::vector<NeighborRef> refs;
-  /// An upper bound of the squared radius of the ball that had to be empty of anything unknown: that of the kth
-  /// neighbour or the radius asked for; infinite where fewer than k points were found and no radius limits the search.
+  /// By point: an upper bound of the squared radius of the ball in which every point must be known for the list to be
+  /// exact. The ball reaches to the kth neighbour or has the radius of the query; the bound is infinite where fewer
+  /// than k points were found and no radius limits the search.
   std::vector<double> reach2;
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(begin.size() - 1); }
-  /// What the lists take.
+  /// Returns the bytes of memory that the lists take.
   std::uint64_t list_bytes() const { return refs.size() * sizeof(NeighborRef) + begin.size() * sizeof(std::uint32_t); }
 };
 
@@ -34,9 +35,9 @@ struct CellNeighbors {
 struct GatheredPoints {
   std::vector<double> x, y, z;
   std::vector<NeighborRef> ref;
-  std::vector<std::uint32_t> end;  ///< of each leaf's points
+  std::vector<std::uint32_t> end;  ///< by leaf: end of its points
   std::vector<std::uint64_t> key;
-  std::vector<std::uint32_t> bin_key, spare_key;  ///< as BinSort needs them
+  std::vector<std::uint32_t> bin_key, spare_key;  ///< keys and scratch of BinSort
   std::vector<Candidate> run;
 
   void reserve(std::size_t size, std::size_t padding) {
@@ -55,11 +56,11 @@ struct GatheredPoints {
   }
 };
 
-/// The search for at most so many neighbours goes in lanes over the points of a leaf. That for more, and for all within
-/// a radius, gathers the points around a leaf, at most kMostGathered of them.
+/// A search for at most kMostInLanes neighbours handles the points of a leaf in vector lanes. A search for more
+/// neighbours, or for all within a radius, gathers the points around a leaf, at most kMostGathered of them.
 inline constexpr std::size_t kMostInLanes = 64;
 inline constexpr std::size_t kMostGathered = 1 << 15;
-/// Memory for each of them: GatheredPoints, with leaves that are not full.
+/// Bytes of memory for each gathered point in GatheredPoints, including the unused places of leaves that are not full.
 inline constexpr std::uint64_t kGatheredPointBytes = 64;
 
 /// A cell whose points ask, the cells among which it is, and the neighbourhood that it asks for.
@@ -71,7 +72,7 @@ struct CellQuery {
   const Cell& cell() const { return directory.cell(slot); }
 };
 
-/// The cells near that of a query, nearest first.
+/// The cells near the cell of a query, nearest first.
 struct NearCells {
   std::vector<CellDirectory::Near> cells;
   double reach2 = 0;  ///< `cells` holds every cell within this squared distance of the box of the query's cell

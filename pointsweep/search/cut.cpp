@@ -57,7 +57,7 @@ float pivot_near(const CutPoint* points, std::size_t n, std::size_t rank, std::s
   return sample[at];
 }
 
-/// Quickselect: afterwards the first `rank` points have no coordinate above those of the rest.
+/// Quickselect: afterwards no coordinate of the first `rank` points is above a coordinate of the other points.
 void select(CutPoint* points, std::size_t n, std::size_t rank, std::size_t axis) {
   while (rank > 0 && rank < n) {
     if (n <= 8) {

@@ -23,7 +23,8 @@ struct alignas(16) CutPoint {
 void cut_into_cells(std::span<CutPoint> points, std::uint32_t cell_points,
                     const std::function<std::uint64_t(std::uint32_t index)>& row_of, std::vector<std::uint32_t>& begin);
 
-/// The same, and each cell is cut into leaves (search/leaf_cut.h). About 60 ns per point.
+/// Reorders points into cells as cut_into_cells() does, then cuts each cell into leaves (search/leaf_cut.h). About 60
+/// ns per point.
 void cut(std::span<CutPoint> points, std::uint32_t cell_points,
          const std::function<std::uint64_t(std::uint32_t index)>& row_of, std::vector<std::uint32_t>& begin);
 

@@ -29,8 +29,8 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep {
 namespace HWY_NAMESPACE {
 
-/// The search of one cell. How far a neighbourhood reaches is known beforehand from the point settled last: that of a
-/// point p ends within the reach of any point q plus |p - q|.
+/// The search for the points of one cell. A bound of each reach is known beforehand from the point q that was settled
+/// last: the neighbourhood of a point p ends within the reach of q plus |p - q|.
 class GatheredSearch {
  public:
   GatheredSearch(const CellQuery& query, std::uint64_t most, SearchScratch& scratch, CellNeighbors& out)
@@ -126,7 +126,8 @@ class GatheredSearch {
     return std::min(what_.radius2(), reach * reach * (1 + 1e-9) + 1e-300);
   }
 
-  /// Copies together all points that those of a leaf may need, leaf after leaf by distance. False if they are too many.
+  /// Copies all points that the points of a leaf may need into one place, leaf after leaf by distance. Returns false if
+  /// there are too many.
   bool gather(std::uint32_t leaf) {
     const Box around = box_of(leaf);
     const Vec3 a = around.lo - settled_at_, b = around.hi - settled_at_;
@@ -213,7 +214,7 @@ class GatheredSearch {
       const Cell& cell = query_.directory.cell(slot);
       const std::uint32_t from = l * kLeafCapacity, size = cell.leaf_size(l);
       if (slot == query_.slot && l == leaf) own_begin_ = n;
-      for (std::uint32_t i = 0; i < kLeafCapacity; ++i) {  // whole leaves; what is behind their end is overwritten
+      for (std::uint32_t i = 0; i < kLeafCapacity; ++i) {  // copies whole leaves; the next leaf overwrites the padding
         to.x[n + i] = cell.x[from + i], to.y[n + i] = cell.y[from + i], to.z[n + i] = cell.z[from + i];
         to.ref[n + i] = make_ref(slot, from + i);
       }
@@ -231,8 +232,8 @@ class GatheredSearch {
     finish_point(i, count >= what_.k ? distance2(position(out_.refs.back()), p) : what_.radius2());
   }
 
-  /// Adds the list of a point whose candidates are the first so many of those gathered. Returns how many of them are
-  /// within sqrt(limit2).
+  /// Adds the list of a point whose candidates are the first `candidates` gathered points. Returns how many of the
+  /// candidates are within sqrt(limit2).
   std::size_t append_by_distances(std::uint32_t i, Vec3 p, double limit2, std::size_t candidates) {
     const std::size_t count = keep_within(limit2, p, make_ref(query_.slot, i), candidates);
     std::uint64_t* keys = scratch_.gathered.key.data();
@@ -244,7 +245,7 @@ class GatheredSearch {
     return count;
   }
 
-  /// The same. Where too many share a bin, adds nothing and clears by_bins_.
+  /// Adds the list as append_by_distances() does. If too many points share a bin, adds nothing and clears by_bins_.
   std::size_t append_by_bins(std::uint32_t i, Vec3 p, double limit2, std::size_t candidates) {
     BinSearch bins(scratch_.gathered, candidates, limit2);
     const std::size_t count = bins.find(p, own_begin_ + i % kLeafCapacity, what_.k);
@@ -266,7 +267,7 @@ class GatheredSearch {
     for (std::size_t j = 0; j < refs.size(); ++j) refs[j] = run[j].ref;
   }
 
-  /// How many of the gathered points belong to leaves within sqrt(limit2) of the leaf searched.
+  /// Returns the number of gathered points in leaves within sqrt(limit2) of the searched leaf.
   std::size_t points_within(double limit2) const {
     const auto& leaves = scratch_.leaves;
     const auto beyond = std::upper_bound(leaves.begin(), leaves.end(), NearLeaf::key(not_near(limit2), 0xFFFFFF, 0xFF));
@@ -320,7 +321,8 @@ class GatheredSearch {
     for (std::size_t i = 0; i < wanted; ++i) keys[i] = run[i].ref;
   }
 
-  /// In place: as many points at one distance as copies of a point or a grid may have take no more memory.
+  /// Sorts a long run in place, so that the many points at one distance that copies of a point or a grid have take no
+  /// additional memory.
   void order_long_run(Vec3 p, std::uint64_t* keys, std::size_t size, std::size_t wanted) const {
     const auto candidate = [&](std::uint64_t key) {
       return candidate_from(query_.directory, static_cast<NeighborRef>(key), p);

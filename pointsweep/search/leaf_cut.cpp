@@ -52,7 +52,7 @@ class LeafCut {
     halve(first + left, n - left);
   }
 
-  /// Of the box of a range.
+  /// A side of the box of a range.
   struct Side {
     std::size_t axis;
     float lo, extent;
@@ -122,7 +122,8 @@ class LeafCut {
     for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
       const auto goes_low = hn::Lt(hn::LoadU(di, keys_ + i), hn::Set(di, limit));
       const Front<Keys> low_ones(goes_low), high_ones(hn::Not(goes_low));
-      // Whole vectors are stored: what is behind those chosen the next ones overwrite. Faster than masked stores.
+      // Stores whole vectors; the next store overwrites the lanes after the chosen values. This is faster than masked
+      // stores.
       const auto number = hn::LoadU(di, order_ + first + i);
       hn::StoreU(low_ones(number), di, low_order_ + low);
       hn::StoreU(high_ones(number), di, high_order_ + (i - low));

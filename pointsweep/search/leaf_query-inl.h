@@ -34,7 +34,8 @@ inline constexpr float kPadding = 1e16f;       ///< coordinate of padding: its k
 inline constexpr float kFarthest = 1e14f;      ///< coordinates are clamped here: their keys stay below kEmptyKey
 inline constexpr float kSmallest = 0x1p-100f;  ///< added to every key, keeps it normal
 
-/// How far keys and the squared distances in double may differ, all coordinates at most m from the centre:
+/// Bounds of the difference between keys and squared distances in double, if all coordinates are at most m from the
+/// centre:
 ///   |key - d²| <= 2^-12.4 d² + 2^-30 m²
 /// from rounding to single precision (2^-24 m per coordinate; the mixed term 2d·e is at most 2^-14 d² + 2^14 e²) and
 /// from the 10 bits taken by the candidate's number (2^-13). Twice that, rounded up, separates two keys with certainty.
@@ -92,7 +93,8 @@ HWY_INLINE void merge_bitonic(Vec* keys, std::size_t stride) {
 /// The K + 1 smallest keys per lane, ascending. With k < K the first K - k places hold -1 for good.
 template <std::size_t K>
 struct Selection {
-  /// From so many keys on, sorting sixteen and merging them costs less than inserting one after another.
+  /// From this number of keys on, sorting sixteen keys and merging them costs less than inserting them one after
+  /// another.
   static constexpr std::size_t kMergeFrom = K >= 32 ? 6 : kLeafCapacity + 1;
   Vec list[K + 1];
 
@@ -248,7 +250,8 @@ struct Group {
     selection = best;
   }
 
-  /// The same for the leaf the queries belong to, the first of them at `first_query`: a point is not its own neighbour.
+  /// Tries the last packed leaf where it is the leaf of the queries, the first of which is at `first_query`. A point is
+  /// not its own neighbour.
   HWY_INLINE void try_own_leaf(Lanes d, const Packed& packed, std::size_t first_query) {
     const hn::RebindToUnsigned<Lanes> du;
     const auto lane = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<std::uint32_t>(first_query)));

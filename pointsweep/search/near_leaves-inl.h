@@ -83,8 +83,9 @@ HWY_INLINE void find_near_leaves(const Cell& cell, const Box& box, double reach2
   }
 }
 
-/// The same for the cells in `near` (as CellDirectory::find leaves them): keys of the leaves for which wanted(slot,
-/// leaf), nearest first, into `leaves`. Ends early, in no order, once there are more than `most`.
+/// Collects the near leaves of all cells in `near` (in the order of CellDirectory::find) for which wanted(slot, leaf)
+/// is true: writes their keys to `leaves`, nearest first. Ends early, with keys in no order, once there are more than
+/// `most`.
 template <class Wanted>
 HWY_INLINE void collect_near_leaves(const CellDirectory& directory, const std::vector<CellDirectory::Near>& near,
                                     const Box& box, double reach2, std::size_t most, Wanted wanted,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The neighbourhood operator point by point in double precision, whatever is asked for: for points that the vector
-/// code gives back, and machines without vectors.
+/// The neighbourhood operator point by point in double precision, for any k and radius. Used for points that the vector
+/// code cannot decide, and on machines without vectors.
 #pragma once
 
 #include "pointsweep/search/cell_search.h"
@@ -8,10 +8,10 @@
 namespace pointsweep {
 
 /// Leaves the neighbourhood of the point of index `i` in scratch.best, to be finished. scratch.near holds cells near
-/// that of the query, and grows as needed.
+/// the cell of the query, and grows as needed.
 void search_point_plainly(const CellQuery& query, std::uint32_t i, SearchScratch& scratch);
 
-/// The same for a place in the cell, where the point of row `self_row` does not count.
+/// Leaves the neighbourhood of a place in the cell in scratch.best, without the point of row `self_row`.
 void search_place_plainly(const CellQuery& query, Vec3 place, std::uint64_t self_row, SearchScratch& scratch);
 
 /// Appends the neighbourhood in scratch.best to `out`, and the squared distance at which it ends.
