@@ -17,7 +17,7 @@ namespace pointsweep {
 struct ComponentsSetup {
   const VoteRule* votes = nullptr;  ///< may be null; must outlive the components
   MakeScratch make_scratch;
-  std::uint64_t memory_bytes = 0;  ///< to sort components in
+  std::uint64_t memory_bytes = 0;  ///< memory for sorting components
   /// Called with the points that are known, of all of them twice; may throw to end the work.
   std::function<void(std::uint64_t points)> progress;
 };
@@ -29,9 +29,9 @@ class Components {
   /// Calls use(row, label) once for each point. Components are numbered from 0 by their first point.
   void for_each_point(const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
   std::uint64_t count() const { return count_; }
-  /// Of what was put aside for the forest.
+  /// Returns the bytes of the log of the forest in the temporary folder.
   std::uint64_t log_bytes() const { return log_.bytes(); }
-  /// The most supernodes in memory at once.
+  /// Returns the largest number of supernodes that were in memory at once.
   std::size_t peak_supernodes() const { return peak_supernodes_; }
 
  private:

@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-/// What goes into one bucket, by number in the batch.
+/// The points, edges and marks of a batch that go into one bucket. Points and edges are numbers in the batch.
 struct BucketContent {
   std::vector<std::uint32_t> points, edges;
   std::vector<OpenUntil> marks;

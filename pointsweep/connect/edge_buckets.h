@@ -3,8 +3,8 @@
 ///
 /// A point belongs to the bucket of its key. An edge lies in the bucket of its later end; if the other end is in an
 /// earlier bucket, a mark there says until which bucket that point has edges. So when buckets are read in their order,
-/// a point closes with its own bucket or the last that its marks name. It does not matter when an edge was found:
-/// those of points that were deferred for long come into the same buckets.
+/// a point closes with its own bucket or the last that its marks name. It does not matter when an edge was found: the
+/// edges of points that were deferred for long come into the same buckets as if found earlier.
 #pragma once
 
 #include <cstddef>
@@ -29,11 +29,13 @@ struct OpenUntil {
 
 class EdgeBuckets {
  public:
-  /// `begins`: where buckets but the first begin, in any order. Not `weighted`: edges keep their rows alone.
+  /// `begins`: the keys at which all buckets except the first begin, in any order. If not `weighted`, only the rows of
+  /// an edge are kept.
   EdgeBuckets(std::vector<PointKey> begins, int axis, bool weighted, std::size_t ballot_bytes,
               const MakeScratch& make_scratch);
 
-  /// Edges of a batch, and its first `own` points with their ballots. Thread-safe. A point may come more than once.
+  /// Adds the edges of a batch, and its first `own` points with their ballots. Thread-safe. A point may be added more
+  /// than once.
   void put(const EdgeBatch& batch, std::size_t own, std::span<const std::byte> ballots);
 
   /// Some points, edges and marks of one bucket.
@@ -44,7 +46,7 @@ class EdgeBuckets {
     std::vector<OpenUntil> marks;
   };
   std::size_t buckets() const { return places_.size(); }
-  /// Chunks of a bucket.
+  /// Returns the number of chunks of a bucket.
   std::size_t chunks(std::size_t bucket) const { return places_[bucket].size(); }
   void read(std::size_t bucket, std::size_t chunk, Chunk& out) const;
 
@@ -52,7 +54,7 @@ class EdgeBuckets {
   std::uint64_t bytes() const { return bytes_; }
 
  private:
-  /// Of a chunk in the scratch: points, ballots, edges and marks, one after another.
+  /// The place of a chunk in the scratch, where its points, ballots, edges and marks lie one after another.
   struct Place {
     std::uint64_t offset;
     std::uint32_t points, edges, marks;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What a spanning forest leaves behind: which supernode became part of which, and the components that are complete. It
-/// is written forwards, and read backwards: the end of a supernode's way is known before its parts come.
+/// The log of a spanning forest: the merges of supernodes, and the components that are complete. It is written forwards
+/// and read backwards, so that the component of a supernode is known before the parts of the supernode are read.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace pointsweep {
 
 /// A component without edges to anything else. The result of its votes follows in the log of components.
 struct FinishedComponent {
-  PointKey first;  ///< the least of its points
+  PointKey first;  ///< the first point of the component by key
   std::uint64_t points = 0;
 };
 
@@ -26,24 +26,24 @@ class ScratchRecords {
  public:
   ScratchRecords(std::unique_ptr<Scratch> scratch, std::size_t record_bytes);
   void append(const void* record);
-  /// After the last record.
+  /// Ends the writing. To be called after the last append().
   void finish();
   std::uint64_t count() const { return count_; }
   std::size_t record_bytes() const { return bytes_; }
-  /// Records [first, first + out.size() / record_bytes()).
+  /// Reads the records [first, first + out.size() / record_bytes()).
   void read(std::uint64_t first, std::span<std::byte> out) const { scratch_->read(first * bytes_, out); }
   /// Calls use(record) from the last to the first.
   void for_each_backwards(const std::function<void(const std::byte* record)>& use) const;
-  /// Gives them from the last to the first.
+  /// Reads the records one by one, from the last to the first.
   class Backwards {
    public:
     explicit Backwards(const ScratchRecords& records) : records_(records), first_(records.count()) {}
-    /// The next one; null before the first.
+    /// Returns the next record in this direction; null after the first record has been returned.
     const std::byte* next();
 
    private:
     const ScratchRecords& records_;
-    std::uint64_t first_;  ///< of the block
+    std::uint64_t first_;  ///< number of the first record of `block_`
     std::uint64_t left_ = 0;
     std::vector<std::byte> block_;
   };
@@ -55,28 +55,28 @@ class ScratchRecords {
   std::vector<std::byte> block_;
 };
 
-/// What is known of the component of a point, and of the point in it.
+/// The label of a component, or of a point in its component.
 struct ComponentLabel {
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
-  std::uint64_t number = kNone;  ///< kNone: it does not count
+  std::uint64_t number = kNone;  ///< kNone: the component gets no number
   std::uint64_t points = 0;
-  bool flips = false;                 ///< of the component: its signs are to be turned; of a point: its sign is
-  const std::byte* result = nullptr;  ///< of the votes
+  bool flips = false;                 ///< component: all its signs are to be turned; point: its sign is
+  const std::byte* result = nullptr;  ///< result of the votes of the component
 };
 
 /// Supernodes have slots, which are used again when they are free.
 class ForestLog {
  public:
   ForestLog(const MakeScratch& make_scratch, std::size_t result_bytes);
-  /// The supernode of the point `row`, in `slot`, became part of that in `to`.
+  /// Notes that the supernode of the point `row`, in `slot`, became part of the supernode in `to`.
   void merged(std::uint64_t row, std::uint32_t slot, std::uint32_t to, bool flips);
-  /// The supernode in `slot` is a whole component: no edge joins it to another one.
+  /// Notes that the supernode in `slot` is a whole component: no edge joins it to another supernode.
   void finished(std::uint64_t row, std::uint32_t slot, const FinishedComponent& component, const std::byte* result);
-  /// After the last of both.
+  /// Ends the writing. To be called after the last merged() and finished().
   void finish();
 
   std::uint64_t bytes() const;
-  /// Records of a FinishedComponent and the result of its votes.
+  /// Returns the records of components: a FinishedComponent and the result of its votes each.
   const ScratchRecords& components() const { return components_; }
   /// Calls use(row, label) for each point. Components come from the last to the first, each once, before its points:
   /// label_of(number in components(), its record). A label is valid during the call.

@@ -15,7 +15,8 @@ namespace pointsweep {
 template <class Value>
 class RowTable {
  public:
-  /// The value of a row, and whether it is a new one.
+  /// Returns the value of a row, and whether it is new. A new value is default-constructed. add() and erase() make
+  /// pointers to values invalid.
   std::pair<Value*, bool> add(std::uint64_t row) {
     if (2 * (size_ + 1) > entries_.size()) grow();
     std::size_t at = home(row);
@@ -25,7 +26,7 @@ class RowTable {
     ++size_;
     return {&entries_[at].value, true};
   }
-  /// Null if there is none.
+  /// Returns the value of a row; null if there is none.
   Value* find(std::uint64_t row) {
     if (size_ == 0) return nullptr;
     for (std::size_t at = home(row); entries_[at].row != kNone; at = (at + 1) & mask_)
@@ -60,7 +61,7 @@ class RowTable {
     Value value = {};
   };
   std::size_t home(std::uint64_t row) const { return mix(row) & mask_; }
-  /// Entries behind the gap move up as far as their homes allow.
+  /// Moves the entries after the gap up as far as their homes allow.
   void close_gap(std::size_t gap) {
     for (std::size_t at = (gap + 1) & mask_; entries_[at].row != kNone; at = (at + 1) & mask_) {
       const std::size_t from_home = (at - home(entries_[at].row)) & mask_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Records of one size in their order, however many: runs that fit the memory are sorted, then merged.
+/// Sorts any number of records of one size: sorts runs that fit in memory, then merges the runs.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ class SortedRecords {
     ++count_;
     if (records_.size() == most_) end_run();
   }
-  /// After the last record.
+  /// Ends the adding. To be called after the last add() and before next().
   void finish() {
     if (!scratch_) return std::sort(records_.begin(), records_.end(), less_);
     if (!records_.empty()) end_run();
@@ -42,7 +42,7 @@ class SortedRecords {
     std::make_heap(heap_.begin(), heap_.end(), after());
   }
   std::uint64_t count() const { return count_; }
-  /// The next one in order; empty behind the last.
+  /// Returns the next record in order; nullopt after the last record.
   std::optional<Record> next() {
     if (!scratch_) return at_ < records_.size() ? std::optional(records_[at_++]) : std::nullopt;
     if (heap_.empty()) return {};
@@ -57,7 +57,7 @@ class SortedRecords {
  private:
   static constexpr std::uint64_t kLeastRun = 4096;
   struct Run {
-    std::uint64_t first, end;  ///< in the scratch
+    std::uint64_t first, end;  ///< numbers of records in the scratch
     std::vector<Record> block = {};
     std::size_t at = 0;
   };

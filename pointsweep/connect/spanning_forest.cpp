@@ -108,8 +108,9 @@ void SpanningForest::close(std::span<const std::uint64_t> rows) {
   let_go();
 }
 
-/// From the least candidate to the largest. An end without open points has no lesser candidate: had there been one, it
-/// would have been taken, or both of its ends had open points, as their unions still would.
+/// Takes the candidates from the least to the largest, and merges the ends of each candidate unless both have open
+/// points. An end without open points has no lesser candidate: such a candidate would have been taken, or both of its
+/// ends would have had open points, and so would their unions.
 void SpanningForest::contract() {
   std::erase_if(candidates_, [this](const Candidate& c) {
     const Root a = root_of(c.a), b = root_of(c.b);
@@ -119,7 +120,7 @@ void SpanningForest::contract() {
   });
 }
 
-/// Gives back the slots of supernodes that are part of others now, or complete.
+/// Frees the slots of supernodes that are now part of others, or complete.
 void SpanningForest::let_go() {
   for (Candidate& c : candidates_) {
     const Root a = root_of(c.a), b = root_of(c.b);

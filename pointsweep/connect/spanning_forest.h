@@ -26,34 +26,34 @@ namespace pointsweep {
 class SpanningForest {
  public:
   /// Not `weighted`: all weights are equal and no edge flips, so that any forest tells the components; edges need not
-  /// name positions then. `votes` may be null. What is given must outlive this.
+  /// name positions then. `votes` may be null. `votes` and `log` must outlive this object.
   SpanningForest(bool weighted, const VoteRule* votes, ForestLog& log);
 
-  /// Points, with their ballots one after another. Those that are new are appended to `opened`; one that is open
-  /// already is left out.
+  /// Opens points; `ballots` holds their ballots one after another. Appends the rows of new points to `opened`; a point
+  /// that is open already is ignored.
   void open(std::span<const PointKey> points, std::span<const std::byte> ballots, std::vector<std::uint64_t>& opened);
-  /// Edges between open points.
+  /// Adds edges between open points.
   void join(std::span<const ForestEdge> edges);
-  /// No edge that names one of these open points comes after this.
+  /// Closes open points: no edge that names one of these points comes later.
   void close(std::span<const std::uint64_t> rows);
 
   std::size_t open_points() const { return open_.size(); }
   std::size_t supernodes() const { return live_.size(); }
   std::size_t candidates() const { return candidates_.size(); }
-  /// The most supernodes there have been at once.
+  /// Returns the largest number of supernodes that existed at once.
   std::size_t slots() const { return supernodes_.size(); }
 
  private:
   struct OpenPoint {
     std::uint32_t slot = 0;
-    bool flips = false;  ///< its sign differs from that of the supernode
+    bool flips = false;  ///< the sign of the point differs from the sign of its supernode
   };
   struct Supernode {
-    std::uint64_t row = 0;  ///< of the point for which it was made
+    std::uint64_t row = 0;  ///< row of the point for which the supernode was made
     FinishedComponent sums;
     std::uint64_t open = 0;
-    std::uint32_t parent = 0;  ///< the slot itself, or while it is merged, that of another
-    bool flips = false;        ///< its sign differs from that of its parent
+    std::uint32_t parent = 0;  ///< its own slot; after a merge, the slot of another supernode
+    bool flips = false;        ///< the sign of the supernode differs from the sign of its parent
   };
   struct Candidate {
     ForestEdge edge;
@@ -77,11 +77,11 @@ class SpanningForest {
   bool weighted_;
   const VoteRule* rule_;
   std::size_t vote_bytes_;
-  std::vector<std::byte> result_;  ///< of the votes of a component
+  std::vector<std::byte> result_;  ///< result of the votes of a component
   ForestLog& log_;
   RowTable<OpenPoint> open_;                  ///< by row
   std::deque<Supernode> supernodes_;          ///< by slot
-  std::deque<std::vector<std::byte>> votes_;  ///< the same, in pages: they grow without a copy
+  std::deque<std::vector<std::byte>> votes_;  ///< votes by slot, in pages: they grow without a copy
   std::vector<std::uint32_t> live_, free_;
   std::vector<Candidate> candidates_;  ///< ascending
   std::vector<std::uint32_t> joined_;  ///< by slot: a set of supernodes that candidates join

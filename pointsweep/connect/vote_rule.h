@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What decides about a component: sums over its points, some of which change with the sign of a point.
+/// Votes decide about a component. They are sums over its points, some of which change with the sign of a point.
 #pragma once
 
 #include <cstddef>
@@ -17,17 +17,17 @@ class VoteRule {
   virtual std::size_t bytes() const = 0;
   /// Sets the votes of one point.
   virtual void start(std::byte* votes, const PointKey& point, const std::byte* ballot) const = 0;
-  /// Adds the votes `from` to `into`; `flips`: with the opposite signs.
+  /// Adds the votes `from` to `into`, with opposite signs if `flips`.
   virtual void merge(std::byte* into, const std::byte* from, bool flips) const = 0;
-  /// Of the result, which is all that is kept of the votes of a whole component.
+  /// Returns the bytes of a result. Of the votes of a whole component, only the result is kept.
   virtual std::size_t result_bytes() const = 0;
   virtual void conclude(const std::byte* votes, std::byte* result) const = 0;
-  /// Whether the component gets a number.
+  /// Returns whether the component gets a number.
   virtual bool counts(const std::byte* result) const {
     (void)result;
     return true;
   }
-  /// Whether its signs are to be turned.
+  /// Returns whether the signs of the component are to be turned.
   virtual bool turns(const std::byte* result) const {
     (void)result;
     return false;

@@ -9,11 +9,11 @@
 
 namespace pointsweep {
 
-/// Digits that decimals are looked for behind the point.
+/// Largest number of digits after the decimal point that decimals_of() tries.
 inline constexpr int kMostDecimals = 9;
 
-/// The fewest digits behind the point, up to kMostDecimals, with which `value` is the float64 nearest to a decimal
-/// fraction; absent if there are none.
+/// Returns the smallest number of digits after the decimal point, up to kMostDecimals, with which `value` is the
+/// float64 nearest to a decimal fraction; nullopt if there is no such number.
 std::optional<int> decimals_of(double value);
 
 /// Decimal numbers of a field whose scale and bias are decimal fractions: raw * scale + bias in float64 differs from
@@ -21,14 +21,14 @@ std::optional<int> decimals_of(double value);
 class GridDecimals {
  public:
   explicit GridDecimals(const Field& field);
-  /// The float64 nearest to the decimal fraction on the grid if `value` is that but for a few units in its last place;
-  /// else `value`.
+  /// Returns the float64 nearest to a decimal fraction on the grid if `value` differs from it by at most a few units in
+  /// the last place; else returns `value`.
   double of(double value) const;
   /// Returns whether of() may change a value.
   bool any() const { return decimals_[0] || decimals_[1]; }
 
  private:
-  std::array<std::optional<int>, 2> decimals_;  ///< of the scale, and of both; absent without a scale
+  std::array<std::optional<int>, 2> decimals_;  ///< digits of the scale, and of scale and bias; absent without a scale
   double bias_;
 };
 

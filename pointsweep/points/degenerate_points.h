@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which points of a batch have no result because their data define none.
+/// The points of a batch that have no result because their data define none.
 #pragma once
 
 #include <bit>

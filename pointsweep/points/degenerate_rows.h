@@ -8,8 +8,8 @@
 
 namespace pointsweep {
 
-/// How many rows were added, and the lowest of them. Neither depends on the order in which rows are added, nor on how
-/// they are divided among objects that are added to each other later. Every row may be added once.
+/// The number of rows that were added, and the lowest of these rows. Neither depends on the order in which rows are
+/// added, nor on how they are divided among objects that are added to each other later. Every row may be added once.
 class DegenerateRows {
  public:
   static constexpr std::size_t kMostListed = 1000;
@@ -22,7 +22,7 @@ class DegenerateRows {
   void add(const DegenerateRows& others);
 
   std::uint64_t count() const { return count_; }
-  /// Ascending, at most kMostListed.
+  /// Returns the lowest rows, ascending; at most kMostListed.
   std::vector<std::uint64_t> lowest() const;
 
  private:

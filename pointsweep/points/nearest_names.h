@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which known names a misspelt word may stand for.
+/// Finds the known names that a misspelt word may stand for.
 #pragma once
 
 #include <optional>
@@ -9,14 +9,16 @@
 
 namespace pointsweep {
 
-/// Letters to insert, delete or replace to turn one word into the other (Levenshtein).
+/// Returns the number of letters to insert, delete or replace to turn one word into the other (Levenshtein distance).
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// "'normals', 'knn' or 'splats'": at most three of `known`, nearest to `word` first. Known must not be empty.
+/// Returns a text like "'normals', 'knn' or 'splats'": at most three names of `known`, nearest to `word` first. `known`
+/// must not be empty.
 std::string nearest_names(std::string_view word, const std::vector<std::string>& known);
 
-/// The name that `word` is probably a misspelling or the beginning of: at most one letter in three differs, or `word`
-/// has at least three letters and the name begins with them. Case does not count. None if no name is that near.
+/// Returns the name that `word` is probably a misspelling or the beginning of: at most one letter in three differs, or
+/// `word` has at least three letters and the name begins with them. Case does not count. Returns nullopt if no name is
+/// that near.
 std::optional<std::string> probable_name(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace pointsweep

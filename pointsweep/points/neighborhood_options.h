@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// What tells one neighbourhood from another.
+/// The options that tell one neighbourhood from another.
 #pragma once
 
 #include "pointsweep/neighborhood.h"
 
 namespace pointsweep {
 
-/// k, radius and the options of the rule, as far as they limit anything: as the stage `knn` takes them.
+/// Returns k, radius and the options of the rule, in the form that the stage `knn` takes. Options that limit nothing
+/// are left out.
 Options options_of(const Neighborhood& neighborhood);
 
 }  // namespace pointsweep

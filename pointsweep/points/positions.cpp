@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// From records to three arrays of coordinates.
+/// Decodes records into three arrays of coordinates.
 #include <algorithm>
 #include <cstring>
 

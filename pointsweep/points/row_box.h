@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Where the points of consecutive rows lie, as a file states it.
+/// Boxes that a file states for the points of consecutive rows.
 #pragma once
 
 #include <cstdint>

@@ -43,8 +43,8 @@ PositionFields position_fields(const Schema& schema, std::string_view where);
 void decode_positions(const PositionFields& fields, const std::byte* records, std::size_t stride, std::size_t count,
                       double* x, double* y, double* z);
 
-/// The type that holds the values of `field` in a word of its own: its type, or of a part of a word (`bit_width`) the
-/// least unsigned one that is wide enough.
+/// Returns the type of a separate word that holds the values of `field`: the type of the field, or for a part of a word
+/// (`bit_width`) the smallest unsigned type that is wide enough.
 Type unpacked_type(const Field& field);
 
 /// Returns whether a reader of `field` gets `value` back to within half a step. False for NaN, infinite values and

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// From a Type known at run time to a C++ type known at compile time.
+/// Calls a function template with the C++ type that a Type names at run time.
 #pragma once
 
 #include <cstdint>

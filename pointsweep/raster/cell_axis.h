@@ -13,8 +13,8 @@
 namespace pointsweep {
 
 struct AxisRule {
-  std::size_t margin;  ///< empty cells before the first number and behind the last
-  std::size_t most;    ///< cells from one number to the next are at most so many
+  std::size_t margin;  ///< empty cells before the first number and after the last number
+  std::size_t most;    ///< largest distance between the places of successive numbers, in cells
 };
 
 /// Places of numbers that come in ascending order, in bands: from one band to the next there are `most` cells or more.
@@ -23,11 +23,11 @@ class BandedRows {
   explicit BandedRows(AxisRule rule) : rule_(rule) {}
   /// Returns whether `number` is the first of a new band.
   bool begins_band(double number) const;
-  /// The place of a number in its band. `number` is at least that of the call before.
+  /// Returns the place of a number in its band. `number` must not be less than in the call before.
   std::uint64_t place_of(double number);
-  /// The band in hand, counted from 0.
+  /// Returns the number of the current band, counted from 0.
   std::size_t band() const { return band_; }
-  /// Places of the band in hand, with both margins. 0 without any number.
+  /// Returns the number of places of the current band, with both margins; 0 before the first number.
   std::uint64_t rows() const { return any_ ? place_ + rule_.margin + 1 : 0; }
 
  private:
@@ -43,15 +43,15 @@ class CellAxis {
  public:
   explicit CellAxis(AxisRule rule) : rule_(rule) {}
   void add(double number);
-  /// After the last number.
+  /// Assigns the places. To be called after the last add().
   void finish();
-  /// Of a number that was added.
+  /// Returns the place of a number that was added.
   std::size_t place_of(double number) const;
-  /// Places there are, with both margins. 0 without any number.
+  /// Returns the number of places, with both margins; 0 if no number was added.
   std::size_t size() const { return size_; }
 
  private:
-  /// Successive numbers.
+  /// A run of successive numbers.
   struct Run {
     double first, last;
     std::size_t place = 0;
@@ -59,7 +59,7 @@ class CellAxis {
   void merge();
 
   AxisRule rule_;
-  std::vector<double> added_;  ///< not yet in runs_
+  std::vector<double> added_;  ///< numbers that are not yet in runs_
   std::vector<Run> runs_;      ///< ascending
   std::size_t size_ = 0;
 };

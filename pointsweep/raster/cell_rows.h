@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Rows of cells of a raster, a few at a time: what flows through the filters of this folder.
+/// Rows of cells of a raster, which flow through the filters of this folder a few at a time.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ inline constexpr double kNoCell = std::numeric_limits<double>::infinity();
 struct CellRows {
   std::size_t rows = 0;
   std::vector<double> values;       ///< rows × columns; finite or kNoCell
-  std::vector<std::uint8_t> marks;  ///< rows × columns; 1: the value is not that of the ground
+  std::vector<std::uint8_t> marks;  ///< rows × columns; 1: the value does not belong to the ground
 };
 
 /// A source of rows from the first to the last.
@@ -25,7 +25,7 @@ class RowStream {
   explicit RowStream(std::size_t columns) : columns_(columns) {}
   virtual ~RowStream() = default;
   std::size_t columns() const { return columns_; }
-  /// The next rows, at least one and as many as the stream finds convenient. False, and no rows, after the last.
+  /// Reads the next rows, at least one; the stream chooses how many. Returns false, and no rows, after the last row.
   virtual bool next(CellRows& out) = 0;
 
  private:

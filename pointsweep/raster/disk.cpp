@@ -53,7 +53,7 @@ void DiskMinima::add_part(const double* values, std::size_t rows, std::size_t fi
   }
 }
 
-/// To the rows of the results for which the disk is so wide at `row`.
+/// Includes the minima `values` in each row of the results for which the disk has this half width at `row`.
 void DiskMinima::spread(const double* values, std::size_t row, std::size_t half_width, std::size_t first,
                         std::size_t end) {
   const auto take = [&](std::size_t to) {

@@ -65,7 +65,8 @@ class MarkedRows final : public RowStream {
   std::vector<std::uint8_t> held_;
 };
 
-/// What is there in any case: both rasters of minima, marks that wait, and the rows that the caller holds.
+/// Returns the bytes per column that are needed for any number of filters: both rasters of minima, marks that wait, and
+/// the rows that the caller holds.
 std::size_t other_column_bytes(const GroundRule& rule) {
   const std::size_t block = kRowsAtOnce * (sizeof(double) + 1);
   return 2 * FilledRows::column_bytes(rule.reach()) + 6 * block + 2 * rule.radius + 4 * sizeof(double);

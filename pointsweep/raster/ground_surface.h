@@ -20,12 +20,14 @@ struct GroundRule {
   static constexpr double kPitSlope = 5;
   double cell;         ///< edge of a cell, length
   double slope;        ///< steepest slope of the ground, rise over run
-  std::size_t radius;  ///< of the largest disk, in cells
+  std::size_t radius;  ///< radius of the largest disk, in cells
 
   /// Half of the height of the lowest pit or object: filled and opened surfaces do not leave the range of the minima by
-  /// more than roundings. Where minima differ by less, as those of an outlier far away, the filters do nothing.
+  /// more than roundings. Where minima differ by less than this height, as the minima of a distant outlier do, the
+  /// filters change nothing.
   double least_height() const { return std::min(slope, kPitSlope) * cell / 2; }
-  /// Farthest cells from which a hole is filled: across what the largest disk erases, in any direction.
+  /// Returns the distance, in cells, of the farthest cells from which a hole is filled. It spans what the largest disk
+  /// erases, in any direction.
   std::size_t reach() const { return 3 * radius + 3; }
   /// A strip without points wider than this separates what lies on its two sides.
   AxisRule axis_rule() const { return {reach(), 2 * reach() + radius + 2}; }
@@ -41,9 +43,9 @@ struct GroundRule {
 std::unique_ptr<RowStream> ground_surface(const CellBand& lowest, const GroundRule& rule, std::uint64_t memory_bytes,
                                           const MakeScratch& make_scratch);
 
-/// Throws Error if a single filter of so many columns does not fit.
+/// Throws Error if a single filter over `columns` columns does not fit in `memory_bytes`.
 void require_ground_memory(const GroundRule& rule, std::size_t columns, std::uint64_t memory_bytes);
-/// The least memory that does for so many columns.
+/// Returns the least memory that suffices for `columns` columns, in bytes.
 std::uint64_t least_ground_bytes(const GroundRule& rule, std::size_t columns);
 
 }  // namespace pointsweep

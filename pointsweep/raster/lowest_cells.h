@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The lowest z of each cell that has a point: the raster of minima, without its empty cells, in the temporary folder.
 /// It falls into bands: rows without a wide empty strip between them. No cell of a band has an effect on another band,
-/// so that each is a raster of its own, with columns of its own.
+/// so that each band is a separate raster with its own columns.
 #pragma once
 
 #include <cstddef>
@@ -17,9 +17,9 @@ namespace pointsweep {
 
 /// A cell that has a point.
 struct LowestCell {
-  std::uint64_t row;  ///< its place in its band
+  std::uint64_t row;  ///< place of the row in its band
   double column;      ///< its number
-  double z;           ///< the least of its points
+  double z;           ///< least z of the points of the cell
 };
 
 /// Takes points cell by cell, row by row.
@@ -33,7 +33,7 @@ class LowestCells {
 
   std::uint64_t count() const { return count_; }
   std::size_t bands() const { return bands_.size(); }
-  /// The most columns of a band.
+  /// Returns the largest number of columns of a band.
   std::size_t most_columns() const { return most_columns_; }
 
  private:
@@ -45,11 +45,11 @@ class LowestCells {
   void put();
   void end_band();
   void flush();
-  /// Cells `first`, `first` + 1, ... before `end`: ascending rows. At most 4,096.
+  /// Reads the cells `first`, `first` + 1, ... before `end`, with ascending rows; at most 4,096 cells.
   void read(std::uint64_t first, std::uint64_t end, std::vector<LowestCell>& out) const;
 
   AxisRule rule_;
-  CellAxis columns_;  ///< of the band in hand
+  CellAxis columns_;  ///< columns of the current band
   BandedRows rows_;
   std::unique_ptr<Scratch> scratch_;
   std::vector<LowestCell> buffer_;
@@ -68,9 +68,10 @@ class CellBand {
   const CellAxis& columns() const { return columns_; }
   std::uint64_t rows() const { return band_.rows; }
   std::uint64_t count() const { return band_.end - band_.first; }
-  /// From the least z to the greatest.
+  /// Returns the difference between the greatest and the least z of the cells.
   double height() const { return highest_ - lowest_; }
-  /// Its cells `first`, `first` + 1, ... in their order: ascending rows. At most 4,096, and none after the last.
+  /// Reads the cells `first`, `first` + 1, ... of the band, with ascending rows; at most 4,096 cells, and none after
+  /// the last cell.
   void read(std::uint64_t first, std::vector<LowestCell>& out) const {
     cells_.read(band_.first + first, band_.end, out);
   }

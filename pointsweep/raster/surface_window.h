@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The few rows of a surface around the row of the points in hand.
+/// The few rows of a surface around the row of the current points.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,11 @@ namespace pointsweep {
 
 class SurfaceWindow {
  public:
-  /// Of the rows around a row, those up to `around` before and behind it are in memory.
+  /// Keeps the row of move_to(), and the rows up to `around` before and after it, in memory.
   SurfaceWindow(std::unique_ptr<RowStream> from, std::size_t around) : from_(std::move(from)), around_(around) {}
-  /// To a row that is no earlier than the one before.
+  /// Moves the window to a row, which must not be earlier than the row of the last call.
   void move_to(std::uint64_t row);
-  /// kNoCell outside of the raster.
+  /// Returns the value of a cell; kNoCell outside of the raster.
   double at(std::uint64_t row, std::size_t column) const {
     const std::size_t columns = from_->columns();
     if (row < first_ || row - first_ >= rows_ || column >= columns) return kNoCell;
