@@ -11,7 +11,7 @@ namespace {
 
 bool same(const Rank& a, const Rank& b) { return a.row == b.row; }
 
-/// Whether nothing that had been written can be within `reach2`.
+/// Returns whether no point that had been written can be within `reach2`.
 bool nothing_written_within(double reach2, const StreamPoint& point) {
   return point.written == 0 || reach2 < point.written2;
 }

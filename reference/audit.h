@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// How many of the neighbourhoods found by NearestOperator are exact. Not in the paper, which "observed no difference"
-/// (Section 8) and does not say how it looked.
+/// The count of exact neighbourhoods among those found by NearestOperator. Not in the paper, which "observed no
+/// difference" (Section 8) and does not say how it looked.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +29,9 @@ class Audit {
   /// Before the counts are asked for.
   void finish() { settle(); }
 
-  std::uint64_t complete() const { return complete_; }      ///< exact
-  std::uint64_t incomplete() const { return incomplete_; }  ///< not the exact ones
-  /// What waits to be settled.
+  std::uint64_t complete() const { return complete_; }      ///< exact neighbourhoods
+  std::uint64_t incomplete() const { return incomplete_; }  ///< neighbourhoods that are not exact
+  /// Returns the bytes of the suspects that wait to be settled.
   std::uint64_t bytes() const { return suspects_.bytes(); }
 
  private:

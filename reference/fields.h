@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which fields a point has while it is active, and where (paper Section 5.1 and Figure 10).
+/// The fields that a point has while it is active, and their places (paper Section 5.1 and Figure 10).
 ///
 /// A field is one place in the point: an operator that makes an attribute again overwrites it, as in the paper. What
 /// must not be overwritten too early is the business of the buffers and of their copies (FairOpFields).
@@ -45,25 +45,26 @@ struct Stage {
   std::vector<Copy> copies;
   bool waits = false;  ///< looks at what earlier operators make of its neighbours: pre-buffer
   bool moves = false;  ///< changes positions: pre- and post-buffer
-  bool moved = false;  ///< an earlier operator has: positions are no longer those of the search
+  bool moved = false;  ///< an earlier operator changes positions: the search used the old ones
 };
 
 /// All fields of a chain of operators (AllFields): the record of the file (InputFields), then what operators make
 /// (OpFields, OpOutFields).
 class Fields {
  public:
-  /// `record`: working records of the stream. The chain must have been checked: every attribute read is made before or
-  /// is in the record, and those of the rule (may be null) are in the record. `kept`: attributes to be written,
-  /// together a result record.
+  /// `record`: working records of the stream. The chain must have been checked: every attribute that an operator reads
+  /// is made before or is in the record, and the attributes that the rule (may be null) reads are in the record.
+  /// `kept`: attributes to be written, together a result record.
   Fields(const Schema& record, const SharedRule& rule, const std::vector<StageOperator>& chain,
          const std::vector<Attribute>& kept);
 
   const std::vector<Stage>& stages() const { return stages_; }
-  /// What the rule reads; no operator overwrites it.
+  /// The fields that the rule reads; no operator overwrites them.
   const std::vector<Field>& rule_reads() const { return rule_reads_; }
   std::size_t bytes() const { return bytes_; }
 
-  /// Gives the point its fields, those of the file filled in. Notes in `refused` a value that an operator cannot read.
+  /// Gives the point its fields and fills in the fields of the file. Notes in `refused` a value that an operator cannot
+  /// read.
   void fill(StreamPoint& point, const std::byte* record, FirstRowError& refused) const;
   const std::byte* record(const StreamPoint& point) const { return point.fields.get(); }
   /// The attributes to be written, one after another.

@@ -12,8 +12,8 @@ double KdHeap::end_of(const StreamPoint& point) const {
   return point.input[sweep_axis_] + std::sqrt(point.neighbors.reach2());
 }
 
-/// No point at the plane or behind it can enter: rounding keeps the square of a coordinate's difference from exceeding
-/// a distance2().
+/// Returns whether no point at or after the plane can enter: rounding keeps the square of a coordinate's difference
+/// from exceeding a distance2().
 bool KdHeap::passed(const StreamPoint& point, double plane) const {
   const double ahead = plane - point.input[sweep_axis_];
   return ahead > 0 && ahead * ahead > point.neighbors.reach2();
@@ -122,7 +122,7 @@ void KdHeap::offer_to_all(StreamPoint& point) {
   if (root_) offer_to_all(*root_, point, {});
 }
 
-/// Whether a set changed.
+/// Offers the point to all sets below the node; returns whether a set changed.
 bool KdHeap::offer_to_all(Node& node, StreamPoint& point, Vec3 beyond) {
   if (distance2(beyond, {}) > node.reach2) return false;
   bool changed = node.point->neighbors.offer(point.as_neighbor_of(node.point->input));

@@ -16,7 +16,7 @@ namespace pointsweep::reference {
 /// When the plane meets p_j, its left-sided set is found among the points in S, it is offered to the right-sided sets
 /// of the points in S that reach it, and it enters S. Then every point whose neighbourhood ends before the plane leaves
 /// S for the sorting buffer B, which restores the order of the stream: its smallest point is released when nothing in S
-/// is smaller. Behind the end of the stream one point of S is completed at a time.
+/// is smaller. After the end of the stream one point of S is completed at a time.
 ///
 /// A pre- and post-buffer in which S stands for FIFO1 and B for FIFO2 (Section 5.2.2).
 ///

@@ -36,7 +36,7 @@ struct Neighbor {
   Rank rank() const;
 };
 
-/// What a neighbourhood is: the k nearest points, and none of them farther than the radius.
+/// The limits of a neighbourhood: the k nearest points, and none of them farther than the radius.
 struct Reach {
   std::size_t k;
   double radius2;
@@ -51,7 +51,7 @@ class NearestSet {
   /// Squared distance within which a point may enter: of the farthest neighbour if there are k, else of the radius.
   double reach2() const { return reach2_; }
   bool full() const { return found_.size() == k_; }
-  /// Whether the set changed. O(log k).
+  /// Offers a point to the set; returns whether the set changed. O(log k).
   bool offer(const Neighbor& candidate);
   /// Puts the nearest first. Ends the filling.
   void sort();

@@ -16,8 +16,8 @@
 
 namespace pointsweep::reference {
 
-/// The formulas are those of the engine; they want batches in columns, so the points that an operator may process at
-/// one moment are gathered into some, a few at a time.
+/// Applies an operator of the engine. Operators take batches in columns, so the points that an operator may process at
+/// one moment are gathered into batches, a few points at a time.
 class OperatorCall {
  public:
   /// `between`: called after every few points.

@@ -24,8 +24,8 @@ std::uint64_t PreBuffer::smallest_element() {
   return prev_->smallest_element();
 }
 
-/// The paper's outline drops references when a point is released, and keeps those of the last one (Figure 15). They are
-/// dropped here when they are looked at, so that the end of the stream leaves none.
+/// The paper's outline drops references when a point is released, and keeps the references of the last point (Figure
+/// 15). They are dropped here when they are looked at, so that the end of the stream leaves none.
 std::uint64_t PreBuffer::smallest_reference() {
   return std::min(prev_->smallest_reference(), references_.smallest(smallest_element()));
 }

@@ -37,7 +37,7 @@ class PreBuffer : public StreamOperator {
   std::vector<StreamPoint*> ready_;
 };
 
-/// An operator that moves points, such as fairing. No operator before or behind may see a neighbourhood of which some
+/// An operator that moves points, such as fairing. No operator before or after it may see a neighbourhood of which some
 /// points are moved and some are not: a point also waits until no earlier point refers to it, and is released when all
 /// its neighbours are moved. Within the operator, neighbours are seen through the copies made as they entered.
 class PrePostBuffer final : public PreBuffer {

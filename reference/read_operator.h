@@ -14,7 +14,7 @@ namespace pointsweep::reference {
 class ReadOperator final : public StreamOperator {
  public:
   /// The slabs of `stream` must be in canonical order (StreamOptions::canonical): the search takes every unread point
-  /// to lie at the plane or behind it.
+  /// to lie at or after the plane.
   ReadOperator(const Stream& stream, const Fields& fields, Reach reach, ActiveSet& active);
 
   void pull_push() override;

@@ -122,7 +122,7 @@ class Pipeline {
       for (std::size_t i = 0; i < operators_.size(); ++i)
         statistics_.operators[i].series.emplace_back(read, operators_[i]->size());
     }
-    // So that all looks together cost no more than a few for each point.
+    // The interval makes all measurements together cost no more than a few steps for each point.
     if (read - measured_at_ < std::max<std::uint64_t>(kMeasurePoints, active_.size() / 4)) return;
     measured_at_ = read;
     require_memory();

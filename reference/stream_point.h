@@ -15,7 +15,7 @@
 
 namespace pointsweep::reference {
 
-/// The index of no point: larger than that of every point.
+/// The index that stands for no point: larger than the index of every point.
 inline constexpr std::uint64_t kNoIndex = std::numeric_limits<std::uint64_t>::max();
 
 struct StreamPoint {
@@ -34,7 +34,7 @@ struct StreamPoint {
   std::uint64_t min_index = kNoIndex;  ///< smallest index among the point and the neighbours it refers to
   std::uint64_t max_index = 0;         ///< largest; known once the neighbourhood is complete
 
-  // What the search could not see when the point came (Audit)
+  // Points that the search could not see when the point came (Audit)
   static constexpr double kNothing = std::numeric_limits<double>::infinity();
   std::vector<Rank> hidden;    ///< the nearest of the active points that had left S, nearest first
   std::uint64_t written = 0;   ///< so many points of the stream had been written

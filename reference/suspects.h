@@ -42,7 +42,7 @@ class Suspects {
   explicit Suspects(const Stream& stream) : stream_(stream) {}
 
   void add(Suspect suspect);
-  /// Whether it is time to look.
+  /// Returns whether so many suspects wait that they should be settled.
   bool full() const { return bytes_ > kMostBytes; }
   std::uint64_t bytes() const { return bytes_; }
   /// Completes what the search should have found, and returns and forgets the suspects.

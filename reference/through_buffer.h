@@ -19,7 +19,8 @@ class ThroughBuffer final : public StreamOperator {
   void pull_push() override;
   StreamPoint* front() override { return fifo_.empty() ? nullptr : fifo_.front(); }
   void pop_front() override { fifo_.pop_front(); }
-  /// What is in the queue has been processed: only the operators before hold unprocessed points.
+  /// Points in the queue have been processed: only the operators before hold unprocessed points.
+  /// any.
   std::uint64_t smallest_element() override { return prev_->smallest_element(); }
   std::uint64_t smallest_reference() override { return prev_->smallest_reference(); }
   std::size_t size() const override { return fifo_.size(); }

@@ -23,7 +23,8 @@ struct ProjectedEllipse {
   double bulge = 0;  ///< how much farther from the viewer the rim is than the center: overlapping discs meet half-way
 };
 
-/// Of what falls on a sample the nearest is kept; of the equally near the first. Memory: 8 bytes × samples per pixel².
+/// A picture in the making. Each sample keeps the nearest of the surfaces drawn on it, the first of equally near ones.
+/// Memory: 8 bytes × samples per pixel².
 class Canvas {
  public:
   /// `fineness`² samples for each pixel.
@@ -34,8 +35,8 @@ class Canvas {
   /// outlier's huge splat would hide the rest and cost as much as all others.
   void draw(const ProjectedEllipse& ellipse, Rgb color);
 
-  /// Darkens samples that lie behind what is around them: light and shade for points without normals (after the
-  /// eye-dome lighting of Boucheny 2009, with 1/(1+x) for exp(-x)).
+  /// Darkens samples that are farther from the viewer than the samples around them: light and shade for points without
+  /// normals (after the eye-dome lighting of Boucheny 2009, with 1/(1+x) for exp(-x)).
   void shade_by_depth();
 
   /// The mean of the samples of each pixel.

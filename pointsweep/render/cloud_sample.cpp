@@ -12,7 +12,8 @@ namespace {
 constexpr std::uint64_t kSample = 65536;
 constexpr std::size_t kBlock = 8192;
 
-/// The row of stretch `i` that is taken: any of its rows, so that no period of the file meets that of the sample.
+/// Returns the row of stretch `i` that is sampled: any of its rows, so that no period of the file meets the period of
+/// the sample.
 std::uint64_t sampled_row(std::uint64_t i, std::uint64_t stretches, std::uint64_t rows) {
   const auto start = [&](std::uint64_t s) { return rows / stretches * s + rows % stretches * s / stretches; };
   return start(i) + mix(i) % (start(i + 1) - start(i));

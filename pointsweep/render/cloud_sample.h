@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What has to be known of a cloud before it is drawn, found in one pass.
+/// A sample of a cloud, its bounds and its number of points, found in one pass before the cloud is drawn.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct CloudSample {
   Box bounds;                   ///< of the finite points
   std::uint64_t finite = 0;     ///< points
   std::vector<Vec3> positions;  ///< of at most 65,536 finite points, one from each of as many equal stretches of rows
-  std::vector<std::byte> records;  ///< of these, one behind the other
+  std::vector<std::byte> records;  ///< of these positions, one record after another
 };
 
 /// Also shows every record to `color` and every finite point to `views`.

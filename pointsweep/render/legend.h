@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the colours of a picture mean, written at its right edge.
+/// The legend that explains the colours of a picture, at its right edge.
 #pragma once
 
 #include <string>

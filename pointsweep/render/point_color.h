@@ -53,7 +53,7 @@ class PointColor {
   std::vector<std::uint8_t> classes() const;
   /// Why the file's colours are not used although it has some; else empty.
   const std::string& remark() const { return remark_; }
-  /// Whether light and shade go on top.
+  /// Returns whether light and shade are added to the colours.
   bool is_shaded() const { return kind_ != Kind::normal; }
 
   Rgb operator()(const std::byte* record, Vec3 position) const;

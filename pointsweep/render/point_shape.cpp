@@ -8,7 +8,7 @@ namespace pointsweep {
 namespace {
 
 /// Discs along a surface, of this many spacings, leave about 0.1 % of it bare where points lie at random (exp(-π r²)).
-/// Of points without a normal, which may be leaves as well as walls, wider ones than of one spacing look like bubbles.
+/// For points without a normal, which may be leaves as well as walls, discs wider than one spacing look like bubbles.
 constexpr double kSurfaceRadius = 1.5, kPointRadius = 1;
 
 Vec3 unit_or_zero(Vec3 v) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which rows of a cloud a picture is made of.
+/// The rows of a cloud that a picture is made of.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How far the points of a cloud lie apart, everywhere, estimated from a sample of it.
+/// The distance between neighbouring points of a cloud at every place, estimated from a sample of the cloud.
 #pragma once
 
 #include <cstdint>

@@ -68,7 +68,7 @@ double hull_area(std::vector<Point2> points) {
   return 0.5 * area;
 }
 
-/// How much of the side below `up` the lowest points cover, in [0, 1].
+/// Returns the share of the side below `up` that the lowest points cover, in [0, 1].
 double footing(std::span<const Vec3> sample, const std::array<Range, 3>& ranges, Up up) {
   const auto [a, b] = axes_across(up.axis);
   const Range across_a = ranges[static_cast<std::size_t>(a)], across_b = ranges[static_cast<std::size_t>(b)];

@@ -19,9 +19,9 @@ struct Up {
   friend bool operator==(const Up&, const Up&) = default;
 };
 
-/// Where the viewer stands, in degrees. Azimuth 0 looks along +y with x to the right (the front), 90 from +x; elevation
-/// 90 looks down. With y up (as many scanned models are) the front looks along -z instead, with x up along +z with y to
-/// the right. A negative axis turns the cloud upside down about the axis that points to the right.
+/// The direction from which the viewer looks, in degrees. Azimuth 0 looks along +y with x to the right (the front), 90
+/// from +x; elevation 90 looks down. With y up (as many scanned models are) the front looks along -z instead, with x up
+/// along +z with y to the right. A negative axis turns the cloud upside down about the axis that points to the right.
 struct Angles {
   double azimuth = 0, elevation = 0;
   friend bool operator==(const Angles&, const Angles&) = default;
@@ -55,7 +55,7 @@ struct Camera {
     return {0.5 * width + scale * (dot(d, right) - center_x), 0.5 * height - scale * (dot(d, up) - center_y),
             scale * dot(d, toward)};
   }
-  /// The same for a difference of two points.
+  /// Projects a difference of two points.
   Vec3 project_offset(Vec3 d) const { return {scale * dot(d, right), -scale * dot(d, up), scale * dot(d, toward)}; }
 };
 

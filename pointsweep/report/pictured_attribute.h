@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which result of a run its picture shows.
+/// The choice of the result of a run that its picture shows.
 #pragma once
 
 #include <span>
@@ -15,8 +15,8 @@ namespace pointsweep {
 /// (made_numbers). Operators without a visible result are passed over. Empty: no operator has one in the output.
 std::string pictured_attribute(std::span<const std::string> operators, const Schema& input, const Schema& output);
 
-/// The fields of the output that the operators have made: those that the input has not, and those of its names that an
-/// operator makes again.
+/// Returns the fields of the output that the operators have made: fields that the input does not have, and fields of
+/// the input that an operator makes again.
 std::vector<std::string> made_numbers(std::span<const std::string> operators, const Schema& input,
                                       const Schema& output);
 

@@ -24,7 +24,7 @@ std::string line_plot(const PlotText& text, const std::vector<Series>& series);
 struct Bar {
   std::string name;
   double value;       ///< not negative
-  std::string label;  ///< written behind the bar
+  std::string label;  ///< written after the bar
 };
 /// Horizontal bars, one below the other.
 std::string bar_plot(const std::string& title, const std::vector<Bar>& bars);

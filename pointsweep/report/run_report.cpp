@@ -104,7 +104,7 @@ Rows rows_of_files(const RunSummary& summary) {
   return rows;
 }
 
-/// Which points have a result.
+/// Returns the numbers of points with and without a result.
 Rows rows_of_counts(const RunSummary& summary) {
   const Statistics& s = summary.statistics;
   Rows rows = {{"kept", number(s.points_written)},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a run did, as a page.
+/// The report of a run, as a page.
 #pragma once
 
 #include <optional>
