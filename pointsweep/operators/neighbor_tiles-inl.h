@@ -46,7 +46,7 @@ struct Tile {
   std::size_t stride;  // from a neighbour to the next one of the same point
   std::size_t chunk;   // neighbours of a point there is room for
   std::size_t most = 0;
-  std::size_t count[kTilePoints];  // |N_i|; 0 behind the last point
+  std::size_t count[kTilePoints];  // |N_i|; 0 after the last point
 
   Tile(const Neighborhoods& in_, std::size_t first_, std::size_t end) : in(in_), first(first_) {
     for (std::size_t l = 0; l < kTilePoints; ++l) {

@@ -28,7 +28,7 @@ struct Extents {
   TileArray count;       // |N_i|
   TileArray largest;     // a largest magnitude of a component, from which Scaling takes its power of two
   TileArray far2;        // scaled squared length of the farthest offset
-  TileArray near2;       // the same of the nearest offset that is not 0
+  TileArray near2;       // scaled squared length of the nearest offset that is not 0
   TileArray coincident;  // 1 if a neighbour lies on p_i, else 0
   TileArray place;       // largest magnitude among the coordinates of p_i
 

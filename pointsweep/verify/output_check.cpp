@@ -36,7 +36,7 @@ struct OutputCheck {
   VerifyOptions options;
   std::vector<OptionText> neighborhood;
   std::vector<fs::path> tiles;  ///< an output for each input, if the output is a folder
-  bool recorded = false;  ///< the pipeline is that of the record, which names what is not a default in metres
+  bool recorded = false;  ///< the pipeline comes from the record, which names what is not a default in metres
 
   bool says_how() const { return !options.pipeline.empty() || !neighborhood.empty() || !options.keep.empty(); }
 };

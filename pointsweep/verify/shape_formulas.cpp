@@ -77,7 +77,7 @@ class SplatFormula final : public StageFormula {
 
  private:
   std::size_t normal_, k1_, k2_, direction_;
-  bool curved_;  ///< the axes are those of curvature
+  bool curved_;  ///< the axes come from the curvature
 };
 
 class FairFormula final : public StageFormula {

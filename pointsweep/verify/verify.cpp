@@ -173,7 +173,8 @@ class Verification {
 
   std::size_t longest_axis() const { return static_cast<std::size_t>(verdict_.arrivals.bounds.longest_axis()); }
 
-  /// As told; else where rows are not those of the input, but the same in another order, or look like it.
+  /// Returns the order that the options name; without one, true if the rows are not those of the input row by row, but
+  /// the same rows in another order, or look like it.
   bool sweep_is_meant() const {
     const Arrivals& a = verdict_.arrivals;
     if (options_.order) return *options_.order == Order::sweep;
@@ -265,7 +266,7 @@ class Verification {
     std::erase_if(made_values_, [&](const auto& value) { return !told[value.first]; });
   }
 
-  /// How many points and their surroundings fit the memory, if neighbourhoods overlap as in a volume.
+  /// Returns how many points and their surroundings fit the memory, if neighbourhoods overlap as in a volume.
   std::size_t points_in_a_turn() const {
     const double k = made_by_.neighborhood.k == NeighborRule::kUnlimited
                          ? 256
@@ -324,7 +325,7 @@ class Verification {
     }
   }
 
-  /// Whether the output has a row as the conditions say, all of which hold for a row that stays.
+  /// Checks whether the output has a row as the conditions say, all of which hold for a row that stays.
   void check_selection(std::uint64_t row, const formulas::Estimate* estimates) {
     bool told = true, stays = true;
     for (const std::size_t s : selections_) {
@@ -342,7 +343,8 @@ class Verification {
 
   void suspect(std::uint64_t row, std::string difference) { suspects_.emplace_back(row, std::move(difference)); }
 
-  /// Of two rows that are the same in the output, one of which is left out, it does not tell which it has.
+  /// Judges the differences found. If two rows are equal in the output and one of them is left out, the output does not
+  /// tell which one it has.
   void judge_suspects() {
     std::ranges::stable_sort(suspects_, {}, [](const auto& s) { return s.first; });
     std::vector<std::uint64_t> rows, twins;

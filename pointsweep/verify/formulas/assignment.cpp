@@ -23,7 +23,7 @@ bool is_prefix(const std::string& sign) { return sign == "!" || sign == "-1"; }
 
 PossibleNumber as_exact(Real value) { return {value, value, false}; }
 
-/// As float64, in which numbers are combined.
+/// Rounds the range to float64, the type in which numbers are combined.
 PossibleNumber as_double(const PossibleNumber& n) {
   return {static_cast<Real>(static_cast<double>(n.low)), static_cast<Real>(static_cast<double>(n.high)), false};
 }

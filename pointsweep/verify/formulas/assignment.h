@@ -14,7 +14,7 @@
 
 namespace pointsweep::formulas {
 
-/// What a name, or a part of an expression, may be. A single value is exact, and may be NaN.
+/// The range of a name, or of a part of an expression. A single value is exact, and may be NaN.
 struct PossibleNumber {
   Real low = 0, high = 0;
   bool is_whole = false;  ///< a 64-bit integer, or a whole number as written
@@ -26,7 +26,7 @@ struct PossibleNumber {
 class PlainExpression {
  public:
   explicit PlainExpression(std::string_view text);
-  /// As they come in the text, each once.
+  /// The names in the order in which they come in the text, each once.
   const std::vector<std::string>& names() const { return names_; }
   PossibleNumber number(std::span<const PossibleNumber> values) const;
   /// Nothing where the ranges do not tell.

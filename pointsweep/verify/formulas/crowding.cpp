@@ -13,7 +13,7 @@ constexpr Real kMissing = std::numeric_limits<Real>::quiet_NaN();
 
 Estimate exactly(Real value) { return {.value = {value, 0, 0}}; }
 
-/// How many neighbours are within the radius, surely and at most.
+/// The number of neighbours within the radius, surely and at most.
 struct Within {
   std::size_t sure = 0, possible = 0;
 

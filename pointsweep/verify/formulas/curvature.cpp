@@ -105,7 +105,7 @@ Range ratio(Range numerator, Range denominator) {
 }
 Range root(Range r) { return {std::sqrt(r.low), std::sqrt(r.high)}; }
 
-/// What follows from k1 and k2.
+/// Fills the scalars that follow from k1 and k2.
 void fill_scalars(Curvatures& c, Real k1, Range r1, Real k2, Range r2) {
   const auto rms = [](Real a, Real b) { return std::sqrt((a * a + b * b) / 2); };
   c.k1 = single_scalar(k1, r1);

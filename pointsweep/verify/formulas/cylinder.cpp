@@ -75,7 +75,7 @@ Change change(const Cylinder& before, const Cylinder& after, Real registration, 
   const Real level = 1.96L * (uncertainty + registration);
   c.level = number(level, 1.96L * (s1.error / std::sqrt(n1) + s2.error / std::sqrt(n2)) + 16 * kDouble * level);
   c.distance.either_sign = either_side;
-  // Where a value is NaN its bound is too, and the value alone counts.
+  // If a value is NaN, its bound is NaN too, and the value alone counts.
   for (Estimate* e : {&c.distance, &c.level})
     if (std::isnan(e->value.x)) *e = not_a_number();
   return c;

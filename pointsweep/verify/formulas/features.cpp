@@ -12,7 +12,7 @@ namespace pointsweep::formulas {
 namespace {
 
 constexpr Real kLargestSingle = std::numeric_limits<float>::max();
-constexpr Real kLogarithm = 1e-12L;  ///< relative error of logarithms and of what is made of them
+constexpr Real kLogarithm = 1e-12L;  ///< relative error of logarithms and of values computed from them
 constexpr Real kTooFar = 0x1p1022L;  ///< offsets from here on may count as not finite
 
 /// The points of P, as offsets from p.
@@ -69,7 +69,7 @@ Estimate saturated(Real value, Range range) {
   return single_scalar(single(value), {single(range.low), single(range.high)});
 }
 
-/// What λ1 >= λ2 >= λ3 are and may be.
+/// The values λ1 >= λ2 >= λ3, and the ranges of what they may be.
 struct Lambdas {
   std::array<Real, 3> value{};
   std::array<Range, 3> range{};
@@ -146,7 +146,7 @@ Estimate verticality(const Place& p, const Spectrum& s) {
   return result;
 }
 
-/// Of the first and the second order about p, along an axis that may be off by the sine `turn`.
+/// The moments of the first and the second order about p, along an axis that may be off by the sine `turn`.
 struct AxisMoments {
   Estimate first, second;
 

@@ -17,7 +17,8 @@ double cell_number(double coordinate, double cell) {
   return std::clamp(std::floor(coordinate / cell), -most, most);
 }
 
-/// The least of each value and those up to `half` places before and behind it (van Herk 1992).
+/// Replaces each value by the least among itself and the values up to `half` places before and after it (van Herk
+/// 1992).
 void least_along(std::vector<double>& line, std::size_t half, std::vector<double>& forth, std::vector<double>& back) {
   const std::size_t block = 2 * half + 1, n = line.size(), padded = (n + 2 * half + block - 1) / block * block;
   forth.assign(padded, kFar), back.assign(padded, kFar);
@@ -73,7 +74,7 @@ void GroundRaster::add(double x, double y, double z) {
 GroundRaster::Cells GroundRaster::filled(const Cells& cells) const {
   const std::size_t nx = columns_.count(), ny = rows_.count(), reach = parameters_.reach();
   Cells sums(cells.size(), 0), weights(cells.size(), 0), other_sums(cells.size(), 0), other_weights(cells.size(), 0);
-  // The part of the nearest value before each cell of a line, then behind it.
+  // Adds the part of the nearest value before each cell of a line, then of the nearest value after it.
   const auto along = [&](std::size_t first, std::size_t step, std::size_t length, Cells& sum, Cells& weight) {
     for (const bool forth : {true, false}) {
       double value = kAbsent;

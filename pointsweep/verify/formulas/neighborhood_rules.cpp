@@ -23,7 +23,8 @@ Entropy entropy(const Matrix& covariance, Real rounding) {
   return result;
 }
 
-/// Those of k = least, least + 1, ...: E is infinite where p and its k nearest neighbours are all in one place.
+/// Returns the entropies for k = least, least + 1, ...: E is infinite where p and its k nearest neighbours are all in
+/// one place.
 std::vector<Entropy> entropies(const Place& p, std::span<const Place> neighbors, std::size_t least) {
   std::vector<Entropy> result;
   Matrix squares;

@@ -53,7 +53,7 @@ int side_of(const Corner& p, Corner a, Corner b) {
   return sum.sign();
 }
 
-/// The same where p is not beside the edge; most points are above or below both ends.
+/// Returns the side as side_of() does where p is not beside the edge; most points are above or below both ends.
 int quick_side_of(const Corner& p, const Corner& a, const Corner& b) {
   if (p[1] > a[1] && p[1] > b[1]) return 1;
   if (p[1] < a[1] && p[1] < b[1]) return -1;
@@ -115,7 +115,7 @@ bool EdgesAlongX::hold(const Corner& p) const {
       }
       const int side = quick_side_of(p, e.left, e.right);
       if (side == 0) return true;
-      // Of two edges that meet above p one counts, or both or none.
+      // If two edges meet above p, one of them counts, or both or none.
       if (side < 0 && p[0] > e.left[0]) crossed.push_back(e.polygon);
     }
   }
