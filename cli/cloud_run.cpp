@@ -44,7 +44,7 @@ ResolvedFiles files_of(InputsAndOutput named, const CommonOptions& options) {
   return files;
 }
 
-/// The name of the report, refused if it is not that of a page.
+/// Returns the name of the report; refuses a name that does not end with .html.
 const std::filesystem::path& page_name(const std::filesystem::path& file) {
   if (extension_of(file) != ".html")
     fail_usage("--report: {}: the report is a page; give a name that ends with .html.", file.string());
@@ -103,7 +103,7 @@ RunSummary summary_of(const ResolvedFiles& files, const InputCloud& input, const
   return summary;
 }
 
-/// A sentence for each stage that marked points as degenerate; those of two stages of one name may be the same.
+/// Returns a sentence for each stage that marked points as degenerate; stages of one name may have equal sentences.
 std::set<std::string> about_degenerate(const Statistics& s, const std::filesystem::path& stats) {
   const std::string rows = stats.empty() ? "--stats FILE lists the rows"
                                          : fmt::format("degenerate_rows in {} lists the rows", stats.string());

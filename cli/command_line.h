@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How the tool was called.
+/// The command line with which the tool was called.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ void keep_command_line(int argc, const char* const* argv, std::string version);
 
 /// "pointsweep normals 'my scan.ply' out.ply": as a shell would take it; the program's name without its folder.
 const std::string& command_line();
-/// Of the program, as it was kept.
+/// Returns the version of the program that was given to keep_command_line().
 const std::string& kept_version();
 
 }  // namespace pointsweep

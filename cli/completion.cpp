@@ -8,7 +8,7 @@
 namespace pointsweep {
 namespace {
 
-/// What the bash script does for a value: a mark, or words.
+/// Returns what the bash script offers for a value: a mark, or words.
 std::string bash_values(const DeclaredOption& option) {
   switch (option.offer) {
     case Offer::words:
@@ -80,7 +80,7 @@ std::string quoted(const std::string& text, const char* escaped_quote) {
   return out + "'";
 }
 
-/// As a part of a specification of _arguments, which colons and brackets structure.
+/// Escapes the text for a specification of _arguments, in which colons and brackets have a meaning.
 std::string zsh_part(const std::string& text) {
   std::string out;
   for (const char c : text) {

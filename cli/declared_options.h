@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// What a shell can offer for a value.
+/// The kind of completions that a shell can offer for a value.
 enum class Offer : std::uint8_t {
   nothing,  ///< numbers and names, of which only the user knows
   words,    ///< DeclaredOption::words
@@ -35,7 +35,7 @@ struct DeclaredVerb {
 
 /// All verbs, in the order of the help, without hidden options.
 std::vector<DeclaredVerb> declared_verbs(const CLI::App& app);
-/// Those of the tool itself.
+/// Returns the options of the tool itself, outside of the verbs.
 std::vector<DeclaredOption> options_of_tool(const CLI::App& app);
 
 /// `text` up to the first parenthesis, semicolon or end of a sentence.

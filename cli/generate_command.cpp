@@ -118,7 +118,7 @@ void add_generate_command(CLI::App& app) {
   add_thread_option(verb, options->common);
   add_force_option(verb, options->common);
   add_progress_options(verb, options->common);
-  verb.footer("");  // without that of the tool, which the parser would add
+  verb.footer("");  // without the footer of the tool, which the parser would add
   verb.footer(footer);
   verb.callback([options] {
     if (options->positional.empty() == options->output.empty())

@@ -31,7 +31,7 @@ struct InfoCommand {
 
 enum class InfoStyle : std::uint8_t { details, table, json };
 
-/// What is said of the files, one after the other, and of all of them.
+/// The report on the files: of each in turn, then of all of them.
 class InfoReport {
  public:
   explicit InfoReport(InfoStyle style) : style_(style) {}

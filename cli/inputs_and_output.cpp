@@ -37,7 +37,7 @@ bool holds_point_files(const fs::path& folder) {
   return false;
 }
 
-/// Whether the last of several names may be an input, since it is there.
+/// Returns whether the last of several names may be an input, since a file of this name exists.
 bool may_be_input(const InputsAndOutput& named) {
   std::error_code error;
   if (!named.named_output.empty() || named.inputs_named() <= 1 || is_standard_stream(named.output())) return false;

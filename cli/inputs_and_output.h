@@ -15,7 +15,7 @@ struct InputsAndOutput {
   std::vector<std::filesystem::path> files;
   std::filesystem::path named_output;                ///< of --output; empty: the last of `files`
   bool recursive = false;                            ///< --recursive
-  std::string output_format;                         ///< --output-format; empty: that of each input
+  std::string output_format;                         ///< --output-format; empty: the format of each input
   bool resumes = false;                              ///< OUT may be a folder with outputs of an earlier process
   std::vector<std::filesystem::path> other_inputs;   ///< files that are read in addition to points
   std::vector<std::filesystem::path> other_outputs;  ///< files that are written in addition to OUT

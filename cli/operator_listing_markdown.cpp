@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kKindNames[] = {"position", "vector", "normal", "scalar", "index", "color"};
 
-/// As the docs write types: "f32", "u8".
+/// Returns the type as the docs write it: "f32", "u8".
 std::string short_type(Type type) {
   const std::string_view name = name_of(type);
   return name[0] + std::string(name.substr(name.find_first_of("123468")));

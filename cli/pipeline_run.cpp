@@ -16,7 +16,7 @@ bool says(const std::vector<OptionText>& options, const std::string& name) {
   return std::ranges::find(options, name, &OptionText::name) != options.end();
 }
 
-/// As a flag the point stands apart from what it is for.
+/// Throws UsageError if --orient viewpoint comes without --viewpoint, a flag of its own on the command line.
 void require_viewpoint(const std::vector<OptionText>& orientation) {
   const auto orient = std::ranges::find(orientation, "orient", &OptionText::name);
   if (orient != orientation.end() && orient->value == "viewpoint" && !says(orientation, "viewpoint"))

@@ -19,7 +19,7 @@ struct PipelineRun {
 /// outlives the parsing.
 void add_pipeline_options(CLI::App& verb, PipelineRun& run);
 
-/// Adds these options without those of normals.
+/// Adds the options of add_pipeline_options() without the options of normals.
 void add_output_options(CLI::App& verb, PipelineRun& run);
 
 /// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or one that has its own.

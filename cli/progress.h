@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How far a run has come, for people (standard error) and for programs (a descriptor of their choice).
+/// The progress of a run, for people (standard error) and for programs (a descriptor of their choice).
 #pragma once
 
 #include <chrono>

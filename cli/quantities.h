@@ -10,8 +10,8 @@
 
 namespace pointsweep {
 
-/// "800000000B", "256M", "1.5GB", "4GiB": bytes, K M G T being powers of 1024 with B, iB or nothing behind them, in
-/// either case. Throws UsageError beginning with `option`, also where the unit is missing.
+/// "800000000B", "256M", "1.5GB", "4GiB": bytes, K M G T being powers of 1024 followed by B, iB or nothing, in either
+/// case. Throws UsageError beginning with `option`, also where the unit is missing.
 std::uint64_t parse_size(std::string_view option, std::string_view text);
 /// "8", "20000000", "20M": a whole number, K M G T being powers of 1000. Throws UsageError beginning with
 /// `option`.

@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// What stands for the value in the help.
+/// Returns the word that stands for the value in the help.
 std::string value_name(const OptionDeclaration& option) {
   switch (option.kind) {
     case OptionKind::whole:

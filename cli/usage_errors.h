@@ -7,7 +7,7 @@
 
 namespace pointsweep {
 
-/// What is wrong with the command line that `app` has just refused, and what to do.
+/// Returns a sentence on what is wrong with the command line that `app` has just refused, and what to do.
 std::string usage_sentence(const CLI::App& app, const CLI::ParseError& error);
 
 /// Null where no verb has that name.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What `pointsweep --version` tells.
+/// The text that `pointsweep --version` prints.
 #pragma once
 
 #include <string>

@@ -13,7 +13,7 @@ Rgb viridis(double value);
 Rgb turbo(double value);
 /// Black to white.
 Rgb gray(double value);
-/// Of NaN.
+/// The colour of NaN.
 Rgb no_value_color();
 
 /// `color` times `light`, 0 to 1.

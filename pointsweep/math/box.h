@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Distances from boxes, exact lower bounds of those of their points.
+/// Distances from boxes: exact lower bounds of the distances from their points.
 #pragma once
 
 #include <algorithm>

@@ -204,8 +204,8 @@ HWY_INLINE std::array<Eigen3Lanes<V>, N> SolveTogether(D d, const ScaledLanes<D>
   return {Ascending(d, scaled[I], roots[I], bases[I], pairs[I])...};
 }
 
-/// As eigen_symmetric3, for several vectors of matrices at once: one alone is a long chain of dependent operations, and
-/// only chains that do not depend on each other fill the machine.
+/// Solves several vectors of matrices at once, each as eigen_symmetric3() does: one alone is a long chain of dependent
+/// operations, and only chains that do not depend on each other fill the machine.
 template <class D, class V = hn::Vec<D>, class... More>
 HWY_INLINE std::array<Eigen3Lanes<V>, sizeof...(More)> EigenSymmetric3(D d, const More&... m) {
   const ScaledLanes<D> scaled[] = {ScaledLanes<D>(d, m)...};

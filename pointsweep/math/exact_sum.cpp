@@ -115,7 +115,7 @@ double ExactSum::rounded() const {
   const auto upper = static_cast<std::uint64_t>(leading >> 64);
   const int bits =
       upper != 0 ? 128 - std::countl_zero(upper) : 64 - std::countl_zero(static_cast<std::uint64_t>(leading));
-  // What a double keeps: 53 bits, or those from 2^-1074 on.
+  // A double keeps 53 bits, or the bits from 2^-1074 on.
   int dropped = bits - 53;
   if (exponent + dropped < -1074) dropped = -1074 - exponent;
   if (dropped > bits + 1) return negative ? -0.0 : 0.0;

@@ -17,7 +17,7 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Brings the lanes of a mask to the front of vectors of 32 or 64 bit lanes; what is behind them is unspecified.
+/// Brings the lanes of a mask to the front of vectors of 32 or 64 bit lanes; the lanes after them are unspecified.
 /// Vectors of up to eight lanes by a table: with Highway 1.0.3's own Compress of such, GCC copies a table onto the
 /// stack every time. Sixteen lanes are brought to the front by one instruction.
 template <class D>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which instruction set the vector code of this process runs with.
+/// The instruction set that the vector code of this process runs with.
 #pragma once
 
 #include <string_view>

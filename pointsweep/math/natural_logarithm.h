@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The logarithm from plain IEEE operations: that of the C library may differ in the last bit from one processor to the
-/// next, and results and generated clouds are the same bytes everywhere.
+/// The logarithm from plain IEEE operations: the logarithm of the C library may differ in the last bit from one
+/// processor to the next, and results and generated clouds are the same bytes everywhere.
 #pragma once
 
 #include <bit>

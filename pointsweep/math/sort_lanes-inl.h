@@ -24,8 +24,8 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Bitonic sort of a matrix of R rows, a vector each. The order is that of columns: the first column from top to
-/// bottom, then the second. So keys of one column are compared without moving them between lanes.
+/// Bitonic sort of a matrix of R rows, a vector each. The order goes by columns: the first column from top to bottom,
+/// then the second. So keys of one column are compared without moving them between lanes.
 template <std::size_t R>
 class ColumnSort {
  public:
@@ -78,7 +78,7 @@ class ColumnSort {
         if (const std::size_t other = r ^ distance; r < other) Order(rows[r], rows[other]);
     }
   }
-  /// From each lane l that of l ^ kChange.
+  /// Returns, in each lane l, the value of lane l ^ kChange.
   template <std::uint32_t kChange>
   static HWY_INLINE V Exchanged(V v) {
     const Lanes d;

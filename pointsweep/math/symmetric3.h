@@ -51,8 +51,8 @@ inline double largest_root(double r) {
 }  // namespace deflation
 
 /// Entries must be finite and under 2^1022; a matrix whose entries are all under 2^-1022 counts as zero. The error of a
-/// value is a few ulps of the largest; that of a vector is that, divided by the gap to the next value. A zero or
-/// diagonal matrix has axes as vectors.
+/// value is a few ulps of the largest value; the error of a vector is this error divided by the gap to the next value.
+/// A zero or diagonal matrix has axes as vectors.
 inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   const double largest =
       std::max({std::abs(m.xx), std::abs(m.yy), std::abs(m.zz), std::abs(m.xy), std::abs(m.xz), std::abs(m.yz)});
@@ -106,7 +106,8 @@ inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   const Vec3 less{lp * p.x + lq * q.x, lp * p.y + lq * q.y, lp * p.z + lq * q.z};
   const double apart = radius - deflation::kFloor;
   const double value_greater = (middle + apart) * size, value_less = (middle - apart) * size;
-  // As root of the polynomial the largest is right to rounding; as quotient a smallest of 0 is, too.
+  // The largest value is right to rounding as a root of the polynomial; as a quotient, a smallest value of 0 is right,
+  // too.
   if (root >= 0) {
     const double value = (mean + spread * root) * size;
     return {{value_less, value_greater, value < value_greater ? value_greater : value}, {less, greater, v}};

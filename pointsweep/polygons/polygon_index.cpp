@@ -26,13 +26,14 @@ PolygonIndex::PolygonIndex(const std::vector<Polygon>& polygons) {
   fill_strips();
 }
 
-/// Does not fall where y rises, so that an edge is in the strips from that of its low end to that of its high end.
+/// Returns the strip of y. It does not fall where y rises, so that an edge is in the strips from the strip of its low
+/// end to the strip of its high end.
 std::size_t PolygonIndex::strip_of(double y) const {
   const double strip = (y - least_.y) * scale_;
   return strip >= static_cast<double>(strips_ - 1) ? strips_ - 1 : static_cast<std::size_t>(std::max(strip, 0.0));
 }
 
-/// How many edges `strips` strips hold.
+/// Returns how many edges the strips hold if there are `strips` of them.
 std::size_t PolygonIndex::entries(std::size_t strips) {
   strips_ = strips;
   const double height = most_.y - least_.y;
@@ -72,7 +73,7 @@ bool PolygonIndex::covers(Point2 p) const {
     }
     if (p.y < e.low.y || p.y > e.high.y || (p.x > e.low.x && p.x > e.high.x)) continue;
     const bool is_left = p.x < e.low.x && p.x < e.high.x;
-    // Of a level edge every point between its ends is on the line.
+    // On a level edge every point between its ends is on the line.
     const int side = is_left ? 1 : orientation(e.low, e.high, p);
     if (side == 0) return true;
     if (side > 0 && p.y < e.high.y) inside = !inside;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Whether points lie in polygons.
+/// An index of polygons that tells whether points lie in them.
 #pragma once
 
 #include <cstddef>
@@ -39,7 +39,7 @@ class PolygonIndex {
   Point2 least_, most_;  ///< corners of the box around all edges
   double scale_ = 0;     ///< strips for each unit of y
   std::size_t strips_ = 1;
-  std::vector<Edge> edges_;              ///< those of a polygon follow one another
+  std::vector<Edge> edges_;              ///< edges of one polygon follow one another
   std::vector<std::size_t> first_;       ///< by strip, in in_strip_; one more at the end
   std::vector<std::uint32_t> in_strip_;  ///< indices of edges, ascending in each strip
 };

@@ -11,14 +11,15 @@
 namespace pointsweep {
 
 /// POLYGON and MULTIPOLYGON, with two to four numbers for a point, of which x and y count; several may follow one
-/// another, each behind "SRID=...;" or not. Throws Error that begins with `name` and says at which byte what is wrong.
+/// another, each with or without a leading "SRID=...;". Throws Error that begins with `name` and says at which byte
+/// what is wrong.
 std::vector<Polygon> polygons_of_wkt(std::string_view text, std::string_view name);
 
 /// A Polygon, MultiPolygon, GeometryCollection of these, Feature or FeatureCollection. Coordinates are taken as they
 /// are, whatever the reference system. Throws Error that begins with `name`.
 std::vector<Polygon> polygons_of_geojson(std::string_view text, std::string_view name);
 
-/// Whether `text` is one of the two itself and no name of a file.
+/// Returns whether `text` is WKT or GeoJSON itself and not the name of a file.
 bool is_polygon_text(std::string_view text);
 
 /// One or the other; at least one polygon that is not empty.

@@ -19,7 +19,7 @@ std::unique_ptr<Shape> make_terrain();
 std::unique_ptr<Shape> make_tls();
 std::unique_ptr<Shape> make_volume();
 
-/// One of each, in the order of their presentation.
+/// Returns one shape of each kind, in the order of their presentation.
 std::vector<std::unique_ptr<Shape>> all_shapes();
 /// Throws UsageError that lists the known names.
 std::unique_ptr<Shape> create_shape(std::string_view name);

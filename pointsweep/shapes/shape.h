@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a generated cloud is a sample of: a surface or a solid of known geometry, in metres.
+/// The shape that a generated cloud samples: a surface or a solid of known geometry, in metres.
 #pragma once
 
 #include <string>

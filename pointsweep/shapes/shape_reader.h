@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// How the points of a shape become a cloud. All lengths in metres.
+/// The options that turn the points of a shape into a cloud. All lengths in metres.
 struct Sampling {
   std::uint64_t count = 0;
   std::uint64_t seed = 1;
