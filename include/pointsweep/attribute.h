@@ -22,7 +22,7 @@ POINTSWEEP_EXPORT std::size_t size_of(Type type);
 /// "int8", "uint8", ... "float64".
 POINTSWEEP_EXPORT std::string_view name_of(Type type);
 
-/// What a rotation, translation or scaling of the cloud does to a value.
+/// The way in which a value changes when the cloud is rotated, translated or scaled.
 enum class Kind : std::uint8_t { position, vector, normal, scalar, index, color };
 
 /// One attribute of a point, e.g. {"normal", f32, kind normal, fields {"nx","ny","nz"}, unit "1", "unit surface normal
@@ -76,7 +76,7 @@ struct Field {
   friend bool operator==(const Field&, const Field&) = default;
 };
 
-/// How the points of a file lie in memory: one record of `stride` bytes for each point, in the byte order of the
+/// The layout of points in memory: one record of `stride` bytes for each point, in the byte order of the
 /// machine. Bytes that no field names are kept too, so that attributes that no stage reads pass through unchanged.
 struct POINTSWEEP_EXPORT Schema {
   std::vector<Field> fields;

@@ -56,11 +56,11 @@ class POINTSWEEP_EXPORT Cloud {
   /// The attributes of a point, by the names of the inputs, and how a record holds them.
   const Schema& schema() const;
   std::size_t input_count() const;
-  /// What is known of input `i` < input_count().
+  /// Returns what is known of input `i` < input_count().
   const FileInfo& input(std::size_t i) const;
   /// Coordinate reference system of the first input that states one.
   const std::optional<Crs>& crs() const;
-  /// What was wrong but harmless where inputs meet, one sentence each; what concerns one input is in its FileInfo.
+  /// Harmless faults in the combination of inputs, one sentence each. Faults of a single input are in its FileInfo.
   const std::vector<std::string>& warnings() const;
 
   /// Reads the records `row`, `row+1`, ... into `records`: as many whole records of schema().stride bytes as fit, fewer

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the library throws, and the request to stop.
+/// The exceptions of the library, and the request to stop.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which points are the neighbours of a point, and a batch of points with their neighbourhoods N_i as operators see it.
+/// The rule that says which points are neighbours, and a batch of points with their neighbourhoods N_i for operators.
 #pragma once
 
 #include <array>
@@ -57,8 +57,8 @@ struct Neighborhood {
   double radius2() const { return radius * radius; }
 };
 
-/// How the engine lays out a batch in memory. Operators need none of this: Neighborhoods hides it.
-/// Most points a cell may hold; a neighbour is named by the slot of its cell and its index inside it.
+/// The memory layout of a batch begins here. Operators do not need it: Neighborhoods hides it.
+/// The most points that a cell may hold. A neighbour is named by the slot of its cell and its index in the cell.
 inline constexpr std::uint32_t kIndexBits = 11;
 inline constexpr std::uint32_t kCellCapacity = 1u << kIndexBits;
 using NeighborRef = std::uint32_t;  ///< slot << kIndexBits | index; valid as long as the batch
@@ -212,9 +212,9 @@ class Neighborhoods {
   bool sorted_by_distance_;
 };
 
-/// How large the neighbourhood of each point is, where points differ in that. The search finds the largest
-/// neighbourhood that any point may have, nearest first; the rule keeps the first m of each point, with m its choice.
-/// These are exact because the list is: the first m of the k nearest are the m nearest.
+/// A rule that chooses the size of the neighbourhood of each point. The search finds the largest neighbourhood that any
+/// point may have, nearest first. The rule chooses a number m for the point and keeps its first m neighbours. The kept
+/// neighbours are exact because the list is exact: the first m of the k nearest neighbours are the m nearest.
 ///
 /// Like an operator, a rule is a pure function of a point, its attributes and its list. It runs once per point, before
 /// all stages. The cost of the search is that of the largest neighbourhood.

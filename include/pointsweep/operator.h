@@ -79,7 +79,7 @@ struct Contract {
   std::size_t default_k = 8;
 };
 
-/// Whether a row stays: what a stage that drops rows makes. It is never written.
+/// The attribute that a stage makes to drop rows: 1 keeps the row, 0 drops it. It is never written.
 inline Attribute selection_attribute() {
   return {"row is kept", Type::u8, Kind::scalar, {"row is kept"}, "1", "0: the row is left out", std::byte{1}};
 }

@@ -20,8 +20,7 @@
 
 namespace pointsweep {
 
-/// Which of its two directions a normal takes. Whatever leaves the choice open (a dot product of 0) falls back to
-/// `none`.
+/// The choice between the two directions of a normal. `none` applies where a rule does not decide (a dot product of 0).
 enum class Orient {
   none,       ///< the component of largest magnitude is positive, the first of equal ones
   up,         ///< nz >= 0
@@ -34,7 +33,7 @@ struct NormalsOptions {
   Vec3 viewpoint = {};  ///< in the coordinates of the cloud; only for Orient::viewpoint
 };
 
-/// What turns and flattens the ellipse of a splat.
+/// The matrix that determines the direction and the ratio of the ellipse of a splat.
 enum class SplatAxes {
   positions,  ///< M_i of Equation 1: long where the neighbours are spread
   curvature,  ///< C_i of Equation 2, by way of k1, k2 and k1_direction: long along ridges and valleys
@@ -48,15 +47,16 @@ struct SplatsOptions {
 /// both to 0.5 % of the diagonal of the bounding box (Section 7.3). A variance is a squared length, so this is read as
 /// the standard deviation.
 struct FairOptions {
-  double f = 0;  ///< of |p_j - p_i|: how far smoothing reaches; > 0
-  /// Of |Π_j(p_i) - p_i|: how far a point may be off a neighbour's tangent plane and still follow it; > 0.
+  double f = 0;  ///< width of the Gaussian of |p_j - p_i|: how far smoothing reaches; > 0
+  /// Width of the Gaussian of |Π_j(p_i) - p_i|: how far a point may be off a neighbour's tangent plane and still follow
+  /// it; > 0.
   double g = 0;
 };
 
-/// Whose statistical outliers sor() finds; docs/pipelines.md has the five rules.
+/// The program whose definition of a statistical outlier sor() follows; docs/pipelines.md has the five definitions.
 enum class OutlierDefinition { pointsweep, pdal, pcl, open3d, cloudcompare };
 
-/// What the formulas of features() call λ.
+/// The values that the formulas of features() call λ.
 enum class EigenvalueScale {
   raw,         ///< eigenvalues of the covariance, in length²: CloudCompare, jakteristics
   root,        ///< their square roots, in length: PDAL's default
@@ -75,46 +75,46 @@ struct AttributeLimits {
   std::string radius = {};  ///< the point keeps the neighbours within the value, inclusive, in length units
 };
 
-/// Which point of a voxel stays.
+/// The choice of the point that stays in a voxel.
 enum class VoxelKeep {
-  center,  ///< the one nearest to the centre of the voxel
-  hash,    ///< the one whose coordinates have the smallest hash: a random choice
-  /// The one nearest to the centre, moved to the mean of the points; other attributes become means, too, by their kind.
+  center,  ///< the point nearest to the centre of the voxel
+  hash,    ///< the point whose coordinates have the smallest hash: a random choice
+  /// The point nearest to the centre, moved to the mean of the points; other attributes become means, too, by kind.
   centroid,
 };
 
 struct PoissonOptions {
-  double radius = 0;             ///< within which a kept point leaves out others; > 0
+  double radius = 0;             ///< a kept point leaves out the other points within this distance; > 0
   std::string radius_from = {};  ///< name of an attribute that holds the radius of each point, at most `radius`
 };
 
-/// Lengths.
+/// Options of simplify(). All are lengths.
 struct SimplifyOptions {
   double error = 0;  ///< how far a kept point may be off the tangent plane of a point that it represents; > 0
-  double most = 0;   ///< the largest distance between these two, on flat parts; > 0
-  double least = 0;  ///< the smallest, where noise looks like curvature; 0 to `most`
+  double most = 0;   ///< the largest distance from a kept point to a point that it represents, on flat parts; > 0
+  double least = 0;  ///< the smallest such distance, where noise looks like curvature; 0 to `most`
 };
 
-/// What is inside for crop(). At least one of the first two.
+/// Options of crop(). `bounds` or `polygon` is required; if both are given, a point inside lies in both.
 struct CropOptions {
   std::vector<double> bounds = {};  ///< corners of a box: xmin, ymin, zmin, xmax, ymax, zmax, or without z
   std::string polygon = {};         ///< name of a file with polygons, WKT or GeoJSON, or such a text itself
   bool outside = false;             ///< keep what is not inside
-  std::string checksum = {};        ///< that the file has to have; empty: any
+  std::string checksum = {};        ///< checksum that the polygon file must have; empty: any
 };
 
-/// Of M3C2 (Lague et al. 2013). The first three have to be set.
+/// Options of m3c2() (Lague et al. 2013). `cloud`, `cylinder` and `depth` are required.
 struct M3c2Options {
   std::string cloud = {};   ///< the other cloud: a file, a folder or a pattern
   double cylinder = 0;      ///< diameter of the cylinder along the normal, length; > 0
-  double depth = 0;         ///< how far it reaches to each side of the point, length; > 0
+  double depth = 0;         ///< reach of the cylinder to each side of the point, length; > 0
   double registration = 0;  ///< error of the registration of the two clouds, length; >= 0
 };
 
-/// How color() shows numbers.
-enum class ColorMap { viridis, turbo, gray, classes /**< of LAS */ };
+/// The map from numbers to colours of color().
+enum class ColorMap { viridis, turbo, gray, classes /**< colours of the classes of LAS */ };
 
-/// Of a channel of color().
+/// The number of bits of a channel of color().
 enum class ColorBits {
   automatic,  ///< 16 where the input has colours of 16 bits or fields of LAS, else 8
   eight,
@@ -124,18 +124,18 @@ enum class ColorBits {
 struct ColorOptions {
   std::string by = {};  ///< an attribute of the input, a component of one made before, or x, y or z
   ColorMap map = ColorMap::viridis;
-  std::optional<std::pair<double, double>> range = {};  ///< ends of the map; absent: those of the values of the cloud
+  std::optional<std::pair<double, double>> range = {};  ///< ends of the map; absent: least and greatest of the cloud
   ColorBits bits = ColorBits::automatic;
 };
 
-/// Of SMRF (Pingel et al. 2013), with the defaults of the paper for metres.
+/// Options of ground(): SMRF (Pingel et al. 2013), with the defaults of the paper for metres.
 struct GroundOptions {
   double cell = 1;           ///< edge of a cell of the raster, length; > 0
   double slope = 0.15;       ///< steepest slope of the ground, rise over run
   double window = 18;        ///< radius of the largest disk of the filter, length; at most 1,000 cells
   double threshold = 0.5;    ///< how far a point may be off a level surface, length
-  double scalar = 1.25;      ///< what is added to that for each unit of the slope, length
-  bool all_returns = false;  ///< not only last returns take part
+  double scalar = 1.25;      ///< added to `threshold` for each unit of the slope, length
+  bool all_returns = false;  ///< all returns take part, not only last returns
   bool noise = false;        ///< points of the classes 7 and 18 take part, too
 };
 
@@ -151,7 +151,7 @@ POINTSWEEP_EXPORT ChainStage splats(const SplatsOptions& options = {});
 /// Moves the points: feature-preserving smoothing in one pass (paper Section 4.3.4, Equation 3). Needs "normal" and
 /// splats(). Widths are in length units. Throws UsageError unless both are positive.
 POINTSWEEP_EXPORT ChainStage fair(const FairOptions& options);
-/// The same with both widths in % of the diagonal of the box around the finite points of the input.
+/// fair() with both widths in % of the diagonal of the box around the finite points of the input.
 POINTSWEEP_EXPORT ChainStage fair_in_percent(const FairOptions& percent = {0.5, 0.5});
 /// Makes "mean_distance" and "outlier": whether the mean distance to the neighbours exceeds its mean over the cloud by
 /// more than `multiplier` standard deviations, by one of five definitions. Throws UsageError unless multiplier is a

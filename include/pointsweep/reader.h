@@ -25,7 +25,7 @@ namespace pointsweep {
 
 struct LasOrigin;
 
-/// What a format keeps of a file in addition to its points, for a writer of the same format (LAS: header, VLRs, EVLRs;
+/// The parts of a file other than its points, kept for a writer of the same format (LAS: header, VLRs, EVLRs;
 /// PLY: comments and obj_info). A writer of another format ignores it.
 struct POINTSWEEP_EXPORT FormatExtras {
   virtual ~FormatExtras() = default;
@@ -39,7 +39,7 @@ struct HeaderClaims {
   std::vector<std::uint64_t> returns = {};  ///< points of return number 1, 2, ...; empty: it does not count them
 };
 
-/// What is known of an input when it is open.
+/// The facts that are known of an input when it is open.
 struct FileInfo {
   std::filesystem::path path;  ///< for messages; of what is no file, any name
   std::string format;          ///< for people: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
@@ -87,7 +87,7 @@ using WantedFields = std::vector<std::size_t>;
 class POINTSWEEP_EXPORT Reader {
  public:
   Reader() = default;
-  /// Each has a decoder of its own for read().
+  /// Copies the facts, not the decoder: each reader makes its own decoder for read().
   Reader(const Reader& other) : info_(other.info_) {}
   Reader& operator=(const Reader& other) {
     info_ = other.info_;
@@ -99,21 +99,21 @@ class POINTSWEEP_EXPORT Reader {
 
   /// The chunk that holds `row` < info().count. Thread-safe. By default all rows are one chunk.
   virtual Chunk chunk_of(std::uint64_t row) const;
-  /// Whether decoder() gives decoders. If not, one thread at a time reads rows by read(). Thread-safe.
+  /// Returns whether decoder() gives decoders. If not, one thread at a time reads rows by read(). Thread-safe.
   virtual bool has_decoders() const { return false; }
-  /// Whether any range of rows is a chunk, as where all records have one size. Thread-safe.
+  /// Returns whether any range of rows is a chunk, as where all records have one size. Thread-safe.
   virtual bool decodes_any_range() const { return false; }
   /// A decoder for one thread, beside which others may decode. Thread-safe. Only the `wanted` fields of its records are
   /// sure to have their values; the bytes of the others are unspecified. Null without has_decoders().
   virtual std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const;
 
-  /// As RowDecoder::read, through a decoder of the reader's own. Not thread-safe.
+  /// Reads records as RowDecoder::read does, through the reader's own decoder. Not thread-safe.
   virtual std::size_t read(std::uint64_t row, std::span<std::byte> records);
   /// Frees what read() keeps for the next call, since another reader is read now.
   virtual void rest() { own_decoder_.reset(); }
 
  protected:
-  /// How many records a read() at `row` into `records` gives.
+  /// Returns the number of records that a read() at `row` into `records` gives.
   std::size_t rows_for(std::uint64_t row, std::span<std::byte> records) const {
     const std::uint64_t left = row < info_.count ? info_.count - row : 0;
     return static_cast<std::size_t>(std::min<std::uint64_t>(left, records.size() / info_.schema.stride));

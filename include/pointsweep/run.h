@@ -28,17 +28,17 @@ enum class Order : std::uint8_t {
           ///< row. Of the input's positions, or of those at the last Resort of the chain
 };
 
-/// What finds the neighbourhoods and moves the points through the operators. Only the tool has more than `exact`.
+/// The engine, which finds the neighbourhoods and moves the points through the operators. The library has only `exact`.
 enum class Engine : std::uint8_t {
   exact,      ///< the engine of this library: exact, in parallel, within the memory budget
   reference,  ///< the paper's own algorithm, point by point, on one thread: neighbourhoods may lack a point, and counts
               ///< of these are in Statistics::reference. Error if its active set outgrows the budget on the way.
 };
 
-/// What happens to points whose coordinates are NaN or infinite. They are neighbours of no other point in any case.
+/// The treatment of points whose coordinates are NaN or infinite. They are neighbours of no other point in any case.
 enum class Nonfinite : std::uint8_t {
   by_format,  ///< `drop` for LAS, which cannot hold them, `keep` for all other formats
-  keep,       ///< they are written with all their attributes, and what is made has the value of points that have none
+  keep,       ///< they are written; made attributes have the value that is documented for undefined results
   drop,       ///< their rows are left out of all outputs; numbers of rows (Order::input, neighbours) count the others
   refuse,     ///< the first one ends the run
 };
@@ -51,7 +51,7 @@ struct Progress {
   std::uint64_t active;  ///< points in the window, while sweeping
 };
 
-/// Watches a run, and stops it. An exception that an override throws ends the run, which leaves nothing behind.
+/// Watches a run, and stops it. An exception that an override throws ends the run, which then leaves no files.
 ///
 /// cancel(), from any thread or from a signal handler, ends the run with Cancelled within a fraction of a second. An
 /// operator is not interrupted between two batches of at most 262,144 neighbours or one point. An observer that has
@@ -70,23 +70,24 @@ class POINTSWEEP_EXPORT Observer {
   virtual void on_note(const std::string& sentence);
 
   void cancel() noexcept { own_.cancel(); }
-  /// What the run asks whether to stop: a token of the observer's own, or one that several share. It must outlive the
-  /// run.
+  /// Returns the token that the run asks whether to stop: the observer's own token, or a token that several observers
+  /// share. The token must outlive the run.
   virtual const CancellationToken& token() const noexcept;
 
  private:
   CancellationToken own_;
 };
 
-/// What a run may take of the machine. No result depends on it.
+/// The resources of the machine that a run may take. No result depends on them.
 struct Resources {
   std::uint64_t memory_bytes = 0;  ///< budget of the whole process; 0: half of what is available
-  unsigned threads = 0;            ///< at most; 0: one for each core. Fewer work where the budget has no room for all
-  /// For what does not fit the budget. Must exist and be writable, even if nothing is spilled; empty: the system's.
+  unsigned threads = 0;            ///< most threads; 0: one for each core. Fewer work where the budget is too small
+  /// Folder for data that do not fit the budget. Must exist and be writable, even if nothing is spilled; empty: the
+  /// folder of the system.
   std::filesystem::path temp_folder = {};
 };
 
-/// What a run means, then what it may take, then who watches it.
+/// Options of a run: first the options that the results depend on, then its resources, then its observer.
 struct RunOptions {
   Order order = Order::input;
   std::optional<int> axis = {};  ///< of the sweep: 0, 1, 2; absent: the longest
@@ -141,7 +142,7 @@ POINTSWEEP_EXPORT Statistics run(Cloud& cloud, const Chain& chain, const Outputs
 POINTSWEEP_EXPORT Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options = {},
                                   const std::vector<std::string>& keep = {});
 
-/// What run() would do, in lines for people: passes, stages with their buffers, columns, slabs and memory. Looks at a
+/// Describes a run() in lines for people: passes, stages with their buffers, columns, slabs and memory. Looks at a
 /// sample of the cloud and writes nothing. Throws what run() would throw before the work. `output`: the point file to
 /// write, which need not exist.
 POINTSWEEP_EXPORT std::string plan_text(Cloud& cloud, const Chain& chain, const std::filesystem::path& output = {},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a run did, for people, programs and plots.
+/// The statistics of a run, for people, programs and plots.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// How many neighbourhoods of the paper's own algorithm are exact, each point counted once in each sweep.
+/// Counts of exact and inexact neighbourhoods of the paper's own algorithm; each point counts once in each sweep.
 struct ReferenceCounts {
   std::uint64_t complete = 0;    ///< exact
   std::uint64_t incomplete = 0;  ///< different from the exact ones, since a point had left the search too early
@@ -20,8 +20,8 @@ struct ReferenceCounts {
   double audit_seconds = 0;      ///< finding these counts; not a part of the algorithm
 };
 
-/// Distances from `from` on below `to`, in the length unit of the cloud: of how many points the nearest neighbour is so
-/// far away, of how many the farthest of the neighbourhood.
+/// A bin [from, to) of neighbour distances, in the length unit of the cloud. `nearest` and `farthest` count the points
+/// whose nearest and farthest neighbour lies in the bin.
 struct DistanceBin {
   double from, to;
   std::uint64_t nearest, farthest;
@@ -36,13 +36,13 @@ struct DegenerateResults {
   bool operator==(const DegenerateResults&) const = default;
 };
 
-/// Of a run of several sweeps, sums over them unless it is said otherwise. Of a run that was resumed, counts of points
-/// are those of the whole; times, bytes, series and distances those of the last process alone.
+/// The statistics of a run. A run of several sweeps has sums over the sweeps unless a member says otherwise. In a
+/// resumed run, counts of points cover the whole run; times, bytes, series and distances cover only the last process.
 struct Statistics {
-  std::uint64_t points = 0;          ///< of the input, without those dropped
-  std::uint64_t points_written = 0;  ///< those of them that no select has left out
+  std::uint64_t points = 0;          ///< points of the input, without the dropped ones
+  std::uint64_t points_written = 0;  ///< points of the input that no select has left out
   std::uint64_t sweeps = 0;          ///< passes that find neighbourhoods
-  std::uint64_t k = 0;               ///< of the first sweep; 0: no limit
+  std::uint64_t k = 0;               ///< number of neighbours in the first sweep; 0: no limit
   std::uint64_t certified = 0;   ///< points whose neighbourhoods are proven exact in every sweep: all finite ones that
                                  ///< are left in the last
   std::uint64_t recalled = 0;    ///< neighbourhoods proven by reading a part of the stream again
@@ -60,18 +60,18 @@ struct Statistics {
   std::vector<std::pair<std::string, double>> operator_seconds;  ///< summed over threads
   /// Read: records of the input in each pass, and spilled points that recalls have read again.
   std::uint64_t bytes_read = 0, bytes_spilled = 0, bytes_written = 0;
-  /// Of the bytes spilled, those of points on their way into order, and of inputs that are decoded once.
+  /// Parts of bytes_spilled: bytes of points that are put in order, and bytes of inputs that are decoded once.
   std::uint64_t bytes_spilled_ordering = 0, bytes_spilled_decoding = 0;
   std::string ordering;  ///< how the points of the first sweep were put in order, and why; a sentence without its end
   std::uint64_t peak_rss_bytes = 0, memory_budget_bytes = 0;
-  std::uint64_t peak_points = 0;  ///< in the window, the most of all sweeps
+  std::uint64_t peak_points = 0;  ///< most points in the window, in all sweeps
   double mean_points = 0;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read (on from sweep to sweep), points active
   /// By operator, or by step of the engine: points read, points in its buffer.
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
   double lifespan_mean_seconds = 0, lifespan_max_seconds = 0;
-  std::optional<ReferenceCounts> reference;  ///< of a run by the paper's algorithm
-  /// Of the first sweep, eight bins for each octave; empty but for a run of the tool with --report.
+  std::optional<ReferenceCounts> reference;  ///< counts of a run by the paper's algorithm; absent for other runs
+  /// Neighbour distances of the first sweep, eight bins for each octave; empty unless the tool runs with --report.
   std::vector<DistanceBin> neighbor_distances;
   unsigned threads = 1;
   std::string machine;

@@ -22,8 +22,8 @@ namespace pointsweep {
 
 struct KnownValues;
 
-/// What is to be written. Records come in `schema`: first the fields of the input in the input's own layout, then what
-/// operators made ("nx", "ny", "nz", ...). The writer maps them to the names and types its format can hold.
+/// The plan of an output. Records come in `schema`: first the fields of the input in the input's layout, then the
+/// fields that operators made ("nx", "ny", "nz", ...). The writer maps them to names and types of its format.
 struct OutputPlan {
   std::filesystem::path path;
   Schema schema;
@@ -35,11 +35,11 @@ struct OutputPlan {
   std::optional<Box> bounds = std::nullopt;
   /// Coordinate reference system of the points. Not needed where `extras` have it for a writer of the same format.
   std::optional<Crs> crs = std::nullopt;
-  /// What an input that is LAS, or was, means by its coordinates and times.
+  /// The meaning of coordinates and times in an input that is or was LAS.
   std::shared_ptr<const LasOrigin> las = nullptr;
-  /// What is known of the values of the input's fields, which are the first of `schema`; null: their types.
+  /// The known ranges of the values of the input's fields, which are the first of `schema`; null: only types are known.
   std::shared_ptr<const KnownValues> values = nullptr;
-  /// Of the inputs after the first.
+  /// The extras of the inputs after the first.
   std::vector<std::shared_ptr<const FormatExtras>> other_extras = {};
   /// The attributes in `schema` that operators made: formats that describe attributes take the meaning from here.
   std::vector<Attribute> made = {};

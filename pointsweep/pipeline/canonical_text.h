@@ -25,7 +25,7 @@ std::string canonical_text(const ChainStage& stage, Presets presets);
 std::string canonical_text(const Neighborhood& neighborhood, Presets presets);
 /// The neighbourhood, then the stages. A number of neighbours that is left to the operators is the one that they get.
 std::vector<std::string> canonical_stages(const Chain& chain, Presets presets);
-/// The same of a plan; "sort" for one that has no passes.
+/// The canonical stages of a plan; "sort" for a plan without passes.
 std::vector<std::string> canonical_stages(const ChainPlan& plan, Presets presets);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a run had done when its last checkpoint was made.
+/// The state of a run when its last checkpoint was made.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,9 @@
 
 namespace pointsweep {
 
-/// Of a sweep, first the stream is in order; then it and the results grow side by side; when it has been swept, only
-/// the results are left; at last they have become the rows that the next sweep begins with, or the output.
+/// The state of a run at a checkpoint. During a pass, `stream` is set first, when the points are in order. While the
+/// sweep goes on, `stream` and `results` are both set. After the sweep only `results` is set. At last the results have
+/// become the rows that the next sweep begins with, or the output.
 struct Checkpoint {
   std::string identity;                     ///< run_identity()
   std::uint64_t memory_bytes = 0;           ///< the budget, for a run that goes on and names none
@@ -36,7 +37,7 @@ struct Checkpoint {
   static Checkpoint unpacked(std::span<const std::byte> bytes);
 };
 
-/// Sweeps and points of all kinds; neither times nor bytes nor series.
+/// Copies the counts of sweeps and of points of all kinds; copies neither times nor bytes nor series.
 void take_counts(Statistics& to, const Statistics& from);
 
 }  // namespace pointsweep

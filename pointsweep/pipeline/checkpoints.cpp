@@ -109,7 +109,7 @@ void Checkpoints::save(Clock::time_point begun) {
   if (least_interval_.count() > 0) interval_ = std::max(least_interval_, took / kShare);
 }
 
-/// Those that the checkpoint speaks of.
+/// Returns the names of the files that the last checkpoint refers to.
 std::set<std::string> Checkpoints::files() const {
   std::set<std::string> names;
   if (last_.sweep > 0) names.insert(place("rows", last_.sweep).file().filename());

@@ -22,10 +22,10 @@ class Checkpoints {
   /// Throws Error if the folder cannot be used or holds another run.
   Checkpoints(const EngineOptions& options, const std::string& identity);
 
-  /// What is done already: to begin with, what an earlier process has left.
+  /// Returns the last checkpoint; at first, the checkpoint that an earlier process has left.
   const Checkpoint& last() const { return last_; }
-  bool found() const { return found_; }  ///< that there was such a process
-  /// What a stream, the "results" of a pass, or the "rows" carried into it and their "mask" are spilled to.
+  bool found() const { return found_; }  ///< returns whether an earlier process has left a checkpoint
+  /// The place for a spilled stream, the "results" of a pass, or the "rows" carried into it and their "mask".
   SpillPlace place(const char* kind, std::uint64_t sweep) const;
   std::optional<SweepProgress> progress() const;
   /// Throws Error if the stream was cut into larger slabs than these, for more memory or fewer threads than now.

@@ -40,7 +40,7 @@ class DecodedReader final : public Reader {
 
   bool has_decoders() const override { return true; }
   bool decodes_any_range() const override { return true; }
-  /// As the file has them, with the boxes that it states; their bytes are not in it any more.
+  /// Returns the chunk of the encoded file, with its box; the byte range is empty, since the file is not read any more.
   Chunk chunk_of(std::uint64_t row) const override {
     Chunk chunk = encoded_.chunk_of(row);
     chunk.begin = chunk.end = 0;

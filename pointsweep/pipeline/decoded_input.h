@@ -40,9 +40,9 @@ class DecodedInput {
   std::uint64_t bytes_ = 0;
 };
 
-/// What the temporary files of a run over `cloud` will take.
+/// Returns the bytes that the temporary files of a run over `cloud` will take.
 std::uint64_t decoded_input_bytes(const InputCloud& cloud);
-/// A line of a dry run that says so; empty for 0 bytes.
+/// Returns the line of a dry run that states these bytes; empty for 0 bytes.
 std::string decoded_input_text(std::uint64_t bytes);
 
 }  // namespace pointsweep

@@ -14,14 +14,14 @@
 
 namespace pointsweep {
 
-/// How a run puts its points in order.
+/// The way in which a run puts its points in order.
 enum class Ordering : std::uint8_t {
   planned,       ///< as the memory plan finds
   distribution,  ///< never on demand
   on_demand,     ///< on demand where that is possible at all, whatever waits in memory
 };
 
-/// No result depends on any of these.
+/// RunOptions with further options of the engine. No result depends on the further options.
 struct EngineOptions : RunOptions {
   EngineOptions() = default;
   EngineOptions(const RunOptions& options) : RunOptions(options) {}
@@ -34,18 +34,19 @@ struct EngineOptions : RunOptions {
   bool spill = false;            ///< use the temporary folder even where memory would do
   /// Find neighbourhoods again for every step even where there is memory to keep them.
   bool search_again = false;
-  /// For the lists of neighbours that a thread has in hand, at least those of one point; 0: chosen from the budget.
+  /// Bytes for the lists of neighbours that a thread has in hand. A list of one point always fits. 0: chosen from the
+  /// budget.
   std::uint64_t lists_bytes = 0;
   bool count_distances = false;  ///< fill Statistics::neighbor_distances; about 5 ns a point
   /// A .npy file of one uint8 for each input row: its PointState (sweep/sweep.h) when half of the points have been
   /// read. Takes a byte of memory for each point in addition to the budget; not with resume_folder. Empty: none.
   std::filesystem::path half_way_states;
-  /// Between two checkpoints, not counting those at the end of a phase; more where a checkpoint takes longer than a
-  /// hundredth of it. 0: after every slab.
+  /// Seconds between two checkpoints inside a phase; more if a checkpoint takes longer than a hundredth of this time.
+  /// 0: a checkpoint after every slab.
   double checkpoint_seconds = 30;
 };
 
-/// As the functions of the same names in run.h.
+/// Run and sort like the functions of the same names in run.h.
 Statistics run(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options = {});
 Statistics sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options = {},
                 const std::vector<std::string>& keep = {});

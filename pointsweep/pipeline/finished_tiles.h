@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which tiles of a run that can be resumed are complete.
+/// The list of complete tiles of a resumable run.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace pointsweep {
 /// is complete, whenever the process before it ended, and takes no other file of that name for one.
 class FinishedTiles {
  public:
-  /// What earlier processes have listed. An empty folder: nothing is listed.
+  /// Reads the list that earlier processes have left. With an empty `resume_folder`, nothing is listed.
   explicit FinishedTiles(const std::filesystem::path& resume_folder);
 
   bool has(std::size_t tile, const std::filesystem::path& output) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a run does with points whose coordinates are NaN or infinite: EngineOptions::nonfinite.
+/// The treatment of points whose coordinates are NaN or infinite: EngineOptions::nonfinite.
 #pragma once
 
 #include "pointsweep/formats/input_cloud.h"
@@ -8,7 +8,7 @@
 namespace pointsweep {
 
 /// `asked`, or where that is by_format: `drop` for formats that cannot hold such points (LAS), `keep` for the others.
-/// Of tiles, `drop` where one of them cannot hold what its own input may have.
+/// For tiles: `drop` if the format of any tile cannot hold such points and the input of that tile may have some.
 Nonfinite nonfinite_rule(const InputCloud& cloud, const Outputs& outputs, Nonfinite asked);
 
 /// While it lives, the cloud has the rows that the run is to see. Reads the cloud once where rows may be dropped or

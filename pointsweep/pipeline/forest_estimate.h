@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// How many points of a forest are open at once, estimated from the survey's sample before the work; and how its
-/// buckets are divided.
+/// Estimates the number of points of a forest that are open at once, and chooses the places between its buckets; both
+/// from the survey's sample, before the work.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,9 @@
 
 namespace pointsweep {
 
-/// Points of a cloud of `points` points that have neighbours before and behind some front, the most along the axis.
-/// `k`: nearest neighbours. Of a sample of at most 16,384 points, by the places of their 8 nearest. At most 0.1 s.
+/// Estimates, for a cloud of `points` points, the most points that have neighbours on both sides of a front across the
+/// axis. `k`: nearest neighbours. Uses a sample of at most 16,384 points and the places of their 8 nearest. Takes at
+/// most 0.1 s.
 std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, std::uint64_t k);
 
 /// Places of the sample, in no particular order, between which there are about kBucketPoints points each, however the

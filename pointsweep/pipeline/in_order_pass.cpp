@@ -103,7 +103,7 @@ class OrderedBatch {
   /// Throws the error of the lowest row so far that has a value which the stage cannot read.
   void require_values() const { refused_.throw_if_any(); }
 
-  /// Those of `n` records that have a place.
+  /// Returns the points of `n` records, without records whose place is not finite.
   OrderedPoints of(const std::byte* records, std::size_t n) {
     places_.clear(), positions_.clear(), rows_.clear(), values_.clear();
     for (std::size_t i = 0; i < n; ++i) {

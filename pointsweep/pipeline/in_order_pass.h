@@ -14,8 +14,8 @@
 
 namespace pointsweep {
 
-/// The points of `source` at the places that `op` gives them. Behind a place follow the position, in its type, and the
-/// fields `payload` of the source. A point without a finite position has no place. `op` must outlive the source.
+/// The points of `source` at the places that `op` gives them. Each place is followed by the position, in its type, and
+/// by the fields `payload` of the source. A point without a finite position has no place. `op` must outlive the source.
 struct PlacedSource {
   PlacedSource(const PointSource& source, const std::vector<std::size_t>& payload, const InOrderOperator& op);
   PointSource source;

@@ -20,8 +20,8 @@ constexpr std::uint64_t kMega = 1u << 20;
 constexpr std::uint64_t kLostBetweenAllocations = 8;
 constexpr std::uint64_t kLeastSlabPoints = 4096;
 
-// What grows slowly with the cloud, in bytes. Sizes are those of the structures named on 64-bit machines; vectors that
-// grow are counted with half of their capacity unused.
+// Bytes of structures that grow slowly with the cloud. Each constant is the size of the structure named in its comment
+// on a 64-bit machine. Vectors that grow count with half of their capacity unused.
 
 /// A point on its way from the stream into a cell: its CutPoint, and that of a sparse place (sweep/slab_loader.cpp).
 constexpr std::uint64_t kLoadedPointBytes = 32;
@@ -32,7 +32,7 @@ constexpr std::uint64_t kThreadBytes = 256 << 10;
 constexpr std::uint64_t kSlabBytes = 640;
 /// A slab in each series of the statistics: a pair of counts.
 constexpr std::uint64_t kSeriesBytes = 2 * 16;
-/// What stays of a cell when it is dropped (DroppedCell), with an eighth of it for growth.
+/// Bytes that stay of a cell after it is dropped (DroppedCell), with an eighth more for growth.
 constexpr std::uint64_t kDroppedCellBytes = 63;
 /// A Block of a SlabStore.
 constexpr std::uint64_t kBlockBytes = 2 * 24;
@@ -125,14 +125,14 @@ std::uint64_t thread_bytes(const SweepPlan& plan, std::uint64_t slab_points, std
          gathered_bytes(plan, demand);
 }
 
-/// What grows with the number of slabs and cells.
+/// Bytes that grow with the number of slabs and cells.
 std::uint64_t index_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand) {
   const std::uint64_t cells = demand.points / usual_cell_points(demand) + 1;
   return slabs_of(slab_points, demand) * (kSlabBytes + kSeriesBytes * (plan.step_count() + 2)) +
          cells * kDroppedCellBytes;
 }
 
-/// Of the spilled stream: where its blocks are in the file.
+/// Bytes of the index of a spilled stream, which says where its blocks are in the file.
 std::uint64_t stream_index_bytes(std::uint64_t slab_points, std::uint64_t buffer, const MemoryDemand& demand) {
   const std::uint64_t pieces = std::clamp<std::uint64_t>(
       std::min(slabs_of(slab_points, demand), buffer / 2 / kLeastStreamBlock), 64, kMostStreamPieces);
@@ -140,8 +140,8 @@ std::uint64_t stream_index_bytes(std::uint64_t slab_points, std::uint64_t buffer
   return (demand.points * demand.working_record_bytes / block + slabs_of(slab_points, demand)) * kBlockBytes;
 }
 
-/// Of slabs made on demand: points that wait, blocks of memory that are partly filled, and what is known of blocks of
-/// rows (order/slabs_on_demand.cpp).
+/// Bytes for slabs made on demand: points that wait, partly filled blocks of memory, and the index of blocks of rows
+/// (order/slabs_on_demand.cpp).
 std::uint64_t waiting_bytes(std::uint64_t slab_points, const MemoryDemand& demand) {
   constexpr std::uint64_t kBlockRows = 4096, kBlockIndexBytes = 80;
   return *demand.waiting_points * demand.working_record_bytes +
@@ -154,7 +154,8 @@ std::uint64_t on_demand_buffer_bytes(std::uint64_t slab_points, const MemoryDema
   return std::max(1u, demand.threads) * (2 * kMega + slab_points * demand.working_record_bytes);
 }
 
-/// The same of spilled results: buckets of 1 MB if there is a good block of memory for each, else larger ones.
+/// Bytes of the index of spilled results. Buckets have 1 MB if there is a good block of memory for each, else they are
+/// larger.
 std::uint64_t result_index_bytes(std::uint64_t buffer, const MemoryDemand& demand) {
   constexpr std::uint64_t kGoodBlock = 64 << 10, kRowBytes = 4;
   const std::uint64_t bytes = demand.points * demand.result_record_bytes;

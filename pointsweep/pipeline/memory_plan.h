@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What is kept in memory and what is spilled, so that a run stays inside its budget.
+/// The memory plan: decides which data are kept in memory and which are spilled, so that a run stays inside its budget.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ struct MemoryDemand {
   std::uint64_t connect_bytes = 0;      ///< estimate of a forest, which grows when the window is empty
   std::uint64_t listed_edge_bytes = 0;  ///< of the edges of one neighbour in the lists that a thread has in hand
   std::uint64_t codec_bytes = 0;        ///< for decoding the inputs and encoding the output
-  /// Of a radius without a limit k, estimated: neighbours of a point at most, and points in a slice across the axis as
-  /// thick as the radius times the steps and one more, which are in the window because of the radius.
+  /// Estimates for a radius without a limit k. `most_neighbors`: the most neighbours of a point. `slice_points`: points
+  /// in a slice across the axis, as thick as the radius times (steps + 1); the radius keeps them in the window.
   std::uint64_t most_neighbors = 0;
   std::uint64_t slice_points = 0;
   /// Points that are estimated to wait in memory if slabs are made on demand; absent: they cannot be.
@@ -54,9 +54,9 @@ inline constexpr std::uint64_t kFixedBytes = 24u << 20;
 /// Error with the least budget that does.
 MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand);
 
-/// The same without throwing: see needed_bytes.
+/// Plans like plan_memory(), but states a budget that is too small in MemoryPlan::needed_bytes instead of throwing.
 MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand);
-/// Throws that Error.
+/// Throws the Error that plan_memory() throws for a budget that is too small.
 [[noreturn]] void fail_budget(std::uint64_t budget, std::uint64_t needed_bytes);
 
 /// Memory that is free for the taking on this machine, in bytes: MemAvailable, or less inside a control group.

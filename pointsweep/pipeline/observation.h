@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a run notes of itself on request, for plots and pictures of it.
+/// Observations of a run that are recorded on request, for plots and pictures.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// All bins from the first to the last that holds anything; before them that of distance 0 if it does.
+/// Returns all bins from the first to the last that is not empty, after the bin of distance 0 if that is not empty.
 std::vector<DistanceBin> bins_of(const NeighborDistances& distances);
 
 /// The states by input row as a .npy file of uint8.

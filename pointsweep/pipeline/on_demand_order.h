@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Whether the points of a run can be put in order by the boxes of its inputs, without a distribution pass.
+/// Decides whether the points of a run can be put in order by the boxes of its inputs, without a distribution pass.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@
 
 namespace pointsweep {
 
-/// What is known before the first pass reads a point. The boxes only serve this decision: the run counts the points
-/// before it relies on their places (Stream::on_demand).
+/// The decision about an order on demand, made before the first pass reads a point. The boxes only serve this decision:
+/// the run counts the points before it relies on their places (Stream::on_demand).
 struct OnDemandOrder {
-  std::string why_not;        ///< as the end of a sentence; empty where it is possible
+  std::string why_not;        ///< why not, as the end of a sentence; empty where an order on demand is possible
   std::vector<RowBox> boxes;  ///< as the inputs state them; all rows, ascending
 };
 

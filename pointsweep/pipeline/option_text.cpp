@@ -32,7 +32,7 @@ std::optional<Vec3> read_point(std::string_view text) {
   return point;
 }
 
-/// What is written without a name: a value, or the name of an option alone.
+/// Throws UsageError for an option without `=`: a value without a name, or the name of an option alone.
 [[noreturn]] void refuse_unnamed(const std::vector<OptionDeclaration>& declarations, const OptionText& option,
                                  const std::string& stage) {
   const auto named = std::ranges::find(declarations, option.value, &OptionDeclaration::name);

@@ -26,7 +26,7 @@ class OtherCloud {
   const std::string& name() const { return name_; }
   std::uint64_t count() const { return cloud_->count(); }
   std::vector<std::filesystem::path> files() const;
-  /// Which files, and in which state: of the identity of a resumable run.
+  /// The files and their states, as a part of the identity of a resumable run.
   std::string identity() const;
   /// Sentences for the user.
   const std::vector<std::string>& warnings() const { return warnings_; }

@@ -19,7 +19,7 @@ struct OutputFormat {
 };
 std::vector<OutputFormat> output_formats(const Outputs& outputs);
 
-/// What made attributes are called in all of them (name_outputs()): throws what one of the formats refuses.
+/// Returns the names of made attributes in all outputs (name_outputs()). Throws if a format refuses a name.
 OutputNames names_in_outputs(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
                              const EngineOptions& options);
 
@@ -32,7 +32,7 @@ void require_tiles_possible(const Outputs& outputs, const EngineOptions& options
 /// Returns the requirements of the outputs on the plan of a chain.
 OutputNeeds needs_of(const Outputs& outputs, const EngineOptions& options);
 
-/// What to call the output in a sentence: the point file, the folder of the first tile, or "the output".
+/// Returns the name of the output in a sentence: the point file, the folder of the first tile, or "the output".
 std::string name_of_output(const Outputs& outputs);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How a record of the output is put together from a record of the input and what the operators made.
+/// Puts a record of the output together from a record of the input and the values that the operators made.
 #pragma once
 
 #include <cstddef>

@@ -49,7 +49,7 @@ class Naming {
   }
 
  private:
-  /// As the file will have it, in lower case.
+  /// Returns the name of a field in the file, in lower case.
   std::string stored_name(const std::string& name) const {
     const bool has_own_names = format_ != nullptr && format_->stored_name != nullptr;
     return in_lower_case(has_own_names ? format_->stored_name(name) : name);

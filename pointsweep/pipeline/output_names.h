@@ -13,7 +13,7 @@
 
 namespace pointsweep {
 
-/// How the names are chosen: EngineOptions::prefix and EngineOptions::replace.
+/// The rules for names of made attributes: EngineOptions::prefix and EngineOptions::replace.
 struct NamingRules {
   std::string prefix;
   std::vector<std::string> replace;

@@ -15,7 +15,7 @@
 
 namespace pointsweep {
 
-/// What formats need before the first record.
+/// The values that formats need before the first record.
 struct OutputPlace {
   std::optional<Box> bounds;                  ///< OutputPlan::bounds
   std::shared_ptr<const KnownValues> values;  ///< OutputPlan::values
@@ -30,7 +30,7 @@ class OutputSet {
             const EngineOptions& options, OutputPlace place, std::vector<std::string> provenance = {});
 
   const OutputLayout& layout() const { return layout_; }
-  /// What the formats of the files cannot hold, one sentence each.
+  /// Returns one sentence for each thing that the formats of the files cannot hold.
   std::vector<std::string> warnings() const;
   /// The next rows in input order: reads the same rows of the cloud and puts the results to them.
   void write_results(InputCloud& cloud, std::uint64_t first_row, std::span<const std::byte> results);

@@ -19,7 +19,7 @@ bool is_name_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.' || c == '-';
 }
 
-/// Of a value without quotes.
+/// Returns whether `c` may stand in a value without quotes.
 bool is_bare(char c) { return is_name_character(c) || c == '+' || c == '%' || c == ':' || c == '/'; }
 
 /// Recursive descent through
@@ -78,7 +78,7 @@ class Parser {
     return assigned;
   }
 
-  /// Where the option that begins here ends, but for quoted ones.
+  /// Returns the end of the option that begins here; does not handle quoted options.
   std::size_t end_of_option() const {
     int open = 0;
     for (std::size_t i = at_; i < text_.size(); ++i) {
@@ -89,7 +89,7 @@ class Parser {
     return text_.size();
   }
 
-  /// Whether a condition stands here: not a value, and with a sign that no option has.
+  /// Returns whether a condition stands here: it is no value and has a sign that no option has.
   bool is_condition() const {
     if (at_ >= text_.size() || text_[at_] == '"' || text_[at_] == '\'' || text_[at_] == '[') return false;
     const std::string_view option = text_.substr(at_, end_of_option() - at_);

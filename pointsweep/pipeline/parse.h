@@ -42,7 +42,7 @@ std::vector<StageText> parse_pipeline_or_file(const std::string& text_or_file);
 /// The stages in the first form; parse_pipeline() of it gives them back.
 std::string to_text(const std::vector<StageText>& stages);
 
-/// Whether `name` may be the name of an operator or an option: letters, digits, _ . and -.
+/// Returns whether `name` may be the name of an operator or an option: letters, digits, _ . and -.
 bool is_name(std::string_view name);
 
 }  // namespace pointsweep

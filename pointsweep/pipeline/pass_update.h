@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a pass leaves to the next: the rows that are left, what is carried of them, and the values of the whole cloud.
+/// The results of a pass for the next pass: the remaining rows, their carried attributes, values of the whole cloud.
 #pragma once
 
 #include <cstddef>

@@ -11,15 +11,15 @@
 
 namespace pointsweep {
 
-/// By number in the whole chain.
+/// Values of the whole cloud, by their number in the whole chain.
 using CloudValues = std::map<std::size_t, std::vector<double>>;
 
 class PassValues {
  public:
-  /// `input`: of the cloud's own records.
+  /// `input`: the schema of the cloud's records.
   PassValues(const PlannedPass& pass, const Schema& input);
 
-  /// Whether it reads the cloud's own records, too.
+  /// Returns whether add() also needs the cloud's records.
   bool needs_input() const { return needs_input_; }
   /// Takes `n` rows that the pass leaves: records of what is carried from it, and of the cloud; the latter may be null
   /// if they are not needed. Called by worker `worker` of a loop over all threads, beside others.

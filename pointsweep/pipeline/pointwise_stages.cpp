@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t kBatch = 1024;
 
-/// Where a stage reads a field: the number of the read, and of the component in it; nothing if it does not.
+/// Returns the number of the read in which a stage reads a field, and the number of the component in that read; none if
+/// the stage does not read the field.
 std::optional<std::pair<std::size_t, std::size_t>> find_read(const std::string& field,
                                                              const std::vector<Attribute>& reads) {
   for (std::size_t r = 0; r < reads.size(); ++r)

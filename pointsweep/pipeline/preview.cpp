@@ -90,7 +90,7 @@ std::string effort_text(const Effort& effort) {
   return fmt::format("effort        {}, {}\n", effort.text, about_time_text(effort.seconds));
 }
 
-/// How a pass goes through the points.
+/// Describes how a pass goes through the points.
 std::string passage_text(const Preview& p, std::size_t s) {
   const PlannedPass& pass = p.planned.passes[s];
   if (pass.kind == PassKind::rows) return "reads         the rows in their order; no neighbours are searched\n";

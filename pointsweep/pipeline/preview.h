@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a run would do, known without doing it.
+/// A description of a run, made without running it.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What outputs say of the run that made them (formats/provenance.h).
+/// The record of a run that its outputs hold (formats/provenance.h).
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// What determines the result of a run.
+/// The facts that determine the result of a run, for its processing record.
 struct RunRecord {
   std::vector<std::string> stages;  ///< canonical_stages() with presets left out, or {"sort"}
   std::vector<std::string> keep;    ///< Chain::keep if it leaves anything out
@@ -26,7 +26,7 @@ std::vector<std::string> provenance_of(const InputCloud& cloud, const RunRecord&
 struct TileNumber {
   std::size_t tile = 0, tiles = 0;  ///< the first is 0
 };
-/// The same of an output for one input of a run: it names that input and counts the others.
+/// Returns the record for a tile, the output for one input of a run. It names that input and counts the others.
 std::vector<std::string> provenance_of_tile(const InputCloud& input, TileNumber number, const RunRecord& run);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How many points lie within a radius, estimated from the survey's sample before the work.
+/// Estimates the number of points within a radius, from the survey's sample before the work.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ struct RadiusEstimate {
   std::uint64_t slice_points = 0;  ///< most points between two planes across the axis, `width` apart
 };
 
-/// Of a cloud of `points` points. Where fewer than 8 points of the sample lie within the radius, the count follows from
-/// the distance of the 8th and the survey's dimension: within a factor of about two. At most 0.1 s.
+/// Estimates for a cloud of `points` points. Where fewer than 8 points of the sample lie within the radius, the count
+/// follows from the distance of the 8th and the survey's dimension, within a factor of about two. Takes at most 0.1 s.
 RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, double radius, double width);
 
 /// CPU seconds of search and operators for so many neighbours in all, within a factor of about two on one core of

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Where the sweep's finished points wait until the output is written (the deferred write Φ_W, paper Section 4.2.1).
+/// Sinks in which the finished points of a sweep wait until the output is written (the deferred write Φ_W, paper
+/// Section 4.2.1).
 #pragma once
 
 #include <map>

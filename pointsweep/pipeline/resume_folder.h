@@ -30,7 +30,7 @@ class ResumeFolder {
   static constexpr const char* kTiles = "tiles";
 
   const std::filesystem::path& path() const { return path_; }
-  /// What was saved last, by any process; empty if nothing was.
+  /// Returns the bytes that were saved last, by any process; empty if nothing was saved.
   const std::vector<std::byte>& saved() const { return saved_; }
   /// A file for spilled data; `name` begins with "stream-", "results-", "rows-", "mask-" or "decoded-".
   SpillPlace place(const std::string& name) const { return SpillPlace::kept(path_ / name); }

@@ -24,9 +24,9 @@ class RowMask {
   RowSelection finish();
   std::uint64_t spilled_bytes() const { return file_->spilled_bytes(); }
 
-  /// A finished one that a checkpoint has kept.
+  /// Returns a finished mask that a checkpoint has kept.
   static RowSelection kept(std::uint64_t rows, const SpillPlace& kept);
-  /// What the bits of so many rows take.
+  /// Returns the bytes that the bits of `rows` rows take.
   static std::uint64_t bytes(std::uint64_t rows);
 
  private:

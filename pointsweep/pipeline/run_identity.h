@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a run is, as far as its output or its checkpoints depend on it.
+/// The identity of a run: all that its output or its checkpoints depend on.
 #pragma once
 
 #include <string>

@@ -42,7 +42,7 @@ MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std:
       .codec_bytes = codec_bytes};
 }
 
-/// What a radius without a limit k adds to the demand, and what it means for the user.
+/// Adds the demand of a radius without a limit k. Returns its effort, for a sentence to the user.
 Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& survey) {
   const Neighborhood& n = plan.neighborhood;
   if (n.k != Neighborhood::kUnlimited) return {};
@@ -80,8 +80,8 @@ void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& s
   if (!op->other_cloud().empty()) demand.in_order_bytes += OtherCloud::working_bytes(demand.threads);
 }
 
-/// What a forest holds: supernodes of a bucket and of the points whose neighbours are not all in earlier ones. And what
-/// the edges take that a thread has in hand.
+/// Adds the demand of a forest: the supernodes of a bucket and of the points whose neighbours are not all in earlier
+/// buckets, and the edges that a thread has in hand.
 void add_forest(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey) {
   const Stage* stage = pass.connecting_stage();
   if (stage == nullptr) return;
@@ -112,7 +112,7 @@ MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand
   return memory;
 }
 
-/// What the boxes say of the points that would wait; absent where slabs cannot be made on demand.
+/// Returns the number of points that would wait, by the boxes; absent where slabs cannot be made on demand.
 std::optional<std::uint64_t> waiting_points(const OnDemandOrder& order, const Survey& survey,
                                             const MemoryDemand& demand) {
   if (!order.why_not.empty()) return {};
@@ -121,7 +121,7 @@ std::optional<std::uint64_t> waiting_points(const OnDemandOrder& order, const Su
 
 double mega(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
-/// How the points of the first pass are put in order, and why.
+/// Describes how the points of the first pass are put in order, and why.
 std::string order_text(const MemoryPlan& memory, const OnDemandOrder& order, const MemoryDemand& demand) {
   if (!memory.on_demand && !memory.spill_stream) return "by distribution, in memory";
   if (!memory.on_demand && !order.why_not.empty()) return "by distribution: " + order.why_not;
@@ -167,7 +167,8 @@ MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes
   return plan(budget, unswept(0), demand(record_bytes, 0, points, survey, options, codec_bytes), options);
 }
 
-/// As plan_run_memory() for exactly the threads of the options; does not throw: see RunMemory::needed_bytes.
+/// Plans like plan_run_memory(), for exactly the threads of the options. Does not throw for a budget that is too small:
+/// see RunMemory::needed_bytes.
 RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
                           const EngineOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes,
                           const OnDemandOrder& on_demand) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the phases of a run ask of the memory plan.
+/// The memory of the phases of a run, asked of the memory plan.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@
 
 namespace pointsweep {
 
-/// What a pass asks for whose time the number of points does not tell, estimated: a radius without a limit k, or an
-/// operator in order. 0 seconds for all other passes.
+/// The estimated effort of a pass whose time does not follow from the number of points: a pass with a radius without a
+/// limit k, or with an in-order operator. 0 seconds for all other passes.
 struct Effort {
   double seconds = 0;  ///< on all threads
   std::string cause;   ///< "The radius"
@@ -30,11 +30,11 @@ struct Effort {
 /// Efforts from here on are worth a sentence before the work.
 inline constexpr double kLongSeconds = 60;
 
-/// Of all phases, decided before the first.
+/// The memory of all phases, planned before the first phase.
 struct RunMemory {
   std::vector<MemoryPlan> passes;  ///< by pass
   std::size_t ordered_pass = 0;    ///< first_ordered_pass()
-  /// Of that pass, where it is to be put in order on demand and turns out not to fit.
+  /// The plan for `ordered_pass` by distribution, used where an order on demand is planned and turns out not to fit.
   std::optional<MemoryPlan> by_distribution;
   std::string order_text;                   ///< how the points of that pass are put in order, and why
   std::vector<std::uint64_t> record_bytes;  ///< of a point on its way through the stream, by pass
@@ -52,15 +52,16 @@ struct RunMemory {
 /// Returns codec_bytes() for a number of threads.
 using CodecBytes = std::function<std::uint64_t(unsigned threads)>;
 
-/// What is carried from sweep to sweep is in memory only where everything is. The same survey serves all sweeps: where
-/// points move is not known yet. As many threads work as the budget has memory for, at most those of the options.
-/// Throws Error with the least budget that does where it has none for one thread. `output_bytes`: of an output record;
-/// `codecs` may be empty.
+/// Plans the memory of all passes. Records carried between sweeps stay in memory only if nothing is spilled. One survey
+/// serves all sweeps, since the places of moved points are not known yet. As many threads work as the budget has memory
+/// for, at most the threads of the options. Throws Error, which states the least sufficient budget, if the budget is
+/// too small for one thread. `output_bytes`: bytes of an output record; `codecs` may be empty.
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs = {},
                           const OnDemandOrder& on_demand = {"it was not looked for", {}});
 
-/// What decoding the inputs and encoding records of `record_bytes` to these outputs takes on so many threads.
+/// Returns the bytes that decoding the inputs and encoding records of `record_bytes` to these outputs take on `threads`
+/// threads.
 std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::uint64_t record_bytes,
                           unsigned threads);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What sort() would do, known without doing it.
+/// A description of a sort(), made without running it.
 #pragma once
 
 #include <cstdint>

@@ -68,8 +68,8 @@ nlohmann::ordered_json counts(const ReferenceCounts& r) {
 
 }  // namespace
 
-// The fewest certified are those certified in every sweep, since the points of a sweep are among those of the one
-// before, unless `set` gives a point without a finite position one.
+// The least count of certified points over the sweeps is the count of points certified in every sweep: each sweep has
+// points of the sweep before only, unless `set` gives a finite position to a point that had none.
 void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep) {
   to.certified = to.sweeps == 0 ? sweep.certified : std::min(to.certified, sweep.certified);
   to.recalled += sweep.recalled;

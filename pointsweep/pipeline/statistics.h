@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How statistics grow, and what they say of the machine.
+/// Adds to the statistics of a run, and describes the machine for them.
 #pragma once
 
 #include <cstdint>

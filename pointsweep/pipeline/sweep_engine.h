@@ -29,7 +29,7 @@ struct EnginePass {
 class SweepEngine {
  public:
   virtual ~SweepEngine() = default;
-  /// As records of outputs call it.
+  /// Returns the name of the engine in records of outputs.
   virtual std::string name() const = 0;
   /// Throws UsageError for a request that the engine has no answer to.
   virtual void require_can(const ChainPlan& plan, const EngineOptions& options) const = 0;

@@ -37,21 +37,21 @@ struct MovedPoints {
   std::size_t position;  ///< where a record of it has the moved position, three float64
 };
 
-/// What all tiles of a run have in common.
+/// The parts of a request that all tiles of a run share.
 struct TileRequest {
   InputCloud& cloud;  ///< of all inputs
   const OutputNames& names;
   const Outputs& outputs;  ///< a tile for each input
   const EngineOptions& options;
-  /// What an output made of the cloud of one input is to say (OutputPlan::provenance).
+  /// Returns the processing record for the output made of the cloud of one input (OutputPlan::provenance).
   std::function<std::vector<std::string>(const InputCloud& input, std::size_t tile)> provenance;
   std::optional<MovedPoints> moved = std::nullopt;
-  /// How many tiles are completed in the background while the next one gets its rows, as the memory allows.
+  /// The most tiles that are completed in the background while the next tile gets its rows; limited by the memory.
   std::size_t completing = 0;
 };
 
-/// Throws what can be known before the work: outputs that exist or cannot be written, attributes that would be
-/// overwritten, formats that cannot hold what is made. Makes the folders of the tiles in `folders`.
+/// Throws for faults that are known before the work: outputs that exist or cannot be written, attributes that would be
+/// overwritten, formats that cannot hold the made attributes. Makes the folders of the tiles in `folders`.
 void require_writable_tiles(const TileRequest& request, const FinishedTiles& finished, MadeFolders& folders);
 
 /// Tiles get their rows one after the other and are completed side by side. Each has the rows, the fields, the grid and
@@ -62,14 +62,14 @@ class TileSet {
   TileSet(const TileRequest& request, FinishedTiles finished);
   ~TileSet();
 
-  /// As OutputSet::write_results: the next rows of the cloud and what was made of them.
+  /// Writes the next rows of the cloud with their results, like OutputSet::write_results().
   void write_results(std::uint64_t first_row, std::span<const std::byte> results);
-  /// The next rows of the cloud, of which nothing was made.
+  /// Writes the next rows of the cloud, for which no results were made.
   void write_inputs(std::uint64_t first_row, std::uint64_t rows);
   /// All rows have come: completes the tiles that have none.
   void finish();
 
-  /// What to add to the sentence of an error: how many outputs are complete; empty if none is.
+  /// Returns an addition to the sentence of an error: how many outputs are complete. Empty if none is complete.
   std::string progress();
   std::uint64_t bytes_written() const { return bytes_written_; }
   /// A sentence for each thing that a tile cannot hold, with the number of other tiles that share it; and how many

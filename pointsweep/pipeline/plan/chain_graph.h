@@ -21,7 +21,7 @@
 
 namespace pointsweep {
 
-/// What a node looks at when it reads a version of an attribute.
+/// The points whose values a node reads when it reads a version of an attribute.
 enum class ReadAs : std::uint8_t {
   self,         ///< the value of the point itself
   neighbors,    ///< the values of its neighbours

@@ -146,7 +146,7 @@ void put_in_order(PlannedPass& pass, const Attributes& order) {
   }
 }
 
-/// Of the fields of the input that no stage drops.
+/// Keeps the fields of the input that no stage drops.
 void keep_what_is_not_dropped(ChainPlan& plan, const Schema& input) {
   Schema visible{{}, input.stride};
   std::vector<std::size_t> index;  // in the input
@@ -165,7 +165,7 @@ void keep_what_is_not_dropped(ChainPlan& plan, const Schema& input) {
   for (std::size_t& f : *plan.kept.input) f = index[f];
 }
 
-/// What is written of what is made, and the notes of it in the graph.
+/// Finds the made attributes that are written, and notes them in the graph.
 void find_written(ChainPlan& plan, const Schema& input) {
   plan.made = plan.graph.made_attributes();
   if (plan.graph.drops)
@@ -186,7 +186,7 @@ bool orders_by_moved_positions(const ChainGraph& graph) {
   return std::ranges::any_of(graph.nodes, [](const GraphNode& n) { return n.is_order() && !n.makes.empty(); });
 }
 
-/// Whether the only pass makes all that is written, and where it is written.
+/// Finds whether the only pass makes all that is written, and the order in which it is written.
 void find_order(ChainPlan& plan, const Schema& input, bool ordered) {
   PlannedPass& last = plan.passes.back();
   last.carried = plan.made;

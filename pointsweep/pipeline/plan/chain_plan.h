@@ -48,13 +48,14 @@ struct PlannedPass {
   /// The last version of every attribute made and kept, in the order first made; result records hold them one after
   /// another.
   std::vector<Attribute> made;
-  /// The fields of that file: those of the input's record, behind which the values carried from the pass before follow.
+  /// The fields of that file: first the fields of the input's record, then the values carried from the pass before.
   Schema input;
-  /// What the rows hold when it has ended, whichever pass made it: what later passes read and what is kept.
+  /// The attributes that the rows hold after the pass, made by this or an earlier pass: attributes that later passes
+  /// read, and attributes that are kept.
   std::vector<Attribute> carried;
-  bool selects = false;  ///< of the rows it reads, it leaves some out
+  bool selects = false;  ///< the pass leaves out some of the rows that it reads
   std::vector<PlannedValue> values;
-  /// By stage, the numbers of the values it is to be given.
+  /// The numbers of the values that each stage is to be given, by stage.
   std::vector<std::vector<std::size_t>> values_of_stages;
 
   /// The operator of a pass of kind order; null for another pass.
@@ -69,9 +70,9 @@ struct PlannedPass {
   std::vector<std::size_t> payload() const;
   /// Turns the names into fields of the working record.
   void bind(const Schema& working_record);
-  /// What the working record of a point takes in the stream, without its row.
+  /// Returns the bytes of the working record of a point in the stream, without its row.
   std::uint64_t travelling_bytes() const;
-  /// What a point takes between this pass and the next.
+  /// Returns the bytes of a point between this pass and the next.
   std::uint64_t carried_bytes() const;
 };
 
@@ -81,20 +82,20 @@ struct ChainPlan {
   std::vector<PlannedPass> passes;  ///< at least one
   /// The last version of every attribute made and kept, in the order first made.
   std::vector<Attribute> made;
-  /// What of these and of the input is written.
+  /// The fields of made attributes and of the input that are written.
   KeptFields kept;
-  /// Order::sweep asks for an order that is not the one of the (only) sweep.
+  /// True if Order::sweep asks for an order that differs from the order of the (only) sweep.
   bool reorders = false;
-  /// That order is the one of stream_position_attribute(), the last of what the last pass carries; otherwise the
-  /// input's.
+  /// True if that order is by stream_position_attribute(), the last attribute that the last pass carries. False if it
+  /// is by the positions of the input.
   bool by_moved_positions = false;
 
   bool selects() const { return graph.drops_rows(); }
   /// Returns whether the output can be opened only after all passes.
   bool opens_late() const { return selects() || graph.moved_bounds.has_value(); }
-  /// Whether what pass `p` makes becomes the rows of another pass, or of the reordering, and not the output at once.
+  /// Returns whether the results of pass `p` become the rows of another pass or of the reordering, not the output.
   bool leaves_rows(std::size_t p) const;
-  /// Of a point, the most at once: while a pass ends, what came into it and what goes out of it.
+  /// Returns the most bytes that a point takes at once: while a pass ends, its carried bytes before and after the pass.
   std::uint64_t most_carried_bytes() const;
 };
 

@@ -83,7 +83,7 @@ class Selection {
     return any;
   }
 
-  /// Those named and the coordinates; all where none is named.
+  /// Returns the named fields of the input and the coordinates; all fields if none is named.
   std::set<std::size_t> input_indices() const {
     std::set<std::size_t> indices = input_fields_;
     for (std::size_t f = 0; input_fields_.empty() && f < input_.fields.size(); ++f) indices.insert(f);

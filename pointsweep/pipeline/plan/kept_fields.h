@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which attributes an output holds: Chain::keep, resolved against what the input has and the stages make.
+/// The attributes that an output holds: Chain::keep, resolved against the attributes of the input and the made ones.
 #pragma once
 
 #include <cstddef>
@@ -19,14 +19,14 @@ struct KeptFields {
   std::optional<std::vector<std::size_t>> input;  ///< indices of the input's fields, ascending; absent: all of them
 };
 
-/// What a name stands for, the first of these that fits: a made attribute ("normal") or a field of one ("nx"), a field
-/// of the input under its own name or that of its column in the output; then either in another spelling that files use
-/// ("NormalX", in any case). Of the made fields those that are named are kept, or all if none is; of the input's
-/// likewise. Coordinates are always kept, and where points are moved they are the moved ones, as without a selection:
-/// x, y and z together. Throws UsageError for a name that fits nothing.
+/// Returns the fields that `names` keep. A name stands for the first of these that fits: a made attribute ("normal") or
+/// a field of one ("nx"); a field of the input, under its name or the name of its column in the output; then either in
+/// another spelling that files use ("NormalX", in any case). The named made fields are kept, or all if none is named.
+/// The named fields of the input are kept, or all if none is named. x, y and z are always kept together; where points
+/// are moved, they are the moved coordinates. Throws UsageError for a name that fits nothing.
 KeptFields kept_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input);
 
-/// What the names of a list stand for, found as those of kept_fields().
+/// The fields that the names of a list stand for, found as in kept_fields().
 struct NamedFields {
   std::set<std::string> made;   ///< fields of made attributes
   std::set<std::size_t> input;  ///< indices of the input's fields

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What one pass of a chain is for the sweep: nodes of the graph become stages, and versions become numbered columns.
+/// Plans one pass of a chain for the sweep: nodes of the graph become stages, and versions become numbered columns.
 #pragma once
 
 #include <cstddef>

@@ -19,7 +19,7 @@ std::vector<std::string> read_by(const Contract& contract) {
 
 bool connects(const StageOperator& op) { return std::holds_alternative<std::shared_ptr<const ConnectOperator>>(op); }
 
-/// Whether a stage of the first segment needs a value of the input, for which the rows are read first.
+/// Returns whether a stage of the first segment needs a value of the input, for which the rows are read first.
 bool begins_with_input_values(const ChainGraph& graph) {
   bool any_stage = false;
   for (const GraphNode& node : graph.nodes) {
@@ -88,7 +88,7 @@ void PassSchedule::add_select(std::size_t node) {
   end_rows_with(last_may ? passes_.back() : new_pass(PassKind::rows), node);
 }
 
-/// What drops rows is the last of its segment: whatever was asked for before it is made of all rows.
+/// Adds a node that drops rows as the last node of its segment: all nodes before it see all rows.
 void PassSchedule::end_rows_with(ScheduledPass& pass, std::size_t node) {
   pass.selects = true;
   pass.stages.push_back(node);

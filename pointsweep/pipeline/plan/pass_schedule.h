@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which pass each node of a chain runs in.
+/// The pass in which each node of a chain runs.
 #pragma once
 
 #include <cstdint>

@@ -18,7 +18,7 @@
 namespace pointsweep {
 namespace {
 
-/// Of the results of a pass, those that its connecting stage makes, or the others.
+/// A part of the results of a pass: either the results of its connecting stage, or all other results.
 struct ResultPart {
   struct Column {
     std::uint32_t from, to, bytes;
@@ -31,7 +31,7 @@ struct ResultPart {
   }
 };
 
-/// What the stage makes, in the order of its contract; some of it may not be needed.
+/// Returns the part that the stage makes, in the order of its contract. Some of its columns may not be needed.
 ResultPart connected_part(const SweepPlan& plan, const Stage& stage) {
   ResultPart part;
   for (const std::uint16_t column : stage.makes) {
@@ -42,7 +42,7 @@ ResultPart connected_part(const SweepPlan& plan, const Stage& stage) {
   return part;
 }
 
-/// What the sweep itself makes. Leaves only that in the results of `plan`.
+/// Returns the part that the sweep itself makes. Leaves only this part in the results of `plan`.
 ResultPart take_swept_part(SweepPlan& plan, const Stage& stage) {
   ResultPart part;
   std::vector<ResultColumn> results;
@@ -99,7 +99,7 @@ void put_values(const Components& components, const ConnectOperator& op, const R
   rows.flush();
 }
 
-/// What the sweep has made and what the components tell, row by row.
+/// Puts the results of the sweep and the results of the connecting stage together, row by row.
 void put_both(RowStore& swept, const ResultPart& swept_part, RowStore& connected, const ResultPart& connected_part,
               const SpillPlace& spill, RunState& run, std::size_t bytes) {
   RowFile by_row(run.cloud.count(), connected_part.bytes, spill);

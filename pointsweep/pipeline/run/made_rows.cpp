@@ -20,7 +20,7 @@ void note_rows_pass(RunState& run, const SweepPlan& plan, const StageTally& tall
   run.number_degenerate_rows(before);
 }
 
-/// Of a pass that has no stages: it is there for the values that are found of its rows.
+/// Returns the rows of a pass without stages, which only serves to find values of its rows.
 MadeRows nothing_made(const RunState& run) {
   return [&run](const auto& use) {
     constexpr std::uint64_t kRows = 1 << 16;

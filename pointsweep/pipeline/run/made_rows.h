@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a pass has made, row by row, and what of it goes on.
+/// The results of a pass, row by row, and the part of them that the next pass gets.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ std::unique_ptr<RowStore> results_of_pass(const RunState& run, std::size_t p);
 /// The results of pass `p` by row, in the order of the rows. A pass over rows makes them now.
 MadeRows made_by_pass(RunState& run, std::size_t p);
 
-/// How the rows that came into pass `p` become those that it leaves.
+/// Returns how the rows that came into pass `p` become the rows that it leaves.
 RowUpdate update_after(const ChainPlan& plan, std::size_t p);
 
 }  // namespace pointsweep

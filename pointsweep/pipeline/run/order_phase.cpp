@@ -13,7 +13,7 @@
 namespace pointsweep {
 namespace {
 
-/// How the points are to be ordered.
+/// A request to put the points in order.
 struct PointsInOrder {
   const PointSource& source;
   Survey& survey;  ///< of the source; its sample is needed no more when the stream is made

@@ -39,7 +39,7 @@ std::vector<std::string> recorded_stages(const ChainPlan& plan) {
   return stages;
 }
 
-/// What outputs are to say of the run.
+/// Returns the record of the run for its outputs.
 RunRecord said_of(const RunState& run) {
   return {.stages = recorded_stages(run.plan),
           .keep = leaves_out(run.plan) ? run.plan.chain.keep : std::vector<std::string>{},

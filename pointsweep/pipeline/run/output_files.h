@@ -6,9 +6,10 @@
 
 namespace pointsweep {
 
-/// Whether a format needs the bounds before the first record: one that stores integers, unless these integers come.
+/// Returns whether a format needs the bounds before the first record: a format that stores integers, unless the records
+/// hold these integers already.
 bool needs_bounds(const RunState& run);
-/// Throws what keeps the outputs from being written, as far as it is known before the work.
+/// Throws if the outputs cannot be written, as far as this is known before the work.
 void require_writable(const RunState& run);
 /// Before the first pass. Where a select leaves out rows, only makes sure that they can be written.
 void open_outputs(RunState& run);

@@ -26,7 +26,7 @@ struct Phase {
   friend bool operator==(const Phase&, const Phase&) = default;
 };
 
-/// Of a plan without passes: of a run that only puts the input in order.
+/// Returns the phases of a run. A plan without passes only puts the input in order.
 std::vector<Phase> phases_of(const ChainPlan& plan);
 
 /// Surveys the input and plans the memory.

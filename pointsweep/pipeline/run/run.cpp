@@ -53,7 +53,7 @@ void open_other_clouds(RunState& run) {
   }
 }
 
-/// What can be refused before the first point is read.
+/// Throws for a request that can be refused before the first point is read.
 void check_request(RunState& run) {
   if (run.options.order == Order::sweep && !run.outputs.arrays.empty())
     fail_usage("Arrays have their rows in input order: leave out --order sweep.");

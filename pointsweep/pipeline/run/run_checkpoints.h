@@ -13,8 +13,8 @@ void open_checkpoints(RunState& run);
 /// Before the first pass: the rows, the selection and the values with which it begins.
 void restore_rows(RunState& run);
 
-/// Whether an earlier process has completed the phase. Of an order and a sweep the results are then restored with those
-/// of the pass; an order whose sweep is not complete restores its stream itself.
+/// Returns whether an earlier process has completed the phase. The results of a complete order and sweep are restored
+/// with the results of the pass; an order whose sweep is not complete restores its stream itself.
 bool is_done(const RunState& run, const Phase& phase);
 
 /// Saves what the phase has left.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Where a pass puts things aside that no later pass needs. They have no names in the folder, so that a run that is
-/// resumed does not find them.
+/// The places for data of a pass that no later pass needs. The files have no names in the folder, so that a resumed run
+/// does not find them.
 #pragma once
 
 #include <optional>

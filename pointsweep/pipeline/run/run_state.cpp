@@ -25,12 +25,12 @@ InputCloud& with_own_files(InputCloud& cloud, const Outputs& outputs, const Engi
   return cloud;
 }
 
-/// Whether a stage reads attributes of the input.
+/// Returns whether a stage reads attributes of the input.
 bool reads_attributes(const ChainPlan& plan) {
   return std::ranges::any_of(plan.passes, [](const PlannedPass& pass) { return !pass.payload().empty(); });
 }
 
-/// Of the input, before the first phase.
+/// Returns the statistics of the input, before the first phase.
 Statistics first_counts(const InputCloud& cloud, const FiniteInput& input, const Outputs& outputs,
                         const ChainPlan& plan, const EngineOptions& options) {
   Statistics counts;

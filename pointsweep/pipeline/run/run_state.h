@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the phases of a run share: the request, the plan, what an earlier phase has left for a later one, and the
+/// The state that the phases of a run share: the request, the plan, the results of a phase for a later phase, and the
 /// counts.
 #pragma once
 
@@ -71,10 +71,10 @@ struct RunState {
   const SweepEngine* other_engine() const { return engine_of(options.engine); }
   bool is_empty() const { return cloud.count() == 0; }  ///< a select has left no row
   bool is_last(std::size_t p) const { return p + 1 == plan.passes.size(); }
-  /// Whether pass `p` makes whole output records in the order of its stream.
+  /// Returns whether pass `p` makes whole output records in the order of its stream.
   bool makes_output(std::size_t p) const { return leaves_in_order(plan, options) && is_last(p); }
   std::string name_of_cloud() const;
-  /// What a stream, "results", "rows" or "mask" of a pass are spilled to.
+  /// Returns the place for a spilled stream, "results", "rows" or "mask" of a pass.
   SpillPlace place(const char* kind, std::size_t p, bool spills) const;
   PointSource cloud_source();
   /// Adds the sentence to Statistics::warnings, unless it is empty, and tells the observer of it as a warning.

@@ -24,7 +24,7 @@ void write_results(RunState& run, std::uint64_t first, std::span<const std::byte
   run.tiles ? run.tiles->write_results(first, results) : run.files->write_results(run.cloud, first, results);
 }
 
-/// What the last pass makes, by row, while it is made or after it.
+/// Writes the results of the last pass by row, while they are made or afterwards.
 void write_made(RunState& run, std::size_t p) {
   const auto use = [&run](std::uint64_t first, std::size_t n, const std::byte* records, std::size_t bytes) {
     write_results(run, first, {records, n * bytes});
@@ -63,7 +63,7 @@ void write_rows(RunState& run) {
   }
 }
 
-/// Of a run of passes, records of the output; of a sort, those of the input.
+/// Writes the records of the stream: records of the output after passes, records of the input in a sort.
 void write_ordered(RunState& run) {
   const std::size_t bytes = run.layout ? run.layout->schema().stride : run.cloud.schema().stride;
   std::uint64_t first = 0;
