@@ -42,7 +42,7 @@ FinishedComponent component_in(const std::byte* record) {
   return component;
 }
 
-/// Numbers of those that count.
+/// Numbers of the components that count.
 Numbers numbers_of(const ScratchRecords& components, const ComponentsSetup& setup) {
   SortedRecords<FirstOfComponent, ByFirst> sorted(setup.make_scratch, setup.memory_bytes / 2, components.count());
   std::uint64_t component = components.count();
@@ -77,7 +77,7 @@ void Components::grow(const EdgeBuckets& buckets) {
     forest.join(edges);
     edges.clear();
   };
-  std::map<std::uint64_t, std::vector<std::uint64_t>> closing;  // rows by bucket
+  std::map<std::uint64_t, std::vector<std::uint64_t>> closing;  // by bucket: rows of the points that close after it
   for (std::size_t b = 0; b < buckets.buckets(); ++b) {
     RowTable<std::uint64_t> last;
     std::vector<std::uint64_t> rows;

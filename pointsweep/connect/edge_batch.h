@@ -23,18 +23,18 @@ class EdgeBatch {
   };
 
   void clear();
-  /// The number of a point; a new one if it has none.
+  /// Returns the number of a point. A new point gets the next number.
   std::uint32_t number_of(const PointKey& point);
   void add(std::uint32_t a, std::uint32_t b, double weight, bool flips) { edges_.push_back({a, b, weight, flips}); }
   void reserve(std::size_t edges) { edges_.reserve(edges); }
-  /// Leaves a minimum spanning forest of the edges; not `weighted`: any.
+  /// Drops all edges except a minimum spanning forest of the batch; if not `weighted`, except any spanning forest.
   void reduce(bool weighted);
 
   const std::vector<PointKey>& points() const { return points_; }
   const std::vector<Edge>& edges() const { return edges_; }
-  /// Memory for an edge, and for a new point with every second one.
+  /// Returns the bytes for an edge, if every second edge brings a new point.
   static constexpr std::uint64_t bytes_per_edge(bool weighted) {
-    constexpr std::uint64_t kNumberBytes = 4 * 16;  // of a point in a table that is a quarter full
+    constexpr std::uint64_t kNumberBytes = 4 * 16;  // bytes of a point in a table that is a quarter full
     const std::uint64_t sorted = weighted ? sizeof(Edge) + sizeof(std::pair<double, double>) : 0;
     return sizeof(Edge) + sorted + (kNumberBytes + 2 * sizeof(PointKey)) / 2;
   }

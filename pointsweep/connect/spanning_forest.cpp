@@ -56,7 +56,7 @@ SpanningForest::Root SpanningForest::root_of(std::uint32_t slot) {
   return {root, flips};
 }
 
-/// The smaller one becomes part of the larger, so that paths stay short.
+/// Merges two supernodes. The smaller becomes part of the larger, so that paths stay short.
 void SpanningForest::merge(Root a, Root b, bool flips) {
   if (supernodes_[a.slot].sums.points < supernodes_[b.slot].sums.points) std::swap(a, b);
   Supernode &to = supernodes_[a.slot], &from = supernodes_[b.slot];

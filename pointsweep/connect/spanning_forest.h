@@ -58,7 +58,7 @@ class SpanningForest {
   struct Candidate {
     ForestEdge edge;
     std::uint32_t a, b;  ///< slots
-    bool flips;          ///< of the supernodes
+    bool flips;          ///< the edge asks for opposite signs of the supernodes
   };
   struct Root {
     std::uint32_t slot;

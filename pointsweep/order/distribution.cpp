@@ -77,7 +77,7 @@ class Distribution {
   }
 
  private:
-  /// False at the end of the source.
+  /// Reads the next chunk of the source, one thread at a time. Returns false at the end of the source.
   bool read_in_turn(Chunk& chunk) {
     stop_if_cancelled();
     const std::lock_guard lock(reading_);

@@ -32,7 +32,7 @@ struct PartitionInput {
   const WorkingRecord& record;  ///< makes the record that the store gets from a record read
   SortKey key;
   std::span<const Splitters>
-      splitters;           ///< one, or a second one for sparse places; pieces of both are numbered through
+      splitters;           ///< one, and a second one for sparse places, whose pieces are numbered on
   std::size_t first_list;  ///< piece p goes to list first_list + p of the store
   std::optional<std::size_t>
       nonfinite_list;                     ///< without it all points are taken to be finite, or the key to be the row
@@ -41,7 +41,7 @@ struct PartitionInput {
   /// Makes a function that replaces `read` for one thread while other threads read with theirs; may return an empty
   /// one.
   std::function<ReadRecords()> for_thread = {};
-  std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};  ///< as PointSource::chunk_end
+  std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};  ///< has the meaning of PointSource::chunk_end
   std::function<void(std::uint64_t rows)> progress = {};  ///< told the records read; called by one thread at a time
 };
 

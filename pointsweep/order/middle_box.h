@@ -8,7 +8,7 @@
 
 namespace pointsweep {
 
-/// The box of the middle 98 % of each coordinate of a sample, which is not empty.
+/// Returns the box of the middle 98 % of each coordinate of a sample. The sample must not be empty.
 Box middle_box(std::span<const Vec3> sample);
 
 }  // namespace pointsweep

@@ -23,7 +23,7 @@ struct PointSource {
   /// Makes a function for one thread, while other threads read with theirs; it fills only the `wanted` fields, or all
   /// if none is named. Returns an empty function where only one thread at a time can read.
   std::function<ReadRows(const std::vector<std::size_t>& wanted)> for_thread = {};
-  /// The end of the rows from `row` on that one thread should read, or `row` where any split will do.
+  /// Returns the end of the rows from `row` on that one thread should read, or `row` if the rows may be split anywhere.
   std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};
 };
 

@@ -35,7 +35,7 @@ class SpillFile {
  public:
   /// Creates a new file; replaces a kept file of the same name.
   explicit SpillFile(const SpillPlace& place);
-  /// Goes on with a kept file of which the first `bytes` are in use. Throws Error if it has fewer.
+  /// Opens a kept file of which the first `bytes` bytes are in use. Throws Error if the file has fewer.
   SpillFile(const SpillPlace& place, std::uint64_t bytes);
   ~SpillFile();
   SpillFile(const SpillFile&) = delete;

@@ -26,7 +26,7 @@ struct SplitOptions {
   std::uint64_t aim = 1;         ///< points of a piece
   std::uint64_t most = 1;        ///< points of a piece that is left alone
   std::size_t most_pieces = 2;   ///< made at once
-  std::size_t buffer_bytes = 0;  ///< for the buffers of a pass
+  std::size_t buffer_bytes = 0;  ///< bytes of the buffers of a pass
 };
 
 /// Splits `pieces`, which ascend in canonical order, until none holds more than `most` points, and keeps their order

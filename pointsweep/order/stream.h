@@ -41,7 +41,7 @@ struct StreamOptions {
   bool whole_records = false;  ///< working records carry the whole input record, otherwise the position and `payload`
   std::vector<std::size_t> payload;  ///< indices of source fields to carry when not whole_records
   SpillPlace spill = nullptr;
-  std::size_t buffer_bytes = 64 << 20;  ///< for distribution when spilling
+  std::size_t buffer_bytes = 64 << 20;  ///< bytes of the buffers of the distribution when spilling
   std::function<void(std::uint64_t rows_read)> progress;
 };
 

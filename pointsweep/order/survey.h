@@ -26,7 +26,7 @@ struct Survey {
 Survey survey(const PointSource& source, std::optional<int> axis, bool exact);
 
 /// Box-counting dimension of a sample, in [1, 3]; outliers beyond the middle 98 % of each coordinate do not count.
-/// 2 where the sample says too little.
+/// Returns 2 if the sample is too small to tell.
 double box_counting_dimension(std::span<const Vec3> sample);
 
 /// Points per slab that keep a slab several point spacings thick: about 16 * n^((D-1)/D) for D = 2, 6 * ... for D = 3

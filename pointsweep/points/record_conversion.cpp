@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Records of one schema into records of another.
+/// Converts records of one schema into records of another.
 #include <algorithm>
 #include <cstring>
 

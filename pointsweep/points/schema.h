@@ -16,20 +16,21 @@
 
 namespace pointsweep {
 
-/// Every spelling under which files hold the library's attribute field `name`, best first, e.g. for "nx":
-/// nx, normal_x, normalx, "normal x". A name without known aliases is its only spelling.
+/// Returns every spelling under which files hold the library's attribute field `name`, best first, e.g. for "nx": nx,
+/// normal_x, normalx, "normal x". A name without known aliases is its only spelling.
 std::vector<std::string> spellings_of(std::string_view name);
-/// The names of the library's attribute fields that have several spellings.
+/// Returns the names of the library's attribute fields that have several spellings.
 std::vector<std::string> names_with_spellings();
-/// The library's own name for what a file calls `spelling`, in any case; `spelling` in lower case if it is no known
-/// alias.
+/// Returns the library's own name for the attribute that a file calls `spelling`, in any case; `spelling` in lower case
+/// if it is no known alias.
 std::string library_name_of(std::string_view spelling);
 /// Returns whether `word`, in any case, is one of the spellings under which files hold the attribute `field`.
 bool is_spelling_of(std::string_view field, std::string_view word);
 /// Returns whether `word`, in any case, is a spelling of the attribute field `field` and of no other. "curvature" is a
 /// spelling of the surface variation (PCL), but other programs mean other curvatures by it.
 bool means_only(std::string_view word, std::string_view field);
-/// The field that a user means by `word`: the field of this very name, else one of which it is a spelling.
+/// Returns the index of the field that a user means by `word`: the field with exactly this name, else a field of which
+/// `word` is a spelling. Returns nullopt if there is none.
 std::optional<std::size_t> field_meant(const Schema& schema, std::string_view word);
 
 /// The three coordinate fields of a schema.

@@ -9,8 +9,8 @@
 namespace pointsweep {
 namespace {
 
-/// First the library's own name, then the others, best first; all in lower case, since case does not count.
-/// `scalar_` is how CloudCompare marks its scalar fields, `diffuse_` is from older PLY exporters.
+/// Spellings of each attribute: first the library's own name, then the others, best first. All are in lower case, since
+/// case does not count. `scalar_` is how CloudCompare marks its scalar fields, `diffuse_` is from older PLY exporters.
 using Row = std::array<std::string_view, 7>;
 constexpr Row kRows[] = {
     {"nx", "normal_x", "normalx", "normal x", "normal.x"},

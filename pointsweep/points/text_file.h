@@ -7,11 +7,11 @@
 
 namespace pointsweep {
 
-/// Whole content of a file of at most 256 MB. `holds` ends the sentences of errors: "polygons as WKT or GeoJSON".
-/// Throws Error.
+/// Returns the whole content of a file of at most 256 MB. `holds` ends the sentences of errors: "polygons as WKT or
+/// GeoJSON". Throws Error.
 std::string read_text_file(const std::string& path, std::string_view holds);
 
-/// 16 hexadecimal digits that tell contents apart (FNV-1a).
+/// Returns 16 hexadecimal digits that tell contents apart (FNV-1a hash).
 std::string checksum_of_text(std::string_view text);
 
 }  // namespace pointsweep

@@ -34,7 +34,7 @@ void CellAxis::add(double number) {
   if (added_.size() >= std::max(kLeastNumbers, runs_.size())) merge();
 }
 
-/// Numbers and runs, in ascending order, become runs again.
+/// Merges the added numbers and the runs into runs, ascending.
 void CellAxis::merge() {
   std::vector<Run> all = std::move(runs_);
   for (const double number : added_) all.push_back({number, number});

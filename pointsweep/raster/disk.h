@@ -47,7 +47,7 @@ class DiskMinima {
 
   Disk disk_;
   std::size_t columns_, given_ = 0, dropped_ = 0;
-  std::vector<double> minima_;  ///< of rows dropped_ to given_ + radius
+  std::vector<double> minima_;  ///< minima of the rows dropped_ to given_ + radius
 };
 
 }  // namespace pointsweep

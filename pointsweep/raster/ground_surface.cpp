@@ -43,7 +43,7 @@ class KeptRows final : public RowStream {
   std::uint64_t at_ = 0;
 };
 
-/// The minima with the marks of another stream of as many rows.
+/// A stream of the minima with the marks of another stream, which has as many rows.
 class MarkedRows final : public RowStream {
  public:
   MarkedRows(const CellBand& lowest, std::unique_ptr<RowStream> marks)

@@ -18,7 +18,7 @@ namespace pointsweep {
 /// A cell that has a point.
 struct LowestCell {
   std::uint64_t row;  ///< place of the row in its band
-  double column;      ///< its number
+  double column;      ///< number of the column
   double z;           ///< least z of the points of the cell
 };
 
@@ -28,7 +28,7 @@ class LowestCells {
   LowestCells(AxisRule rule, std::unique_ptr<Scratch> scratch);
   /// `row` and `column` are the numbers of the cell. Points of a cell follow one another, and rows ascend.
   void add(double row, double column, double z);
-  /// After the last point.
+  /// Ends the adding. To be called after the last add().
   void finish();
 
   std::uint64_t count() const { return count_; }

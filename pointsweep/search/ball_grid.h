@@ -28,7 +28,7 @@ inline constexpr double kLargestRadius = 1e150;
 struct BallGrid {
   int exponent;  ///< cells are 2^exponent wide
   double scale;  ///< 2^-exponent
-  Box bounds;    ///< of the balls
+  Box bounds;    ///< box of the balls
 
   /// Returns the number of a cell along an axis. If the grid is finer than doubles are apart, numbers of adjacent doubles
   /// are adjacent doubles.

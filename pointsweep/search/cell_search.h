@@ -48,7 +48,7 @@ struct GatheredPoints {
   }
 
  private:
-  /// A vector that is resized alone takes up to twice as much.
+  /// Reserves before resizing, because resize() alone may allocate up to twice as much.
   template <class T>
   static void grow(std::vector<T>& values, std::size_t size) {
     values.reserve(size);
@@ -63,7 +63,7 @@ inline constexpr std::size_t kMostGathered = 1 << 15;
 /// Bytes of memory for each gathered point in GatheredPoints, including the unused places of leaves that are not full.
 inline constexpr std::uint64_t kGatheredPointBytes = 64;
 
-/// A cell whose points ask, the cells among which it is, and the neighbourhood that it asks for.
+/// A query for the neighbours of all points of one cell: the cell, the directory that holds it, and the neighbourhood.
 struct CellQuery {
   const CellDirectory& directory;
   std::uint32_t slot;

@@ -37,7 +37,7 @@ class CellSubset {
 
  private:
   const std::uint32_t* chosen_ = nullptr;  ///< null: a run
-  std::uint32_t first_ = 0;                ///< of a run
+  std::uint32_t first_ = 0;                ///< first point of a run
   std::uint32_t size_;
 };
 

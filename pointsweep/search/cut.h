@@ -10,8 +10,8 @@
 
 namespace pointsweep {
 
-/// A point on the move: coordinates in single precision, relative to somewhere near, are enough to choose sides; boxes
-/// are made from doubles later.
+/// A point while a slab is cut. Coordinates in single precision, relative to a place nearby, suffice to choose sides;
+/// boxes are made from doubles later.
 struct alignas(16) CutPoint {
   std::array<float, 3> c;
   std::uint32_t index;  ///< which point it is, for the caller

@@ -31,7 +31,7 @@ class CellDirectory {
   std::size_t size() const { return slots_.size(); }
   const std::vector<std::uint32_t>& slots() const { return slots_; }
 
-  /// All cells whose box is within sqrt(reach2) of `box`, nearest first (equal distances by slot).
+  /// Finds all cells whose box is within sqrt(reach2) of `box`, nearest first (equal distances by slot).
   void find(const Box& box, double reach2, std::vector<Near>& out) const;
 
  private:

@@ -119,8 +119,8 @@ class GatheredSearch {
     settled(i, out_.reach2.back());
   }
 
-  /// Squared distance within which every neighbourhood ends of points at most `step` from the point settled last. The
-  /// factor covers rounding, the summand squares that underflow.
+  /// Returns a squared distance within which the neighbourhood of every point at most `step` from the point settled
+  /// last ends. The factor covers rounding, the summand squares that underflow.
   double reach2_after(double step) const {
     const double reach = settled_reach_ + step;
     return std::min(what_.radius2(), reach * reach * (1 + 1e-9) + 1e-300);
@@ -352,7 +352,7 @@ class GatheredSearch {
   const hwy::Sorter sort_;
   const std::uint64_t most_;
   std::uint32_t own_begin_ = 0;  ///< number of the first point of the leaf searched among the gathered
-  bool by_bins_ = true;          ///< until in a leaf too many neighbours share bins
+  bool by_bins_ = true;          ///< false once too many neighbours of a point in the leaf share bins
   Vec3 settled_at_;
   double settled_reach_ = std::numeric_limits<double>::infinity();
 };

@@ -93,7 +93,7 @@ class LeafCut {
     return static_cast<std::int32_t>(std::min(std::int64_t{1} << (kCoordinateBits + bits), std::int64_t{kBeyondKeys}));
   }
 
-  /// A number that just `rank` of the keys are below: by bisection, which needs no branch that anybody could
+  /// A number that just `rank` of the keys are below: by bisection, which needs no branch that a processor could
   /// mispredict.
   std::int32_t select(std::size_t n, std::size_t rank, std::int32_t high) const {
     std::int32_t low = 0;

@@ -126,7 +126,7 @@ struct Packed {
   HWY_ALIGN float x[kCandidates];
   HWY_ALIGN float y[kCandidates];
   HWY_ALIGN float z[kCandidates];
-  NeighborRef first[kCandidates / kLeafCapacity];  ///< of each packed leaf
+  NeighborRef first[kCandidates / kLeafCapacity];  ///< first point of each packed leaf
   std::uint32_t leaves = 0;
   float farthest = 0;  ///< largest coordinate, the m of the margins
 
@@ -201,11 +201,11 @@ HWY_INLINE void leave_out_beyond(float reach, float farthest_of_others, Packed& 
   }
 }
 
-/// A group of queries and what they have found.
+/// A group of queries and the candidates that they have found.
 template <std::size_t K>
 struct Group {
   Vec x, y, z;
-  Vec radius_key;  ///< keys above it are out of the radius asked for
+  Vec radius_key;  ///< keys above it are outside of the radius of the query
   Selection<K> selection;
 
   HWY_INLINE Vec key_of(Lanes d, const Packed& packed, std::size_t i,
@@ -223,7 +223,8 @@ struct Group {
     const hn::RebindToUnsigned<Lanes> du;
     const std::size_t first = (packed.leaves - 1) * kLeafCapacity;
     const Vec limit = hn::Min(selection.list[K], radius_key);
-    // First all keys and who matters to anybody, then the insertions: one branch to mispredict instead of sixteen.
+    // First computes all keys and the candidates that any query needs, then inserts them: one branch to mispredict
+    // instead of sixteen.
     HWY_ALIGN float keys[kLeafCapacity * hn::MaxLanes(Lanes())];
     std::uint32_t wanted = 0;
     for (std::size_t j = 0; j < kLeafCapacity; ++j) {

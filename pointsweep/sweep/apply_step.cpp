@@ -8,7 +8,7 @@
 namespace pointsweep {
 namespace {
 
-/// Neighbours that an operator gets at once, unless one point has more.
+/// The most neighbours that an operator gets at once, unless a single point has more.
 constexpr std::uint32_t kMostAtOnce = 1u << 18;
 
 /// Applies the step to successive points of the cell, where their columns are.
@@ -37,7 +37,7 @@ void apply_to_chosen(const SweepPlan& plan, std::uint32_t step, const Cell& cell
   chosen.give_back(plan, step, worker.columns.data());
 }
 
-/// Calls use(column) for what the stages of a step make.
+/// Calls use(column) for each column that the stages of a step make.
 template <class Use>
 void for_each_made(const SweepPlan& plan, std::uint32_t step, Use use) {
   for (std::size_t s = plan.steps[step]; s < plan.steps[step + 1]; ++s)

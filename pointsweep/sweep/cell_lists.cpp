@@ -30,7 +30,7 @@ std::uint32_t CellLists::find(std::uint32_t slot, const CellSubset& points, Work
   return search({cells_.directory(), slot, plan_.neighborhood}, points, most, worker.search, worker.neighbors);
 }
 
-/// Returns the points of the cell with what the file gave. Chosen points are copied.
+/// Returns the points of the cell with their file columns. Chosen points are copied.
 PointColumns CellLists::own(const WindowCell& cell, const CellSubset& points, Worker& worker) const {
   if (!points.is_run()) {
     worker.chosen.take(plan_, cell.cell, points, cell.column_pointers.data());

@@ -76,7 +76,7 @@ void CellRunner::run_later_step(std::uint32_t slot, std::uint32_t step, Worker& 
   }
 }
 
-/// Applies the step to those points of the run that are not deferred, and notes in the cell which are degenerate.
+/// Applies the step to the points of the run that are not deferred, and marks degenerate points in the cell.
 void CellRunner::apply(std::uint32_t step, WindowCell& cell, const CellSubset& run, const CellNeighbors& lists,
                        Worker& worker) const {
   const auto mark = [&](const CellSubset& part) {

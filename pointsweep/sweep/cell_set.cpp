@@ -6,7 +6,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint32_t kMostSlots = 1u << (32 - kIndexBits);  ///< that a NeighborRef can name
+constexpr std::uint32_t kMostSlots = 1u << (32 - kIndexBits);  ///< number of slots that a NeighborRef can name
 
 }  // namespace
 

@@ -8,7 +8,7 @@
 namespace pointsweep {
 namespace {
 
-/// The `share` quantile of the reach of a cell's points, from at most 128 of them.
+/// Returns the `share` quantile of the reaches of a cell's points, from at most 128 of the points.
 double reach_of_most(const std::vector<double>& reach2, double share) {
   constexpr std::size_t kMost = 128;
   std::vector<double> sample;
@@ -24,7 +24,7 @@ double reach_of_most(const std::vector<double>& reach2, double share) {
 /// long the cell stays in the window.
 constexpr double kCountedShare = 0.9;
 
-/// The cell waits with a better idea of its reach than its density gave.
+/// Makes the cell wait, with a better estimate of its reach than its density gave.
 void wait(WindowCell& cell, const std::vector<double>& reach2, const Frontier& frontier) {
   const double needed = reach_of_most(reach2, 1 - 1.0 / kStragglers);
   cell.wait_reach = std::max(cell.wait_reach, std::isfinite(needed) ? needed : 0);

@@ -11,9 +11,10 @@
 
 namespace pointsweep {
 
-/// Every ball, of worker.reach2, must touch no unread slab and no dropped cell; points whose balls do are deferred.
-/// Points whose balls touch a box outside of the stream alone are unresolved. False if those that touch an unread slab
-/// are so many that the cell is to wait and be searched again.
+/// Certifies the points of a cell. The ball of a point has the squared radius worker.reach2 and must touch no unread
+/// slab and no dropped cell; otherwise the point is deferred. A point whose ball touches only a box outside of the
+/// stream is unresolved. Returns false if so many balls touch an unread slab that the cell is to wait and be searched
+/// again.
 bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker);
 
 /// Defers the points of the cell, from `first` on, whose lists name a point that was deferred before this step: what it

@@ -8,7 +8,8 @@
 namespace pointsweep {
 namespace {
 
-/// The ball that holds k points where they lie as densely as in the leaf is not centred in it: so much farther.
+/// Factor on the radius of a ball that holds k points at the density of the leaf, because the ball of a point is not
+/// centred in the leaf.
 constexpr double kAllowance = 1.3;
 
 /// Estimates the reach from the density of the leaf itself. Returns the larger of two estimates: one takes the points

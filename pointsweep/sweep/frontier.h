@@ -17,12 +17,12 @@ namespace pointsweep {
 /// A cell that has left the window.
 struct DroppedCell {
   Box box;
-  std::uint32_t number;  ///< in its slab
+  std::uint32_t number;  ///< number of the cell in its slab
   std::uint32_t points;
 };
 
-/// The boxes of the slabs still to come and of the cells that have left the window. Only the thread of the sweep
-/// changes it; asking is thread-safe.
+/// The boxes of the unread slabs and of the cells that have left the window. Only the thread of the sweep changes it;
+/// asking is thread-safe.
 ///
 /// Among coincident points, only the k + 1 with the lowest rows belong to any neighbourhood. A location is saturated
 /// when a cell has been read that holds more than k points there, the ones with the lowest rows. Slabs and cells that
@@ -63,7 +63,7 @@ class Frontier {
   /// distance does, since a point there may be the last neighbour by its coordinates.
   bool outside_within(const Box& box, double reach2) const;
   bool outside_within(Vec3 p, double reach2) const { return outside_within(Box{p, p}, reach2); }
-  /// Boxes of dropped cells within sqrt(reach2) of a box.
+  /// Writes the boxes of dropped cells within sqrt(reach2) of a box to `out`.
   void dropped_near(const Box& box, double reach2, std::vector<Box>& out) const;
 
  private:

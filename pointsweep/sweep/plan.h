@@ -17,7 +17,7 @@ namespace pointsweep {
 /// The time for which the values of a column are needed.
 enum class Lifetime : std::uint8_t {
   none,  ///< no stage reads it and it is not written
-  step,  ///< only later stages of the same step read it, of the point itself; or it is written after that step
+  step,  ///< later stages of the same step read the point's own value, or it is written after the step
   cell,  ///< needed as long as the point is in memory
 };
 

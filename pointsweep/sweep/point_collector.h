@@ -96,7 +96,7 @@ class PointCollector {
   std::unique_ptr<std::atomic<double>[]> reach2_;  ///< by ball: its present squared radius
   std::vector<std::vector<double>> distances2_;    ///< by ball: a heap of the squared distances of the nearest points
   BallCover cover_;
-  std::array<std::mutex, 64> mutexes_;  ///< of the heaps of every 64th ball
+  std::array<std::mutex, 64> mutexes_;  ///< mutex i guards the heaps of the balls i, i + 64, ...
   std::vector<CollectedPoints> found_;
   std::uint64_t points_ = 0;
   SlabsRead slabs_read_;

@@ -105,10 +105,10 @@ class RecalledPoints {
   std::vector<Worker>& workers_;
   Region region_;
   const CellLists lists_;
-  static constexpr std::uint64_t kStateBytes = sizeof(double) + 1;          ///< of a point in CellState
-  static constexpr std::uint64_t kUnresolvedBytes = sizeof(std::uint32_t);  ///< in addition, if parts are swept
+  static constexpr std::uint64_t kStateBytes = sizeof(double) + 1;          ///< bytes of a point in CellState
+  static constexpr std::uint64_t kUnresolvedBytes = sizeof(std::uint32_t);  ///< more bytes, if parts are swept
   std::uint64_t point_bytes_;
-  std::uint64_t record_bytes_;  ///< of a point while it is collected
+  std::uint64_t record_bytes_;  ///< bytes of a point while it is collected
   bool alone_ = false;           ///< there is one deferred point
   std::deque<CellState> cells_;  ///< by slot
   std::atomic<std::uint64_t> list_bytes_ = 0;

@@ -29,7 +29,7 @@ class Region : public CellSet {
 
   /// Returns whether the cells within sqrt(reach2) of `p` hold more than `count` points.
   bool touches_more_than(std::uint64_t count, Vec3 p, double reach2) const;
-  /// A squared distance from `p` within which `count` points lie for certain; infinite if all cells hold fewer.
+  /// Returns a squared distance from `p` within which at least `count` points lie; infinite if all cells hold fewer.
   double reach2_that_holds(Vec3 p, std::uint64_t count) const;
 
   const SlabsRead& slabs_read() const { return slabs_read_; }

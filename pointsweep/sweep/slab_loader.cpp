@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// Buffers of a load.
+/// Buffers that one load() uses.
 struct LoadScratch {
   std::vector<std::byte> records, cell_records;
   std::vector<CutPoint> points, sparse;

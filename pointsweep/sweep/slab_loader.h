@@ -52,7 +52,7 @@ class SlabLoader {
   Field row_;
   class OwnScratch;
   mutable std::mutex mutex_;
-  mutable std::vector<std::unique_ptr<LoadScratch>> free_;  ///< of loads that have ended
+  mutable std::vector<std::unique_ptr<LoadScratch>> free_;  ///< scratch of loads that have ended, for later loads
   mutable FirstRowError refused_;
 };
 

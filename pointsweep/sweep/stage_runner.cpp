@@ -57,7 +57,7 @@ void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, Stage
 void collect_results(const SweepPlan& plan, const std::byte* const* columns, std::size_t size,
                      std::vector<std::byte>& results) {
   results.resize(size * plan.result_bytes);
-  constexpr std::size_t kBlock = 64;  // whose records stay in the nearest cache while column after column goes in
+  constexpr std::size_t kBlock = 64;  // records that stay in the first-level cache while their columns are copied
   for (std::size_t first = 0; first < size; first += kBlock) {
     const std::size_t end = std::min(first + kBlock, size);
     for (const ResultColumn& r : plan.results) {

@@ -98,8 +98,8 @@ class Sweep {
     }
   }
 
-  /// Keeps nothing while slabs are read again: the points of slabs still to come that had been finished would be
-  /// forgotten.
+  /// Gives the progress to the keeper if the keeper wants it. Keeps nothing while a resumed run reads slabs again: the
+  /// finished points of slabs that are not yet read again would be forgotten.
   void keep_progress() {
     const bool reads_again = restart_ && restart_->was_read(static_cast<std::uint32_t>(frontier_.slabs_read()));
     if (options_.keeper == nullptr || reads_again || !options_.keeper->wants_progress() || refused().any()) return;
@@ -141,7 +141,7 @@ class Sweep {
   std::vector<Worker> workers_;
   SweepObserver observer_;
   std::optional<SweepRestart> restart_;
-  std::atomic<double> read_seconds_ = 0;  ///< loading slabs, all threads
+  std::atomic<double> read_seconds_ = 0;  ///< seconds of loading slabs, summed over threads
 };
 
 }  // namespace

@@ -21,8 +21,8 @@ namespace pointsweep {
 /// The state of a point during a sweep.
 enum class PointState : std::uint8_t {
   unread,
-  waiting,   ///< in the window, for what is unread near it
-  searched,  ///< its neighbourhood is known; waits for what its neighbours make
+  waiting,   ///< in the window, waits for unread slabs near it
+  searched,  ///< its neighbourhood is known; waits for values of its neighbours
   kept,      ///< finished (or left to the recall), but others still look at it
   gone,      ///< has left the window
 };

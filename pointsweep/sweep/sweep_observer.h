@@ -20,14 +20,14 @@ class SweepObserver {
   /// The sweep goes on after `from`; it reads the slabs from `first_slab` on.
   void resumed(const SweepProgress& from, std::uint32_t first_slab);
   void slab_was_read(std::uint32_t slab, const std::vector<std::unique_ptr<WindowCell>>& cells);
-  /// All steps of a turn have been taken; what is no longer needed is still in the window.
+  /// To be called when all steps of a turn have been taken, before cells are dropped from the window.
   void steps_were_taken(const Window& window);
   void cells_were_dropped(const Window& window);
   /// The recall has finished so many points more, and read these slabs in all; `left` points are to come.
   void recalled(std::uint64_t points, const SlabsRead& read, std::uint64_t left);
 
   const SweepStatistics& so_far() const { return statistics_; }
-  /// The statistics of the sweep that has ended, but for the seconds of reading and of the recall.
+  /// Returns the statistics of the sweep that has ended, except the seconds of reading and of the recall.
   SweepStatistics finish(const Window& window, const std::vector<Worker>& workers);
 
  private:

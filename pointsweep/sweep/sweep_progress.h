@@ -15,7 +15,7 @@ namespace pointsweep {
 /// A cell that is in the window, by its place: the slab is cut into the same cells again.
 struct WindowedCell {
   std::uint32_t slab;
-  std::uint32_t number;  ///< in its slab
+  std::uint32_t number;  ///< number of the cell in its slab
   std::uint32_t points;
   std::uint32_t finished;  ///< 1: its points have been handed over or deferred
   double reach;            ///< WindowCell::reach
@@ -51,7 +51,7 @@ class ProgressKeeper {
   virtual ~ProgressKeeper() = default;
   /// Asked after every turn and every batch of recalled points.
   virtual bool wants_progress() = 0;
-  /// Everything that the progress calls finished has been handed to the sink, and nothing else.
+  /// Keeps `progress`. The sink has received exactly the points that `progress` calls finished.
   virtual void keep(const SweepProgress& progress) = 0;
 };
 

@@ -32,7 +32,7 @@ SweepProgress progress_of(const Stream& stream, const SweepPlan& plan, const Fro
   frontier.for_each_saturated_location([&](Vec3 place, std::uint64_t row) {
     p.saturated_locations.push_back({place, row});
   });
-  if (p.slabs_read == stream.slabs().size()) return p;  // the recall needs nothing of the window
+  if (p.slabs_read == stream.slabs().size()) return p;  // the recall does not use the window
   for (const std::uint32_t slot : window.occupied()) {
     const WindowCell& cell = window.at(slot);
     const bool finished = cell.was_finished || cell.steps_done == plan.step_count();
@@ -53,7 +53,7 @@ SweepRestart::SweepRestart(const SweepProgress& from, const Stream& stream, cons
 std::uint32_t SweepRestart::slab_to_begin_with() const {
   std::uint32_t slab = from_.slabs_read;
   if (plan_.step_count() == 1 || slab == stream_.slabs().size()) return slab;
-  std::vector<std::pair<std::uint32_t, std::uint64_t>> unfinished;  // slab, points
+  std::vector<std::pair<std::uint32_t, std::uint64_t>> unfinished;  // pairs of a slab and its unfinished points
   std::uint64_t left = 0;
   for (const WindowedCell& cell : from_.window) {
     if (cell.finished != 0) continue;

@@ -37,7 +37,8 @@ class SweepRestart {
   /// Brings back all that is known of the slabs before the first, and gives the counts and deferred points of the other
   /// sweep to a worker.
   void restore(const SlabLoader& loader, Window& window, Frontier& frontier, Sink& sink, Worker& worker) const;
-  /// A slab read again, before its cells go into the window: marks those that had been finished, and tells the sink.
+  /// Prepares a slab that was read again, before its cells go into the window: marks the cells that had been finished,
+  /// and tells the sink.
   void prepare(std::uint32_t slab, LoadedSlab& loaded, Sink& sink) const;
 
  private:

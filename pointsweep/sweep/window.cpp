@@ -11,7 +11,8 @@ namespace pointsweep {
 
 namespace {
 
-/// Times shorter reach, which on a surface is 16 times as many points.
+/// A cell is much denser than a leaf if its reach is more than this many times shorter. On a surface, such a cell has
+/// 16 times as many points per area.
 constexpr double kMuchDenser = 4;
 
 Box leaf_box(const Cell& cell, std::uint32_t leaf) {

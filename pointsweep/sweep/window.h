@@ -19,10 +19,9 @@ class Window : public CellSet {
   Window(const SweepPlan& plan, Frontier& frontier) : plan_(plan), frontier_(frontier) {}
 
   void admit(std::unique_ptr<WindowCell> cell);
-  /// Slots of the cells that can take step `step` now, ascending.
+  /// Returns the slots of the cells that can take step `step` now, ascending.
   std::vector<std::uint32_t> ready_for(std::uint32_t step) const;
-  /// Lets go of every cell that is finished, that no unfinished cell refers to and that nothing to come is likely to
-  /// need.
+  /// Drops every finished cell that no unfinished cell refers to and that later points are unlikely to need.
   void drop();
 
   double lifespan_sum() const { return lifespan_sum_; }  ///< sum of seconds × points over cells that have left

@@ -17,7 +17,7 @@ namespace pointsweep {
 struct WindowCell {
   Cell cell;
   std::uint32_t slab = 0;
-  std::uint32_t number = 0;  ///< in its slab
+  std::uint32_t number = 0;  ///< number of the cell in its slab
   std::vector<std::uint32_t> index_in_slab;
   std::vector<std::vector<std::byte>> columns;    ///< by column number; empty where not made
   std::vector<const std::byte*> column_pointers;  ///< pointers into `columns`, in the form that Neighborhoods takes

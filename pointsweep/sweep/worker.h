@@ -20,16 +20,16 @@ struct Worker {
   std::vector<std::uint32_t> named;  ///< slots that the lists of a cell name
   std::vector<bool> is_named;        ///< by slot
   std::vector<Box> dropped;
-  std::vector<std::byte*> columns;  ///< of the cell in hand, by column number
+  std::vector<std::byte*> columns;  ///< columns of the current cell, by column number
   std::vector<const std::byte*> own_columns;
   std::vector<std::byte*> run_columns;  ///< `columns`, from the first point of a run on
   std::vector<std::byte> passing;       ///< memory of the columns that do not outlast the step
-  ChosenPoints chosen;                  ///< where only some points of the cell take the step
+  ChosenPoints chosen;                  ///< the points that take the step, if not all points of the cell do
   CellNeighbors chosen_lists;
   std::vector<std::byte> results;
   StageTally tally;
-  StageTally halo;  ///< of points that a recall evaluates only because others need their values
-  FirstRowError unwritten;  ///< of a row whose results the sink cannot take; ends the sweep
+  StageTally halo;  ///< tally of points that a recall evaluates only because others need their values
+  FirstRowError unwritten;  ///< error of a row whose results the sink cannot take; ends the sweep
   double search_seconds = 0;
   /// Points and counts of finished cells.
   std::vector<DeferredPoint> deferred;
