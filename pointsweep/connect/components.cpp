@@ -42,7 +42,7 @@ FinishedComponent component_in(const std::byte* record) {
   return component;
 }
 
-/// Numbers of the components that count.
+/// Returns the numbers of the components that count.
 Numbers numbers_of(const ScratchRecords& components, const ComponentsSetup& setup) {
   SortedRecords<FirstOfComponent, ByFirst> sorted(setup.make_scratch, setup.memory_bytes / 2, components.count());
   std::uint64_t component = components.count();

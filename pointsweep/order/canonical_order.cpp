@@ -13,7 +13,7 @@ namespace pointsweep {
 namespace {
 
 constexpr int kDigitBits = 9;               ///< a cache line for each value fits the first-level cache
-constexpr std::size_t kSmall = 128;         ///< a range up to this size is sorted faster by comparing
+constexpr std::size_t kSmall = 128;         ///< a range of up to this size is sorted by comparisons, which is faster
 constexpr std::size_t kPrefetchAhead = 24;  ///< points whose next coordinate is on its way
 
 /// Bits of a finite double that ascend as the numbers do; -0 and 0 are one number.
@@ -79,7 +79,7 @@ class CanonicalSort {
 
   /// Fetches the keys once and sorts them where they lie together.
   void sort_small(std::size_t level, std::size_t begin, std::size_t end) {
-    std::array<Keyed, kSmall> keyed;  // filled as far as it is used
+    std::array<Keyed, kSmall> keyed;  // only the first n entries are filled and used
     const std::size_t n = end - begin;
     for (std::size_t i = 0; i < n; ++i) keyed[i] = {key(level, order_[begin + i]), order_[begin + i]};
     std::sort(keyed.begin(), keyed.begin() + static_cast<std::ptrdiff_t>(n),

@@ -26,7 +26,7 @@ bool same_storage(const Field& a, const Field& b) {
 
 std::uint32_t bytes_of(const Field& field) { return static_cast<std::uint32_t>(size_of(field.type)) * field.count; }
 
-/// The field as that many bytes, so that neighbouring fields are copied at once.
+/// Returns the field as an array of bytes, so that neighbouring fields are copied at once.
 Field as_bytes(const Field& field) {
   Field bytes;
   bytes.type = Type::u8;

@@ -22,7 +22,7 @@ std::uint64_t mask_of(const Field& field) {
   return field.bit_width >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << field.bit_width) - 1;
 }
 
-/// Nearest integer that T can hold; NaN becomes 0.
+/// Returns the nearest integer that T can hold; 0 for NaN.
 template <class T>
 T saturate(double value) {
   if (std::isnan(value)) return 0;

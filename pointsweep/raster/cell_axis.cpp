@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kLeastNumbers = 1 << 16;
 
-/// Cells from one number to a larger one, at most `most`.
+/// Returns the number of cells from one number to a larger one, at most `most`.
 std::size_t step(double from, double to, std::size_t most) {
   return to - from < static_cast<double>(most) ? static_cast<std::size_t>(to - from) : most;
 }

@@ -98,7 +98,7 @@ void defer_dependents(const Neighborhood& what, WindowCell& cell, std::uint32_t 
   const auto any = std::any_of(cell.refers_to.begin(), cell.refers_to.end(),
                                [&](std::uint32_t slot) { return !window.at(slot).deferred_before.empty(); });
   if (!any) return;
-  std::vector<std::pair<std::uint32_t, double>> follow;  // the point, and where its neighbourhood ends
+  std::vector<std::pair<std::uint32_t, double>> follow;  // points to defer, with their squared reach
   for (std::uint32_t i = 0; i < lists.size(); ++i) {
     if (cell.is_deferred(first + i)) continue;
     for (std::uint32_t j = lists.begin[i]; j < lists.begin[i + 1]; ++j) {
