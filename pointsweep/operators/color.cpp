@@ -15,9 +15,9 @@
 namespace pointsweep {
 namespace {
 
-/// In the order of ColorMap.
+/// Names in the order of ColorMap.
 constexpr const char* kMapNames[] = {"viridis", "turbo", "gray", "classes"};
-/// In the order of ColorBits.
+/// Names in the order of ColorBits.
 constexpr const char* kBitsNames[] = {"auto", "8", "16"};
 
 /// Least and greatest finite value of a component of an attribute.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// From vector lanes, a point per lane, into the columns of a batch. Included once per instruction set.
+/// Stores from vector lanes, a point per lane, into the columns of a batch. Included once per instruction set.
 #if defined(POINTSWEEP_OPERATORS_COLUMN_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_OPERATORS_COLUMN_LANES_INL_H_
 #undef POINTSWEEP_OPERATORS_COLUMN_LANES_INL_H_

@@ -28,7 +28,7 @@ class Crop final : public SelectOperator {
   explicit Crop(CropOptions options, std::string place = "crop");
   std::string name() const override { return "crop"; }
   void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
-  /// With the checksum of the file that was read.
+  /// Returns the options, with the checksum of the file that was read.
   const CropOptions& options() const { return options_; }
   /// Returns the box of the bounds, or of the polygons if there are no bounds; absent with CropOptions::outside.
   std::optional<Box> extent() const override;

@@ -76,7 +76,7 @@ template <bool kWeighted>
 struct AllSums : Sums {
   WeightedSums weighted = {};
 
-  /// In two loops, for not all sums together fit into registers.
+  /// Includes the held neighbours in two loops, for not all sums together fit into registers.
   HWY_INLINE void IncludeHeld(const Tile& tile, std::size_t from, std::size_t v, const Offsets& offsets,
                               const Weights* weights, const NeighborNormals& neighbors) {
     for (std::size_t c = 0; c < tile.Held(from); ++c) {

@@ -14,10 +14,10 @@ namespace pointsweep {
 /// The columns that Curvature makes. Each is as long as the batch, or empty if it is not wanted.
 struct CurvatureColumns {
   std::span<float> k1, k2;
-  std::span<std::array<float, 3>> direction;  ///< of k1
+  std::span<std::array<float, 3>> direction;  ///< direction of k1
   std::span<float> mean, gaussian, rms, absolute;
   std::span<float> surface_variation;
-  std::span<std::array<float, 3>> normal_eigenvalues;  ///< of C_i, ascending
+  std::span<std::array<float, 3>> normal_eigenvalues;  ///< eigenvalues of C_i, ascending
 
   /// Returns whether a result of Equations 1 and 2 with their θ is wanted.
   bool weighted() const { return !surface_variation.empty() || !normal_eigenvalues.empty(); }

@@ -68,7 +68,7 @@ struct OptionDeclaration {
 /// The values of one operator's options: those given, else the presets.
 class OptionValues {
  public:
-  /// Only presets. `where` begins every sentence about these options, e.g. "pipeline, column 12: normals".
+  /// Holds only presets. `where` begins every sentence about these options, e.g. "pipeline, column 12: normals".
   OptionValues(const std::vector<OptionDeclaration>& declared, std::string where);
 
   /// False if the option has been given before. `name` is declared, and its declaration allows `value`.
@@ -78,13 +78,14 @@ class OptionValues {
 
   bool given(std::string_view name) const { return given_.contains(name); }
   bool any_given() const { return !given_.empty(); }
-  /// By the name of a declared option. One without preset is asked for only if it is given or required.
+  /// Returns the value of a declared option by its name. An option without preset is asked for only if it is given or
+  /// required.
   std::uint64_t whole(std::string_view name) const { return std::get<std::uint64_t>(value(name)); }
   double number(std::string_view name) const { return std::get<double>(value(name)); }
   Vec3 point(std::string_view name) const { return std::get<Vec3>(value(name)); }
   /// Returns the value of a choice, of names, of an attribute or of a condition.
   const std::string& word(std::string_view name) const { return std::get<std::string>(value(name)); }
-  /// All that have a value, in the order of their declaration.
+  /// Returns all options that have a value, in the order of their declaration.
   Options all() const;
 
   const std::string& where() const { return where_; }
@@ -101,16 +102,16 @@ class OptionValues {
 struct Facts {
   std::uint64_t points = 0;
   std::set<std::string> made = {};                ///< names of the attributes that earlier stages make
-  std::optional<Neighborhood> neighborhood = {};  ///< in effect where the operator stands; absent: not known
-  double metres_per_unit = 1;                     ///< of the coordinates
+  std::optional<Neighborhood> neighborhood = {};  ///< neighbourhood of the operator; absent: not known
+  double metres_per_unit = 1;                     ///< metres in a unit of the coordinates
 };
 
 /// An attribute as docs/attributes.md describes it, where its own words (Attribute::meaning) are too short.
 struct AttributeNote {
   std::string name;
   std::string meaning;
-  std::string type = {};   ///< where it is not one type
-  std::string shape = {};  ///< where it is not known in advance, e.g. "N×k"
+  std::string type = {};   ///< given where the attribute can have several types
+  std::string shape = {};  ///< given where the shape is not known in advance, e.g. "N×k"
 };
 
 /// A stage whose operator does not know its options yet.

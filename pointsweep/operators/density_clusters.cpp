@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-/// One byte: whether a core point is among the points. Others are noise.
+/// A result of one byte: whether a core point is among the points. Points without one are noise.
 class AnyCore final : public VoteRule {
  public:
   std::size_t ballot_bytes() const override { return 1; }

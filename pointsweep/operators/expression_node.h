@@ -34,8 +34,8 @@ enum class Operation : std::uint8_t {
 struct Expression::Node {
   Operation operation = Operation::number;
   double number = 0;
-  std::optional<std::int64_t> whole = {};   ///< of a number that is one
-  std::optional<std::uint64_t> large = {};  ///< of one from 2^63 on
+  std::optional<std::int64_t> whole = {};   ///< value of a whole number below 2^63
+  std::optional<std::uint64_t> large = {};  ///< value of a whole number from 2^63 on
   std::size_t name = 0;                     ///< index in names()
   std::vector<Node> parts = {};
 

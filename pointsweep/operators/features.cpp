@@ -16,11 +16,11 @@ namespace {
 struct FeatureText {
   const char* name;
   const char* meaning;
-  int power;                    ///< of length in the unit
-  bool of_eigenvalues = false;  ///< the power is that of raw eigenvalues, which are lengths squared
+  int power;                    ///< exponent of length in the unit
+  bool of_eigenvalues = false;  ///< the power holds for raw eigenvalues, which are lengths squared
 };
 
-/// In the order of Feature.
+/// Names, meanings and units in the order of Feature.
 constexpr std::array<FeatureText, kFeatures> kTexts = {{
     {"linearity", "(λ1 - λ2) / λ1, in [0, 1]", 0},
     {"planarity", "(λ2 - λ3) / λ1, in [0, 1]", 0},
@@ -39,7 +39,7 @@ constexpr std::array<FeatureText, kFeatures> kTexts = {{
     {"number_of_neighbors", "n, the number of points", 0},
 }};
 
-/// In the order of EigenvalueScale.
+/// Names in the order of EigenvalueScale.
 constexpr const char* kScales[] = {"raw", "sqrt", "normalized"};
 
 std::vector<std::string> names_of_features() {

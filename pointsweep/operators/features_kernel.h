@@ -13,7 +13,7 @@
 
 namespace pointsweep {
 
-/// In the order of the attributes that Features makes. All up to height_range are float32.
+/// The features in the order of the attributes that Features makes. All up to height_range are float32.
 enum class Feature : std::uint8_t {
   linearity,
   planarity,

@@ -80,7 +80,7 @@ constexpr double kCellSeconds = 2.5e-9;
 
 struct RasterSize {
   std::size_t columns = 0;  ///< the most of a band of rows
-  double cells = 0;         ///< of all bands
+  double cells = 0;         ///< cells of all bands
 };
 
 /// Returns the size of the raster of a sample.

@@ -20,7 +20,7 @@ double difference(double before, double here, double behind, double cell) {
 /// The position of a coordinate between the centres of two cells.
 struct Between {
   int first;        ///< the lower of the two, relative to the cell of the coordinate: -1 or 0
-  double fraction;  ///< of the way from it to the next, in [0, 1)
+  double fraction;  ///< share of the way from `first` to the next cell, in [0, 1)
 };
 
 Between between_centers(double coordinate, double cell) {

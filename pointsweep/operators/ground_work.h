@@ -49,7 +49,7 @@ class GroundWork final : public InOrderWork {
   std::size_t values_;
   InOrderSetup setup_;
   LowestCells lowest_;
-  BandedRows rows_;               ///< of the second round
+  BandedRows rows_;               ///< rows of the second round
   std::optional<std::size_t> opened_;
   std::optional<CellBand> band_;  ///< of that number
   std::optional<SurfaceWindow> surface_;

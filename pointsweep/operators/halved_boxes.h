@@ -15,7 +15,7 @@ namespace pointsweep {
 /// Boxes of points that are halved again and again: part j of level l is one of 2^l parts of nearly the same size.
 class HalvedBoxes {
  public:
-  /// So many levels below the whole that no part of the last one has more than `most` points.
+  /// Returns the number of levels below the whole at which no part of the last level has more than `most` points.
   static unsigned levels_for(std::size_t points, std::size_t most);
   /// Puts `points` in the order of the parts: each is halved across its widest extent.
   HalvedBoxes(std::span<CellPoint> points, unsigned levels, bool in_plane);

@@ -28,7 +28,7 @@ double height_above(double z, const std::vector<CellNeighbor>& ground) {
   return z - sum / weights;
 }
 
-/// First the points of the ground are put into cells, then all points look for the nearest of them.
+/// Puts the points of the ground into cells first; then all points look for the nearest of them.
 class HeightWork final : public InOrderWork {
  public:
   HeightWork(std::size_t k, const InOrderSetup& setup)

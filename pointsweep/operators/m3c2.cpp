@@ -70,7 +70,7 @@ class Cylinder {
   double radius_, depth_;
 };
 
-/// First the points of the cloud itself come and are put into cells beside those of the other one.
+/// Puts the points of the cloud itself into cells first, beside the cells of the other cloud.
 class M3c2Work final : public InOrderWork {
  public:
   M3c2Work(const M3c2Options& options, const InOrderSetup& setup)
@@ -124,7 +124,7 @@ class M3c2Work final : public InOrderWork {
     return all;
   }
 
-  /// In the order of the contract.
+  /// Returns the values in the order of the contract.
   Values values_of(const Section& own, const Section& other) const {
     const auto n1 = static_cast<double>(own.count), n2 = static_cast<double>(other.count);
     const double uncertainty = std::sqrt(own.spread * own.spread / n1 + other.spread * other.spread / n2);

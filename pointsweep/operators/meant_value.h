@@ -14,8 +14,8 @@ namespace pointsweep {
 /// A component of an attribute made before, or a field of the input; neither: nothing has such a name.
 struct MeantValue {
   const Attribute* made = nullptr;
-  std::size_t component = 0;     ///< of `made`
-  const Field* field = nullptr;  ///< of the input; null if `made` is not
+  std::size_t component = 0;     ///< component of `made`
+  const Field* field = nullptr;  ///< field of the input; null if `made` is not
 };
 
 /// Returns the value that `word` names, in any spelling that files use. A made attribute precedes a field of the input

@@ -54,7 +54,7 @@ class NamedValues {
   Source read(Attribute attribute, std::size_t component);
 
   std::vector<Attribute> reads_;
-  std::vector<Source> sources_;  ///< by number of the name
+  std::vector<Source> sources_;  ///< indexed by the number of the name
 };
 
 }  // namespace pointsweep

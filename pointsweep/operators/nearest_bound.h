@@ -26,7 +26,7 @@ class NearestBound {
     reach_ = std::sqrt(sum) * (1 + kMargin);
   }
 
-  /// No point that is farther from the box of places along an axis is wanted.
+  /// Returns the distance from the box of places along an axis beyond which no point is wanted.
   double reach() const { return reach_; }
 
   bool out(const Box& points) const {

@@ -133,7 +133,7 @@ class NeighborVectors {
     const std::size_t at = c * tile_.stride + l;
     return {x_[at], y_[at], z_[at]};
   }
-  /// All 0 for point l.
+  /// Sets all vectors of point l to 0.
   void Clear(std::size_t l) {
     for (std::size_t at = l; at < Tile::kRoom; at += tile_.stride) x_[at] = y_[at] = z_[at] = 0;
   }

@@ -231,7 +231,7 @@ class Weights {
     const V absolute = hn::IfThenElse(on_point, coincident, hn::Mul(theta, NearestTheta(vector)));
     return hn::IfThenElse(some, absolute, theta);
   }
-  /// By what the weights of LoadTrue() are divided: θ of the nearest neighbour, or 1 where one lies on p_i.
+  /// Returns the divisor of the weights of LoadTrue(): θ of the nearest neighbour, or 1 where one lies on p_i.
   HWY_INLINE V Divisor(std::size_t vector) const {
     const auto some = hn::Gt(extents_.coincident.Load(vector), hn::Zero(Lanes()));
     return hn::IfThenElse(some, hn::Set(Lanes(), 1.0), NearestTheta(vector));

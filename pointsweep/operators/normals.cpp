@@ -36,7 +36,7 @@ double along_wanted(const NormalsOptions& options, const Neighborhoods& in, std:
   return 0;
 }
 
-/// In the order of Orient.
+/// Names in the order of Orient.
 constexpr const char* kOrientations[] = {"none", "up", "viewpoint", "input"};
 
 Orient orient_named(const std::string& name) {

@@ -60,7 +60,7 @@ class OrientedNormals final : public CompositeOperator {
  public:
   /// Throws UsageError for a viewpoint that is not finite.
   explicit OrientedNormals(std::optional<Vec3> viewpoint = std::nullopt);
-  /// By a trajectory: FacingNormals.
+  /// Orients by a trajectory: FacingNormals.
   OrientedNormals(std::string trajectory, std::string checksum);
   std::string name() const override { return "orient"; }
   Contract contract() const override;

@@ -19,7 +19,7 @@ struct Votes {
   std::array<Whole, 3> normal;  ///< Σ s n
   Whole out;                    ///< Σ s n · p
   std::int64_t facing;          ///< Σ sign(s n · (v - p))
-  std::int64_t highest_sign;    ///< of s n_z of the highest point
+  std::int64_t highest_sign;    ///< sign of s n_z of the highest point
   std::int64_t first_sign;      ///< s of the first point
 
   std::array<Whole, 3> place;  ///< Σ p

@@ -25,7 +25,7 @@ class OrientationVotes final : public VoteRule {
   std::size_t bytes() const override;
   void start(std::byte* votes, const PointKey& point, const std::byte* ballot) const override;
   void merge(std::byte* into, const std::byte* from, bool flips) const override;
-  /// One byte: not 0 if the signs are to be turned.
+  /// Size of the result: one byte, not 0 if the signs are to be turned.
   std::size_t result_bytes() const override { return 1; }
   void conclude(const std::byte* votes, std::byte* result) const override;
   bool turns(const std::byte* result) const override { return *result != std::byte{0}; }

@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-/// In the order of OutlierDefinition.
+/// Names in the order of OutlierDefinition.
 constexpr const char* kDefinitions[] = {"pointsweep", "pdal", "pcl", "open3d", "cloudcompare"};
 
 /// Σ d, Σ d² and n of finite values, and how many are not 0.

@@ -15,11 +15,11 @@
 
 namespace pointsweep {
 
-/// In which the definitions differ.
+/// The rules in which the definitions differ.
 struct OutlierRule {
   bool counts_point = false;          ///< the point itself, at distance 0, is one of those whose mean is taken
   bool population = false;            ///< the deviation is divided by n, not n - 1
-  bool zero_is_outlier = false;       ///< a mean distance of 0 is that of an outlier, and no term of the deviation
+  bool zero_is_outlier = false;       ///< a mean distance of 0 marks an outlier, and is no term of the deviation
   bool threshold_is_outlier = false;  ///< and so is one that equals the threshold
 };
 OutlierRule rule_of(OutlierDefinition definition);

@@ -49,9 +49,9 @@ class PlaceGroup {
   std::span<CellPoint> places_;
   NearestWanted wanted_;
   bool in_plane_;
-  std::vector<bool> done_;           ///< by place
-  std::optional<HalvedBoxes> tree_;  ///< of the places, where one by one takes long
-  std::vector<Part> open_;           ///< that lacked cells
+  std::vector<bool> done_;           ///< indexed by place
+  std::optional<HalvedBoxes> tree_;  ///< tree of the places, if searching one by one takes long
+  std::vector<Part> open_;           ///< parts that lacked cells
   std::vector<CellPoint> points_;    ///< collected for a part
   NearestSoFar nearest_;
 };

@@ -21,7 +21,7 @@ class PlaneResidual final : public VoteRule {
   std::size_t bytes() const override;
   void start(std::byte* votes, const PointKey& point, const std::byte* ballot) const override;
   void merge(std::byte* into, const std::byte* from, bool flips) const override;
-  /// One float32; NaN where a point has no finite place.
+  /// Size of the result: one float32, NaN where a point has no finite place.
   std::size_t result_bytes() const override { return sizeof(float); }
   void conclude(const std::byte* votes, std::byte* result) const override;
 

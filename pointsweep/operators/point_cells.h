@@ -73,7 +73,7 @@ class PointCells {
   std::unique_ptr<Scratch> scratch_;
   std::vector<Cell> cells_;
   std::vector<Slab> slabs_;
-  std::vector<CellPoint> slab_;  ///< that grows
+  std::vector<CellPoint> slab_;  ///< points of the slab that grows
   std::uint64_t count_ = 0;
   std::set<std::size_t> loaded_;
 };

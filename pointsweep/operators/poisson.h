@@ -39,7 +39,7 @@ class Poisson final : public InOrderOperator {
  private:
   PoissonOptions options_;
   std::vector<Attribute> reads_;  ///< the attribute that radius_from names; empty without one
-  std::size_t component_ = 0;     ///< which of its components
+  std::size_t component_ = 0;     ///< component of the attribute
 };
 
 /// Seed of the hashes that give the order in which points are chosen.

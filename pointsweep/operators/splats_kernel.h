@@ -14,7 +14,7 @@ namespace pointsweep {
 /// The columns that Splats makes, each as long as the batch.
 struct SplatColumns {
   std::span<std::array<float, 3>> axis;  ///< unit, of the major semi-axis
-  std::span<float> length;               ///< of the major semi-axis, in lengths of the cloud
+  std::span<float> length;               ///< length of the major semi-axis, in units of the cloud
   std::span<float> ratio;                ///< minor over major, in [1/8, 1]
 };
 

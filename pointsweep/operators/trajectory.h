@@ -19,7 +19,8 @@ class Trajectory {
 
   double first_time() const { return times_.front(); }
   double last_time() const { return times_.back(); }
-  /// On the straight line between the places before and after; outside of all times the first or last place.
+  /// Returns the place on the straight line between the places before and after `time`; outside of all times the first
+  /// or last place.
   Vec3 at(double time) const;
 
  private:

@@ -42,11 +42,11 @@ class UndecidedPoints {
   void hold(const DiskPoint& point);
   /// Decides what can be decided by now, if enough points have come since the last time; appends the rows left out.
   void decide(std::vector<std::uint64_t>& dropped);
-  /// After the last point.
+  /// Decides the remaining points; called after the last point.
   void finish(std::vector<std::uint64_t>& dropped);
   std::uint64_t held() const { return slots_.size() - free_.size(); }
 
-  /// Bytes of memory for each point held, with those of containers that grow in steps.
+  /// Bytes of memory for each point held, including containers that grow in steps.
   static constexpr std::uint64_t kPointBytes = 192;
 
  private:
@@ -54,7 +54,7 @@ class UndecidedPoints {
   static constexpr Slot kNone = std::numeric_limits<Slot>::max();
   struct Held {
     DiskPoint point;
-    Slot first_waiter = kNone;  ///< of the points that wait for this one
+    Slot first_waiter = kNone;  ///< first of the points that wait for this one
     Slot next_waiter = kNone;   ///< beside this one in the list of the point that it waits for
     bool is_decided = false;
     std::uint8_t uses = 0;  ///< lists that hold the slot

@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-/// In the order of VoxelKeep.
+/// Names in the order of VoxelKeep.
 constexpr const char* kKeepNames[] = {"center", "hash", "centroid"};
 
 /// Knows the best point so far of the voxel whose points come now.

@@ -24,7 +24,7 @@ struct VoxelCandidate {
   }
 };
 
-/// By the distance to the centre of its voxel.
+/// Returns the candidate that is ranked by its distance to the centre of its voxel.
 inline VoxelCandidate nearest_to_center(Vec3 voxel, double size, Vec3 p, std::uint64_t row) {
   const Vec3 center{(voxel.x + 0.5) * size, (voxel.y + 0.5) * size, (voxel.z + 0.5) * size};
   return {distance2(p, center), 0, p, row};

@@ -12,7 +12,7 @@ namespace pointsweep {
 
 /// An attribute of which means are taken. Others keep the value of the row that stays.
 struct AveragedAttribute {
-  Attribute made;                ///< as it is made again: its type and fields are those it had
+  Attribute made;                ///< made again, with the type and fields that it had
   std::vector<Attribute> reads;  ///< itself, or scalars of the input that are its fields
   bool is_direction = false;     ///< the mean is made a unit vector again
 };
