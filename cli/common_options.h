@@ -21,7 +21,7 @@ struct CommonOptions : EngineOptions {
   std::vector<std::string> keep;  ///< names of attributes to write; empty: all
   bool dry_run = false;           ///< print the plan and write nothing
   bool quiet = false;
-  std::string format;            ///< of inputs without a signature; empty: there are none
+  std::string format;            ///< format of inputs without a signature; empty: there are none
   bool ignore_crs = false;       ///< coordinate reference systems neither forbid nor convert anything
   int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
 };

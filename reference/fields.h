@@ -84,7 +84,7 @@ class Fields {
 
   Schema record_;
   std::size_t bytes_;
-  std::map<std::string, Field> latest_;  ///< by name of the attribute
+  std::map<std::string, Field> latest_;  ///< indexed by the name of the attribute
   std::vector<FileAttribute> file_;
   std::vector<Field> rule_reads_;
   std::vector<Stage> stages_;

@@ -19,9 +19,9 @@ namespace pointsweep::reference {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::uint64_t kRows = 1000;              ///< of a series
+constexpr std::uint64_t kRows = 1000;              ///< rows of a series
 constexpr std::uint64_t kMeasurePoints = 1 << 12;  ///< read at least between two looks at memory
-constexpr std::uint64_t kNodeBytes = 128;          ///< of a point's place in a kD-heap and in queues, about
+constexpr std::uint64_t kNodeBytes = 128;          ///< bytes of a point's place in a kD-heap and in queues, about
 constexpr double kReportSeconds = 0.1;
 constexpr std::uint64_t kReportPoints = 1024;  ///< written between two looks at the clock
 

@@ -54,7 +54,7 @@ struct Statistics {
   std::vector<OperatorRecord> operators;   ///< as in Figures 4 and 6
   double audit_seconds = 0;                ///< in none of the above
   std::uint64_t complete = 0;              ///< neighbourhoods N_i that are exact
-  std::uint64_t incomplete = 0;            ///< those that are not: a point had left the search too early
+  std::uint64_t incomplete = 0;            ///< neighbourhoods that are not exact: a point had left the search too early
   std::vector<DegenerateRows> degenerate;  ///< by operator of the task
   std::uint64_t peak_points = 0;
   double mean_points = 0;

@@ -18,7 +18,7 @@ namespace pointsweep::reference {
 struct RuledPoint {
   Vec3 position;
   std::uint64_t row;
-  std::vector<std::byte> attributes;  ///< those that the rule reads, one after another
+  std::vector<std::byte> attributes;  ///< attributes that the rule reads, one after another
 };
 
 /// Says how many of the neighbours found the rule of the task keeps; without a rule, all of them.

@@ -31,7 +31,7 @@ class ExactSum {
 
  private:
   static constexpr int kDigitBits = 32;
-  static constexpr int kLeastExponent = -2148;  ///< of the lowest bit of a product of two doubles
+  static constexpr int kLeastExponent = -2148;  ///< exponent of the lowest bit of a product of two doubles
   static constexpr std::size_t kDigits = 138;   ///< up to 2^2268
 
   void add_scaled(bool negative, std::uint64_t high, std::uint64_t low, int exponent);

@@ -30,7 +30,7 @@ struct PointBlock {
 void for_each_block(InputCloud& cloud, const RowStretches& rows, const std::function<void(const PointBlock&)>& visit);
 
 struct CloudSample {
-  Box bounds;                   ///< of the finite points
+  Box bounds;                   ///< bounding box of the finite points
   std::uint64_t finite = 0;     ///< points
   std::vector<Vec3> positions;  ///< of at most 65,536 finite points, one from each of as many equal stretches of rows
   std::vector<std::byte> records;  ///< of these positions, one record after another

@@ -16,7 +16,7 @@ struct Legend {
   std::string unit;   ///< e.g. "1/m"; may be empty
   bool is_bar = false;
   double lo = 0, hi = 1;                             ///< ends of the bar
-  std::vector<std::pair<Rgb, std::string>> entries;  ///< of the list
+  std::vector<std::pair<Rgb, std::string>> entries;  ///< entries of the list
 
   bool empty() const { return !is_bar && entries.empty(); }
 };

@@ -21,7 +21,7 @@ struct SurfaceElement {
 /// Lengths.
 struct DiscRadii {
   double largest_guess;  ///< of an estimated radius, so that the few points of a sparse place do not look like surface
-  double fixed = 0;      ///< of every point, which then faces the viewer; 0: none
+  double fixed = 0;      ///< radius of every point, which then faces the viewer; 0: none
 };
 
 class PointShape {

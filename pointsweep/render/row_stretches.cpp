@@ -9,7 +9,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kShortStretch = 256, kLongStretch = 8192, kTrials = 16;
-constexpr double kDrawSeconds = 500e-9;  ///< of a point, about
+constexpr double kDrawSeconds = 500e-9;  ///< time to draw a point, about
 constexpr double kTrialShare = 0.1;      ///< of the time
 
 using Clock = std::chrono::steady_clock;

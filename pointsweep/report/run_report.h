@@ -16,9 +16,9 @@ struct RunSummary {
   std::string title;           ///< e.g. "normals of scan.ply"
   std::string inputs, output;  ///< names of files
   std::string crs;             ///< the coordinate system, in words; empty: none is stated
-  std::string unit;            ///< of its lengths; empty: not known
+  std::string unit;            ///< unit of the cloud's lengths; empty: not known
   std::string command;         ///< the command line, as a shell takes it
-  std::string version;         ///< of the program, e.g. "pointsweep 0.1.0"
+  std::string version;         ///< version of the program, e.g. "pointsweep 0.1.0"
   Statistics statistics;
   std::optional<Rendering> picture;  ///< of the result
   double drawing_seconds = 0;        ///< for reading the result again, and the picture

@@ -13,10 +13,10 @@
 namespace pointsweep {
 
 struct ValueSummary {
-  std::string name = {};        ///< of the field, e.g. "nx" or "mean_curvature"
+  std::string name = {};        ///< name of the field, e.g. "nx" or "mean_curvature"
   std::string unit = {};        ///< e.g. "1/m"; empty: none, or not known
-  std::uint64_t values = 0;     ///< that were looked at
-  std::uint64_t undefined = 0;  ///< of these, NaN and infinite ones
+  std::uint64_t values = 0;     ///< number of values that were looked at
+  std::uint64_t undefined = 0;  ///< NaN and infinite ones among `values`
   /// Least, 5 %, 25 %, 50 %, 75 %, 95 %, greatest of the others.
   std::array<double, 7> percentiles{};
   /// Bin i is edges[i] .. edges[i + 1]; the first and the last also hold what lies beyond. Empty without a value.

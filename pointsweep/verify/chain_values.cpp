@@ -156,7 +156,7 @@ void ChainValues::make(const Attribute& attribute, Stage& stage) {
   known == made_.end() ? made_.push_back(attribute) : void(*known = attribute);
 }
 
-/// From the last stage back: who looks at neighbours needs what he reads one ring farther out.
+/// Finds the rings from the last stage back: a stage that looks at neighbours needs what it reads one ring farther out.
 void ChainValues::find_rings() {
   for (const std::uint16_t column : made_columns_) need(column, 0);
   for (std::size_t s = stages_.size(); s-- > 0;) {

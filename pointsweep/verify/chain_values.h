@@ -74,9 +74,9 @@ class ChainValues {
     StageOperator op;
     std::shared_ptr<const StageFormula> formula = {};  ///< neither this nor the next: the operator itself is applied
     std::shared_ptr<CloudFormula> cloud = {};
-    std::vector<std::optional<ColumnSource>> sources = {};  ///< of what the cloud formula reads of all rows
-    std::vector<std::optional<ColumnSource>> targets = {};  ///< of what it makes
-    bool told = true;                                       ///< what it makes can be evaluated
+    std::vector<std::optional<ColumnSource>> sources = {};  ///< sources of the values that the cloud formula reads
+    std::vector<std::optional<ColumnSource>> targets = {};  ///< sources of the values that it makes
+    bool told = true;                                       ///< the values that it makes can be evaluated
     bool applied = false;                                   ///< the operator is, for itself or for one that reads it
     std::vector<std::uint16_t> reads, reads_neighbors, makes;
     int position = -1;   ///< column of the moved positions it sees
@@ -86,7 +86,7 @@ class ChainValues {
   struct FileColumn {
     std::uint16_t column;
     Attribute attribute;
-    std::vector<Field> fields;  ///< of the input, one for each component
+    std::vector<Field> fields;  ///< fields of the input, one for each component
   };
   using ColumnBytes = std::vector<std::vector<std::byte>>;  ///< by column number
   using ColumnEstimates = std::vector<std::vector<formulas::Estimate>>;

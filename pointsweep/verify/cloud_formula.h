@@ -30,7 +30,7 @@ struct CloudInput {
   std::vector<std::optional<ColumnSource>> reads;  ///< of all rows, in the order of the contract; none: nowhere
   std::vector<std::optional<ColumnSource>> makes;  ///< what the output has of what the stage makes
   NeighborRule neighborhood;
-  bool has_rule;                       ///< which keeps a part of the neighbours
+  bool has_rule;                       ///< true if a rule keeps a part of the neighbours
   InputCloud* before_means = nullptr;  ///< all points of the voxels of which each point is the only one left
 
   /// Throws NotTold if the values of a read are nowhere.

@@ -54,7 +54,7 @@ class CloudRows {
   /// Times that all of the input was read.
   std::uint64_t passes() const { return passes_; }
   RowSource& input() { return in_; }
-  /// Else no column may be one of the output.
+  /// Returns whether the output has all rows; otherwise no column may be a column of the output.
   bool output_has_all() const { return has_all_; }
 
   /// Throws NotTold where the output has another order than the input, and values of the columns in the output do not

@@ -21,7 +21,7 @@ namespace pointsweep {
 ///   float32 and `to` float64, the nearest float32 of `to` counts, since text files hold the fewest digits of a float.
 class FieldPair {
  public:
-  /// One component of each; `name` is what people are told.
+  /// Pairs one component of each field; `name` is used in messages.
   FieldPair(std::string name, const Field& from, std::uint32_t from_component, const Field& to,
             std::uint32_t to_component);
 
@@ -29,7 +29,7 @@ class FieldPair {
   /// A word that is the same for equal values: from a record with `from`, and from one with `to`.
   std::uint64_t expected(const std::byte* from_record) const;
   std::uint64_t found(const std::byte* to_record) const;
-  /// By how much a format may change `value` in storing it: half a unit of what `to` can hold.
+  /// Returns by how much a format may change `value` in storing it: half a unit of what `to` can hold.
   double resolution(double value) const;
   double expected_value(const std::byte* from_record) const { return value_of(from_, from_record); }
   double found_value(const std::byte* to_record) const { return value_of(to_, to_record); }

@@ -24,7 +24,7 @@
 namespace pointsweep {
 namespace {
 
-/// For each of the present rows of a cloud, whether it is kept.
+/// A flag for each of the present rows of a cloud: whether it is kept.
 using Mask = std::vector<bool>;
 
 constexpr std::uint64_t kVoxelSeed = 0x766f78656c;  // "voxel" in ASCII

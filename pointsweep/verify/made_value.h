@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// One estimate of an attribute, of one to three components, and where they are in the output.
+/// The components of an attribute, one to three, that share one estimate, and their places in the output.
 class MadeValue {
  public:
   /// `pairs`: from a result record to a record of the output, one for each component; none for one not written.

@@ -25,7 +25,7 @@ struct NearPoint {
   Vec3 position;
   std::uint64_t row;
 
-  /// By distance, then x, y, z, then row: the order of neighbours.
+  /// Compares by distance, then x, y, z, then row: the order of neighbours.
   friend bool operator<(const NearPoint& a, const NearPoint& b);
 };
 
@@ -33,14 +33,15 @@ class NearestInStream {
  public:
   static constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
-  /// In which distances are measured; in the plane by x and y alone, and all places have z = 0.
+  /// The space in which distances are measured. In the plane x and y alone count, and all places have z = 0.
   enum class Space : std::uint8_t { all, plane };
 
   /// Keeps the `most` nearest of each place among the points with distance2 <= reach2. Where the answer is known to lie
   /// nearer, a smaller reach2 saves work. About 40 bytes for each point kept.
   NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most, Space space = Space::all);
 
-  /// One point of the stream, which comes in any order; points that are not finite are neighbours of no point.
+  /// Offers one point of the stream, whose points come in any order; points that are not finite are neighbours of no
+  /// point.
   void offer(Vec3 p, std::uint64_t row);
   /// Squared distance beyond which nothing is wanted any more at `place`.
   double reach2(std::size_t place) const { return reach2_[place]; }

@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// Gives all points of a cloud, the same each time.
+/// A function that gives all points of a cloud, the same points each time.
 using PointsOfCloud = std::function<void(const std::function<void(std::uint64_t row, Vec3 position)>& take)>;
 
 struct NearestQuery {
@@ -20,8 +20,8 @@ struct NearestQuery {
   NearestInStream::Space space = NearestInStream::Space::all;
 };
 
-/// For each place its nearest points. Asks for the points twice: first for a thin subset of about `count` points, which
-/// bounds the distances.
+/// Returns the nearest points of each place. Asks for the points twice: first for a thin subset of about `count`
+/// points, which bounds the distances.
 std::vector<std::vector<NearPoint>> nearest_of_cloud(std::span<const Vec3> places, const PointsOfCloud& points,
                                                      std::uint64_t count, const NearestQuery& query);
 

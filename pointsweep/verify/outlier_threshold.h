@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// From which mean distance on points of an output are outliers.
+/// The mean distance from which on points of an output are outliers.
 #pragma once
 
 #include <memory>

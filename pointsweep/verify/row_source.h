@@ -16,7 +16,7 @@
 
 namespace pointsweep {
 
-/// Called between pieces of work with what is done and how much there is; may throw to end it.
+/// A function called between pieces of work with the work done and the work in total; may throw to end it.
 using PhaseProgress = std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)>;
 
 class RowSource {
@@ -24,7 +24,7 @@ class RowSource {
   /// Borrow what they are made of.
   explicit RowSource(InputCloud& cloud);
   explicit RowSource(Reader& reader);
-  /// Some rows of another, which ascend.
+  /// Selects some rows of another source; `chosen` ascends.
   RowSource(RowSource& rows, std::span<const std::uint64_t> chosen);
 
   const Schema& schema() const { return *schema_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// All finite points of a cloud in memory, with a search among them: what graphs over the whole cloud are made of.
+/// All finite points of a cloud in memory, with a search among them: the base of graphs over the whole cloud.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,8 @@ class SortedCloud {
  public:
   static constexpr std::uint32_t kNone = 0xffffffff;
 
-  /// With the components of `columns`. Throws NotTold where it does not fit the memory beside `more_bytes` a point.
+  /// Holds the components of `columns` as well. Throws NotTold where the cloud does not fit the memory beside
+  /// `more_bytes` a point.
   SortedCloud(const CloudInput& in, std::span<const ColumnSource> columns, std::uint64_t more_bytes);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(place_of_.size()); }

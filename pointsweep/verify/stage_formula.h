@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// From an operator, by its name and its options, to the independent evaluation of its formula.
+/// The independent evaluation of an operator's formula, found by the operator's name and options.
 #pragma once
 
 #include <cstdint>
@@ -46,7 +46,7 @@ struct CloudThreshold {
   formulas::Real error = 0;
 };
 
-/// All that a formula knows of its stage.
+/// The facts that a formula knows of its stage.
 struct FormulaSetup {
   NamedOptions options;
   Contract contract;

@@ -173,8 +173,8 @@ class Verification {
 
   std::size_t longest_axis() const { return static_cast<std::size_t>(verdict_.arrivals.bounds.longest_axis()); }
 
-  /// Returns the order that the options name; without one, true if the rows are not those of the input row by row, but
-  /// the same rows in another order, or look like it.
+  /// Returns whether the output has the order of a sweep: as the options say; if they name no order, where rows are not
+  /// the rows of the input one by one, but the same rows in another order, or look like it.
   bool sweep_is_meant() const {
     const Arrivals& a = verdict_.arrivals;
     if (options_.order) return *options_.order == Order::sweep;
@@ -238,7 +238,8 @@ class Verification {
     judge_suspects();
   }
 
-  /// Where a made attribute was not written, a field of its name in the output is the input's.
+  /// Returns the columns of the output that hold made attributes. If a made attribute was not written, a field of its
+  /// name in the output belongs to the input.
   OutputColumns columns_of_output() const {
     return [this](const Attribute& made) -> std::optional<std::vector<FieldPair>> {
       if (std::ranges::find(chain_.made(), made.name, &Attribute::name) == chain_.made().end()) return std::nullopt;
@@ -362,16 +363,16 @@ class Verification {
   const MadeBy& made_by_;
   const VerifyOptions& options_;
   ChainValues chain_;
-  std::vector<std::uint64_t> rows_;                              ///< of the sample, ascending
+  std::vector<std::uint64_t> rows_;                              ///< rows of the sample, ascending
   std::vector<KnownPoint> finite_, nonfinite_;                   ///< the sample
-  std::vector<KnownPoint> subset_;                               ///< of all points, at evenly spaced rows
+  std::vector<KnownPoint> subset_;                               ///< points at evenly spaced rows of the cloud
   std::vector<bool> replaced_;                                   ///< by field of the input
   std::vector<std::pair<std::size_t, MadeValue>> made_values_;   ///< by number of the estimate
   std::vector<std::size_t> selections_;                          ///< numbers of estimates that say whether a row stays
-  std::optional<RowAlignment> alignment_;                        ///< where the output has not all rows
-  std::vector<FieldPair> known_;                                 ///< by which rows are recognized then
+  std::optional<RowAlignment> alignment_;                        ///< present if the output does not have all rows
+  std::vector<FieldPair> known_;                                 ///< fields by which rows are recognized then
   std::vector<std::pair<std::uint64_t, std::string>> suspects_;  ///< rows that seem to be wrong, and why
-  int axis_ = -1;  ///< of the sweep whose order the rows have; negative: the input's
+  int axis_ = -1;  ///< axis of the sweep whose order the rows have; negative: input order
   bool order_is_lost_ = false;
   Verdict verdict_;
 };

@@ -27,7 +27,7 @@ struct MadeBy {
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
   /// Made too, but from neighbours of moved points, which no sample of the input tells: they are not checked.
   std::vector<Attribute> unchecked = {};
-  /// With voxel(keep=centroid): all points, of which the input of the check holds one of each voxel.
+  /// All points of the cloud before voxel(keep=centroid); the input of the check holds one of each voxel.
   std::shared_ptr<InputCloud> before_means = {};
   /// The threshold of outliers, found in the output (outlier_threshold.h).
   CloudThreshold outlier_threshold = {};
@@ -46,8 +46,8 @@ struct MadeBy {
 /// that the formulas of the operators give for neighbourhoods found by holding every point of the input against them.
 /// `is_array`: `out` holds made values only. Values are compared as far as the types of the output tell (FieldPair).
 ///
-/// Where rows are left out after other stages, half of the sample are rows that the output has not: the conditions are
-/// evaluated on what the stages before make of all rows of the input, and tell whether a row stays.
+/// If rows are left out after other stages, half of the sample are rows that the output does not have: the conditions
+/// are evaluated on what the stages before make of all rows of the input, and tell whether a row stays.
 ///
 /// Reads both files once, the input once more for each ring of neighbours a chain looks at (normals and splats 1,
 /// curvature 2, fairing with splats again 3), and once for an order of the sweep. A point of the stream is held against

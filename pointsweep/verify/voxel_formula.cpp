@@ -71,7 +71,7 @@ class MeanFormula final : public CloudFormula {
     return made;
   }
 
-  /// It keeps what the stage reads of it: each attribute as a whole, or its components.
+  /// Returns the values that the stage reads of the point, unchanged: each attribute as a whole, or its components.
   std::optional<std::vector<Estimate>> unplaced(const CloudPoint& point) const override {
     const Vec3 p = point.at.position;
     std::vector<Estimate> made = {{.value = {p.x, p.y, p.z}}};
@@ -122,7 +122,7 @@ class MeanFormula final : public CloudFormula {
   std::vector<Attribute> reads_;
   std::vector<MeanAttribute> averaged_;
   double size_;
-  std::vector<Field> fields_;  ///< of the input, one after another those of each attribute
+  std::vector<Field> fields_;  ///< fields of the input, grouped by attribute
 };
 
 }  // namespace

@@ -15,10 +15,10 @@ struct Curvatures {
   Estimate rms;                 ///< √((k1² + k2²) / 2)
   Estimate absolute;            ///< k1 + k2
   Estimate surface_variation;   ///< λ0 / (λ0 + λ1 + λ2) of M_i
-  Estimate normal_eigenvalues;  ///< of C_i, ascending
+  Estimate normal_eigenvalues;  ///< eigenvalues of C_i, ascending
 };
 
-/// `normals` are those of `neighbors`. With u = n / |n|, sums over the m neighbours that have a normal, and
+/// `normals` belong to `neighbors`. With u = n / |n|, sums over the m neighbours that have a normal, and
 ///   S = 1/m Σ_j u_j u_jᵀ with eigenvalues μ0 <= μ1 <= μ2 and eigenvectors e0, e1, e2,
 ///   D = 1/m Σ_j (p_j - p̄)(p_j - p̄)ᵀ,
 ///   t1 = e1 brought into the tangent plane of n_i (see tangent.h), t2 = n_i × t1,

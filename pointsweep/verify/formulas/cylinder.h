@@ -23,8 +23,8 @@ class Cylinder {
   void add(Vector point);
 
   std::size_t count() const { return count_; }
-  Estimate mean() const;    ///< of the a_j; NaN without any
-  Estimate spread() const;  ///< their standard deviation, of n - 1; NaN with fewer than two
+  Estimate mean() const;    ///< mean of the a_j; NaN without any
+  Estimate spread() const;  ///< standard deviation of the a_j, by n - 1; NaN with fewer than two
 
  private:
   Vector center_, axis_;

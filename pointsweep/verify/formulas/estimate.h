@@ -19,7 +19,7 @@ namespace pointsweep::formulas {
 
 inline constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
 inline constexpr Real kSingle = 0x1p-24L;  ///< largest relative error of rounding to float32
-inline constexpr Real kDouble = 0x1p-53L;  ///< the same of float64
+inline constexpr Real kDouble = 0x1p-53L;  ///< largest relative error of rounding to float64
 
 /// Relative error of a weight exp(-x) in single precision, of the exponential and of its argument: never more than
 /// 1.2e-7 of the largest weight.

@@ -12,8 +12,8 @@ namespace pointsweep::formulas {
 struct GroundParameters {
   double cell, slope, window, threshold, scalar;
 
-  std::size_t radius() const;                             ///< of the largest disk, in cells
-  std::size_t reach() const { return 3 * radius() + 3; }  ///< of the filling of holes
+  std::size_t radius() const;                             ///< radius of the largest disk, in cells
+  std::size_t reach() const { return 3 * radius() + 3; }  ///< reach of the filling of holes, in cells
 };
 
 /// The numbers of cells along one axis, without most of the empty ones: across so many that nothing reaches from one

@@ -8,7 +8,7 @@
 namespace pointsweep::formulas {
 
 struct Spectrum : Eigen {
-  std::array<Real, 3> value_error{};   ///< of eigenvalues
+  std::array<Real, 3> value_error{};   ///< errors of the eigenvalues
   std::array<Real, 3> vector_error{};  ///< sine of the angle by which an eigenvector may be off, or infinite
 };
 

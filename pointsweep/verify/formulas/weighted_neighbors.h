@@ -10,16 +10,16 @@ namespace pointsweep::formulas {
 
 struct WeightedOffset {
   Vector d;               ///< p_j - p_i
-  Real error = 0;         ///< of d
+  Real error = 0;         ///< error of d
   Real weight = 0;        ///< θ(|d|)
-  Real weight_error = 0;  ///< of θ, not relative
+  Real weight_error = 0;  ///< absolute error of θ
 };
 
 /// N_i as Equations 1 and 2 see it: θ(r) = exp(-r²/2σ²) with σ² = π max_j |p_j - p_i|² / |N_i|, N_i without p_i.
 struct WeightedNeighbors {
   std::vector<WeightedOffset> offsets;
   Real farthest = 0;        ///< max_j |p_j - p_i|
-  Real farthest_error = 0;  ///< of that
+  Real farthest_error = 0;  ///< error of `farthest`
   /// Weights are θ over θ of the nearest neighbour off p_i, which is this, so that they never vanish all together.
   Real theta_of_nearest = 1;
   bool finite = true;  ///< no offset overflows double precision
