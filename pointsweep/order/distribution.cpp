@@ -17,13 +17,13 @@ namespace {
 
 constexpr std::size_t kLeastChunk = 1024, kLargestChunk = 12288;  ///< records
 
-/// The box of a list so far, on its own cache line.
+/// The box of the records of a list so far, on a separate cache line.
 struct alignas(64) GrowingBox : Box {
-  /// Adding 0 makes -0 to 0: which of them came first must not be seen.
+  /// Adding 0 turns -0 into 0, so that the result does not depend on which of them came first.
   Box box() const { return {lo + Vec3{}, hi + Vec3{}}; }
 };
 
-/// Some records on their way from the source to the store, and all the room that working on them needs.
+/// Some records on their way from the source to the store, with all buffers for working on them.
 struct Chunk {
   Chunk(const PartitionInput& input, std::size_t capacity, std::size_t lists)
       : records(std::make_unique_for_overwrite<std::byte[]>(capacity * input.schema.stride)),
@@ -161,7 +161,7 @@ class Distribution {
     for (std::size_t i = 0; i < chunk.count; ++i) ++begin[chunk.list[i] + std::size_t{1}];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     for (std::size_t i = 0; i < chunk.count; ++i) chunk.place[i] = begin[chunk.list[i]]++;
-    // Now each begin is the begin of the next list.
+    // Each begin is now the begin of the next list.
     std::copy_backward(begin.begin(), begin.end() - 1, begin.end());
     begin[0] = 0;
     input_.record.scatter(chunk.records.get(), input_.schema.stride, chunk.count, chunk.first, chunk.place.get(),
@@ -183,8 +183,8 @@ class Distribution {
   PositionFields position_;
   PieceFinder finder_;
   std::size_t lists_;         ///< pieces, and one more for points without a place in space
-  std::size_t capacity_ = 0;  ///< records of a chunk
-  std::uint64_t next_ = 0;    ///< first record that no thread has taken
+  std::size_t capacity_ = 0;  ///< most records of a chunk
+  std::uint64_t next_ = 0;    ///< number of the first record that no thread has taken
   std::uint64_t read_ = 0;    ///< records read
   std::mutex reading_;
   std::vector<Chunk> chunks_;  ///< one for each thread

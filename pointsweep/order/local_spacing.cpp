@@ -14,12 +14,12 @@ namespace pointsweep {
 namespace {
 
 constexpr int kLevels = 21;          ///< three coordinates of so many bits fit 64
-constexpr int kTableLevels = 4;      ///< of the table that finds a run
+constexpr int kTableLevels = 4;      ///< levels of the table that finds a run
 constexpr std::size_t kFew = 16;     ///< a leaf has fewer sample points
 constexpr double kInLeaf = 6;        ///< sample points in a leaf across which a surface lies, on average
 constexpr int kSparser = 4;          ///< levels that a sparse place is above the median: a factor of 16
-constexpr std::size_t kLeast = 8;    ///< sample points in sparse places that make these worth a look
-constexpr double kFarAway = 0x1p60;  ///< in sides of the root cube
+constexpr std::size_t kLeast = 8;    ///< sparse places need at least this many sample points to count
+constexpr double kFarAway = 0x1p60;  ///< distance in sides of the root cube
 
 constexpr std::uint64_t spread(std::uint64_t v) {
   v = (v | v << 32) & 0x1f00000000ffff;
@@ -105,7 +105,8 @@ std::vector<int> LocalSpacing::levels_of(std::span<const Vec3> sample, const std
   return levels;
 }
 
-/// Keeps leaves as runs of sparse and of other ones, with a table of where each cube of a coarse level begins.
+/// Stores the leaves as alternating runs of sparse and of other leaves, with a table of the run in which each cube of a
+/// coarse level begins.
 void LocalSpacing::find_sparse_places(const std::vector<int>& levels, const std::vector<Leaf>& leaves) {
   std::vector<int> sorted = levels;
   std::ranges::sort(sorted);

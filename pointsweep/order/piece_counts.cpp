@@ -83,7 +83,7 @@ PieceCounts count_pieces(const PointSource& source, const PieceFinder& finder, i
     const std::lock_guard lock(mutex);
     add(all, counted);
   });
-  // Adding 0 makes -0 to 0: which of them came first must not be seen.
+  // Adding 0 turns -0 into 0, so that the result does not depend on which of them came first.
   for (Box& box : all.boxes) box = {box.lo + Vec3{}, box.hi + Vec3{}};
   return all;
 }

@@ -21,13 +21,13 @@ namespace {
 
 using Consume = std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>;
 
-constexpr std::size_t kRunBytes = std::size_t{4} << 20;      ///< what one call of `consume` gets at most
-constexpr std::size_t kGoodBlockBytes = 65536;               ///< of a bucket, for the disk
+constexpr std::size_t kRunBytes = std::size_t{4} << 20;      ///< most bytes that one call of `consume` gets
+constexpr std::size_t kGoodBlockBytes = 65536;               ///< block of a bucket that suits the disk
 constexpr std::size_t kLeastBlockBytes = 4096;               ///< smaller writes would cost more than they save
-constexpr std::size_t kCachedBytes = std::size_t{1} << 20;   ///< stored to at random without waiting for memory
+constexpr std::size_t kCachedBytes = std::size_t{1} << 20;   ///< memory of this size takes random stores without delay
 constexpr std::size_t kOffsetBytes = sizeof(std::uint32_t);  ///< a spilled record follows its row in the bucket
-constexpr std::size_t kLineBytes = 64;                       ///< of the processor's caches
-constexpr std::size_t kAhead = 16;                           ///< stores under way at once
+constexpr std::size_t kLineBytes = 64;                       ///< bytes of a cache line
+constexpr std::size_t kAhead = 16;                           ///< number of stores under way at once
 
 std::uint64_t bytes_of(std::uint64_t rows, std::size_t record_bytes) {
   if (rows > std::numeric_limits<std::uint64_t>::max() / record_bytes)
@@ -89,7 +89,7 @@ class RowArray {
   PageMemory memory_;
 };
 
-/// Rows in buckets of 2^shift consecutive ones. While filling, half of the memory buffers the buckets; afterwards it
+/// Rows in buckets of 2^shift consecutive rows. While filling, half of the memory buffers the buckets; afterwards it
 /// holds windows, at most half of it each, in which buckets are put in order by several threads: buckets that fit the
 /// cache if the buffers allow so many. A bucket larger than a window is read more than once.
 class RowBuckets {

@@ -41,7 +41,7 @@ struct SlabStore::State {
         block_bytes(std::max<std::size_t>(1, wanted_block_bytes / record_size) * record_size),
         pool(block_bytes) {}
 
-  /// A full (or last) buffer of a spilling slab on its way to the file.
+  /// A full (or last) buffer of a slab that spills, on its way to the file.
   struct Outgoing {
     std::byte* buffer = nullptr;
     std::size_t bytes = 0;
@@ -104,7 +104,7 @@ struct SlabStore::State {
   BlockPool pool;
   std::optional<SpillFile> file;
   std::mutex free_mutex;
-  std::vector<std::uint64_t> free_places;  ///< in the file, of a full block each
+  std::vector<std::uint64_t> free_places;  ///< offsets in the file, each with room for a full block
 };
 
 SlabStore::SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& spill)
@@ -150,7 +150,7 @@ void SlabStore::append(std::size_t slab, std::span<const std::byte> records) {
       continue;
     }
     const State::Outgoing out = s.close_block(list);
-    lock.unlock();  // others go on filling the slab while this thread waits for the disk
+    lock.unlock();  // other threads go on filling the slab while this thread waits for the disk
     s.write(out);
     lock.lock();
   }
@@ -201,7 +201,7 @@ void SlabStore::release(std::size_t slab) {
 
 std::uint64_t SlabStore::count(std::size_t slab) const { return state_->lists[slab].count; }
 
-/// A slab lies in hundreds of blocks far apart: the disk gets them all to do at once.
+/// The blocks of a slab are hundreds and far apart, so the disk is told about all of them at once.
 void SlabStore::read(std::size_t slab, std::uint64_t first, std::span<std::byte> out) const {
   const State& s = *state_;
   assert(first + out.size() / s.record_bytes <= s.lists[slab].count);

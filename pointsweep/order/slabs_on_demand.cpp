@@ -42,7 +42,7 @@ struct Partition {
 /// Records of one block that follow each other: its rows ascend, but blocks come in any order.
 struct BlockRun {
   std::uint64_t first_row;
-  std::size_t begin, end;  ///< bytes
+  std::size_t begin, end;  ///< range of bytes in the records
 };
 
 /// `blocks` ascend by row.
@@ -81,7 +81,7 @@ std::size_t waiting_block_bytes(std::uint64_t slab_points, std::size_t record_by
 }
 
 std::uint64_t most_waiting(const CountedSlabs& slabs, std::size_t ahead) {
-  std::vector<std::uint64_t> decoded(slabs.points.size() + 1);  // by slab: points of blocks that begin there
+  std::vector<std::uint64_t> decoded(slabs.points.size() + 1);  // by slab: points of the blocks whose first slab it is
   for (const SlabBlock& block : slabs.blocks) decoded[block.first_slab] += block.rows;
   std::uint64_t most = 0, read = 0, handed_over = 0;
   std::size_t next = 0;
@@ -140,7 +140,7 @@ class SlabsOnDemand::State {
     if (--left_ == 0) waiting_.reset();
   }
 
-  /// Takes, block by block, those that no other thread has taken; then waits for the others.
+  /// Decodes, one by one, the blocks that no other thread has taken; then waits for the other threads.
   void decode_blocks_of(std::size_t slab) {
     std::unique_lock lock(mutex_);
     for (;;) {
@@ -187,7 +187,7 @@ class SlabsOnDemand::State {
     give_back(std::move(p));
   }
 
-  /// Counting sort, which keeps rows ascending.
+  /// Sorts the records by slab with a counting sort, which keeps rows ascending.
   void find_slabs(const SlabBlock& block, Partition& p) const {
     const std::size_t n = block.rows, slabs = block.last_slab - block.first_slab + std::size_t{1};
     p.slab.resize(n);
@@ -217,7 +217,7 @@ class SlabsOnDemand::State {
     copy_by_row(record_.schema(), records, slabs_.blocks, out);
   }
 
-  /// Slabs that were made again, and are kept until others are.
+  /// Slabs that were made again. They are kept until other slabs are made again.
   struct Again {
     Again(std::size_t from, std::size_t to, std::size_t record_bytes, std::size_t block_bytes)
         : first(from), end(to), slabs(to - from, record_bytes, block_bytes, nullptr) {}
@@ -289,18 +289,18 @@ class SlabsOnDemand::State {
   const std::uint64_t most_points_;
   const std::size_t block_bytes_;
 
-  mutable std::mutex mutex_;                      ///< of all that follows, but for the lists of waiting_
+  mutable std::mutex mutex_;                      ///< guards all members below, except the lists of waiting_
   std::condition_variable decoded_;               ///< a block was decoded, or failed
   std::vector<std::uint32_t> by_slab_;            ///< blocks, ascending by first slab
-  std::size_t next_block_ = 0;                    ///< in by_slab_: not yet taken
+  std::size_t next_block_ = 0;                    ///< index in by_slab_ of the first block that is not yet taken
   std::vector<std::uint32_t> decoding_;           ///< first slabs of the blocks that are being decoded
-  std::exception_ptr failure_;                    ///< of a thread that decoded a block for all
-  std::vector<bool> begun_;                       ///< by slab: read in order
-  std::size_t next_slab_ = 0;                     ///< the first one that is not
+  std::exception_ptr failure_;                    ///< error of a thread that decoded a block for all
+  std::vector<bool> begun_;                       ///< by slab: true if it is, or was, read in order
+  std::size_t next_slab_ = 0;                     ///< the first slab that is not begun
   std::size_t left_;                              ///< slabs that have not been handed over in order
   std::optional<SlabStore> waiting_;              ///< lists of points by slab, until all have been handed over
-  std::vector<std::unique_ptr<Partition>> free_;  ///< that no thread uses now
-  std::mutex again_mutex_;                        ///< of again_
+  std::vector<std::unique_ptr<Partition>> free_;  ///< partitions that no thread uses now
+  std::mutex again_mutex_;                        ///< guards again_
   std::shared_ptr<Again> again_;
 };
 

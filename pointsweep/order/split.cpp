@@ -37,8 +37,8 @@ class Splitting {
     keys_.push_back(SortKey::row);
   }
 
-  /// Appends `piece`, or what it is split into, to `done`. If the order is to be canonical, all its points are equal in
-  /// the keys before `level`.
+  /// Appends `piece`, or the pieces that it is split into, to `done`. If the order is to be canonical, all its points
+  /// are equal in the keys before `level`.
   void split(const StreamPiece& piece, std::size_t level) {
     stop_if_cancelled();
     if (piece.count == 0) return;
@@ -86,7 +86,7 @@ class Splitting {
     const Splitters splitters(part_limits);
     const std::size_t first = store_.add_slabs(splitters.pieces());
     const auto read = [&](std::uint64_t i, std::span<std::byte> records) {
-      store_.release_before(piece.list, i);  // so that nothing is there twice
+      store_.release_before(piece.list, i);  // so that no record is stored twice
       store_.read(piece.list, i, records);
     };
     const std::vector<Box> boxes = distribute({.schema = working_,
@@ -110,10 +110,10 @@ class Splitting {
     return parts;
   }
 
-  /// Limits that leave points on both sides, so that every split makes progress.
+  /// Returns limits that leave points on both sides, so that every split makes progress.
   std::vector<double> limits(const StreamPiece& piece, std::size_t level, std::vector<double> sample) const {
     std::vector<double> result = quantile_limits(sample, parts(piece));
-    if (keys_[level] == SortKey::row) return result;  // no two points are equal, so quantiles of them differ
+    if (keys_[level] == SortKey::row) return result;  // no two rows are equal, so their quantiles differ
     const double lo = lowest(piece, level), hi = highest(piece, level);
     std::erase_if(result, [&](double limit) { return limit <= lo || limit > hi; });
     if (result.empty()) result.push_back(std::nextafter(lo, std::numeric_limits<double>::infinity()));
@@ -124,8 +124,8 @@ class Splitting {
     return std::clamp<std::uint64_t>((piece.count - 1) / options_.aim + 1, 2, options_.most_pieces);
   }
 
-  /// All keys of some records. Who is in the sample depends on the rows alone, since the order in which threads stored
-  /// the records is not the same in every run.
+  /// Returns all keys of some records. The choice of records depends on their rows alone, since the order in which
+  /// threads stored the records is not the same in every run.
   Sample sample_of(const StreamPiece& piece) const {
     const std::uint64_t size = std::max(kLeastSample, kSamplesPerPiece * parts(piece));
     const std::uint64_t every = piece.count / size + 1;

@@ -19,9 +19,9 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kMostPieces = 4096;                           ///< of one pass
-constexpr std::size_t kFewPieces = 64;                              ///< so many may one that is too big become at once
-constexpr std::size_t kSamplesPerSlab = 16;                         ///< fewer make uneven slabs
+constexpr std::size_t kMostPieces = 4096;                           ///< most pieces of one pass
+constexpr std::size_t kFewPieces = 64;                              ///< block sizes allow at least this many pieces
+constexpr std::size_t kSamplesPerSlab = 16;                         ///< with fewer samples, slabs are uneven
 constexpr std::size_t kLeastBlock = 8192, kLargestBlock = 1 << 20;  ///< bytes
 
 /// Splitting does not stop at the axis, so a slab of one point is possible and one of none is not.
@@ -57,8 +57,8 @@ Splitters splitters_of(const std::vector<Vec3>& sample, const std::vector<double
   return Splitters(limits);
 }
 
-/// Points in sparse places are few: slabs of theirs are no burden on memory, but thin ones would hold leaves that reach
-/// across the cloud.
+/// Returns the points of a slab of sparse places. Such points are few, so their slabs are no burden on memory, but thin
+/// slabs would hold leaves that reach across the cloud.
 std::uint64_t sparse_aim(const StreamOptions& options) { return std::min<std::uint64_t>(options.slab_points, 4096); }
 
 /// Returns one Splitters for the whole cloud, or one for its dense part and one for its sparse places.
@@ -252,7 +252,7 @@ struct Stream::State {
       for (const StreamPiece& piece : slabs[slab].pieces) counted.slab_of_piece[piece.list] = slab;
     }
     for (const RowBlock& block : counts.blocks) {
-      PieceRange in;  // of slabs, which ascend with the pieces of each splitter
+      PieceRange in;  // range of slabs, whose numbers ascend with the pieces of each splitter
       for (const PieceRange& range : block.pieces) {
         if (range.empty()) continue;
         in.include(counted.slab_of_piece[range.first]);
@@ -267,7 +267,7 @@ struct Stream::State {
   WorkingRecord record;
   SplitOptions split;
   std::optional<SlabStore> store;
-  std::optional<SlabsOnDemand> on_demand;  ///< in place of the store
+  std::optional<SlabsOnDemand> on_demand;  ///< used instead of the store for a stream on demand
   std::vector<PiecedSlab> slabs;
   std::size_t nonfinite_list = 0;
 };

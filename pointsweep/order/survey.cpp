@@ -28,15 +28,15 @@ class SampledRows {
       : rows_(rows),
         gap_(std::min(static_cast<std::uint64_t>(std::sqrt(static_cast<double>(rows / kSample))), kMostGap)) {}
 
-  /// The first row of a run: somewhere in the run's share of the rows, so that no period of the file (scan lines,
-  /// interleaved scanners) meets the period of the sample.
+  /// Returns the first row of a run: somewhere in the run's share of the rows, so that no period of the file (scan
+  /// lines, interleaved scanners) meets the period of the sample.
   std::uint64_t run_begin(std::uint64_t run) const {
     const std::uint64_t begin = share(run), end = share(run + 1);
     return begin + mix(run) % (end - begin - run_rows() + 1);
   }
   std::uint64_t run_rows() const { return kInRun * gap_; }
 
-  /// Row `i` of kSample.
+  /// Returns row `i` of the kSample rows of the sample.
   std::uint64_t operator[](std::uint64_t i) const {
     return run_begin(i / kInRun) + i % kInRun * gap_ + mix(kSample + i) % gap_;
   }
@@ -47,7 +47,7 @@ class SampledRows {
   std::uint64_t rows_, gap_;
 };
 
-/// Reads pieces of the source and keeps what a survey needs of them.
+/// Reads pieces of the source and keeps the sample and the bounds.
 class Surveyor {
  public:
   explicit Surveyor(const PointSource& source)

@@ -15,7 +15,7 @@ std::uint64_t estimate_waiting(std::span<const RowBox> boxes, int axis, std::spa
   std::vector<double> along;
   for (const Vec3& p : sample) along.push_back(p[axis]);
   sort_ascending(std::span(along));
-  std::vector<std::pair<double, std::uint64_t>> begins;  // where boxes begin, rows
+  std::vector<std::pair<double, std::uint64_t>> begins;  // by box: the coordinate at which it begins, and its rows
   for (const RowBox& box : boxes) {
     const double begin = box.box.lo[axis];
     begins.emplace_back(begin == begin ? begin : -Box::kInf, box.rows);

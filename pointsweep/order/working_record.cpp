@@ -28,7 +28,7 @@ WorkingRecord::WorkingRecord(const Schema& source, bool whole, std::span<const s
     schema_ = source;
     pieces_.push_back({0, 0, source.stride});
   } else {
-    position_fields(source, "the input");  // throws when there is none
+    position_fields(source, "the input");  // throws if there is no position
     const std::size_t xyz[] = {*source.find("x"), *source.find("y"), *source.find("z")};
     for (const std::size_t field : xyz) carry(source, field);
     for (const std::size_t field : payload)

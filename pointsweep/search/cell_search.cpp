@@ -118,7 +118,7 @@ class CellSearch {
     return {begin, end};
   }
 
-  /// Centre and scale of the query leaf. False where single precision cannot work at any scale.
+  /// Chooses centre and scale for the query leaf. Returns false if single precision cannot work at any scale.
   bool choose_frame(std::uint32_t leaf) {
     double extent = 0;
     for (int a = 0; a < 3; ++a) {
@@ -159,7 +159,7 @@ class CellSearch {
   }
   float farthest_reach2() const { return *std::max_element(group_reach2_, group_reach2_ + group_count_); }
 
-  /// A squared distance in the frame in length units of the file, rounded up.
+  /// Converts a squared distance in the frame to units of the cloud, rounded up.
   double unscaled(float reach2) const {
     return reach2 < 0.99f * kEmptyKey ? static_cast<double>(reach2) * (1 + 1e-6) * frame_.unscale2
                                       : std::numeric_limits<double>::infinity();
@@ -177,7 +177,7 @@ class CellSearch {
     collect_near_leaves(query_.directory, scratch_.near.cells, query_box_, reach2, kAll, untried, scratch_.leaves);
   }
 
-  /// Tries the collected leaves until none can matter. False if there are too many.
+  /// Tries the collected leaves until no other leaf can matter. Returns false if there are too many.
   bool try_leaves() {
     float limit = not_near(unscaled(farthest_reach2()));
     for (const std::uint64_t key : scratch_.leaves) {
@@ -218,7 +218,7 @@ class CellSearch {
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
     const Vec surely_within = hn::Set(d_, limited_ ? radius2_ * (1 - 1e-6f) : kEmptyKey);
     Vec set_unsure = hn::Zero(d_);
-    std::uint64_t close_to_next[kGroup] = {};  // by lane; a bit for each place in the list
+    std::uint64_t close_to_next[kGroup] = {};  // by lane: a bit for each place in the list
     for (std::size_t i = 0; i <= K; ++i) {
       const Vec key = group.selection.list[i];
       hn::Store(key, d_, keys_[i]);
@@ -350,7 +350,7 @@ class CellSearch {
   const Neighborhood what_;
   SearchScratch& scratch_;
   CellNeighbors& out_;
-  std::uint32_t wanted_ = ~0u;  ///< points of the leaf in hand; the lists of the others may be wrong
+  std::uint32_t wanted_ = ~0u;  ///< bits of the current leaf's wanted points; other lists may be wrong
   double leaf_extent_ = 1;
   bool limited_ = false;
   float radius2_ = 0;
@@ -359,7 +359,7 @@ class CellSearch {
   Packed packed_;
   Group<K> groups_[kGroups];
   Vec limits_[kGroups];          ///< of each query: the squared distance, in the frame, beyond which it needs nothing
-  float group_reach2_[kGroups];  ///< the largest of them
+  float group_reach2_[kGroups];  ///< by group: the largest squared reach of its queries
   std::uint32_t group_count_ = 0;
   HWY_ALIGN float keys_[K + 1][kLeafCapacity];
   std::size_t written_ = 0;                      ///< neighbours in out_.refs, while there is room for more

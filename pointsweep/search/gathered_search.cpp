@@ -84,7 +84,8 @@ class GatheredSearch {
     }
   }
 
-  /// Points [i, end) of whole leaves that all lie at one place: they share their neighbours, and each other.
+  /// Searches for points [i, end) of whole leaves that all lie at one place. They have the same neighbours, and are
+  /// neighbours of each other.
   std::uint32_t search_same(std::uint32_t i, std::uint32_t end) {
     if (!unlimited()) {
       const std::uint64_t points = std::max<std::uint64_t>((most_ - out_.refs.size()) / what_.k, 1);
@@ -189,7 +190,7 @@ class GatheredSearch {
     for (const std::uint64_t key : keys) out_.refs.push_back(static_cast<NeighborRef>(key));
   }
 
-  /// Lists take what they need, not the next power of two, where that is more than they may have.
+  /// Reserves just the memory that the lists need if the next power of two would be more than they may take.
   void make_room(std::size_t more) {
     const std::size_t needed = out_.refs.size() + more;
     if (needed <= out_.refs.capacity()) return;
