@@ -12,7 +12,7 @@ namespace pointsweep {
 /// for about a microsecond.
 void sort_ascending(std::span<std::uint64_t> numbers);
 void sort_ascending(std::span<double> numbers);
-/// By the first of each pair, then by the second.
+/// Sorts by the first of each pair, then by the second.
 void sort_ascending(std::span<std::pair<double, double>> pairs);
 
 }  // namespace pointsweep

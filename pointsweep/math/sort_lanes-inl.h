@@ -124,7 +124,7 @@ class BinSort {
   using V = Few::V;
 
  public:
-  /// So many more keys are read and written.
+  /// Number of keys that are read and written in addition.
   static constexpr std::size_t kPadding = Few::kMost;
 
   /// `spare` has room for twice as many keys as will be sorted.

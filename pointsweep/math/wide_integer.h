@@ -34,7 +34,7 @@ class Int192 {
     return {negative, ~limbs_[2] + (negative == 0 ? 1 : 0)};
   }
   friend Int192 operator-(Int192 a, const Int192& b) { return a += -b; }
-  /// With an error below 2^-51 of it.
+  /// Converts with a relative error below 2^-51.
   explicit operator double() const {
     if (limbs_[2] >> 63 != 0) return -static_cast<double>(-*this);
     return static_cast<double>(limbs_[2]) * 0x1p128 + static_cast<double>(low());

@@ -23,9 +23,10 @@ struct CurvatureColumns {
   bool weighted() const { return !surface_variation.empty() || !normal_eigenvalues.empty(); }
 };
 
-/// For all points of the batch. The first attribute read, of points and of neighbours, is the normal. All is 0 where
-/// there is no result; such points are marked. The bits depend on a point's neighbourhood alone: not on the instruction
-/// set, nor on what shares the batch. About 0.2 µs per point with 8 neighbours on one core with AVX2.
+/// Computes the curvatures of all points of the batch. The first attribute read, of points and of neighbours, is the
+/// normal. All is 0 where there is no result; such points are marked. The bits depend on a point's neighbourhood alone:
+/// not on the instruction set, nor on what shares the batch. About 0.2 µs per point with 8 neighbours on one core with
+/// AVX2.
 void curvatures(const Neighborhoods& in, const CurvatureColumns& out, DegeneratePoints& degenerate);
 
 }  // namespace pointsweep

@@ -86,7 +86,7 @@ OperatorDeclaration fair_declaration() {
       .example = "knn(k=64) | normals | splats | fair(f=0.3, g=0.3) | normals"};
 }
 
-/// In lengths, which no option of a pipeline is: a chain made by hand is not one with widths in %.
+/// Returns the widths in lengths, which no option of a pipeline is: a chain made by hand is not one with widths in %.
 Options Fair::own_options() const { return {{"f_length", options_.f}, {"g_length", options_.g}}; }
 
 Fair::Fair(const FairOptions& options)

@@ -15,7 +15,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-/// No eigenvector feels the factors that are left out of the moments. Marks the points without a normal.
+/// Stores the normals and marks the points without one. Factors left out of the moments do not change eigenvectors.
 HWY_INLINE void StoreNormals(const Moments& moments, const Eigen3Lanes<V>& e, const Points& points,
                              std::span<std::array<float, 3>> normals, DegeneratePoints& degenerate) {
   const Lanes d;

@@ -132,8 +132,8 @@ const PointCells::Tree& PointCells::load(std::size_t cell, std::size_t near) {
   return *wanted.loaded;
 }
 
-/// In parallel with what is in memory, then what was missing is loaded for those that are left, and so on; where that
-/// does not fit, one after another.
+/// Answers in parallel with the cells in memory, then loads missing cells for the questions that are left, and so on;
+/// where that does not fit, one after another.
 void PointCells::answer_all(std::size_t n, std::size_t at_once, const std::function<Vec3(std::size_t i)>& place,
                             const Answer& answer) {
   std::vector<std::size_t> open(n);
@@ -197,9 +197,9 @@ std::span<const PointCells::Slab> PointCells::View::slabs_between(double lo, dou
   return from.first(static_cast<std::size_t>(end - from.begin()));
 }
 
-/// From the slab of the place to both sides along the axis, as long as a slab may hold a point that is not farther than
-/// the k found; in a slab the nearest cells first. Once k are found, all cells that are needed and not in memory are
-/// noted at once.
+/// Searches from the slab of the place to both sides along the axis, as long as a slab may hold a point that is not
+/// farther than the k found; in a slab the nearest cells first. Once k are found, all cells that are needed and not in
+/// memory are noted at once.
 const std::vector<CellNeighbor>* PointCells::View::nearest(Vec3 place, const NearestWanted& wanted) {
   nearest_.begin(wanted);
   const std::vector<Slab>& slabs = of_.slabs_;

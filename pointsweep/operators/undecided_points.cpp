@@ -38,9 +38,9 @@ std::int64_t UndecidedPoints::cell_along(double c) const {
   return static_cast<std::int64_t>(std::clamp(std::floor(c / cell_), -0x1p62, 0x1p62));
 }
 
-/// All cells that hold a point whose distance to p, as distance2() rounds it, may be within the largest radius: c -
-/// cell_ and c + cell_ are beyond these coordinates however they are rounded, and cell_along() ascends. The cell of p
-/// is the first. Ends where `visit` returns true.
+/// Visits all cells that hold a point whose distance to p, as distance2() rounds it, may be within the largest radius:
+/// c - cell_ and c + cell_ are beyond these coordinates however they are rounded, and cell_along() ascends. The cell of
+/// p is the first. Ends where `visit` returns true.
 template <class Visit>
 void UndecidedPoints::visit_cells_around(Vec3 p, Visit visit) {
   const CellKey own = {cell_along(p.x), cell_along(p.y), cell_along(p.z)};

@@ -21,8 +21,8 @@ struct AveragedAttribute {
 /// but no vectors without a sign, arrays, packed or scaled fields.
 std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::span<const Attribute> made);
 
-/// Returns the work of voxel(keep=centroid), which drops all rows of a voxel but the one that keep=center would keep. It
-/// gives that row the mean position, then `averaged`.
+/// Returns the work of voxel(keep=centroid), which drops all rows of a voxel but the one that keep=center would keep.
+/// It gives that row the mean position, then `averaged`.
 std::unique_ptr<InOrderWork> means_of_voxels(double size, const std::vector<AveragedAttribute>& averaged);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// On which side of a line a point lies, exactly.
+/// The side of a line on which a point lies, exactly.
 #pragma once
 
 namespace pointsweep {

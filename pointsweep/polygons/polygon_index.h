@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// Without the repeated first point at its end; at least three points, all finite.
+/// A ring without the repeated first point at its end; at least three points, all finite.
 using Ring = std::vector<Point2>;
 
 /// By the even-odd rule over all its rings: a ring inside another one is a hole, whichever way it runs.

@@ -36,7 +36,7 @@ struct CloudSample {
   std::vector<std::byte> records;  ///< of these positions, one record after another
 };
 
-/// Also shows every record to `color` and every finite point to `views`.
+/// Samples the cloud, and shows every record to `color` and every finite point to `views`.
 CloudSample sample_cloud(InputCloud& cloud, const RowStretches& rows, PointColor& color, PossibleViews& views,
                          const std::function<void(std::uint64_t done)>& progress);
 

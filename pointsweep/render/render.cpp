@@ -113,7 +113,7 @@ Legend legend_of(const PointColor& color, const RenderOptions& options) {
   return legend;
 }
 
-/// From above the viewer's left shoulder. Surfaces have no back: the side that is seen is lit.
+/// A light from above the viewer's left shoulder. Surfaces have no back: the side that is seen is lit.
 class Light {
  public:
   explicit Light(const Camera& camera) : toward_(camera.toward) {

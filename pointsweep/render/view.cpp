@@ -25,7 +25,7 @@ double sine(double degrees) {
 }
 double cosine(double degrees) { return sine(degrees + 90); }
 
-/// From the frame with z up to one where another direction is up; all right-handed.
+/// Turns a vector from the frame with z up to a frame where another direction is up; all right-handed.
 Vec3 with_up(Vec3 v, Up up) {
   if (up.sign < 0) v = {v.x, -v.y, -v.z};
   if (up.axis == 1) return {v.x, v.z, -v.y};

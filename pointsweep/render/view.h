@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// From where a cloud is looked at, and where its points fall on the picture.
+/// The direction from which a cloud is looked at, and the places of its points on the picture.
 #pragma once
 
 #include <optional>
@@ -59,8 +59,8 @@ struct Camera {
   Vec3 project_offset(Vec3 d) const { return {scale * dot(d, right), -scale * dot(d, up), scale * dot(d, toward)}; }
 };
 
-/// Without a frame: center and scale are still to be chosen. Made with plain operations, so that pictures are the same
-/// bytes on every machine.
+/// Returns a camera without a frame: center and scale are still to be chosen. Made with plain operations, so that
+/// pictures are the same bytes on every machine.
 Camera camera_of(const View& view, Vec3 origin, unsigned width, unsigned height);
 
 /// Chooses center and scale so that the box [lo, hi] along right and up fills the picture up to a margin of 3 %, at

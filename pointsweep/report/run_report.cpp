@@ -17,7 +17,7 @@ namespace {
 std::string seconds_text(double seconds) { return fmt::format("{:.3g} s", seconds); }
 std::string bytes_text(std::uint64_t bytes) { return short_number(static_cast<double>(bytes)) + "B"; }
 
-/// At most `rows` points, each the largest of its stretch, so that no peak is lost.
+/// Returns at most `rows` points, each the largest of its stretch, so that no peak is lost.
 std::vector<std::pair<double, double>> thinned(const std::vector<std::pair<std::uint64_t, std::uint64_t>>& series,
                                                std::size_t rows) {
   std::vector<std::pair<double, double>> thin;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// From values to places on a plot, and the round values that are written beside it.
+/// The scale of a plot, from values to places, and the round values that are written beside it.
 #pragma once
 
 #include <string>

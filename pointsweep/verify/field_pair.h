@@ -16,9 +16,10 @@ namespace pointsweep {
 /// Compares a value of one record with its copy in another, as far as the type of the copy can tell. Values are equal
 /// if
 /// - both are stored alike and their bits are equal; or else
-/// - storing `from` at `to`, colours with the brightness of the type there, gives what is there: a format may round (LAS coordinates), and a value out of the range
-///   of its type equals nothing; integers on a decimal grid may be the decimal fractions that they mean; where `from` is
-///   float32 and `to` float64, the nearest float32 of `to` counts, since text files hold the fewest digits of a float.
+/// - storing `from` at `to`, colours with the brightness of the type there, gives what is there: a format may round
+///   (LAS coordinates), and a value out of the range of its type equals nothing; integers on a decimal grid may be the
+///   decimal fractions that they mean; where `from` is float32 and `to` float64, the nearest float32 of `to` counts,
+///   since text files hold the fewest digits of a float.
 class FieldPair {
  public:
   /// Pairs one component of each field; `name` is used in messages.
