@@ -6,7 +6,7 @@
 
 namespace pointsweep {
 
-/// To be called once, at the start of main(), with the version, e.g. "0.1.0".
+/// Keeps the command line and the version, e.g. "0.1.0". Called once, at the start of main().
 void keep_command_line(int argc, const char* const* argv, std::string version);
 
 /// "pointsweep normals 'my scan.ply' out.ply": as a shell would take it; the program's name without its folder.

@@ -22,7 +22,7 @@ void add_completion_command(CLI::App& app);
 void add_man_command(CLI::App& app);
 void add_help_command(CLI::App& app);
 
-/// All of them, in the order of the help.
+/// Adds all verbs, in the order of the help.
 void add_commands(CLI::App& app);
 
 }  // namespace pointsweep

@@ -73,7 +73,7 @@ constexpr const char* kBashTail =
     "}\n"
     "complete -F _pointsweep pointsweep\n";
 
-/// In single quotes of zsh and fish.
+/// Returns the text in single quotes of zsh and fish.
 std::string quoted(const std::string& text, const char* escaped_quote) {
   std::string out = "'";
   for (const char c : text) c == '\'' ? void(out += escaped_quote) : out.push_back(c);

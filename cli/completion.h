@@ -9,7 +9,7 @@ namespace pointsweep {
 
 /// Needs no bash-completion package; bash 4 or later.
 std::string bash_completion(const CLI::App& app);
-/// To be sourced after compinit, or kept as `_pointsweep` in a folder of $fpath.
+/// A zsh script to be sourced after compinit, or kept as `_pointsweep` in a folder of $fpath.
 std::string zsh_completion(const CLI::App& app);
 /// fish 3 or later.
 std::string fish_completion(const CLI::App& app);

@@ -41,7 +41,7 @@ std::vector<std::string> names_of_verbs(const CLI::App& app) {
   return names;
 }
 
-/// From the name of an argument, as the verbs call it.
+/// Sets the offer from the name of an argument, as the verbs call it.
 void set_offer_of_argument(DeclaredOption& argument, const CLI::App& app) {
   const std::string& name = argument.value;
   argument.offer = Offer::words;
@@ -52,7 +52,7 @@ void set_offer_of_argument(DeclaredOption& argument, const CLI::App& app) {
   if (argument.words.empty()) argument.offer = Offer::files;
 }
 
-/// From the name of the value: "input|sweep" are the words themselves.
+/// Sets the offer from the name of the value: "input|sweep" are the words themselves.
 void set_offer_of_option(DeclaredOption& option) {
   const std::vector<std::string> names = split_words(option.value, '|');
   const auto says = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };

@@ -33,7 +33,7 @@ struct DeclaredVerb {
   std::string footer;
 };
 
-/// All verbs, in the order of the help, without hidden options.
+/// Returns all verbs, in the order of the help, without hidden options.
 std::vector<DeclaredVerb> declared_verbs(const CLI::App& app);
 /// Returns the options of the tool itself, outside of the verbs.
 std::vector<DeclaredOption> options_of_tool(const CLI::App& app);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Many files side by side, for people.
+/// A table of many files, one beside another, for people.
 #pragma once
 
 #include <cstddef>

@@ -84,14 +84,14 @@ std::string gps_text(const FileSummary& s) {
   return line("gps time", text);
 }
 
-/// One line for each run that made the file, oldest first.
+/// Returns one line for each run that made the file, oldest first.
 std::string provenance_text(const FileInfo& info) {
   std::string text;
   for (const ProvenanceRecord& record : records_of(info.provenance)) text += line("made by", to_text(record));
   return text;
 }
 
-/// One line for each attribute but the coordinates.
+/// Returns one line for each attribute but the coordinates.
 std::string ranges_text(const Schema& schema, const FileSummary& s) {
   std::size_t widest = 0;
   for (std::size_t f = 0; f < schema.fields.size(); ++f)

@@ -65,7 +65,7 @@ void generate(const GenerateOptions& options) {
                                            plan.count, options.shape, seconds));
 }
 
-/// Made only for help, because setting up the shapes takes a moment.
+/// The footer of the help. Made only for help, because setting up the shapes takes a moment.
 std::string footer() {
   std::string text = "Shapes, in metres:\n";
   for (const auto& shape : all_shapes()) text += fmt::format("  {:<10}{}\n", shape->name(), shape->meaning());

@@ -51,7 +51,7 @@ void add_output_option(CLI::App& verb, std::filesystem::path& output);
 /// point files.
 ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format);
 
-/// For a verb that makes one output of all inputs: throws UsageError with the reason where the output is a folder.
+/// Checks a verb that makes one output of all inputs: throws UsageError with the reason where the output is a folder.
 void require_one_output(const ResolvedFiles& files, const char* reason);
 
 }  // namespace pointsweep

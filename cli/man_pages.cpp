@@ -74,7 +74,7 @@ std::string notes(const std::string& footer, const char* section) {
   return text.empty() ? "" : fmt::format(".SH {}\n{}", section, text);
 }
 
-/// Without a ".PP" before a request that begins a paragraph itself.
+/// Returns the text without a ".PP" before a request that begins a paragraph itself.
 std::string without_empty_paragraphs(std::string text) {
   for (const char* twice : {".PP\n.PP\n", ".PP\n.SH"})
     for (std::size_t at = 0; (at = text.find(twice, at)) != text.npos;) text.erase(at, 4);

@@ -34,7 +34,7 @@ std::string help_of_operator(const std::string& name);
 /// "pointsweep run IN... OUT --pipeline 'voxel(0.5)'"; empty where no operator has that name.
 std::string command_of_operator(const std::string& name);
 
-/// For the terminal.
+/// Returns the listing as text for the terminal.
 std::string to_text(const std::vector<ListedOperator>& operators);
 /// An array of objects; docs/pipelines as JSON use the same names and values.
 std::string to_json(const std::vector<ListedOperator>& operators);

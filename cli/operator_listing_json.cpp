@@ -22,7 +22,7 @@ OrderedJson json_of(const OptionValue& value) {
   return nullptr;
 }
 
-/// Without an upper limit: null.
+/// Returns the limit as a JSON number; null if there is no upper limit.
 OrderedJson json_of_limit(double limit) { return std::isfinite(limit) ? OrderedJson(limit) : OrderedJson(); }
 
 OrderedJson json_of(const OptionDeclaration& option) {

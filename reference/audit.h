@@ -15,14 +15,15 @@ namespace pointsweep::reference {
 /// them along the axis; a neighbourhood that reaches so far is settled by reading them again. So the counts are exact:
 /// `incomplete` neighbourhoods differ from the exact ones, after the rule of neighbourhoods if there is one.
 ///
-/// It only looks on. Its time is told apart, so that the algorithm is measured without it.
+/// The audit only observes the search. Its time is counted apart, so that the algorithm is measured without it.
 class Audit {
  public:
   /// `stream` in canonical order, as the read operator reads it.
   Audit(const Stream& stream, Reach reach, Shortening& shortening)
       : sweep_axis_(stream.axis()), reach_(reach), shortening_(shortening), hidden_(sweep_axis_), suspects_(stream) {}
 
-  /// In this order within a step of the sweep: the points that came, then those that left S, then those written.
+  /// Notes points in this order within a step of the sweep: the points that came, the points that left S, the points
+  /// written.
   void arrived(StreamPoint& point);
   void completed(StreamPoint& point);
   void written(const StreamPoint& point);

@@ -55,7 +55,7 @@ class NearestSet {
   bool offer(const Neighbor& candidate);
   /// Puts the nearest first. Ends the filling.
   void sort();
-  /// After sort(): N_i is the `count` nearest of those found.
+  /// Keeps the `count` nearest of the neighbours found as N_i; called after sort().
   void keep(std::size_t count) { kept_ = count; }
 
   std::size_t k() const { return k_; }
