@@ -24,7 +24,7 @@ class SortedRecords {
       : make_scratch_(make_scratch),
         most_(std::max<std::uint64_t>(kLeastRun, memory_bytes / sizeof(Record))),
         less_(less) {
-    records_.reserve(static_cast<std::size_t>(std::min(most_, count)));  // a vector that grows takes three times as much
+    records_.reserve(static_cast<std::size_t>(std::min(most_, count)));  // growing takes three times as much
   }
 
   void add(const Record& record) {

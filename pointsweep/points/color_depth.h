@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Colours of 8 bits, as PLY and PCD have them, and of 16 bits, as LAS has them: 255 and 65535 are both full brightness.
+/// Colours of 8 bits (PLY, PCD) and of 16 bits (LAS). Full brightness is 255 and 65535.
 #pragma once
 
 #include <optional>

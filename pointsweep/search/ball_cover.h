@@ -17,7 +17,8 @@ class BallCover {
  public:
   explicit BallCover(std::span<const Ball> balls);
 
-  /// Returns true for every point of a ball, and for some points that are no farther from a ball than its width along each axis.
+  /// Returns true for every point of a ball, and for some points that are no farther from a ball than its width along
+  /// each axis.
   bool covers(Vec3 p) const;
 
  private:

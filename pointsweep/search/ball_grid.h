@@ -30,8 +30,8 @@ struct BallGrid {
   double scale;  ///< 2^-exponent
   Box bounds;    ///< box of the balls
 
-  /// Returns the number of a cell along an axis. If the grid is finer than doubles are apart, numbers of adjacent doubles
-  /// are adjacent doubles.
+  /// Returns the number of a cell along an axis. If the grid is finer than doubles are apart, numbers of adjacent
+  /// doubles are adjacent doubles.
   double cell_of(double coordinate) const { return std::floor(coordinate * scale); }
   /// Returns the key of a cell, which is never 0. Two cells may share a key.
   std::uint64_t key_of(double x, double y, double z) const {

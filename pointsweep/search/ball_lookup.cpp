@@ -15,8 +15,8 @@ std::size_t BallLookup::find(std::uint64_t key) const {
   return at;
 }
 
-/// Cells are at least twice as wide as the ball, so that its ends, with all rounding, are in one cell or in two adjacent
-/// ones.
+/// Cells are at least twice as wide as the ball, so that its ends, with all rounding, are in one cell or in two
+/// adjacent ones.
 BallLookup::BallLookup(std::span<const Ball> balls) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> entries;  // key, number
   for (std::uint32_t number = 0; number < balls.size(); ++number) {

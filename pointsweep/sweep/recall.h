@@ -2,10 +2,10 @@
 /// Finishes the points that the sweep deferred: what they need has left the window and is read again.
 ///
 /// The paper has no such thing: its neighbourhoods are approximate there (Section 8). A recall collects the points
-/// around some deferred points in a region, finds the neighbourhoods of these points, of their neighbours, and so on for
-/// each step of the chain, and takes them all through the steps: by the same search and stages as the sweep, cell by
-/// cell, on all threads. It evaluates each point at most once in each step, and reads each slab that the points touch
-/// once for each step.
+/// around some deferred points in a region, finds the neighbourhoods of these points, of their neighbours, and so on
+/// for each step of the chain, and takes them all through the steps: by the same search and stages as the sweep, cell
+/// by cell, on all threads. It evaluates each point at most once in each step, and reads each slab that the points
+/// touch once for each step.
 #pragma once
 
 #include <cstdint>

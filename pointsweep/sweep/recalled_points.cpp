@@ -168,8 +168,8 @@ void RecalledPoints::place(std::span<const DeferredPoint> points, std::span<cons
   if (placed != points.size()) throw std::logic_error("a deferred point is not where the sweep has found it");
 }
 
-/// Takes the points that the lists name and that are in no level yet into the level before, and collects the points that
-/// their searches need.
+/// Takes the points that the lists name and that are in no level yet into the level before, and collects the points
+/// that their searches need.
 bool RecalledPoints::begin_next_level() {
   for (std::uint32_t slot = 0; slot < cells_.size(); ++slot) {
     CellState& cell = cells_[slot];
