@@ -24,7 +24,7 @@ std::string cell_of(const std::optional<Crs>& crs) {
   return crs->name.empty() ? "without a name" : crs->name;
 }
 
-/// With as many decimals as tell ten thousand parts of the extent.
+/// Returns the extent along the axis, with as many decimals as tell ten thousand parts of it.
 std::string cell_of_axis(const Box& bounds, int axis) {
   if (bounds.empty()) return "-";
   const double lo = bounds.lo[axis] + 0.0, hi = bounds.hi[axis] + 0.0;  // + 0: not "-0"

@@ -10,13 +10,13 @@
 
 namespace pointsweep {
 
-/// "800000000B", "256M", "1.5GB", "4GiB": bytes, K M G T being powers of 1024 followed by B, iB or nothing, in either
-/// case. Throws UsageError beginning with `option`, also where the unit is missing.
+/// Parses "800000000B", "256M", "1.5GB", "4GiB" as bytes: K M G T are powers of 1024 followed by B, iB or nothing, in
+/// either case. Throws UsageError beginning with `option`, also where the unit is missing.
 std::uint64_t parse_size(std::string_view option, std::string_view text);
-/// "8", "20000000", "20M": a whole number, K M G T being powers of 1000. Throws UsageError beginning with
+/// Parses "8", "20000000", "20M" as a whole number: K M G T are powers of 1000. Throws UsageError beginning with
 /// `option`.
 std::uint64_t parse_count(std::string_view option, std::string_view text);
-/// "X,Y,Z". Throws UsageError beginning with `option`.
+/// Parses "X,Y,Z". Throws UsageError beginning with `option`.
 Vec3 parse_vector(std::string_view option, std::string_view text);
 
 /// "3.5G": three digits and a power of 1024.

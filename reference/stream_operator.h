@@ -20,11 +20,12 @@ class StreamOperator {
   virtual StreamPoint* front() = 0;
   virtual void pop_front() = 0;
 
-  /// Every point of smaller index has been released to the next operator, or to one further on; kNoIndex: all have.
+  /// Returns an index: every point of smaller index has been released to the next operator, or to one further on;
+  /// kNoIndex: all points have been released.
   virtual std::uint64_t smallest_element() = 0;
-  /// No point that this operator or an earlier one has not released refers to a smaller index.
+  /// Returns an index: no point that this operator or an earlier one has not released refers to a smaller index.
   virtual std::uint64_t smallest_reference() = 0;
-  /// Points in the buffer.
+  /// Returns the number of points in the buffer.
   virtual std::size_t size() const = 0;
 
   void set_prev(StreamOperator& prev) { prev_ = &prev; }

@@ -89,7 +89,7 @@ class ColumnSort {
     const Lanes d;
     return hn::Ne(hn::And(hn::Iota(d, 0), hn::Set(d, kBit)), hn::Zero(d));
   }
-  /// Every two groups of kGroup columns, each in order, become one.
+  /// Merges every two groups of kGroup columns, each in order, into one.
   template <std::uint32_t kGroup>
   static HWY_INLINE void MergeColumns(V (&rows)[R]) {
     const auto upper = LanesWith<kGroup>();

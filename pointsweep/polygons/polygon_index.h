@@ -13,7 +13,7 @@ namespace pointsweep {
 /// A ring without the repeated first point at its end; at least three points, all finite.
 using Ring = std::vector<Point2>;
 
-/// By the even-odd rule over all its rings: a ring inside another one is a hole, whichever way it runs.
+/// The area inside by the even-odd rule over all its rings: a ring inside another one is a hole, whichever way it runs.
 struct Polygon {
   std::vector<Ring> rings;
   friend bool operator==(const Polygon&, const Polygon&) = default;

@@ -7,8 +7,8 @@
 
 namespace pointsweep {
 
-/// "1/m" for a curvature, "s" for gps_time, empty for what has no unit or is not known. `length` is the unit of the
-/// cloud's coordinates, e.g. "m"; empty: not known, then "file unit" stands for it.
+/// Returns the unit: "1/m" for a curvature, "s" for gps_time, empty for what has no unit or is not known. `length` is
+/// the unit of the cloud's coordinates, e.g. "m"; empty: not known, then "file unit" stands for it.
 std::string unit_of_attribute(std::string_view name, std::string_view length);
 
 }  // namespace pointsweep

@@ -38,7 +38,7 @@ class PointColor {
   /// Makes the choice, and sets the range of numbers from the sample (robust_range).
   void settle(const Sample& sample, Up up, bool flat);
 
-  /// "rms_curvature", "rgb", ...: what it became.
+  /// Returns the name of the colouring that is used: "rms_curvature", "rgb", ...
   const std::string& name() const { return name_; }
   /// True where a number of each point decides.
   bool is_number() const { return kind_ == Kind::number || kind_ == Kind::height; }

@@ -38,8 +38,9 @@ void check(const RenderOptions& options) {
              options.width, options.height, kMostPixels);
 }
 
-/// From lo to hi, where all points lie. If that is more than kFarOutliers times what the middle 99.8 % of the sampled
-/// `values` span, it is these with 5 % of their span on either side: a few points far out stay outside of the picture.
+/// Returns the span from lo to hi, where all points lie. If it is more than kFarOutliers times the span of the middle
+/// 99.8 % of the sampled `values`, returns the middle span with 5 % of it added on either side: a few points far out
+/// stay outside of the picture.
 std::pair<double, double> span_without_outliers(std::vector<double>& values, double lo, double hi) {
   std::sort(values.begin(), values.end());
   const auto cut = static_cast<std::size_t>(0.001 * static_cast<double>(values.size()));

@@ -36,9 +36,9 @@ struct View {
 /// The view from above, and the one that shows front, side and top of an object.
 inline constexpr Angles kTop{0, 90}, kThreeQuarter{30, 25};
 
-/// "front", "top", "iso" or "AZIMUTH,ELEVATION" in degrees, |elevation| <= 90; "auto": none. Throws UsageError.
+/// Parses "front", "top", "iso" or "AZIMUTH,ELEVATION" in degrees, |elevation| <= 90; "auto": none. Throws UsageError.
 std::optional<Angles> parse_view(std::string_view text);
-/// "x", "y", "z", "-x", "-y" or "-z"; "auto": none. Throws UsageError.
+/// Parses "x", "y", "z", "-x", "-y" or "-z"; "auto": none. Throws UsageError.
 std::optional<Up> parse_up(std::string_view text);
 
 /// An orthographic camera: an orthonormal basis, and the part of the plane that the picture shows.

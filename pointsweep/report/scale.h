@@ -28,7 +28,7 @@ class Scale {
   bool logarithmic_;
 };
 
-/// "0", "12", "1.5k", "20M", "3.2e-05": short and in engineering's thousands where that is.
+/// Formats a number briefly, in engineering's thousands where that is shorter: "0", "12", "1.5k", "20M", "3.2e-05".
 std::string short_number(double value);
 
 }  // namespace pointsweep
