@@ -71,7 +71,7 @@ class MeanFormula final : public CloudFormula {
     return made;
   }
 
-  /// Returns the values that the stage reads of the point, unchanged: each attribute as a whole, or its components.
+  /// Returns the position, then the averaged attributes, unchanged: each is read as a whole, or as its components.
   std::optional<std::vector<Estimate>> unplaced(const CloudPoint& point) const override {
     const Vec3 p = point.at.position;
     std::vector<Estimate> made = {{.value = {p.x, p.y, p.z}}};
