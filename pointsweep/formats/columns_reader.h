@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Files whose attributes are arrays, one behind another.
+/// Reads files whose attributes are arrays, stored one after another.
 #pragma once
 
 #include <cstddef>

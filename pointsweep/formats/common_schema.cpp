@@ -53,7 +53,7 @@ std::optional<IntegerRange> integers_of(const Field& field) {
 
 bool is_plain_float(const Field& field) { return field.type == Type::f32 && field.is_plain(); }
 
-/// Whether a float holds every value of the field.
+/// Returns whether a float holds every value of the field.
 bool fits_float(const Field& field) {
   const auto integers = integers_of(field);
   return is_plain_float(field) || (integers && integers->lo >= -16777216 && integers->hi <= 16777216);
@@ -126,7 +126,8 @@ class Union {
     return schema;
   }
 
-  /// Of the values that the types of all inputs allow, 0 included where an input lacks the field.
+  /// Returns, for each field, the range of the values that the types of all inputs allow. It includes 0 where an input
+  /// lacks the field.
   const std::vector<ValueRange>& ranges() const { return ranges_; }
 
   Schema schema() const {
@@ -150,7 +151,7 @@ bool has_field(const Schema& schema, const std::string& name) {
   return std::ranges::any_of(schema.fields, [&](const Field& field) { return field.name == name; });
 }
 
-/// What point formats 0 to 5 of LAS have no bits for. 0 is their meaning there.
+/// Returns whether `name` is a flag for which point formats 0 to 5 of LAS have no bits. There the flag counts as 0.
 bool is_flag_of_las14(std::string_view name) { return name == "overlap" || name == "scanner_channel"; }
 
 /// Points that have neither number get 1 for both (MissingFields).

@@ -14,7 +14,7 @@
 
 namespace pointsweep {
 
-/// How the records of one input become those of the cloud: shifted, then converted, then completed.
+/// The steps that turn a record of one input into a record of the cloud: shift, then conversion, then completion.
 struct InputMapping {
   GridShift shift;
   std::unique_ptr<RecordConversion> conversion;  ///< null where the layout is the same
@@ -29,8 +29,8 @@ struct CommonSchema {
   std::vector<std::string> warnings;
 };
 
-/// As class InputCloud documents it. Names that mean the same (`nx`, `NormalX`) are one field, under the first one's
-/// name.
+/// Returns the schema that class InputCloud documents. Names with the same meaning (`nx`, `NormalX`) are one field,
+/// under the first of these names.
 CommonSchema common_schema(const std::vector<std::unique_ptr<Reader>>& readers);
 
 }  // namespace pointsweep

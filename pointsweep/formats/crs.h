@@ -18,9 +18,9 @@ std::optional<Crs> crs_of_both(const std::string& wkt, GeoTiffKeys keys, bool wk
 
 enum class CrsAgreement : std::uint8_t { same, different, undecided };
 
-/// Whether two statements mean the same system. Decided by EPSG codes, kinds, equal texts and equal keys; GeoTIFF
-/// projections without a code are the same if all their numbers are. Everything else is undecided, also heights that
-/// only one of them defines.
+/// Compares two statements of a system by EPSG codes, kinds, equal texts and equal keys. GeoTIFF projections without a
+/// code are the same if all their numbers are equal. All other cases are undecided, also heights that only one of the
+/// two statements defines.
 CrsAgreement compare(const Crs& a, const Crs& b);
 
 }  // namespace pointsweep

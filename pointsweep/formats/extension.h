@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a file calls itself.
+/// The extension of a file name.
 #pragma once
 
 #include <filesystem>

@@ -9,8 +9,8 @@
 
 namespace pointsweep {
 
-/// One name for each component of each field: a field of several becomes NAME_0, NAME_1, ...; spaces, commas,
-/// semicolons, quotes and control characters become '_'; a name that was given already gets _2, _3, ... behind it.
+/// Returns one name for each component of each field. The components of a field with several become NAME_0, NAME_1,
+/// ...; spaces, commas, semicolons, quotes and control characters become '_'; a repeated name gets _2, _3, ... added.
 std::vector<std::string> column_names(const Schema& schema);
 
 }  // namespace pointsweep

@@ -27,10 +27,10 @@ struct NonfiniteRows {
   Box bounds;                       ///< of all other points
 };
 
-/// As RowDecoder::read.
+/// A function that reads records as RowDecoder::read does.
 using ReadInputRows = std::function<std::size_t(std::uint64_t row, std::span<std::byte> records)>;
 
-/// Whether a coordinate of these fields may be NaN or infinite: true unless all are integers, scaled or not.
+/// Returns whether a coordinate of these fields may be NaN or infinite: true unless all are integers, scaled or not.
 bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path);
 
 /// For every 4,096 rows of an input, how many finite ones are before them.

@@ -27,7 +27,7 @@ class FixedRecordReader : public Reader {
 
  private:
   class Decoder;
-  /// As RowDecoder::read. Thread-safe.
+  /// Reads records as RowDecoder::read does. Thread-safe.
   std::size_t decode(std::uint64_t row, std::span<std::byte> records) const;
 
   std::shared_ptr<const InputFile> file_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a format is and what its files can hold. Each format declares it once, beside its code
+/// The description of a format and of what its files can hold. Each format declares it once, beside its code
 /// (FOLDER/FORMAT_format.h); registry.cpp lists all of them. Other layers ask a Format and never compare names or
 /// extensions.
 #pragma once
@@ -43,12 +43,12 @@ struct Format {
   std::string_view codec = "";
   bool (*has_codec)() = nullptr;  ///< whether this build has it; null without a codec
 
-  /// What --format takes for it (CloudOptions::format). A format with such a name has no signature, and its files are
-  /// only read where it is asked for. "" for all others.
+  /// The word for this format in --format (CloudOptions::format). A format with such a word has no signature, and its
+  /// files are only read where it is asked for. "" for all other formats.
   std::string_view asked_for_as = "";
 
-  /// Whether a file that begins with `head` (at most 4,096 bytes) is of this format; null for a format without
-  /// signature, which is tried when all others and the foreign formats have been.
+  /// Returns whether a file that begins with `head` (at most 4,096 bytes) is of this format. Null for a format without
+  /// signature, which is tried after all other formats and the foreign formats.
   bool (*is)(std::string_view head) = nullptr;
   /// For a format without signature: whether the first lines of a file are of it. A folder may hold other texts.
   bool (*fits)(const std::filesystem::path& path) = nullptr;
@@ -62,7 +62,8 @@ struct Format {
   bool real_coordinates = true;
   /// Box of all points is in the header (FileInfo::bounds), so that it is known without reading the points.
   bool states_bounds = false;
-  /// What its writer takes to encode records of so many bytes on so many threads; null: nothing worth counting.
+  /// Returns the bytes that its writer takes to encode records of `record_bytes` on `threads` threads; null: too few to
+  /// count.
   std::uint64_t (*encoder_bytes)(std::uint64_t record_bytes, unsigned threads) = nullptr;
   std::size_t name_bytes = 0;  ///< longest name of an attribute; 0: any length
   /// The name under which its outputs hold an attribute; null: its own.
@@ -70,13 +71,13 @@ struct Format {
   /// The value that its outputs hold in the field of this name where neither an input nor a stage gives one; none for
   /// names that are not the format's own. Null: it has no such fields.
   std::optional<double> (*own_field)(std::string_view name) = nullptr;
-  /// Whether OutputPlan::bounds must be known before records of `schema` are written; null: never.
+  /// Returns whether OutputPlan::bounds must be known before records of `schema` are written; null: never.
   bool (*needs_bounds)(const Schema& schema) = nullptr;
-  /// What OutputPlan::values must say of a cloud, which may be read for it once; null: nothing. `progress` gets the
-  /// number of points read; it may throw.
+  /// Returns OutputPlan::values for a cloud, which it may read once; null: the format needs no values. `progress` gets
+  /// the number of points read; it may throw.
   KnownValues (*values)(InputCloud& cloud, const std::function<void(std::uint64_t rows)>& progress) = nullptr;
 
-  /// Whether this build reads and writes it as far as open and create say.
+  /// Returns whether this build reads and writes the format, as far as `open` and `create` are given.
   bool is_built_in() const { return has_codec == nullptr || has_codec(); }
 };
 

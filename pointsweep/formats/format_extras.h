@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a format keeps of an input, as that format knows it.
+/// The extras that a format keeps of an input, as the type of that format.
 #pragma once
 
 #include <memory>

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t kScratchBytes = 1 << 20;
 
-/// Where a chunk is longer, threads would wait for the one that decodes it: they do better to take turns at reading and
-/// to work on what they have read meanwhile.
+/// The longest chunk, in rows, that one thread decodes while others work. For a longer chunk, other threads would wait
+/// for the thread that decodes it, so threads take turns at reading and work on the rows that they have read.
 constexpr std::uint64_t kLongestChunk = 1 << 18;
 
 bool decodes_side_by_side(const std::unique_ptr<Reader>& reader) {
@@ -172,7 +172,7 @@ std::size_t InputCloud::read_with(const ReadInput& read, Reading& reading, std::
   });
 }
 
-/// As read_with(), of all rows, selected or not.
+/// Reads like read_with(), from all rows, selected or not.
 std::size_t InputCloud::read_all_with(const ReadInput& read, std::vector<std::byte>& scratch, std::uint64_t row,
                                       std::span<std::byte> records) const {
   std::size_t done = 0;
@@ -263,7 +263,7 @@ void InputCloud::require_unchanged(std::size_t input) const {
          readers_[input]->info().path.string());
 }
 
-/// As read(), from one input whose rows start at 0 and which has at least one more.
+/// Reads like read(), from one input. `row` counts from 0 in the input, which has at least one row from `row` on.
 std::size_t InputCloud::read_input(const ReadInput& read, std::vector<std::byte>& scratch, std::size_t input,
                                    std::uint64_t row, std::span<std::byte> records) const {
   const Reader& reader = *readers_[input];

@@ -32,24 +32,24 @@ class InputCloud {
   explicit InputCloud(std::vector<std::unique_ptr<Reader>> readers, CloudOptions options = {});
 
   const Schema& schema() const { return schema_; }
-  /// Of all inputs, or of the rows that are selected.
+  /// Returns the number of rows of all inputs, or of the selected rows.
   std::uint64_t count() const { return selection_ ? selection_->count() : count_; }
   const std::vector<std::unique_ptr<Reader>>& readers() const { return readers_; }
   /// Extras of the first input.
   std::shared_ptr<const FormatExtras> extras() const;
-  /// Extras of the inputs behind the first.
+  /// Extras of the inputs after the first.
   std::vector<std::shared_ptr<const FormatExtras>> other_extras() const;
   /// Coordinate reference system of the first input that states one.
   const std::optional<Crs>& crs() const { return crs_; }
-  /// Whether inputs may have different systems.
+  /// Returns whether inputs may have different coordinate reference systems.
   bool ignores_crs() const { return ignores_crs_; }
-  /// What inputs that are LAS, or were, mean by their coordinates and times; none if none was.
+  /// The meaning of coordinates and times of inputs that are or were LAS; null if there are no such inputs.
   const std::shared_ptr<const LasOrigin>& las() const { return las_; }
-  /// Which values each field can have, as far as the types of the inputs tell.
+  /// The range of values that each field can have, as far as the types of the inputs tell.
   const std::vector<ValueRange>& ranges() const { return ranges_; }
-  /// What was wrong but harmless where inputs meet, one sentence each; what concerns one input is in its FileInfo.
+  /// Harmless faults in the combination of inputs, one sentence each. Faults of a single input are in its FileInfo.
   const std::vector<std::string>& warnings() const { return warnings_; }
-  /// Those of the warnings that say which input lacks attributes of others.
+  /// The warnings that say which input lacks attributes of other inputs.
   const std::vector<std::string>& missing_attributes() const { return missing_attributes_; }
   /// Appends boxes that are said to hold the points of all rows, ascending: of chunks, where a file states them, else
   /// of whole files. Returns the first input with points that states none, or null.
@@ -57,15 +57,15 @@ class InputCloud {
   /// Bytes of all input files.
   std::uint64_t bytes() const;
 
-  /// As Reader::read, over all inputs. Not thread-safe.
+  /// Reads records as Reader::read does, over all inputs. Not thread-safe.
   std::size_t read(std::uint64_t row, std::span<std::byte> records);
 
   /// A decoder of the rows for one thread, beside which others may read; null where only read() gives them: an input
   /// has no decoders or very long chunks. Only the `wanted` fields are sure to have their values. It is of use until
   /// drop_nonfinite(), select() or keep_all() is called. Thread-safe.
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const;
-  /// The row behind the chunk that holds `row`: one decoder should read that far. `row` itself where any range is a
-  /// chunk. Thread-safe.
+  /// Returns the row after the chunk that holds `row`: one decoder should read that far. Returns `row` where any range
+  /// is a chunk. Thread-safe.
   std::uint64_t chunk_end(std::uint64_t row) const;
 
   /// Leaves out the rows with NaN or infinite coordinates until keep_all() is called: all other rows follow each other,
@@ -90,11 +90,11 @@ class InputCloud {
   /// Null if no rows are selected.
   const RowSelection* selection() const { return selection_.get(); }
 
-  /// Of each input, before it was opened.
+  /// The state of each input before it was opened.
   const std::vector<FileState>& states() const { return states_; }
   /// Throws Error if an input was written to since it was opened: what was read may be a mixture of old and new.
   void require_unchanged() const;
-  /// The same of one input.
+  /// Throws Error if input `input` was written to since it was opened.
   void require_unchanged(std::size_t input) const;
 
  private:
@@ -105,7 +105,7 @@ class InputCloud {
   class Decoder;
   /// Reads rows of an input, which has at least one more.
   using ReadInput = std::function<std::size_t(std::size_t input, std::uint64_t row, std::span<std::byte> records)>;
-  /// What one reading of rows after the other needs.
+  /// The state of reading rows one after another.
   struct Reading {
     std::vector<std::byte> scratch;
     std::optional<SelectionCursor> cursor;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What some formats have to know of all values of a cloud before its first point is written (Format::values).
+/// The properties of all values of a cloud that some formats need before the first point is written (Format::values).
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ struct KnownValues {
   /// coordinates are rounded to the finest scale among them. Absent: they lie on no grid that is known.
   std::optional<LasQuantization> grid = std::nullopt;
   bool rounds = false;       ///< the coordinates are rounded to that grid
-  bool by_decimals = false;  ///< the grid is that of the digits behind their points; moved points have others
+  bool by_decimals = false;  ///< the grid follows from the decimals of the coordinates; moved points have others
 };
 
 }  // namespace pointsweep

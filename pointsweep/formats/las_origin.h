@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the coordinates and times of a LAS file mean, kept where its points become another format.
+/// The meaning of the coordinates and times of a LAS file, kept where its points become another format.
 #pragma once
 
 #include <memory>
@@ -21,8 +21,9 @@ struct LasOrigin {
   bool overlap_is_class_12 = false;
 };
 
-/// Of the inputs that are LAS, or were before: the finest scale of each axis with the offset of the first that has it;
-/// the time of the first with one. A warning names an input whose time is of the other kind.
+/// Returns the common origin of the inputs that are or were LAS: the finest scale of each axis with the offset of the
+/// first input that has it, and the kind of time of the first input with a time. A warning names an input whose time is
+/// of the other kind.
 std::optional<LasOrigin> common_las_origin(const std::vector<std::unique_ptr<Reader>>& readers,
                                            std::vector<std::string>& warnings);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How finely LAS, which stores coordinates as 32-bit integers, can hold real ones.
+/// The finest scale at which LAS, which stores coordinates as 32-bit integers, can hold real coordinates.
 #pragma once
 
 #include "pointsweep/geometry.h"

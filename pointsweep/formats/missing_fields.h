@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the points of an input have in fields that only other inputs have, where it is not 0.
+/// The values, other than 0, that the points of an input get in fields that only other inputs have.
 #pragma once
 
 #include <cstddef>

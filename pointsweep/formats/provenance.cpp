@@ -84,7 +84,7 @@ void read_line(std::string_view line, ProvenanceRecord& record) {
   if (space != line.npos) record.settings.emplace_back(line.substr(0, space), line.substr(space + 1));
 }
 
-/// Where records begin; behind them the end of `lines`.
+/// Returns the indices of the lines at which records begin, followed by the number of lines.
 std::vector<std::size_t> record_starts(std::span<const std::string> lines) {
   std::vector<std::size_t> starts;
   for (std::size_t i = 0; i < lines.size(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a file says of the runs that made it: lines that point files carry in comments (docs/formats.md).
+/// The record of the runs that made a file: lines that point files carry in comments (docs/formats.md).
 ///
 ///   pointsweep 0.1.0
 ///   pointsweep stage knn(k=12)
@@ -51,7 +51,7 @@ std::string to_text(const ProvenanceRecord& record);
 /// Appends those records of `more` that `lines` does not have yet. Beyond 256 KiB, records are left out and one line
 /// says so, since headers must stay readable.
 void add_provenance(std::vector<std::string>& lines, std::span<const std::string> more);
-/// What is left of `all` behind `present`, if it begins with that; all of it otherwise.
+/// Returns the rest of `all` after `present`, if `all` begins with `present`; returns `all` otherwise.
 std::span<const std::string> provenance_beyond(std::span<const std::string> all, std::span<const std::string> present);
 
 /// The line without spaces and line ends around it if it begins with the mark and is printable; otherwise nothing.

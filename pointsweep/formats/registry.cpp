@@ -46,7 +46,7 @@ const Format* format_asked_for(std::string_view name) {
   return nullptr;
 }
 
-/// Whether the name of a file ends as those of a format other than `asked`, which has no signature, do.
+/// Returns whether a file has the extension of a format other than `asked`, which has no signature.
 bool names_another(const std::filesystem::path& path, const Format& asked) {
   const std::string extension = extension_of(path);
   return std::ranges::any_of(kFormats, [&](const Format* format) {

@@ -23,12 +23,12 @@ const Format* format_of_output(const std::filesystem::path& path);
 /// (Format::refused_ending).
 void require_output_name(const std::filesystem::path& output);
 
-/// Whether a file among others in a folder is meant to be read: by its content, as far as the beginning tells, or since
-/// it has the extension of a format with a signature, or that of any format and no content. The latter are damaged, and
-/// a damaged tile must not be left out like a file of another kind. Throws Error if it cannot be read.
+/// Returns whether a file in a folder is meant to be read: by the beginning of its content, or because it has the
+/// extension of a format with a signature, or the extension of any format and no content. Such files may be damaged
+/// tiles, which must not be left out like files of another kind. Throws Error if the file cannot be read.
 bool is_point_file(const std::filesystem::path& path, std::string_view format_name = "");
 
-/// Whether a file of this name holds an array, not points.
+/// Returns whether a file of this name holds an array, not points.
 bool is_array_name(const std::filesystem::path& path);
 /// The format of arrays.
 const Format& array_format();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which values a field can have, as far as its type or a look at all points tells.
+/// The range of values that a field can have, as far as its type or a look at all points tells.
 #pragma once
 
 #include <algorithm>

@@ -39,7 +39,7 @@ bool has_role_of_data(const Json& asset) {
   return roles.is_array() && std::ranges::find(roles, Json("data")) != roles.end();
 }
 
-/// Where a feature's points are; nothing if it does not say.
+/// Returns the place of a feature's points; none if the feature does not state it.
 std::optional<std::string> href_of(const Json& feature) {
   const Json assets = feature.is_object() ? feature.value("assets", Json()) : Json();
   if (!assets.is_object()) return std::nullopt;

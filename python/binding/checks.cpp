@@ -39,7 +39,7 @@ nb::tuple summarize_file(const std::filesystem::path& path, const std::string& f
   return nb::make_tuple(to_json(summary), crs_value(summary.info.crs));
 }
 
-/// What Python calls (name, value), an int or a float.
+/// Converts pairs of Python, (name, value) with an int or a float as value, to options.
 Options options_of(const nb::list& pairs) {
   Options options;
   for (const nb::handle pair : pairs) {

@@ -43,7 +43,7 @@ nb::object stated_bounds(const Cloud& cloud) {
   return nb::make_tuple(corner(box.lo), corner(box.hi));
 }
 
-/// What headers say. Reads no points.
+/// Returns the facts in the headers of the files. Reads no points.
 nb::dict describe(const nb::list& source, const nb::dict& options) {
   const Cloud cloud = open_cloud(source, false, options);
   nb::list attributes, inputs, warnings;

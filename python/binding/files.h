@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the module knows of point files, and clouds that it generates.
+/// Functions of the module about point files, and clouds that it generates.
 #pragma once
 
 #include <nanobind/nanobind.h>

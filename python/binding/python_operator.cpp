@@ -123,7 +123,7 @@ Attribute made_attribute(const std::tuple<std::string, std::string, std::size_t>
   return attribute;
 }
 
-/// What the operators of Python have in common: what the pointsweep.Operator says of itself, and calls of its function.
+/// The common part of the operators of Python: the declarations of the pointsweep.Operator, and calls of its function.
 class PythonCall {
  public:
   PythonCall(nb::handle op, std::shared_ptr<PythonFunction> function)
@@ -140,7 +140,7 @@ class PythonCall {
   }
 
   const std::string& name() const { return name_; }
-  /// Of an operator that makes nothing: without the selection.
+  /// Returns the contract of the operator; for an operator that makes nothing, the contract without the selection.
   const Contract& contract() const { return contract_; }
   Options options() const { return digest_.empty() ? Options{} : Options{{"python", digest_}}; }
   void bind(const Schema& input, std::span<const Attribute> made) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the Python layer asks for, as the types of the library.
+/// Converts requests of the Python layer to the types of the library.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -23,10 +23,10 @@ Cloud open_cloud(const nanobind::list& source, bool with_rows, const nanobind::d
 /// `pipeline`: a list of texts and of operators of Python, for the cloud of `facts`. Throws as parse_chain().
 PythonChain chain_of(const nanobind::list& pipeline, const Facts& facts);
 
-/// Whether the rows of the output are not those of the input: some are left out, or their order is another.
+/// Returns whether the rows of the output differ from the rows of the input: some are left out, or the order differs.
 bool changes_rows(const Chain& chain, const RunOptions& options);
 
-/// Whether a stage makes positions.
+/// Returns whether a stage makes positions.
 bool moves_points(const Chain& chain);
 
 /// Sets the options whose values are words (run_words()) and that `given` has; an empty word is the default.

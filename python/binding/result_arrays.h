@@ -37,7 +37,7 @@ Type result_type(const Field& field);
 /// Components that make one array, e.g. {"xyz", {"x", "y", "z"}}.
 using FieldGroup = std::pair<std::string, std::vector<std::string>>;
 
-/// What a run is to return.
+/// The arrays that a run is to return.
 struct WantedArrays {
   std::vector<FieldGroup> groups;                  ///< of the input
   std::set<std::string> names;                     ///< of arrays or of single fields; empty: all
@@ -56,7 +56,7 @@ class ResultArrays {
   /// After the run, with the interpreter: name -> (N or N×m array, or None where it was there; names of its
   /// components). Empties *this.
   nanobind::dict arrays();
-  /// The same of the rows [first, first + rows), of which fewer come at the end, where the arrays are in a file.
+  /// Returns the arrays of the rows [first, first + rows), fewer rows at the end, where the arrays are in a file.
   nanobind::dict read(std::size_t first, std::size_t rows) const;
   std::size_t rows() const { return rows_; }
 
@@ -78,7 +78,7 @@ class ResultArrays {
     nanobind::tuple with_names(ArrayMemory values, std::size_t rows) const;
   };
   void add(const std::string& name, const std::vector<std::string>& fields, const OutputPlan& plan);
-  /// Where the values of a new array go that was there; null: it was not.
+  /// Returns the place for the values of a new array in an array that was given; null: none was given.
   std::byte* place_in(const std::string& name, Type type, std::size_t values) const;
   void require_all_wanted() const;
 

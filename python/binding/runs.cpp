@@ -63,7 +63,7 @@ std::string run_into(ResultArrays& results, Cloud& cloud, const PythonChain& cha
   return run_watched(cloud, chain, outputs, options, callbacks);
 }
 
-/// The same with results as arrays.
+/// Runs the chain and returns the results as arrays.
 nb::tuple run_to_arrays(Cloud& cloud, const PythonChain& chain, const WantedArrays& wanted, const RunOptions& options,
                         const Callbacks& callbacks) {
   ResultArrays results(wanted);
@@ -112,7 +112,7 @@ nb::tuple run_pipeline(const nb::list& source, const nb::list& pipeline, const s
   return nb::make_tuple(nb::none(), run_watched(cloud, chain, outputs, options, callbacks));
 }
 
-/// What a run would do, in lines for people.
+/// Describes a run in lines for people, without running it.
 std::string plan(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                  const nb::dict& given, const std::vector<FieldGroup>& groups, const std::filesystem::path& to) {
   const RunOptions options = run_options(given);
@@ -135,8 +135,9 @@ void leave_finite_points(Chain& chain) {
   chain.stages.insert(chain.stages.begin(), finite.stages.begin(), finite.stages.end());
 }
 
-/// The same as run_pipeline() with results in a temporary file: (SpilledArrays, whether it has kRowField since its rows
-/// are not those of the input, statistics). `numbers`: an operator of Python that makes kRowField of points in files.
+/// Runs like run_pipeline(), with results in a temporary file. Returns (SpilledArrays, whether it has kRowField because
+/// its rows differ from the input's, statistics). `numbers`: an operator of Python that makes kRowField of points in
+/// files.
 nb::tuple run_to_blocks(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                         const nb::dict& given, const std::vector<FieldGroup>& groups, const nb::object& numbers,
                         const nb::object& progress, const nb::object& warn) {

@@ -18,7 +18,7 @@ namespace {
 
 constexpr auto kBetweenLooks = std::chrono::milliseconds(50);  // at signals
 
-/// What has come since the last look.
+/// The events since the last look.
 struct Events {
   std::optional<Progress> progress;
   std::vector<std::string> warnings;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How E57 holds the attributes of a record.
+/// The representation of the attributes of a record in E57.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ struct E57Column {
   std::uint64_t stored(const std::byte* record) const;
 };
 
-/// Of records of `schema`, the coordinates first; without `invalid_state`.
+/// Returns the columns for records of `schema`, the coordinates first, without `invalid_state`.
 std::vector<E57Column> e57_columns(const Schema& schema);
 
 /// `name` with '_' for every character but letters, digits, '-' and '_'. A name that the standard uses, or that XML

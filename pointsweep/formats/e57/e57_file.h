@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What an E57 file says of its scans, and the values of their points, through the codec (codecs/).
+/// The scans that an E57 file describes, and the values of their points, through the codec (codecs/).
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ struct E57Attribute {
   double scale = 1, offset = 0;      ///< of scaled integers
 
   bool is_stored_as_integer() const { return kind == Kind::scaled_integer || kind == Kind::integer; }
-  /// Of what E57Scan::read() gives.
+  /// Returns the value for a `stored` number that E57Scan::read() gives.
   double value(std::uint64_t stored) const;
 };
 
@@ -77,7 +77,7 @@ class E57File {
   std::string coordinate_system_;
 };
 
-/// Whether this library was built with codecs.
+/// Returns whether this library was built with codecs.
 bool has_e57();
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What E57 and the library call the same attributes.
+/// The names of attributes in E57 and in the library.
 #pragma once
 
 #include <cstddef>

@@ -27,8 +27,8 @@ namespace {
 
 constexpr std::size_t kPointsAtOnce = 4096;
 
-/// What the library calls an attribute of E57. Names that it does not know are kept, as are those of coordinates: a
-/// scan with spherical coordinates may have a part of the Cartesian ones as attributes.
+/// Returns the library's name for an attribute of E57. Unknown names are kept. Names of coordinates are kept, too: a
+/// scan with spherical coordinates may have some Cartesian coordinates as attributes.
 std::string name_of(const std::string& e57) {
   const auto known = std::find_if(std::begin(kE57Names) + kE57Coordinates, std::end(kE57Names),
                                   [&](const E57Name& name) { return name.theirs == e57; });
@@ -129,12 +129,12 @@ class E57Reader : public Reader {
   void rest() override { points_.reset(); }
 
  private:
-  /// Where the values of an attribute go.
+  /// An attribute, and the field of the record that gets its values.
   struct Column {
     std::size_t attribute;
     Field field;
   };
-  /// Of one scan.
+  /// The columns of one scan.
   struct Columns {
     std::array<std::size_t, 3> position{};  ///< attributes: x, y, z, or range, azimuth, elevation
     bool spherical = false;
@@ -159,7 +159,7 @@ class E57Reader : public Reader {
       if (const auto at = info_.schema.find(name)) normal_.push_back(info_.schema.fields[*at]);
   }
 
-  /// As files that were made of several scans at once have: an attribute of that name.
+  /// Returns whether the file has one scan with an attribute "scan", like a file that was merged from several scans.
   bool has_scan_numbers() const { return file_.scans().size() == 1 && find(file_.scans().front(), "scan"); }
 
   static bool is_cartesian(const E57Scan& scan) {

@@ -15,7 +15,7 @@ namespace pointsweep {
 /// built in, and for an unsigned integer above 2^63 - 1.
 std::unique_ptr<Writer> create_e57_writer(const OutputPlan& plan);
 
-/// What encoding takes, whatever the records.
+/// Returns the bytes that encoding takes, for any records.
 std::uint64_t e57_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
 
 }  // namespace pointsweep

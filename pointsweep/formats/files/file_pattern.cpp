@@ -36,7 +36,7 @@ class Matcher {
  private:
   bool is_last(std::size_t n) const { return n + 1 == names_.size(); }
 
-  /// What the names from `n` on match in `folder`. A pattern that ends in '/' has an empty last name.
+  /// Adds the paths in `folder` that the names from `n` on match. A pattern that ends in '/' has an empty last name.
   void follow(const fs::path& folder, std::size_t n) {
     const std::string name = names_[n].string();
     if (name.empty()) return void(found_.insert(folder));

@@ -7,7 +7,7 @@
 
 namespace pointsweep {
 
-/// Whether the path has one of the characters * ? [ and no file has it as its name.
+/// Returns whether the path has one of the characters * ? [ and no file has this name.
 bool is_file_pattern(const std::filesystem::path& path);
 
 /// The files that the pattern matches, or the folders if it ends in '/', each once and in no certain order. * and ?

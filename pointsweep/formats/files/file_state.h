@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Whether a file was written to since it was opened.
+/// Detects writes to a file since it was opened.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,14 @@
 
 namespace pointsweep {
 
-/// What writing to a file changes. Another file that has taken its name meanwhile is no change: a process that had
-/// opened the old one still reads that.
+/// The properties of a file that a write changes. If another file has taken its name meanwhile, this is no change: a
+/// process that had opened the old file still reads the old file.
 class FileState {
  public:
-  /// Of what is no file (an array in memory, standard input), nothing is known and nothing ever changes.
+  /// Looks at the file. Input that is no file (an array, standard input) has no known state and never changes.
   explicit FileState(const std::filesystem::path& path);
-  /// As the clock of the file system tells: writes within its tick (some milliseconds) of the first look may be missed.
+  /// Returns whether the file has changed, by the clock of the file system. Writes within its tick (some milliseconds)
+  /// of the first look may be missed.
   bool has_changed() const;
   bool is_known() const { return known_; }
   /// "2400312 bytes, written at 1763705104.123456789"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What is in a folder.
+/// The entries of a folder.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@ namespace pointsweep {
 /// order. Throws Error if it cannot be read.
 std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder);
 
-/// Whether its name begins with a dot.
+/// Returns whether the name of the file begins with a dot.
 bool is_hidden(const std::filesystem::path& path);
 
 /// A folder that is no link to one: links may lead in circles.

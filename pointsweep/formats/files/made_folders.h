@@ -24,7 +24,7 @@ class MadeFolders {
  private:
   void make(const std::filesystem::path& folder);
 
-  std::vector<std::filesystem::path> made_;  ///< each behind the one that it is in
+  std::vector<std::filesystem::path> made_;  ///< each after its parent folder
   std::optional<Leftover> first_;
 };
 

@@ -28,7 +28,7 @@ class OutputFile {
 
   /// Throws as the constructor would, and makes no file.
   static void require_possible(const std::filesystem::path& destination, bool overwrite);
-  /// Where an output of this process is until it is complete.
+  /// Returns the path of an output of this process until it is complete.
   static std::filesystem::path unfinished_path(const std::filesystem::path& destination);
 
   void append(std::span<const std::byte> bytes);
@@ -38,11 +38,11 @@ class OutputFile {
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
   std::uint64_t size() const { return size_; }  ///< end of what append() wrote
   void commit();
-  /// Whether bytes may be written at any place and read back: not to standard output.
+  /// Returns whether bytes may be written at any place and read back; false for standard output.
   bool is_seekable() const { return !is_stream_; }
-  /// Whether this process has written bytes to standard output.
+  /// Returns whether this process has written bytes to standard output.
   static bool any_is_streamed();
-  /// Whether this process has committed any output.
+  /// Returns whether this process has committed any output.
   static bool any_is_complete();
 
  private:

@@ -22,7 +22,7 @@ class RowLines {
   };
   static constexpr std::uint64_t kRowsPerPlace = 16384;
 
-  /// What is done once with a line that is no row: its number, and the rows before it.
+  /// Called once for each line that is no row, with its number and the number of rows before it.
   using UseOther = std::function<void(std::string_view line, std::uint64_t number, std::uint64_t rows)>;
 
   /// Counts the rows among the lines from where `lines` stands, and stops after `most` of them.
@@ -31,7 +31,7 @@ class RowLines {
   std::uint64_t count() const { return count_; }
   const InputFile& file() const { return *file_; }
   bool is_row(std::string_view line) const { return is_row_(line); }
-  /// Where row i * kRowsPerPlace < count() begins, or lines that are no rows before it.
+  /// Returns the place where row i * kRowsPerPlace < count() begins, or lines before it that are no rows.
   const Place& place(std::uint64_t i) const { return places_[i]; }
   /// Bytes of the rows from place i to the next.
   std::uint64_t begin_of(std::uint64_t i) const { return places_[i].offset; }
@@ -42,7 +42,7 @@ class RowLines {
   IsRow is_row_;
   std::vector<Place> places_;  ///< of rows 0, kRowsPerPlace, ...
   std::uint64_t count_ = 0;
-  std::uint64_t end_ = 0;  ///< byte behind the last row
+  std::uint64_t end_ = 0;  ///< byte after the last row
 };
 
 /// Reads rows by number for one thread.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Whether files that are read and files that are written are different ones, whatever paths lead to them.
+/// Checks that the files of a run that are read and written are different files, whatever paths lead to them.
 #pragma once
 
 #include <filesystem>

@@ -78,7 +78,7 @@ bool is_regular(int descriptor) {
   return ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
 }
 
-/// Whether standard input is a file at its beginning, so that no copy is needed.
+/// Returns whether standard input is a file at its beginning, so that no copy is needed.
 bool is_whole_file() { return is_regular(STDIN_FILENO) && ::lseek(STDIN_FILENO, 0, SEEK_CUR) == 0; }
 
 }  // namespace

@@ -26,7 +26,7 @@ T value_at(std::span<const std::byte> bytes, std::size_t offset) {
   return value;
 }
 
-/// Of the info VLR: the cube, and the page with the root of the octree.
+/// The contents of the info VLR: the cube, and the page with the root of the octree.
 struct CopcInfo {
   Vec3 center;
   double half_size;

@@ -16,8 +16,8 @@
 
 namespace pointsweep {
 
-/// What the VLRs, or else the extended VLRs, state; nothing if they state no system. WKT counts where the header says
-/// so or there are no GeoTIFF keys; the other statement is kept beside it. Texts of more than 1 MiB are not read.
+/// Returns the system that the VLRs, or else the extended VLRs, state; none if they state no system. WKT counts where
+/// the header says so or there are no GeoTIFF keys; the other statement is kept too. Texts over 1 MiB are not read.
 std::optional<Crs> read_las_crs(const InputFile& file, const LasHeader& header, const LasVlrChain& vlrs,
                                 const LasVlrChain& evlrs);
 
@@ -28,7 +28,7 @@ std::vector<std::byte> las_vlr(std::string_view user, std::uint16_t record, std:
 /// Bytes that a VLR can hold.
 inline constexpr std::size_t kLongestVlr = 65535;
 
-/// VLRs that state `crs` as it was read, one behind the other, and their number: the WKT, the GeoTIFF keys, or both.
+/// VLRs that state a system as it was read, one after another, and their number: the WKT, the GeoTIFF keys, or both.
 struct LasCrsVlrs {
   std::vector<std::byte> bytes;
   std::uint32_t count = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The extra-bytes VLR of LAS (user LASF_Spec, record 4): attributes of users behind the fields of the point format.
+/// The extra-bytes VLR of LAS (user LASF_Spec, record 4): attributes of users after the fields of the point format.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +26,8 @@ std::string las_dimension_name(const std::string& name);
 
 /// Appends the attributes that `descriptors` (the content of the VLR) describe to `schema`, the fields of the point
 /// format. Types 1 to 10 are one field each, the deprecated arrays 11 to 30 a field of count 2 or 3 (several fields
-/// `name[0]`, ... where scale or offset differ), type 0 is that many uint8. A name already taken gets a number behind
-/// it. Returns nothing when all is well, else the reason why the VLR does not describe records of `record_length`
+/// `name[0]`, ... where scale or offset differ), type 0 is that many uint8. A name already taken gets a number
+/// appended. Returns none when all is well, else the reason why the VLR does not describe records of `record_length`
 /// bytes; `schema` is then unchanged.
 std::optional<std::string> append_extra_bytes(std::span<const std::byte> descriptors, std::uint32_t record_length,
                                               Schema& schema);
@@ -35,7 +35,7 @@ std::optional<std::string> append_extra_bytes(std::span<const std::byte> descrip
 /// The one among `descriptors` that describes a single value as `field` stores it, under its name.
 std::optional<std::span<const std::byte>> find_extra_bytes(std::span<const std::byte> descriptors, const Field& field);
 
-/// What a descriptor says of component `component` of a made attribute, in at most 32 bytes: as much of its meaning as
+/// Returns the description of component `component` of a made attribute, in at most 32 bytes: as much of its meaning as
 /// fits, then its unit, or the name of the axis.
 std::string extra_bytes_description(const Attribute& attribute, std::size_t component);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which point format of LAS holds the attributes of a cloud.
+/// Chooses the point format of LAS that holds the attributes of a cloud.
 #pragma once
 
 #include <string>

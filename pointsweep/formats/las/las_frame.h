@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// All of a LAS or LAZ output but its points: header, VLRs, and what the input has behind its points.
+/// All of a LAS or LAZ output but its points: header, VLRs, and the bytes that the input has after its points.
 #pragma once
 
 #include <atomic>

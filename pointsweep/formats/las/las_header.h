@@ -40,7 +40,7 @@ struct LasHeader {
   std::uint64_t count = 0;  ///< LAS 1.4; see point_count()
   std::array<std::uint64_t, 15> by_return{};
 
-  std::vector<std::byte> bytes;  ///< the block as it was read, user bytes behind the standard ones included
+  std::vector<std::byte> bytes;  ///< the block as it was read, with user bytes after the standard bytes
 };
 
 /// Bytes of the header of LAS 1.`minor`: 227, 235 from 1.3 on, 375 from 1.4 on.
@@ -60,7 +60,7 @@ std::uint64_t point_count(const LasHeader& header);
 LasHeader new_las_header();
 
 /// Turns an older header into one of LAS 1.`minor`; a newer one stays. The counts of LAS 1.4 have 64 bits. User bytes
-/// behind the header stay behind it.
+/// after the header stay after it.
 void upgrade_las_header(LasHeader& header, int minor);
 
 /// Sets the counts of the header by the rules of its version: legacy counts are 0 where LAS 1.4 asks for it.

@@ -98,7 +98,7 @@ class Builder {
     extended_ = true;
   }
 
-  /// How one of the inputs describes the attribute; nothing for what was made.
+  /// Returns the descriptor of the attribute in one of the inputs; none for made attributes.
   std::optional<std::span<const std::byte>> descriptor_of(const Field& field) const {
     if (kept_ || is_made(field.name)) return std::nullopt;
     if (input_ != nullptr)
@@ -232,7 +232,7 @@ class Builder {
     append_extra(exact);
   }
 
-  /// What is known of the values of each field: of the input's by a look at them, of what was made by its type.
+  /// Returns the range of values of each field: by known values for a field of the input, by type for a made field.
   std::vector<ValueRange> value_ranges() const {
     std::vector<ValueRange> ranges;
     for (std::size_t i = 0; i < plan_.schema.fields.size(); ++i) {
@@ -290,9 +290,9 @@ class Builder {
     layout_.header.offset = grid.offset;
   }
 
-  /// Which statements of the coordinate reference system the file gets beside those in the input's VLRs, and which of
-  /// them counts. Point formats 6 to 10 must have WKT; GeoTIFF keys, which cannot be turned into it without a registry
-  /// of systems, stay what counts where there is nothing else.
+  /// Chooses the statements of the coordinate reference system that the file gets in addition to the input's VLRs, and
+  /// the statement that counts. Point formats 6 to 10 must have WKT. GeoTIFF keys cannot be turned into WKT without a
+  /// registry of systems, so they count where there is no other statement.
   void choose_crs() {
     LasHeader& header = layout_.header;
     const Crs own = input_ != nullptr && input_->crs ? *input_->crs : Crs();
@@ -318,7 +318,7 @@ class Builder {
 
   bool says_wkt() const { return (layout_.header.global_encoding & kLasWktBit) != 0; }
 
-  /// Waveforms lie behind the points or in another file; only those of the first input can be kept.
+  /// Waveforms lie after the points or in another file; only the waveforms of the first input can be kept.
   void warn_of_waveforms() {
     if (!las_has_waveforms(layout_.header.point_format)) return;
     for (const auto& extras : plan_.other_extras) {

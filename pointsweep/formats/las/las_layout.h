@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a LAS output will look like, decided before the first record: header, VLRs, and where each value goes.
+/// The layout of a LAS output, decided before the first record: header, VLRs, and the place of each value.
 #pragma once
 
 #include <cstddef>

@@ -84,7 +84,7 @@ class PiecePlacer {
     return bytes;
   }
 
-  /// Byte offsets of the input that point behind its points.
+  /// Moves a byte offset of the input that refers to a place after its points.
   void move_reference(std::uint64_t& place) const {
     if (place >= input_->points_end) place = place - input_->points_end + layout_.points_end(plan_.count);
   }
@@ -119,7 +119,7 @@ class PiecePlacer {
     return vlrs.count;
   }
 
-  /// As many VLRs as the lines need that the input does not have; returns their number.
+  /// Adds VLRs for the lines of provenance that the input does not have; returns the number of VLRs.
   std::uint32_t add_provenance_vlrs() {
     const std::span<const std::string> all = plan_.provenance;
     std::uint32_t count = 0;

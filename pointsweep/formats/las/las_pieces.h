@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What stands around the points of a LAS output: VLRs that are made, and the pieces of the input.
+/// The parts of a LAS output around its points: VLRs that are made, and the pieces of the input.
 #pragma once
 
 #include "pointsweep/formats/las/las_extra_bytes.h"
@@ -7,7 +7,7 @@
 
 namespace pointsweep {
 
-/// What VLRs have to say of the records.
+/// The descriptions of the records that VLRs hold.
 struct LasDescriptions {
   ExtraBytesVlr extra_bytes;
   bool extended = false;       ///< extra_bytes has to be written

@@ -10,7 +10,7 @@ namespace {
 /// Degrees per unit of the scan angle of formats 6 to 10.
 constexpr double kScanAngleScale = 0.006;
 
-/// What a format has behind its core of 20 (formats 0 to 5) or 30 bytes (6 to 10), in this order.
+/// The parts of a point format after its core of 20 bytes (formats 0 to 5) or 30 bytes (6 to 10), in this order.
 struct Parts {
   bool gps_time, color, nir, waveform;
 };

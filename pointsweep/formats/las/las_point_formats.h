@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the point records of LAS hold: the fields of point formats 0 to 10.
+/// The contents of the point records of LAS: the fields of point formats 0 to 10.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +22,10 @@ Schema las_point_schema(int point_format, Vec3 scale, Vec3 offset);
 
 /// The first version, LAS 1.`minor`, that has `point_format`.
 int las_minor_of(int point_format);
-/// Whether its records refer to waveforms.
+/// Returns whether records of the point format refer to waveforms.
 bool las_has_waveforms(int point_format);
 
-/// Where the return number of a record lies: the low bits of byte 14, under this mask.
+/// The place of the return number in a record: the low bits of byte 14, under this mask.
 inline constexpr std::uint32_t kLasReturnByte = 14;
 inline std::uint8_t las_return_mask(int point_format) { return point_format >= 6 ? 0x0F : 0x07; }
 

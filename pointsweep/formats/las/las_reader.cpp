@@ -32,7 +32,7 @@ LasHeader read_header(const InputFile& file, const std::string& path, std::vecto
   return header;
 }
 
-/// The chain behind the points, if the header has one that can be.
+/// Returns the chain of EVLRs after the points, if the header states a possible one.
 LasVlrChain walk_evlrs(const LasExtras& extras, std::vector<std::string>& warnings) {
   const LasHeader& header = extras.header;
   if (header.minor < 4 || header.evlr_count == 0) return {};
@@ -67,7 +67,8 @@ void read_provenance(LasExtras& extras, const LasVlr& vlr) {
     if (auto found = provenance_line(line)) extras.provenance.push_back(std::move(*found));
 }
 
-/// Of compressed points the header does not say where they end: all in front of the extended VLRs is theirs.
+/// Returns the byte after the points. The header does not state the end of compressed points: they take all bytes
+/// before the extended VLRs.
 std::uint64_t end_of_points(const LasHeader& header, std::uint64_t file_size) {
   if (!header.is_compressed) return header.offset_to_points + point_count(header) * header.record_length;
   const bool has_evlrs = header.minor >= 4 && header.evlr_count != 0 && header.evlr_start >= header.offset_to_points;

@@ -28,7 +28,7 @@ struct LasExtras final : FormatExtras {
   Schema schema;                        ///< of the point records
   LasVlrChain vlrs;                     ///< between header and points
   std::vector<std::byte> extra_bytes;   ///< descriptors that fit the records; empty if there are none
-  std::uint64_t points_end = 0;         ///< byte behind the last point, or behind all that compressed points take
+  std::uint64_t points_end = 0;         ///< byte after the last point, or after all bytes of compressed points
   std::optional<Crs> crs;               ///< what VLRs or extended VLRs state
   std::vector<std::string> provenance;  ///< lines of its VLRs that say how the file was made
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a LAS header says about all points: bounds and the number of points by return.
+/// The statistics of all points in a LAS header: bounds and the number of points by return.
 #pragma once
 
 #include <array>

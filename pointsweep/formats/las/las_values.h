@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What has to be known of all values of a cloud before its first point is stored as LAS.
+/// The properties of all values of a cloud that must be known before its first point is stored as LAS.
 #pragma once
 
 #include <cstdint>

@@ -63,7 +63,7 @@ void note(LasVlrChain& chain, const std::byte* header, const LasVlr& vlr) {
   if (place != nullptr && !*place) *place = vlr;
 }
 
-/// Bytes behind the header: 16 bits in a VLR, 64 in an EVLR.
+/// Returns the number of bytes after the record's header, a number of 16 bits in a VLR and 64 bits in an EVLR.
 std::uint64_t content_length(const std::byte* header, LasVlrKind kind) {
   std::uint64_t length = 0;
   std::memcpy(&length, header + 20, kind == LasVlrKind::vlr ? 2 : 8);

@@ -21,8 +21,7 @@ inline constexpr std::uint16_t kWktRecord = 2112, kGeoKeysRecord = 34735, kGeoDo
 /// User and record of the VLR that says how a COPC file is laid out.
 inline constexpr std::string_view kCopcUser = "copc";
 inline constexpr std::uint16_t kCopcRecord = 1;
-/// User and record of the VLRs that say how the file was made (formats/provenance.h): lines with a line feed behind
-/// each.
+/// User and record of the VLRs that say how the file was made (formats/provenance.h): lines, each ended by a line feed.
 inline constexpr std::string_view kProvenanceUser = "pointsweep";
 inline constexpr std::uint16_t kProvenanceRecord = 1;
 
@@ -34,7 +33,7 @@ struct LasVlr {
   std::uint64_t end() const { return content + length; }
 };
 
-/// What walking the chain found. Records are not kept: there may be many, and a writer copies them from the file.
+/// The result of walking the chain. Records are not kept: there may be many, and a writer copies them from the file.
 struct LasVlrChain {
   std::uint64_t start = 0, end = 0;                             ///< bytes of the records that are whole
   std::uint32_t count = 0;                                      ///< of the records that are whole
@@ -47,7 +46,7 @@ struct LasVlrChain {
 enum class LasVlrKind { vlr, evlr };
 
 /// Walks up to `promised` records from byte `start` on. A record that would run past `limit` ends the chain with a
-/// warning: it and all behind it count as bytes of unknown meaning.
+/// warning: it and all bytes after it count as bytes of unknown meaning.
 LasVlrChain walk_las_vlrs(const InputFile& file, LasVlrKind kind, std::uint64_t start, std::uint64_t limit,
                           std::uint32_t promised, std::vector<std::string>& warnings);
 

@@ -24,7 +24,7 @@ inline constexpr std::uint32_t kLazChunkPoints = 50'000;
 /// In front of the first chunk: the byte where the chunk table begins, as 64 bits.
 inline constexpr std::uint64_t kLazOffsetBytes = 8;
 
-/// How records are compressed. Immutable, so that any number of threads may use it.
+/// The way in which records are compressed. Immutable, so that any number of threads may use it.
 class LazLayout {
  public:
   /// Reads the content of the VLR. Throws Error: "PATH: cannot be decompressed: ...".
@@ -61,7 +61,7 @@ class LazLayout {
   std::string path_;
 };
 
-/// Whether this library was built with codecs. Without, LazLayout's makers throw Error.
+/// Returns whether this library was built with codecs. Without codecs, LazLayout's makers throw Error.
 bool has_laz();
 
 }  // namespace pointsweep

@@ -114,8 +114,8 @@ LazPoints::LazPoints(std::shared_ptr<const InputFile> file, std::span<const std:
 LazPoints::Cursor::Cursor(const LazPoints& points) : points_(points) {}
 LazPoints::Cursor::~Cursor() = default;
 
-/// A writer that could not go back to the begin of its data has put the place of the table behind it, at the end of the
-/// file.
+/// Reads the table of chunks. A writer that could not go back to the begin of its data has put the place of the table
+/// after the table, at the end of the file.
 void LazPoints::read_chunk_table(std::uint64_t begin, std::uint64_t count) {
   const std::uint64_t size = file_->size();
   const std::uint64_t data = begin + kLazOffsetBytes;
@@ -163,7 +163,8 @@ std::vector<LazPoints::Piece> LazPoints::pieces(std::uint64_t row, std::span<std
   return pieces;
 }
 
-/// Of the pieces, only the first can begin in the middle of its chunk, and only the last can end there.
+/// Reads piece by piece. Only the first piece can begin in the middle of its chunk, and only the last piece can end in
+/// the middle.
 void LazPoints::Cursor::read(std::uint64_t row, std::span<std::byte> records) {
   const std::vector<Piece> all = points_.pieces(row, records);
   if (all.empty()) return;

@@ -40,7 +40,7 @@ class LazPoints {
 
   std::size_t chunks() const { return first_row_.size() - 1; }
   std::size_t chunk_of(std::uint64_t row) const;
-  /// Of a chunk; `chunk` may be chunks() for the end of the last.
+  /// The first row and the first byte of a chunk; `chunk` may be chunks(), for the end of the last chunk.
   std::uint64_t first_row(std::size_t chunk) const { return first_row_[chunk]; }
   std::uint64_t first_byte(std::size_t chunk) const { return first_byte_[chunk]; }
 

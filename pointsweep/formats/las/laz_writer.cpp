@@ -22,7 +22,7 @@ constexpr unsigned kFewChunksAtOnce = 4;
 /// Rows that a thread encodes.
 constexpr std::size_t kTaskRows = 4096;
 
-/// What compressing a chunk of such records takes.
+/// Returns the bytes that compressing a chunk of records of `record_bytes` takes.
 std::uint64_t chunk_bytes(std::uint64_t record_bytes) {
   constexpr std::uint64_t kModels = 2 << 20;  // an estimate from the peak memory of runs
   const std::uint64_t chunk = kLazChunkPoints * record_bytes;

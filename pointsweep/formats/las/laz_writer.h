@@ -9,12 +9,12 @@
 
 namespace pointsweep {
 
-/// As create_las_writer(). Records come in order; several chunks of kLazChunkPoints points are compressed at once, by
-/// all threads. Throws Error where codecs are not built in.
+/// Creates a writer like create_las_writer(). Records come in order. All threads compress several chunks of
+/// kLazChunkPoints points at once. Throws Error where codecs are not built in.
 std::unique_ptr<Writer> create_laz_writer(const OutputPlan& plan);
 
-/// What it takes for records of `record_bytes`: the chunks that are compressed at once, before and after, and the
-/// models of the coder.
+/// Returns the bytes that the writer takes for records of `record_bytes`: the chunks that are compressed at once,
+/// before and after compression, and the models of the coder.
 std::uint64_t laz_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
 
 }  // namespace pointsweep

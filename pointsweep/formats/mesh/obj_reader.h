@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// Whether the first line that is no comment is one of an OBJ file: v, vn, vt, mtllib, o, g, s or usemtl.
+/// Returns whether the first line that is no comment is a line of an OBJ file: v, vn, vt, mtllib, o, g, s or usemtl.
 bool starts_as_obj(std::string_view head);
 
 /// The lines "v x y z", with a weight behind, which is left out, or a colour. Normals ("vn") are read where there are

@@ -16,13 +16,13 @@
 
 namespace pointsweep {
 
-/// What the numbers of a line are, in their order. Coordinates, normals and texture coordinates are read as float64;
+/// The meaning of the numbers of a line, in order. Coordinates, normals and texture coordinates are read as float64;
 /// colours as uint8, from numbers between 0 and 1 if none in the file is larger, else from 0 to 255.
 struct VertexColumns {
   bool normal = false;
   std::size_t color = 0;  ///< components: 0, 3 or 4
   bool texture = false;
-  std::size_t ignored = 0;  ///< numbers behind
+  std::size_t ignored = 0;  ///< further numbers at the end of the line
 };
 
 class VertexLineReader : public Reader {
@@ -39,7 +39,7 @@ class VertexLineReader : public Reader {
 
   const InputFile& file() const { return *file_; }
   std::string_view first_line() { return cursor_.at(0); }  ///< there must be one
-  /// Numbers in a line, behind its keyword; valid until the next call.
+  /// Numbers in a line, after its keyword; valid until the next call.
   const std::vector<double>& numbers(std::string_view line);
   /// Makes the fields, and looks at all colours.
   void set_columns(const VertexColumns& columns);

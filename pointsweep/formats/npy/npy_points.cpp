@@ -157,7 +157,7 @@ class NpyPointsReader final : public ColumnsReader {
                       fmt::format("{} {}", fmt::join(left_out_, ", "), left_out_.size() == 1 ? "is" : "are")));
   }
 
-  /// As of text without a header.
+  /// Names the columns like the columns of text without a header.
   void name_columns() {
     std::vector<Field>& fields = info_.schema.fields;
     const std::size_t columns = columns_of_table();

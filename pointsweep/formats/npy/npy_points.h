@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// Whether a file that begins so is a NumPy array or an archive of such.
+/// Returns whether a file that begins with `head` is a NumPy array or an archive of NumPy arrays.
 bool starts_as_npy_points(std::string_view head);
 
 /// An array of n rows and three columns or more (x, y, z, then as default_column_names() says), in C or Fortran order,

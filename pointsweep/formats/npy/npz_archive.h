@@ -16,7 +16,7 @@ struct NpzMember {
   std::uint64_t begin = 0, end = 0;  ///< its bytes in the file
 };
 
-/// Whether a file that begins so is a zip archive whose first member is a NumPy array.
+/// Returns whether a file that begins with `head` is a zip archive whose first member is a NumPy array.
 bool starts_as_npz(std::string_view head);
 
 /// The arrays in an archive, of any size (zip64). Throws Error for a damaged archive and for compressed members.

@@ -16,7 +16,7 @@ namespace pointsweep {
 /// all output in memory at once.
 class LzfStream {
  public:
-  /// Where a stream stands: 8 KB.
+  /// The state of a stream between two reads; 8 KB.
   struct State {
     std::uint64_t in = 0;                                                 ///< bytes of the block taken
     std::uint64_t out = 0;                                                ///< bytes given

@@ -37,7 +37,7 @@ struct PcdHeader {
   Schema schema() const;
 };
 
-/// What a PCD file keeps for a PCD output.
+/// The extras of a PCD file, kept for a PCD output.
 struct PcdExtras final : FormatExtras {
   static constexpr std::string_view kFormat = "pcd";
   std::string_view format() const override { return kFormat; }

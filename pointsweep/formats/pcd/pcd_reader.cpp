@@ -22,7 +22,7 @@ std::string_view name_of_data(PcdData data) {
   return data == PcdData::ascii ? "ascii" : data == PcdData::binary ? "binary" : "binary_compressed";
 }
 
-/// Whether "VIEWPOINT tx ty tz qw qx qy qz" is the identity.
+/// Returns whether "VIEWPOINT tx ty tz qw qx qy qz" is the identity.
 bool is_identity(std::string_view viewpoint) {
   constexpr double kIdentity[] = {0, 0, 0, 1, 0, 0, 0};
   std::size_t at = viewpoint.find(' ');
@@ -37,7 +37,7 @@ bool is_identity(std::string_view viewpoint) {
   return true;
 }
 
-/// Whether it is whole, so that an output can have it.
+/// Returns whether the line is complete, so that an output can have it.
 bool is_whole(std::string_view viewpoint) {
   take_word(viewpoint);
   double value = 0;
@@ -51,7 +51,7 @@ bool is_whole(std::string_view viewpoint) {
        file.path().string(), header.points, found);
 }
 
-/// What all encodings have in their header.
+/// Returns the facts in the header of a file of any encoding.
 FileInfo info_of(const InputFile& file, const PcdHeader& header) {
   FileInfo info;
   const std::string name = file.path().string();

@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// Whether a file that begins so is a PCD file.
+/// Returns whether a file that begins with `head` is a PCD file.
 bool starts_as_pcd(std::string_view head);
 
 /// All fields with their counts; a colour packed into `rgb` or `rgba` becomes red, green, blue (and alpha). Points

@@ -71,8 +71,8 @@ void pack_colors(const Schema& schema, const std::vector<std::size_t>& colors, P
   colors.size() == 4 ? layout.describe("rgba", 4, 'U', 1) : layout.describe("rgb", 4, 'F', 1);
 }
 
-/// A name for each field, whose components PCD counts. Names that mean packed colours or padding get their type behind
-/// them, as in the union of inputs of different types.
+/// Returns a name for each field, whose components PCD counts. Names that mean packed colours or padding get their type
+/// appended, as in the union of inputs of different types.
 std::vector<std::string> pcd_names(const Schema& schema) {
   Schema named;
   for (const Field& field : schema.fields) {
@@ -101,7 +101,7 @@ PcdLayout pcd_layout(const OutputPlan& plan) {
   return layout;
 }
 
-/// That of the inputs, which are PCD files and agree; the identity otherwise.
+/// Returns the viewpoint of the inputs if all are PCD files and agree; the identity otherwise.
 std::string viewpoint_of(const OutputPlan& plan) {
   const auto stated = [](const auto& extras) {
     const auto* const pcd = extras_as<PcdExtras>(extras);

@@ -81,7 +81,7 @@ std::optional<std::string> unescaped(std::string_view text) {
   return out;
 }
 
-/// What stands behind `prefix` in all lines that begin with it, joined by `between`.
+/// Returns the text after `prefix` in all lines that begin with it, joined by `between`.
 std::string joined(const std::vector<std::string>& lines, std::string_view prefix, std::string_view between) {
   std::string text;
   for (const std::string& line : lines) {

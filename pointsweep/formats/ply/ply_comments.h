@@ -24,7 +24,7 @@ std::vector<std::string> crs_comments(const Crs& crs);
 /// The system that such lines state; they are removed from `lines`. Lines that do not make sense stay.
 std::optional<Crs> take_crs_comments(std::vector<std::string>& lines);
 
-/// The same for what a LAS file means by coordinates and times.
+/// A line, as above, that states the meaning of the coordinates and times of a LAS file.
 std::string las_comment(const LasOrigin& origin);
 std::optional<LasOrigin> take_las_comment(std::vector<std::string>& lines);
 

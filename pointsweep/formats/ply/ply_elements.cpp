@@ -44,7 +44,7 @@ class ForwardBytes {
   std::size_t filled_ = 0;
 };
 
-/// Number of items of the list that starts at the walker's place, which moves behind the number.
+/// Returns the number of items of the list that starts at the walker's place; moves the walker past this number.
 std::uint64_t take_count(ForwardBytes& walker, const PlyProperty& list, bool big_endian,
                          const std::filesystem::path& path, const PlyElement& element) {
   Field field;
@@ -60,7 +60,7 @@ std::uint64_t take_count(ForwardBytes& walker, const PlyProperty& list, bool big
     fail("{}: byte {}: a list of element '{}' has {} items; the file is damaged.", path.string(),
          walker.offset() - size, element.name, count);
   }
-  // More items than a file has bytes end behind any file, whatever their exact number is.
+  // A list of more items than a file has bytes ends after the end of any file, whatever its exact number is.
   return count < 1e15 ? static_cast<std::uint64_t>(count) : std::uint64_t{1} << 50;
 }
 

@@ -10,12 +10,12 @@
 
 namespace pointsweep {
 
-/// Offset of the first byte behind a binary element that starts at `offset`: by arithmetic, or list by list.
+/// Returns the offset of the first byte after a binary element that starts at `offset`: by arithmetic, or list by list.
 /// Throws Error if the file ends inside.
 std::uint64_t end_of_binary_element(const InputFile& file, const PlyElement& element, PlyEncoding encoding,
                                     std::uint64_t offset);
 
-/// Moves `lines` behind the lines of an ascii element. Throws Error if the file ends inside.
+/// Moves `lines` past the lines of an ascii element. Throws Error if the file ends inside.
 void skip_ascii_element(LineReader& lines, const PlyElement& element);
 
 /// A line that holds anything but spaces.

@@ -46,8 +46,8 @@ struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::ascii;
   std::vector<PlyElement> elements;
   std::vector<std::string> remarks;  ///< `comment` and `obj_info` lines
-  std::uint64_t body_offset = 0;     ///< first byte behind the header
-  std::uint64_t body_line = 0;       ///< number, from 1, of the first line behind the header
+  std::uint64_t body_offset = 0;     ///< first byte after the header
+  std::uint64_t body_line = 0;       ///< number, from 1, of the first line after the header
 };
 
 /// Throws Error with the line when the header is not understood or longer than 1 MiB.

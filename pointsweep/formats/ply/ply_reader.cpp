@@ -28,7 +28,7 @@ static_assert(std::endian::native == std::endian::little, "records are the bytes
       file.path().string(), expected, found);
 }
 
-/// What both encodings have in their header.
+/// Returns the facts in the header of a file of either encoding.
 FileInfo info_of(const InputFile& file, const PlyHeader& header, const PlyElement& vertex) {
   FileInfo info;
   info.path = file.path();

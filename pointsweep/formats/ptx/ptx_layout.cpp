@@ -31,7 +31,7 @@ std::optional<std::vector<double>> ptx_numbers(std::string_view line, std::size_
   return numbers;
 }
 
-/// Whether a word is the number 0, without evaluating it: no digit of it but 0 stands before an exponent.
+/// Returns whether a word is the number 0, without evaluating it: no digit but 0 stands before an exponent.
 bool is_zero(std::string_view word) {
   bool any = false;
   for (const char c : word) {

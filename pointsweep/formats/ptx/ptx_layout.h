@@ -23,10 +23,10 @@ struct PtxScan {
   std::uint64_t cells() const { return columns * rows; }
 };
 
-/// Where the cursor stands before a point.
+/// The place of the cursor before a point.
 struct PtxPlace {
   std::uint64_t offset = 0, line = 1;  ///< of the next line
-  std::uint64_t scan = 0, cell = 0;    ///< that the next line holds; the cell behind the last: a header is next
+  std::uint64_t scan = 0, cell = 0;    ///< of the next line; the cell after the last: a header is next
 };
 
 /// All scans, found by reading the file once. Keeps the place of each 16,384th point.
@@ -37,13 +37,13 @@ struct PtxLayout {
   std::vector<PtxPlace> places;  ///< of points 0, kPointsPerPlace, ...
   std::uint64_t points = 0;      ///< cells that are not empty
   std::uint64_t empty = 0;       ///< cells that are
-  std::uint64_t end = 0;         ///< byte behind the last point
+  std::uint64_t end = 0;         ///< byte after the last point
 };
 
 /// Throws Error with the line that is wrong, and where the file ends before the last cell.
 PtxLayout find_ptx_layout(const InputFile& file);
 
-/// Whether a file that begins so is a PTX file: the ten lines of the header of its first scan.
+/// Returns whether a file that begins with `head` is a PTX file, by the ten lines of the header of its first scan.
 bool starts_as_ptx(std::string_view head);
 
 /// Walks over the points.
@@ -52,9 +52,9 @@ class PtxCursor {
   /// Both must outlive it.
   PtxCursor(const InputFile& file, const PtxLayout& layout);
 
-  /// The line of point `point` < layout.points, valid until the next call; quick for the point behind the last.
+  /// The line of point `point` < layout.points, valid until the next call; quick for the point after the last one.
   std::string_view at(std::uint64_t point);
-  /// Of the point that at() gave last: the number of its line, its scan, its cell in the scan.
+  /// The line number, the scan, and the cell in the scan of the point that at() gave last.
   std::uint64_t line() const { return lines_.line(); }
   std::uint64_t scan() const { return scan_; }
   std::uint64_t cell() const { return cell_ - 1; }

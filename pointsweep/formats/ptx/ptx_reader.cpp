@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-/// Where the values of a point go in its record. The coordinates come first.
+/// The fields that get the values of a point in its record. The coordinates come first.
 struct PtxRecord {
   Field scan, row, column;
   std::optional<Field> intensity;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the codes of a QSplat node mean: a sphere inside its parent's, a normal, a colour (Rusinkiewicz and Levoy,
+/// The meaning of the codes of a QSplat node: a sphere inside its parent's, a normal, a colour (Rusinkiewicz and Levoy,
 /// "QSplat", SIGGRAPH 2000, Sections 3.1 and 3.2; the tables are those of the released program, file version 11).
 #pragma once
 

@@ -45,7 +45,7 @@ class QsplatReader final : public Reader {
   std::unique_ptr<RowDecoder> decoder(const WantedFields&) const override { return std::make_unique<Decoder>(*this); }
 
  private:
-  /// Whether any part has colours; bounds on the way.
+  /// Returns whether any part has colours; finds the bounds on the way.
   bool look_at_fragments() {
     bool has_color = false;
     Box bounds;

@@ -39,7 +39,7 @@ struct QsplatLeaf {
 /// tree at once, and a block of the file for each level is all it needs (64 KiB × depth, about 1 MB for 10^8 leaves).
 class QsplatWalk {
  public:
-  /// Where a walk is. Small (40 bytes × depth): keeping some lets one begin again there.
+  /// A level of the place of a walk. A place is small (40 bytes × depth), so kept places let a walk begin again there.
   struct Level {
     std::uint64_t next = 0;   ///< byte of the next sibling
     std::uint64_t below = 0;  ///< byte of the group below it, 0 if the siblings are all leaves

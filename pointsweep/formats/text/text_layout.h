@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the columns of a text file are, from its first lines.
+/// The meaning of the columns of a text file, from its first lines.
 #pragma once
 
 #include <cstdint>

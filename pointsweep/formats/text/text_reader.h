@@ -13,7 +13,7 @@ namespace pointsweep {
 /// rows. A line with too few or too many cells, or a cell that is no number, is an Error with its line when it is read.
 std::unique_ptr<Reader> open_text(const std::filesystem::path& path);
 
-/// Whether the first lines are such rows, or a header and rows.
+/// Returns whether the first lines of the file are such rows, or a header and rows.
 bool fits_text(const std::filesystem::path& path);
 
 }  // namespace pointsweep

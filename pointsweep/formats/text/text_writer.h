@@ -9,7 +9,7 @@
 namespace pointsweep {
 
 /// Every value in the fewest digits that give the same value of its type again. The names of the columns stand in the
-/// first line: plain in a .csv, behind `# ` otherwise, so that programs that know no header take it for a comment.
+/// first line: plain in a .csv, after `# ` otherwise, so that programs that know no header take it for a comment.
 /// A .pts starts with the number of points instead, and names its columns only where they are not the usual ones.
 std::unique_ptr<Writer> create_text_writer(const OutputPlan& plan);
 

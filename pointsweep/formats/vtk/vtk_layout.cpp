@@ -126,7 +126,7 @@ class VtkParser {
       complain(fmt::format("POINT_DATA are for {} points, and there are {}", rows_, layout_.count));
   }
 
-  /// `n size` and so many ints; since version 5.1 `n + 1 size`, with two arrays behind.
+  /// Passes over `n size` and `size` ints; since version 5.1 `n + 1 size`, followed by two arrays.
   void take_cells(const std::string& keyword, std::string_view rest) {
     const std::uint64_t first = number(rest), second = number(rest);
     const std::uint64_t before = text_.offset();

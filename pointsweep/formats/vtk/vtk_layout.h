@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a legacy VTK file holds and where it is.
+/// The contents of a legacy VTK file, and their places.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct VtkLayout {
   std::vector<std::string> left_out;  ///< names of arrays of points that cannot be kept
 };
 
-/// Whether a file that begins so is a legacy VTK file.
+/// Returns whether a file that begins with `head` is a legacy VTK file.
 bool starts_as_vtk(std::string_view head);
 
 /// Reads all of a text file, and of a binary one the lines between arrays. Throws Error with the place that is wrong.

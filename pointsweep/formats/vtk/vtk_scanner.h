@@ -19,7 +19,7 @@ class VtkScanner {
 
   /// The next word, over ends of lines, valid until the next call; nothing at the end of the file.
   std::optional<std::string_view> word();
-  /// What is left of the line, without its end; nothing at the end of the file.
+  /// Returns the rest of the line, without its end; none at the end of the file.
   std::optional<std::string_view> line();
   /// Passes over so many words and returns how many there were.
   std::uint64_t skip_words(std::uint64_t words);
