@@ -22,8 +22,8 @@ void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts);
 Chain build_chain(const std::vector<StageText>& stages, Facts facts, const std::vector<std::string>& keep,
                   const std::string& prefix);
 
-/// The same as the first for a cloud, against whose attributes plan_chain() then checks it. `keep` may name what is
-/// made with the `prefix` that it has in the output, or without.
+/// Builds a chain as above for a cloud, against whose attributes plan_chain() then checks it. `keep` may name made
+/// attributes with the `prefix` that they have in the output, or without.
 Chain build_chain(const std::vector<StageText>& stages, const InputCloud& cloud,
                   const std::vector<std::string>& keep = {}, const std::string& prefix = "");
 

@@ -108,7 +108,7 @@ void OutputLayout::convert_positions(const Schema& input, const Types& types) {
   }
 }
 
-/// These become plain fields of their types; what stands behind them in the record moves up or down.
+/// These become plain fields of their types; the fields after them in the record move up or down.
 void OutputLayout::retype(const Types& types) {
   if (types.empty()) return;
   std::vector<std::pair<Field*, Type>> retyped;

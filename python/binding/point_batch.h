@@ -35,7 +35,7 @@ class PointBatch {
 
  private:
   const Neighborhoods& in() const;
-  /// The same, for what an operator without neighbours must not look at.
+  /// Returns in() for values that an operator without neighbours must not look at.
   const Neighborhoods& in_with_neighbors() const;
 
   const Neighborhoods* in_;

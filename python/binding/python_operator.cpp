@@ -79,7 +79,8 @@ std::shared_ptr<PythonFunction> function_of(nb::handle op) {
 
 bool is_64_bits(Type type) { return type == Type::i64 || type == Type::u64; }
 
-/// What `name` stands for where it is read: what was made last, else fields of the input, as conditions read them.
+/// Returns the attribute that `name` stands for where it is read: the attribute of that name that was made last, else
+/// fields of the input, as conditions read them.
 Attribute resolved(const std::string& name, const Schema& input, std::span<const Attribute> made) {
   for (std::size_t m = made.size(); m-- > 0;)
     if (made[m].name == name && name != position_attribute().name) return made[m];

@@ -28,7 +28,7 @@ void PassPlanner::add_stage(std::size_t number) {
   stage.position = column_moved_to(node);
   for (const std::size_t v : node.reads) stage.reads.push_back(column_of(v));
   for (const std::size_t v : node.reads_neighbors) stage.reads_neighbors.push_back(column_of(v));
-  // Every stage behind one that moves points reads the moved positions of the neighbours.
+  // Every stage after a stage that moves points reads the moved positions of the neighbours.
   const bool sees_moved = contract_of(op).default_k > 0 && stage.position >= 0 &&
                           made_in_this_step(static_cast<std::uint16_t>(stage.position));
   const auto is_new = [&](std::uint16_t column) { return made_in_this_step(column); };

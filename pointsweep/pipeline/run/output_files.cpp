@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-/// Whether an attribute is not written because of Chain::keep.
+/// Returns whether an attribute is not written because of Chain::keep.
 bool leaves_out(const ChainPlan& plan) {
   std::set<std::string> made;
   for (const ChainStage& stage : plan.chain.stages)
