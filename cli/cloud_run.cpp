@@ -21,8 +21,8 @@
 #include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/files/standard_streams.h"
 #include "pointsweep/formats/registry.h"
-#include "pointsweep/render/attribute_unit.h"
 #include "pointsweep/pipeline/registry.h"
+#include "pointsweep/render/attribute_unit.h"
 #include "pointsweep/report/pictured_attribute.h"
 #include "pointsweep/report/run_report.h"
 
@@ -80,8 +80,8 @@ void add_result(const ResolvedFiles& files, const InputCloud& input, ProgressDis
     display.report(phase, done, total);
   };
   summary.picture = render(cloud, options);
-  summary.made = value_summaries(cloud.schema(), summary.picture->sample,
-                                 made_numbers(operators, input.schema(), cloud.schema()));
+  summary.made =
+      value_summaries(cloud.schema(), summary.picture->sample, made_numbers(operators, input.schema(), cloud.schema()));
   for (ValueSummary& made : summary.made) made.unit = unit_of_attribute(made.name, summary.unit);
   summary.drawing_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }

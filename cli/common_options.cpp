@@ -96,7 +96,9 @@ void add_format_option(CLI::App& verb, std::string& format) {
 
 void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meaning) {
   verb.add_option_function<std::string>(
-          "--memory", [&options](const std::string& text) { options.resources.memory_bytes = parse_size("--memory", text); }, meaning)
+          "--memory",
+          [&options](const std::string& text) { options.resources.memory_bytes = parse_size("--memory", text); },
+          meaning)
       ->type_name("SIZE")
       ->group(kMachineGroup);
 }
@@ -143,7 +145,9 @@ void add_dry_run_option(CLI::App& verb, CommonOptions& options) {
 
 void add_order_option(CLI::App& verb, CommonOptions& options) { add_words(verb, options, "order", kOutputGroup); }
 
-void add_nonfinite_option(CLI::App& verb, CommonOptions& options) { add_words(verb, options, "nonfinite", kOtherGroup); }
+void add_nonfinite_option(CLI::App& verb, CommonOptions& options) {
+  add_words(verb, options, "nonfinite", kOtherGroup);
+}
 
 void add_naming_options(CLI::App& verb, CommonOptions& options) {
   verb.add_option("--replace", options.replace,
@@ -165,6 +169,8 @@ void add_provenance_options(CLI::App& verb, CommonOptions& options) {
 
 void add_engine_option(CLI::App& verb, CommonOptions& options) { add_words(verb, options, "engine", kOtherGroup); }
 
-void add_positions_option(CLI::App& verb, CommonOptions& options) { add_words(verb, options, "positions", kOutputGroup); }
+void add_positions_option(CLI::App& verb, CommonOptions& options) {
+  add_words(verb, options, "positions", kOutputGroup);
+}
 
 }  // namespace pointsweep

@@ -12,8 +12,8 @@
 namespace pointsweep {
 namespace {
 
-/// "ascending along x", "descending along y and z", "not ascending along x, y or z". An axis along which nothing changes
-/// is in no order.
+/// "ascending along x", "descending along y and z", "not ascending along x, y or z". An axis along which nothing
+/// changes is in no order.
 std::string order_text(const FileSummary& summary) {
   std::string text;
   const Vec3 extent = summary.bounds.extent();

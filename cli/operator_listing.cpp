@@ -81,7 +81,8 @@ ListedOperator listed_neighborhood() {
 /// Returns whether the operator needs a radius, so that no number of neighbours is enough.
 bool needs_radius(const OperatorDeclaration& declaration) {
   try {
-    make_stage(declaration, sample_values(declaration), {.neighborhood = Neighborhood{.k = Neighborhood::kOfOperators}});
+    make_stage(declaration, sample_values(declaration),
+               {.neighborhood = Neighborhood{.k = Neighborhood::kOfOperators}});
     return false;
   } catch (const UsageError&) {
     return true;

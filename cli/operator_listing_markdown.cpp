@@ -78,8 +78,8 @@ std::string made_table(const ListedOperator& listed) {
     const AttributeNote* note = note_on(listed.declaration, a);
     const std::string components = a.fields.size() > 1 ? fmt::format("{} × ", a.fields.size()) : "";
     const std::string type = note != nullptr && !note->type.empty() ? note->type : short_type(a.type);
-    table += table_row({fmt::format("`{}`", a.name), components + type, unit_text(a.unit),
-                        meaning_of(listed.declaration, a)});
+    table += table_row(
+        {fmt::format("`{}`", a.name), components + type, unit_text(a.unit), meaning_of(listed.declaration, a)});
   }
   return table + "\n";
 }
@@ -172,18 +172,21 @@ std::string to_markdown(const std::vector<ListedOperator>& operators) {
       "flags: `-k 12 --orient up`.\n"
       "Needs and attributes are those of an operator without options. `docs/attributes.md` describes the "
       "attributes.\n\n";
-  text += "A point counts within a radius R if `d² <= R·R`, d² = ((dx² + dy²) + dz²), all in float64; a point at "
-          "exactly "
-          "R counts. This rule holds for\n" + radii_text(operators) + ".\n"
-          "A square root that was rounded down, such as `neighbor_radius`, can therefore be too small for the "
-          "neighbour "
-          "whose distance it is.\n\n"
-          "Points with NaN or infinite coordinates are neighbours of no point. A stage that looks at its own point "
-          "alone (`where`, `crop`, `set`, `color`,\n"
-          "`orient` by a trajectory) treats them as any other. Every other stage leaves them unchanged: they are not "
-          "moved, an attribute that the\n"
-          "stage reads and makes again keeps its value, and all else that it makes gets the value that is documented "
-          "for undefined results.\n\n";
+  text +=
+      "A point counts within a radius R if `d² <= R·R`, d² = ((dx² + dy²) + dz²), all in float64; a point at "
+      "exactly "
+      "R counts. This rule holds for\n" +
+      radii_text(operators) +
+      ".\n"
+      "A square root that was rounded down, such as `neighbor_radius`, can therefore be too small for the "
+      "neighbour "
+      "whose distance it is.\n\n"
+      "Points with NaN or infinite coordinates are neighbours of no point. A stage that looks at its own point "
+      "alone (`where`, `crop`, `set`, `color`,\n"
+      "`orient` by a trajectory) treats them as any other. Every other stage leaves them unchanged: they are not "
+      "moved, an attribute that the\n"
+      "stage reads and makes again keeps its value, and all else that it makes gets the value that is documented "
+      "for undefined results.\n\n";
   for (const ListedOperator& listed : operators) text += section(listed);
   text.pop_back();
   return text;

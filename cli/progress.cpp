@@ -15,9 +15,9 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kBarInterval = 0.1;      // s
-constexpr double kLineInterval = 5;       // s
-constexpr double kProgramInterval = 0.2;  // s
+constexpr double kBarInterval = 0.1;                       // s
+constexpr double kLineInterval = 5;                        // s
+constexpr double kProgramInterval = 0.2;                   // s
 constexpr std::size_t kLongestBar = 24, kShortestBar = 4;  // characters
 constexpr int kNarrow = 60;                                // columns; fewer have room for percent and time left alone
 

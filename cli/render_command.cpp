@@ -103,9 +103,10 @@ void add_render_command(CLI::App& app) {
                   "Colour points by rgb, normal, height, curvature, classification, an attribute, or not at all "
                   "(plain) (default: rgb if it varies, else plain with normals, else height)")
       ->type_name("WHAT");
-  verb.add_option("--view", command->view,
-                  "Direction to look from: front, top, iso or AZIMUTH,ELEVATION in degrees (default: top for flat clouds, "
-                  "else 30,25)")
+  verb.add_option(
+          "--view", command->view,
+          "Direction to look from: front, top, iso or AZIMUTH,ELEVATION in degrees (default: top for flat clouds, "
+          "else 30,25)")
       ->type_name("VIEW");
   verb.add_option("--up", command->up,
                   "Axis that points up: x, y, z, -x, -y or -z (default: z for LAS, else found from the shape)")

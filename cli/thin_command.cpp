@@ -64,10 +64,13 @@ void add_thin_command(CLI::App& app) {
     StageText& stage = *std::ranges::find(command->stages, std::string(flag.stage), &StageText::name);
     add_stage_option(verb, flag.flag, declared_option_of(flag), stage.options);
   }
-  verb.add_option_function<std::string>("--choose", [command](const std::string& keep) {
-        report(Severity::note, "--choose is called --voxel-keep now; the next release does not know the old name.");
-        command->stages.front().options.push_back({"keep", keep, "--choose"});
-      })->group("");
+  verb.add_option_function<std::string>(
+          "--choose",
+          [command](const std::string& keep) {
+            report(Severity::note, "--choose is called --voxel-keep now; the next release does not know the old name.");
+            command->stages.front().options.push_back({"keep", keep, "--choose"});
+          })
+      ->group("");
   add_output_options(verb, command->run);
   verb.footer(
       "Same as 'pointsweep run' with the pipeline 'voxel(SIZE)', 'poisson(RADIUS)' or 'decimate(SHARE)'. Tiles give "

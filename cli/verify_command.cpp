@@ -53,8 +53,8 @@ void run_check(const VerifyCommand& command) {
   take_standard_input(command.paths.files, command.common);
   if (command.paths.files.empty()) fail_usage("IN... OUT: name what was read, and last what was written.");
   ProgressDisplay display(command.common);
-  const Verdict verdict = verify_output(command.paths.inputs(), command.paths.output(),
-                                        check_options(command, display), command.neighborhood);
+  const Verdict verdict = verify_output(command.paths.inputs(), command.paths.output(), check_options(command, display),
+                                        command.neighborhood);
   if (!command.common.quiet) print(to_text(verdict, command.checksums));
   if (!verdict.same()) fail("{}: {}.", conclusion(verdict), verdict.differences.front());
   if (!verdict.is_complete()) throw NotChecked(fmt::format("{}: {}.", verdict.output, conclusion(verdict)));
@@ -72,10 +72,7 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
           "Additional points to recompute: row numbers from 0, separated by spaces or newlines")
       ->type_name("FILE");
   verb.add_option_function<std::string>(
-          "--order",
-          [&command](const std::string& name) {
-            command.check.order = parse_order(name);
-          },
+          "--order", [&command](const std::string& name) { command.check.order = parse_order(name); },
           "Order of the rows of the output (default: detected)")
       ->type_name("input|sweep");
   verb.add_flag_callback(

@@ -16,7 +16,8 @@ int main() try {
   for (std::size_t i = 0; i < n; ++i) {  // a spiral from pole to pole, evenly spaced
     const double z = 1 - (2.0 * static_cast<double>(i) + 1) / n, r = std::sqrt(1 - z * z);
     const double turn = 2.399963229728653 * static_cast<double>(i);
-    xyz.push_back({static_cast<float>(r * std::cos(turn)), static_cast<float>(r * std::sin(turn)), static_cast<float>(z)});
+    xyz.push_back(
+        {static_cast<float>(r * std::cos(turn)), static_cast<float>(r * std::sin(turn)), static_cast<float>(z)});
   }
 
   const std::vector<std::array<float, 3>> unit = normals(xyz);
@@ -25,7 +26,8 @@ int main() try {
 
   double worst = 1;
   for (std::size_t i = 0; i < n; ++i) {
-    const double cosine = double{xyz[i][0]} * unit[i][0] + double{xyz[i][1]} * unit[i][1] + double{xyz[i][2]} * unit[i][2];
+    const double cosine =
+        double{xyz[i][0]} * unit[i][0] + double{xyz[i][1]} * unit[i][1] + double{xyz[i][2]} * unit[i][2];
     worst = std::min(worst, std::abs(cosine));
   }
   double mean = 0;

@@ -24,13 +24,12 @@ unsigned thread_count();
 /// CancellationScope asks to stop, in which the bodies run too.
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, unsigned worker)>& body);
 
-/// The same over blocks: calls body(first, n, worker) for successive blocks of `block` numbers, the last of which may be
-/// shorter, that cover [0, count).
+/// The same over blocks: calls body(first, n, worker) for successive blocks of `block` numbers, the last of which may
+/// be shorter, that cover [0, count).
 template <class Body>
 void parallel_for_blocks(std::size_t count, std::size_t block, const Body& body) {
-  parallel_for((count + block - 1) / block, [&](std::size_t b, unsigned worker) {
-    body(b * block, std::min(block, count - b * block), worker);
-  });
+  parallel_for((count + block - 1) / block,
+               [&](std::size_t b, unsigned worker) { body(b * block, std::min(block, count - b * block), worker); });
 }
 
 /// One piece of work in the background, on one of the threads of the run.

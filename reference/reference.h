@@ -24,9 +24,9 @@ namespace pointsweep::reference {
 
 struct Task {
   Reach reach;
-  SharedRule rule;  ///< shortens each list of neighbours once it is complete; may be null
+  SharedRule rule;                       ///< shortens each list of neighbours once it is complete; may be null
   std::vector<StageOperator> operators;  ///< checked against the attributes of the stream's records
-  std::vector<Attribute> kept;                             ///< made by them; in this order a result record
+  std::vector<Attribute> kept;           ///< made by them; in this order a result record
 };
 
 /// A finished point. Points are finished in stream order.

@@ -6,8 +6,6 @@
 /// SPAN_REAL=R: the program plans for its --threads N (thread_count() says N), but only R threads work. So a machine of
 /// two cores traces the run of 64: the chunks, groups and read-ahead of 64 threads, each piece timed without a crowd.
 /// Times are CPU times of threads, less the time of the tracer itself (event_ns, calibrated at the start).
-#include "pointsweep/threads.h"
-
 #include <execinfo.h>
 #include <link.h>
 #include <pthread.h>
@@ -34,6 +32,7 @@
 #include <vector>
 
 #include "bench/span/untraced_threads.h"
+#include "pointsweep/threads.h"
 
 #ifndef sigev_notify_thread_id
 #define sigev_notify_thread_id _sigev_un._tid
@@ -82,7 +81,7 @@ constexpr std::size_t kChunk = 1 << 15, kMostSamples = 1 << 16;
 
 struct Thread {
   pid_t tid;
-  std::uint64_t overhead = 0;  ///< ns of the tracer
+  std::uint64_t overhead = 0;                ///< ns of the tracer
   std::uint64_t last_cpu = 0, last_tsc = 0;  ///< of the last event that asked the kernel
   std::vector<Event*> chunks;
   std::size_t used = kChunk;  ///< of the last chunk
@@ -205,13 +204,13 @@ inline void record_lock(Kind kind, const void* mutex, const void* at) {
   const std::uint64_t tsc = __rdtsc(), passed = tsc > t->last_tsc ? tsc - t->last_tsc : 0;
   const auto id = reinterpret_cast<std::uint64_t>(mutex), a = reinterpret_cast<std::uint64_t>(at);
   if (passed > kLongest) return record(kind, id, a);
-  put(t, {t->last_cpu + static_cast<std::uint64_t>(static_cast<double>(passed) * all().ns_per_tsc),
-          kind << 56 | id, a, 0});
+  put(t, {t->last_cpu + static_cast<std::uint64_t>(static_cast<double>(passed) * all().ns_per_tsc), kind << 56 | id, a,
+          0});
   t->last_tsc += all().lock_tsc;
 }
 
-/// Returns the number of the place that started a loop; 0 on a thread without a trace. The stack of the place is recorded at the
-/// first loop that has the same return address `caller` and the same `frame`.
+/// Returns the number of the place that started a loop; 0 on a thread without a trace. The stack of the place is
+/// recorded at the first loop that has the same return address `caller` and the same `frame`.
 __attribute__((noinline)) std::uint64_t site_of(void* caller, void* frame) {
   Thread* const t = self;
   if (t == nullptr) return 0;
@@ -233,8 +232,10 @@ __attribute__((noinline)) std::uint64_t site_of(void* caller, void* frame) {
 std::string json_text(const std::string& text) {
   std::string out = "\"";
   for (const char c : text)
-    if (c == '"' || c == '\\') (out += '\\') += c;
-    else if (static_cast<unsigned char>(c) >= 32) out += c;
+    if (c == '"' || c == '\\')
+      (out += '\\') += c;
+    else if (static_cast<unsigned char>(c) >= 32)
+      out += c;
   return out + "\"";
 }
 
@@ -412,8 +413,7 @@ unsigned thread_count() {
   return threads != 0 ? threads : untraced::thread_count();
 }
 
-__attribute__((noinline)) void parallel_for(std::size_t count,
-                                            const std::function<void(std::size_t, unsigned)>& body) {
+__attribute__((noinline)) void parallel_for(std::size_t count, const std::function<void(std::size_t, unsigned)>& body) {
   const std::uint64_t id = span_trace::new_id();
   const span_trace::Span span(span_trace::kLoopBegin, span_trace::kLoopEnd, id, count, SPAN_SITE);
   untraced::parallel_for(count, [&](std::size_t i, unsigned worker) {

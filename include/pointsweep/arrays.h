@@ -33,14 +33,14 @@ namespace pointsweep {
 class PointsView {
  public:
   template <std::ranges::contiguous_range Range>
-    requires std::same_as<std::ranges::range_value_t<Range>, float> ||
-             std::same_as<std::ranges::range_value_t<Range>, double>
-  PointsView(const Range& xyz) : xyz_(std::span(std::ranges::data(xyz), std::ranges::size(xyz))) {}
+  requires std::same_as < std::ranges::range_value_t<Range>,
+  float > || std::same_as<std::ranges::range_value_t<Range>, double> PointsView(const Range& xyz)
+      : xyz_(std::span(std::ranges::data(xyz), std::ranges::size(xyz))) {}
 
   template <std::ranges::contiguous_range Range>
-    requires std::same_as<std::ranges::range_value_t<Range>, std::array<float, 3>> ||
-             std::same_as<std::ranges::range_value_t<Range>, std::array<double, 3>>
-  PointsView(const Range& points) {
+  requires std::same_as<std::ranges::range_value_t<Range>, std::array<float, 3>> ||
+      std::same_as<std::ranges::range_value_t<Range>, std::array<double, 3>>
+      PointsView(const Range& points) {
     using Coordinate = typename std::ranges::range_value_t<Range>::value_type;
     const std::size_t n = std::ranges::size(points);
     xyz_ = n == 0 ? std::span<const Coordinate>() : std::span(std::ranges::data(points)->data(), 3 * n);
@@ -67,8 +67,8 @@ class POINTSWEEP_EXPORT ArrayResults {
   std::size_t size() const { return records_.size() / schema_.stride; }
   const Statistics& statistics() const { return statistics_; }
 
-  /// Copies a field ("k1", "nx", "x"), or an attribute of m values as T = std::array<U, m> ("normal"). Throws UsageError
-  /// for a name that is not among the results, and for another type than theirs.
+  /// Copies a field ("k1", "nx", "x"), or an attribute of m values as T = std::array<U, m> ("normal"). Throws
+  /// UsageError for a name that is not among the results, and for another type than theirs.
   template <class T>
   std::vector<T> get(std::string_view name) const {
     std::vector<T> values(size());
@@ -103,7 +103,8 @@ POINTSWEEP_EXPORT ArrayResults run(PointsView points, const Chain& chain, const 
 
 /// Unit normals of the points, by row; (0, 0, 0) where undefined. Without a neighbourhood they are those of as many
 /// neighbours as `pointsweep normals` takes. Throws as run() does.
-POINTSWEEP_EXPORT std::vector<std::array<float, 3>> normals(
-    PointsView xyz, const NormalsOptions& options = {}, const Neighborhood& neighborhood = {.k = Neighborhood::kOfOperators});
+POINTSWEEP_EXPORT std::vector<std::array<float, 3>> normals(PointsView xyz, const NormalsOptions& options = {},
+                                                            const Neighborhood& neighborhood = {
+                                                                .k = Neighborhood::kOfOperators});
 
 }  // namespace pointsweep

@@ -34,8 +34,8 @@ struct Attribute {
   std::vector<std::string> fields;  ///< the library's name of each component in files
   std::string unit;                 ///< "1", "length", "1/length", ...
   std::string meaning;              ///< one phrase for people
-  /// Every byte of the value where a stage has none: of a point without a finite place, unless the stage looks at its own
-  /// point alone, and of a row of which an in-order operator finds nothing.
+  /// Every byte of the value where a stage has none: of a point without a finite place, unless the stage looks at its
+  /// own point alone, and of a row of which an in-order operator finds nothing.
   std::byte fill{0};
 
   std::size_t bytes() const { return size_of(type) * fields.size(); }

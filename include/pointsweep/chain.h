@@ -39,8 +39,8 @@ struct Reneighbor {
 /// sweep, one more ordering of the output.
 struct Resort {};
 
-/// Later stages do not see these attributes, and they are not written: attributes made before, or fields of the input in
-/// any spelling. x, y and z are always written.
+/// Later stages do not see these attributes, and they are not written: attributes made before, or fields of the input
+/// in any spelling. x, y and z are always written.
 struct Drop {
   std::vector<std::string> attributes;
 };

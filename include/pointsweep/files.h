@@ -24,10 +24,10 @@ struct InputList {
 
 /// A folder stands for the point files in it, with those of its sub-folders if `recursive`; a pattern that is no file
 /// for those that it matches; a .vpc file (virtual point cloud) for those that it names; any other path for itself. The
-/// files of a folder or pattern come in the order of the bytes of their relative names. Hidden files are not listed, and
-/// files that are no point files are left out with a notice. `format`: as CloudOptions::format; files named *.bin are
-/// point files then. Throws Error where an argument stands for no file, UsageError where a file is listed twice and not
-/// by its own name both times.
+/// files of a folder or pattern come in the order of the bytes of their relative names. Hidden files are not listed,
+/// and files that are no point files are left out with a notice. `format`: as CloudOptions::format; files named *.bin
+/// are point files then. Throws Error where an argument stands for no file, UsageError where a file is listed twice and
+/// not by its own name both times.
 POINTSWEEP_EXPORT InputList list_inputs(const std::vector<std::filesystem::path>& named, bool recursive,
                                         const std::string& format = "");
 

@@ -47,9 +47,7 @@ class POINTSWEEP_EXPORT InOrderWork {
   /// came before.
   virtual void add(unsigned round, const OrderedPoints& points, Findings& findings) = 0;
   /// Follows the last point of a round.
-  virtual void end(unsigned round, Findings& findings) {
-    (void)round, (void)findings;
-  }
+  virtual void end(unsigned round, Findings& findings) { (void)round, (void)findings; }
 };
 
 /// Makes an empty file in the temporary folder.
@@ -78,10 +76,10 @@ struct CloudEstimate {
 
 /// Estimate, within a factor of about two, of the time that an in-order operator takes apart from reading the points.
 struct InOrderEffort {
-  double seconds = 0;        ///< CPU time on one core of 2.6 GHz
-  std::string cause = {};    ///< "The window"
-  std::string text = {};     ///< what the cause means: "disks of up to 100 cells"
-  std::string remedy = {};   ///< "larger cells take less"
+  double seconds = 0;       ///< CPU time on one core of 2.6 GHz
+  std::string cause = {};   ///< "The window"
+  std::string text = {};    ///< what the cause means: "disks of up to 100 cells"
+  std::string remedy = {};  ///< "larger cells take less"
 };
 
 /// The places by which points ascend.

@@ -91,11 +91,7 @@ class POINTSWEEP_EXPORT Columns {
   /// shorter. `bytes`: of a value, by number; empty: types are not checked.
   Columns(std::span<std::byte* const> made, std::size_t size, DegeneratePoints& degenerate,
           std::vector<bool> unwanted = {}, std::vector<std::size_t> bytes = {})
-      : made_(made),
-        size_(size),
-        degenerate_(&degenerate),
-        unwanted_(std::move(unwanted)),
-        bytes_(std::move(bytes)) {}
+      : made_(made), size_(size), degenerate_(&degenerate), unwanted_(std::move(unwanted)), bytes_(std::move(bytes)) {}
 
   /// Points in the batch.
   std::size_t size() const { return size_; }

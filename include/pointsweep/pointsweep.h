@@ -13,8 +13,8 @@
 ///   run.h           running a chain: outputs, options, resources, observation
 ///   statistics.h    what a run did
 ///   error.h         what is thrown
-/// crs.h, geometry.h, option.h and export.h hold what these share. info.h, what is in a file, and verify.h, the check of
-/// a result, belong to libraries of their own.
+/// crs.h, geometry.h, option.h and export.h hold what these share. info.h, what is in a file, and verify.h, the check
+/// of a result, belong to libraries of their own.
 #pragma once
 
 #include "pointsweep/arrays.h"

@@ -35,7 +35,7 @@ struct POINTSWEEP_EXPORT FormatExtras {
 
 /// Statements of a header about the points, as the file has them. They may be wrong.
 struct HeaderClaims {
-  Box bounds;                              ///< the ends may be in any order, or NaN
+  Box bounds;                               ///< the ends may be in any order, or NaN
   std::vector<std::uint64_t> returns = {};  ///< points of return number 1, 2, ...; empty: it does not count them
 };
 
@@ -44,15 +44,15 @@ struct FileInfo {
   std::filesystem::path path;  ///< for messages; of what is no file, any name
   std::string format;          ///< for people: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
   Schema schema;
-  std::uint64_t count = 0;            ///< points really in the file, never merely what a header claims
-  std::uint64_t left_out = 0;         ///< points of the file that `count` and read() leave out
-  std::uint64_t bytes = 0;            ///< size of the file
-  bool decode_once = false;           ///< decoding costs much more than writing and reading its records
-  std::uint64_t decoder_bytes = 0;    ///< what each thread takes that decodes it, in addition to the records
-  std::optional<Box> bounds;          ///< as a header states them: a hint, not to be trusted
+  std::uint64_t count = 0;             ///< points really in the file, never merely what a header claims
+  std::uint64_t left_out = 0;          ///< points of the file that `count` and read() leave out
+  std::uint64_t bytes = 0;             ///< size of the file
+  bool decode_once = false;            ///< decoding costs much more than writing and reading its records
+  std::uint64_t decoder_bytes = 0;     ///< what each thread takes that decodes it, in addition to the records
+  std::optional<Box> bounds;           ///< as a header states them: a hint, not to be trusted
   std::optional<HeaderClaims> claims;  ///< of a header that says more of the points than their number
-  bool z_is_up = false;               ///< the format says that z is the height
-  std::vector<std::string> warnings;  ///< what was wrong but harmless, one sentence each
+  bool z_is_up = false;                ///< the format says that z is the height
+  std::vector<std::string> warnings;   ///< what was wrong but harmless, one sentence each
   std::shared_ptr<const FormatExtras> extras;
   std::optional<Crs> crs;                ///< the coordinate reference system, if the file states one
   std::shared_ptr<const LasOrigin> las;  ///< if the file is LAS, or its points once were; for LAS writers

@@ -94,9 +94,9 @@ struct RunOptions {
   Engine engine = Engine::exact;
   Nonfinite nonfinite = Nonfinite::by_format;
   bool overwrite = false;  ///< outputs may replace existing files
-  /// Type of x, y and z in the output, Type::f64 or Type::f32, to which positions are then rounded while normals and all
-  /// else describe the unrounded ones. Absent: that of the input, Type::f64 where the chain moves points. Refused for
-  /// LAS, which stores integers.
+  /// Type of x, y and z in the output, Type::f64 or Type::f32, to which positions are then rounded while normals and
+  /// all else describe the unrounded ones. Absent: that of the input, Type::f64 where the chain moves points. Refused
+  /// for LAS, which stores integers.
   std::optional<Type> positions = {};
   /// Attributes of the input that made ones may overwrite, although they are not the same: `curvature`, above all,
   /// which programs disagree about. What bears the very name of a made one (nx, ny, nz) is overwritten in any case.

@@ -226,8 +226,7 @@ CommonSchema common_schema(const Readers& readers) {
   if (!brightened.empty())
     common.warnings.push_back(fmt::format(
         "{}{}: red, green and blue of 8 bits are read as 16 bits, times 257, since other inputs have 16 bits.",
-        brightened.front(),
-        brightened.size() == 1 ? "" : fmt::format(" and {} more inputs", brightened.size() - 1)));
+        brightened.front(), brightened.size() == 1 ? "" : fmt::format(" and {} more inputs", brightened.size() - 1)));
   return common;
 }
 

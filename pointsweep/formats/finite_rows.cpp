@@ -59,7 +59,7 @@ bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path) {
 
 /// Blocks of an input that one thread looks at, and what it finds there.
 struct FiniteRowIndex::Piece {
-  std::uint64_t first, end;          ///< rows
+  std::uint64_t first, end;           ///< rows
   std::vector<std::uint64_t> finite;  ///< rows of each block
   std::vector<std::uint64_t> others;  ///< the first of the rows that are not finite
   std::uint64_t count = 0;            ///< of those
@@ -222,9 +222,8 @@ std::unique_ptr<RowDecoder> FiniteRows::decoder(const WantedFields& wanted) cons
   for (const char* axis : {"x", "y", "z"})
     if (!wanted.empty()) with_positions.push_back(info_.schema.find(axis).value());
   const std::shared_ptr<RowDecoder> all = all_->decoder(with_positions);
-  return std::make_unique<Decoder>(*this, [all](std::uint64_t row, std::span<std::byte> records) {
-    return all->read(row, records);
-  });
+  return std::make_unique<Decoder>(
+      *this, [all](std::uint64_t row, std::span<std::byte> records) { return all->read(row, records); });
 }
 
 std::size_t FiniteRows::read(std::uint64_t row, std::span<std::byte> records) { return own_->read(row, records); }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/files.h"
-
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/files.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/file_pattern.h"
 #include "pointsweep/formats/files/folder_entries.h"

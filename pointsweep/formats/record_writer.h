@@ -41,7 +41,7 @@ class RecordWriter : public Writer {
   std::uint32_t stored_stride_;
   RecordConversion conversion_;
   std::vector<std::vector<std::byte>> converted_;  ///< by thread
-  std::uint64_t rows_written_ = 0;  ///< by write() and write_at() together
+  std::uint64_t rows_written_ = 0;                 ///< by write() and write_at() together
 };
 
 }  // namespace pointsweep

@@ -38,9 +38,7 @@ ChainStage normals(const NormalsOptions& options) { return std::make_shared<Norm
 ChainStage curvature() { return std::make_shared<Curvature>(); }
 ChainStage splats(const SplatsOptions& options) { return std::make_shared<Splats>(options); }
 ChainStage fair(const FairOptions& options) { return std::make_shared<Fair>(options); }
-ChainStage fair_in_percent(const FairOptions& percent) {
-  return std::make_shared<FairInPercent>(percent);
-}
+ChainStage fair_in_percent(const FairOptions& percent) { return std::make_shared<FairInPercent>(percent); }
 ChainStage sor(double multiplier, OutlierDefinition definition) {
   return std::make_shared<StatisticalOutliers>(multiplier, definition);
 }
@@ -54,37 +52,23 @@ ChainStage set(std::string_view assignments, std::optional<Type> type) {
   return std::make_shared<Set>(assignments, type);
 }
 ChainStage color(const ColorOptions& options) { return std::make_shared<Color>(options); }
-ChainStage drop(const std::vector<std::string>& attributes) {
-  return drop_of(attributes);
-}
+ChainStage drop(const std::vector<std::string>& attributes) { return drop_of(attributes); }
 ChainStage crop(const CropOptions& options) { return std::make_shared<Crop>(options); }
 ChainStage unique() { return std::make_shared<Unique>(); }
-ChainStage decimate(double share, std::uint64_t seed) {
-  return std::make_shared<Decimate>(share, seed);
-}
+ChainStage decimate(double share, std::uint64_t seed) { return std::make_shared<Decimate>(share, seed); }
 ChainStage voxel(double size, VoxelKeep keep) { return std::make_shared<Voxel>(size, keep); }
 ChainStage poisson(const PoissonOptions& options) { return std::make_shared<Poisson>(options); }
 ChainStage simplify(const SimplifyOptions& options) { return std::make_shared<Simplify>(options); }
 ChainStage ground(const GroundOptions& options) { return std::make_shared<Ground>(options); }
 ChainStage height(std::uint64_t k) { return std::make_shared<Height>(k); }
-ChainStage components(std::optional<double> distance) {
-  return std::make_shared<ConnectedComponents>(distance);
-}
-ChainStage dbscan(double eps, std::uint64_t min_points) {
-  return std::make_shared<DensityClusters>(eps, min_points);
-}
+ChainStage components(std::optional<double> distance) { return std::make_shared<ConnectedComponents>(distance); }
+ChainStage dbscan(double eps, std::uint64_t min_points) { return std::make_shared<DensityClusters>(eps, min_points); }
 ChainStage segments(double angle, std::optional<double> distance) {
   return std::make_shared<Segments>(angle, distance);
 }
-ChainStage orient(std::optional<Vec3> viewpoint) {
-  return std::make_shared<OrientedNormals>(viewpoint);
-}
-ChainStage orient_by_trajectory(const std::string& file) {
-  return std::make_shared<OrientedNormals>(file, "");
-}
-ChainStage distance_to(const std::string& cloud, double most) {
-  return std::make_shared<DistanceTo>(cloud, most);
-}
+ChainStage orient(std::optional<Vec3> viewpoint) { return std::make_shared<OrientedNormals>(viewpoint); }
+ChainStage orient_by_trajectory(const std::string& file) { return std::make_shared<OrientedNormals>(file, ""); }
+ChainStage distance_to(const std::string& cloud, double most) { return std::make_shared<DistanceTo>(cloud, most); }
 ChainStage m3c2(const M3c2Options& options) { return std::make_shared<M3c2>(options); }
 ChainStage features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
 ChainStage neighborhood_size() { return std::make_shared<NeighborhoodSize>(); }

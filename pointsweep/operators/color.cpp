@@ -113,8 +113,9 @@ OperatorDeclaration color_declaration() {
           "classes: the colour of class v, rounded, as render draws it. Of 16 bits: 257 times that.",
       .source = "Viridis: van der Walt and Smith 2015. Turbo: Mikhailov 2019.",
       .undefined = "NaN is grey (128).",
-      .cost = "without a range one more pass over the rows, which is the writing of the output where no later stage "
-              "needs neighbours",
+      .cost =
+          "without a range one more pass over the rows, which is the writing of the output where no later stage "
+          "needs neighbours",
       .attributes = {{.name = "color", .meaning = "colour of the value of an attribute", .type = "u8 or u16"}},
       .example = "knn(k=12) | normals | curvature | color(k1, map=turbo, range=[0,5])"};
 }

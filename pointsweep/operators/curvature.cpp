@@ -59,24 +59,24 @@ OperatorDeclaration curvature_declaration() {
 }
 
 Contract Curvature::contract() const {
-  return {.reads = {normal_attribute()},
-          .reads_neighbors = {normal_attribute()},
-          .makes = {k1_attribute(),
-                    k2_attribute(),
-                    k1_direction_attribute(),
-                    scalar("mean_curvature", Type::f32, "1/length", "(k1 + k2) / 2, without sign"),
-                    scalar("gaussian_curvature", Type::f32, "1/length^2", "k1 k2, without sign"),
-                    scalar("rms_curvature", Type::f32, "1/length", "square root of (k1^2 + k2^2) / 2"),
-                    scalar("absolute_curvature", Type::f32, "1/length", "k1 + k2"),
-                    scalar("surface_variation", Type::f32, "1",
-                           "smallest eigenvalue of M_i over the sum of all, [0, 1/3]"),
-                    {"normal_eigenvalues",
-                     Type::f32,
-                     Kind::scalar,
-                     {"normal_eigenvalue_0", "normal_eigenvalue_1", "normal_eigenvalue_2"},
-                     "1",
-                     "eigenvalues of C_i, ascending"}},
-          .default_k = 32};
+  return {
+      .reads = {normal_attribute()},
+      .reads_neighbors = {normal_attribute()},
+      .makes = {k1_attribute(),
+                k2_attribute(),
+                k1_direction_attribute(),
+                scalar("mean_curvature", Type::f32, "1/length", "(k1 + k2) / 2, without sign"),
+                scalar("gaussian_curvature", Type::f32, "1/length^2", "k1 k2, without sign"),
+                scalar("rms_curvature", Type::f32, "1/length", "square root of (k1^2 + k2^2) / 2"),
+                scalar("absolute_curvature", Type::f32, "1/length", "k1 + k2"),
+                scalar("surface_variation", Type::f32, "1", "smallest eigenvalue of M_i over the sum of all, [0, 1/3]"),
+                {"normal_eigenvalues",
+                 Type::f32,
+                 Kind::scalar,
+                 {"normal_eigenvalue_0", "normal_eigenvalue_1", "normal_eigenvalue_2"},
+                 "1",
+                 "eigenvalues of C_i, ascending"}},
+      .default_k = 32};
 }
 
 void Curvature::apply(const Neighborhoods& in, Columns& out) const {

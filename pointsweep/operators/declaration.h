@@ -119,9 +119,9 @@ struct MadeStage {
   template <class Kind>
   MadeStage(std::shared_ptr<Kind> op) : without_options(op.get()), stage(std::shared_ptr<const Kind>(std::move(op))) {}
   template <class Instruction>
-    requires std::is_same_v<Instruction, Drop> || std::is_same_v<Instruction, Reneighbor> ||
-             std::is_same_v<Instruction, Resort>
-  MadeStage(Instruction instruction) : stage(std::move(instruction)) {}
+  requires std::is_same_v<Instruction, Drop> || std::is_same_v<Instruction, Reneighbor> ||
+      std::is_same_v<Instruction, Resort>
+      MadeStage(Instruction instruction) : stage(std::move(instruction)) {}
 
   Operator* without_options = nullptr;  ///< of `stage`; null for an instruction
   ChainStage stage;
@@ -140,9 +140,9 @@ struct OperatorDeclaration {
   /// A clause about the points that it marks as degenerate (Columns::mark_degenerate), e.g. "have no neighbours; their
   /// density is 0"; empty: it marks none.
   std::string degenerate = {};
-  std::string cost = {};       ///< in addition to the time of `neighbor_ns`
-  double neighbor_ns = 10;     ///< CPU time for each neighbour, of about 1,000; measured with `script/bench radius`
-  bool makes_named = false;    ///< its options name the attributes that it makes
+  std::string cost = {};     ///< in addition to the time of `neighbor_ns`
+  double neighbor_ns = 10;   ///< CPU time for each neighbour, of about 1,000; measured with `script/bench radius`
+  bool makes_named = false;  ///< its options name the attributes that it makes
   std::vector<AttributeNote> attributes = {};  ///< about what it makes
   std::string example = {};                    ///< a whole pipeline as one writes it
 };

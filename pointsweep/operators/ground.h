@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/operators.h"
 #include "pointsweep/in_order_operator.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/raster/ground_surface.h"
 
 namespace pointsweep {

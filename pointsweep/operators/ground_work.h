@@ -15,8 +15,8 @@ namespace pointsweep {
 class GroundWork final : public InOrderWork {
  public:
   /// `values`: how many each point has; `numbers` says which of them are which attributes.
-  GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& numbers, std::size_t values,
-             const InOrderSetup& setup);
+  GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& numbers,
+             std::size_t values, const InOrderSetup& setup);
   unsigned rounds() const override { return 2; }
   void add(unsigned round, const OrderedPoints& points, Findings& findings) override;
   void end(unsigned round, Findings& findings) override;
@@ -49,7 +49,7 @@ class GroundWork final : public InOrderWork {
   std::size_t values_;
   InOrderSetup setup_;
   LowestCells lowest_;
-  BandedRows rows_;               ///< rows of the second round
+  BandedRows rows_;  ///< rows of the second round
   std::optional<std::size_t> opened_;
   std::optional<CellBand> band_;  ///< of that number
   std::optional<SurfaceWindow> surface_;

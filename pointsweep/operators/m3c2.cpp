@@ -198,10 +198,10 @@ OperatorDeclaration m3c2_declaration() {
                      {.name = "m3c2_lod", .meaning = "smallest change that is significant at 95 %; undefined: NaN"},
                      {.name = "m3c2_spread1",
                       .meaning = "standard deviation along the normal in this cloud; "
-                                                         "undefined: NaN"},
+                                 "undefined: NaN"},
                      {.name = "m3c2_spread2",
                       .meaning = "standard deviation along the normal in the other cloud; "
-                                                         "undefined: NaN"},
+                                 "undefined: NaN"},
                      {.name = "m3c2_samples1", .meaning = "points of this cloud in the cylinder"},
                      {.name = "m3c2_samples2", .meaning = "points of the other cloud in the cylinder"}},
       .example = "knn(radius=1) | normals(orient=up) | m3c2(after.las, cylinder=0.5, depth=2)"};
@@ -217,15 +217,16 @@ M3c2::M3c2(M3c2Options options) : options_(std::move(options)) {
 }
 
 InOrderContract M3c2::in_order_contract() const {
-  InOrderContract contract{.reads = {normal_attribute()},
-                    .makes = {scalar("m3c2_distance", Type::f64, "length", "change to another cloud along the normal"),
-                              scalar("m3c2_lod", Type::f64, "length", "level of detection at 95 %"),
-                              scalar("m3c2_spread1", Type::f64, "length", "deviation along the normal, this cloud"),
-                              scalar("m3c2_spread2", Type::f64, "length", "deviation along the normal, other cloud"),
-                              scalar("m3c2_samples1", Type::f64, "1", "points in the cylinder, this cloud"),
-                              scalar("m3c2_samples2", Type::f64, "1", "points in the cylinder, other cloud")},
-                    .places = Places::of_operator,
-                    .arrival = "beside those of the other cloud"};
+  InOrderContract contract{
+      .reads = {normal_attribute()},
+      .makes = {scalar("m3c2_distance", Type::f64, "length", "change to another cloud along the normal"),
+                scalar("m3c2_lod", Type::f64, "length", "level of detection at 95 %"),
+                scalar("m3c2_spread1", Type::f64, "length", "deviation along the normal, this cloud"),
+                scalar("m3c2_spread2", Type::f64, "length", "deviation along the normal, other cloud"),
+                scalar("m3c2_samples1", Type::f64, "1", "points in the cylinder, this cloud"),
+                scalar("m3c2_samples2", Type::f64, "1", "points in the cylinder, other cloud")},
+      .places = Places::of_operator,
+      .arrival = "beside those of the other cloud"};
   for (Attribute& a : contract.makes) a.fill = std::byte{0xff};  // NaN
   return contract;
 }

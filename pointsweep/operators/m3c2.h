@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
-#include "pointsweep/operators.h"
 #include "pointsweep/in_order_operator.h"
+#include "pointsweep/operators.h"
 
 namespace pointsweep {
 

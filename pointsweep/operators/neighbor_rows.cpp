@@ -69,8 +69,9 @@ OperatorDeclaration neighbor_rows_declaration() {
                    .least = 1}},
       .make = [](const OptionValues& options,
                  const Facts& facts) { return std::make_shared<NeighborRows>(options.whole("k"), facts.points, true); },
-      .formula = "Row i holds the rows of N_i by distance; equal distances by x, y, z, then by row. Rows are those of "
-                 "the input, or, after stages that drop points, those that are left.",
+      .formula =
+          "Row i holds the rows of N_i by distance; equal distances by x, y, z, then by row. Rows are those of "
+          "the input, or, after stages that drop points, those that are left.",
       .undefined =
           "Where a point has fewer than k neighbours, the rest of its row is the largest value of the type, and "
           "NaN in the distances.",

@@ -125,9 +125,7 @@ Options OrientedNormals::facing_options() const {
 
 Contract OrientedNormals::contract() const {
   if (facing_) return facing_->contract();
-  return {.reads = {normal_attribute()},
-          .makes = {normal_turned_attribute(), normal_attribute()},
-          .default_k = 16};
+  return {.reads = {normal_attribute()}, .makes = {normal_turned_attribute(), normal_attribute()}, .default_k = 16};
 }
 
 Options OrientedNormals::own_options() const {

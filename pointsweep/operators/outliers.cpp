@@ -126,9 +126,10 @@ OperatorDeclaration sor_declaration() {
               "PCL and CloudCompare round d to float32; here it is float64",
           .undefined = "Without neighbours, or if one has no finite place: mean_distance is NaN and outlier 1.",
           .degenerate = "have no neighbours with a place; their mean_distance is NaN and outlier is 1",
-          .cost = "one more pass over the rows, in which the outliers are marked; it is the writing of the output "
-                  "where no later "
-                  "stage needs neighbours",
+          .cost =
+              "one more pass over the rows, in which the outliers are marked; it is the writing of the output "
+              "where no later "
+              "stage needs neighbours",
           .attributes = {{.name = "mean_distance",
                           .meaning = "mean distance to the neighbours at the positions the stage sees; undefined: NaN"},
                          {.name = "outlier",

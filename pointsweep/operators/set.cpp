@@ -22,12 +22,11 @@ constexpr Type kAllTypes[] = {Type::i8,  Type::u8,  Type::i16, Type::u16, Type::
 
 /// Types of attributes that LAS has, where a cloud without them gets them.
 using LasType = std::pair<std::string_view, Type>;
-constexpr LasType kTypesOfLas[] = {
-    {"classification", Type::u8}, {"intensity", Type::u16},
-    {"return_number", Type::u8},  {"number_of_returns", Type::u8},
-    {"user_data", Type::u8},      {"point_source_id", Type::u16},
-    {"red", Type::u16},           {"green", Type::u16},
-    {"blue", Type::u16}};
+constexpr LasType kTypesOfLas[] = {{"classification", Type::u8}, {"intensity", Type::u16},
+                                   {"return_number", Type::u8},  {"number_of_returns", Type::u8},
+                                   {"user_data", Type::u8},      {"point_source_id", Type::u16},
+                                   {"red", Type::u16},           {"green", Type::u16},
+                                   {"blue", Type::u16}};
 
 std::optional<Type> type_named(const std::string& name) {
   const auto found = std::ranges::find(kAllTypes, name, [](Type type) { return std::string(name_of(type)); });

@@ -19,9 +19,7 @@ OperatorDeclaration unique_declaration();
 class Unique final : public InOrderOperator {
  public:
   std::string name() const override { return "unique"; }
-  InOrderContract in_order_contract() const override {
-    return {.drops_rows = true, .arrival = "equal ones together"};
-  }
+  InOrderContract in_order_contract() const override { return {.drops_rows = true, .arrival = "equal ones together"}; }
   std::unique_ptr<InOrderWork> start(const InOrderSetup&) const override;
 };
 

@@ -98,8 +98,7 @@ Voxel::Voxel(double size, VoxelKeep keep) : size_(size), keep_(keep) {
 }
 
 InOrderContract Voxel::in_order_contract() const {
-  InOrderContract contract{
-      .drops_rows = true, .places = Places::of_operator, .arrival = "those of a voxel together"};
+  InOrderContract contract{.drops_rows = true, .places = Places::of_operator, .arrival = "those of a voxel together"};
   if (keep_ != VoxelKeep::centroid) return contract;
   contract.makes = {position_attribute()};
   for (const AveragedAttribute& a : averaged_) {

@@ -31,9 +31,8 @@ struct PartitionInput {
   ReadRecords read;             ///< called by one thread at a time, in order
   const WorkingRecord& record;  ///< makes the record that the store gets from a record read
   SortKey key;
-  std::span<const Splitters>
-      splitters;           ///< one, and a second one for sparse places, whose pieces are numbered on
-  std::size_t first_list;  ///< piece p goes to list first_list + p of the store
+  std::span<const Splitters> splitters;  ///< one, and a second one for sparse places, whose pieces are numbered on
+  std::size_t first_list;                ///< piece p goes to list first_list + p of the store
   std::optional<std::size_t>
       nonfinite_list;                     ///< without it all points are taken to be finite, or the key to be the row
   std::size_t memory_bytes;               ///< aim for all buffers of the pass

@@ -20,7 +20,8 @@ Cloud cloud_of(const PointsView& points) {
 /// Collects whole records.
 class RecordWriter final : public Writer {
  public:
-  RecordWriter(const OutputPlan& plan, std::vector<std::byte>& records) : stride_(plan.schema.stride), records_(records) {
+  RecordWriter(const OutputPlan& plan, std::vector<std::byte>& records)
+      : stride_(plan.schema.stride), records_(records) {
     records_.resize(plan.count * stride_);
   }
 
@@ -48,7 +49,8 @@ std::vector<Field> fields_named(std::string_view name, const Schema& schema, con
   std::vector<Field> fields;
   for (const std::string& field : names) {
     const std::optional<std::size_t> found = schema.find(field);
-    if (!found) fail_usage("'{}' is not among the results; name it in Chain::keep, or add the stage that makes it.", name);
+    if (!found)
+      fail_usage("'{}' is not among the results; name it in Chain::keep, or add the stage that makes it.", name);
     fields.push_back(schema.fields[*found]);
   }
   return fields;
@@ -88,7 +90,8 @@ ArrayResults run(PointsView points, const Chain& chain, const RunOptions& option
   return {std::move(schema), std::move(made), std::move(records), std::move(statistics)};
 }
 
-std::vector<std::array<float, 3>> normals(PointsView xyz, const NormalsOptions& options, const Neighborhood& neighborhood) {
+std::vector<std::array<float, 3>> normals(PointsView xyz, const NormalsOptions& options,
+                                          const Neighborhood& neighborhood) {
   Cloud cloud = cloud_of(xyz);
   std::vector<std::array<float, 3>> found(cloud.count());
   Outputs outputs;

@@ -44,9 +44,10 @@ std::optional<SweepProgress> Checkpoints::progress() const {
 
 void Checkpoints::require_slabs_of(std::uint64_t slab_points) const {
   if (last_.slab_points > slab_points)
-    fail("'{}' was begun with more memory or fewer threads: give --memory and --threads as then, or remove the folder "
-         "to start again.",
-         folder_.path().string());
+    fail(
+        "'{}' was begun with more memory or fewer threads: give --memory and --threads as then, or remove the folder "
+        "to start again.",
+        folder_.path().string());
 }
 
 void Checkpoints::surveyed(const Survey& survey, std::uint64_t memory_bytes) {

@@ -198,8 +198,8 @@ class FoundRecords {
   }
 
   std::span<const std::byte> values_of(const Findings& found) {
-    const bool keeps_all = filled_.size() == value_bytes_ &&
-                           std::ranges::all_of(pieces_, [](const Piece& p) { return p.from == p.to; });
+    const bool keeps_all =
+        filled_.size() == value_bytes_ && std::ranges::all_of(pieces_, [](const Piece& p) { return p.from == p.to; });
     if (keeps_all) return found.values;
     records_.clear();
     for (std::size_t i = 0; i < found.rows.size(); ++i) {
@@ -218,8 +218,7 @@ class FoundRecords {
 
 }  // namespace
 
-PlacedSource::PlacedSource(const PointSource& from, const std::vector<std::size_t>& fields,
-                           const InOrderOperator& op) {
+PlacedSource::PlacedSource(const PointSource& from, const std::vector<std::size_t>& fields, const InOrderOperator& op) {
   const auto placement = std::make_shared<const Placement>(from.schema, fields, op);
   source = {placement->schema(), from.count, placing(from.read, placement)};
   if (from.for_thread) {

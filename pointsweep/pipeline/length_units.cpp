@@ -11,9 +11,7 @@
 namespace pointsweep {
 namespace {
 
-bool is_length(const OptionDeclaration& option) {
-  return option.kind == OptionKind::number && option.unit == "length";
-}
+bool is_length(const OptionDeclaration& option) { return option.kind == OptionKind::number && option.unit == "length"; }
 
 /// Null for an option whose default is no length, or 0 in every unit.
 const double* default_length(const OptionDeclaration& option) {
@@ -59,9 +57,7 @@ std::string default_options(const ChainStage& stage, double metres_per_unit) {
 
 }  // namespace
 
-Facts facts_of(const InputCloud& cloud) {
-  return {.points = cloud.count(), .metres_per_unit = metres_per_unit(cloud)};
-}
+Facts facts_of(const InputCloud& cloud) { return {.points = cloud.count(), .metres_per_unit = metres_per_unit(cloud)}; }
 
 std::vector<OptionDeclaration> in_unit(std::vector<OptionDeclaration> options, double metres_per_unit) {
   for (OptionDeclaration& option : options)

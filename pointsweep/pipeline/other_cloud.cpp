@@ -34,7 +34,8 @@ OtherCloud::OtherCloud(const std::string& name, const InputCloud& cloud)
   const CrsAgreement agreement = compare(*mine, *other);
   if (agreement == CrsAgreement::different && !cloud.ignores_crs())
     fail_usage(
-        "{} is in {} and the input in {}: transform one of them first{}, or add --ignore-crs to compare the coordinates "
+        "{} is in {} and the input in {}: transform one of them first{}, or add --ignore-crs to compare the "
+        "coordinates "
         "without a transformation.",
         name, short_text(*other), short_text(*mine), way_to_transform(*mine));
   if (agreement == CrsAgreement::undecided)

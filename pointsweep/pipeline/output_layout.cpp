@@ -25,8 +25,7 @@ void copy_pieces(const std::byte* from, std::size_t from_stride, std::byte* to, 
 
 void convert_values(const Field& from, const std::byte* records, std::size_t from_stride, const Field& to,
                     std::byte* outputs, std::size_t to_stride, std::size_t n) {
-  for (std::size_t i = 0; i < n; ++i)
-    set_value(to, outputs + i * to_stride, value_of(from, records + i * from_stride));
+  for (std::size_t i = 0; i < n; ++i) set_value(to, outputs + i * to_stride, value_of(from, records + i * from_stride));
 }
 
 std::string range_text(const Field& field) {

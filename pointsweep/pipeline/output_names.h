@@ -31,7 +31,8 @@ struct OutputNames {
 /// normals are made: a user who asks for normals asks for that), and where `replace` names it. Any other that would
 /// lose its name to a made one is refused with UsageError: above all `curvature`, which several programs call the
 /// surface variation and others a curvature. With a prefix nothing is overwritten unless `replace` names it. Positions
-/// move without prefix. Colours of the input are never replaced unasked. `output` tells the format, in which names may be shortened.
+/// move without prefix. Colours of the input are never replaced unasked. `output` tells the format, in which names may
+/// be shortened.
 OutputNames name_outputs(const Schema& input, const std::string& input_name, const std::vector<Attribute>& made,
                          const KeptFields& kept, const std::filesystem::path& output, const NamingRules& rules);
 

@@ -171,11 +171,10 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
   const OutputLayout layout(cloud.schema(), out.names.made, out.names.kept,
                             type_of_positions(out.names.made, outputs.points, options));
-  out.memory = plan_run_memory(out.budget, out.planned, out.points, survey(source, options.axis, false), options,
-                               layout.schema().stride, [&](unsigned threads) {
-                                 return codec_bytes(cloud, outputs, layout.schema().stride, threads);
-                               },
-                               on_demand_order(cloud, out.planned, options));
+  out.memory = plan_run_memory(
+      out.budget, out.planned, out.points, survey(source, options.axis, false), options, layout.schema().stride,
+      [&](unsigned threads) { return codec_bytes(cloud, outputs, layout.schema().stride, threads); },
+      on_demand_order(cloud, out.planned, options));
   if (!out.memory.threads_note.empty()) out.notes.push_back(out.memory.threads_note);
   return out;
 }

@@ -51,8 +51,8 @@ Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& sur
   demand.slice_points = estimate.slice_points;
   demand.most_neighbors = static_cast<std::uint64_t>(estimate.most_neighbors);
   const double all = estimate.neighbors * static_cast<double>(demand.points);
-  return {neighbor_seconds(plan, all) / demand.threads,
-          "The radius", neighbors_text(estimate.neighbors), "a smaller one, or k beside it, takes less"};
+  return {neighbor_seconds(plan, all) / demand.threads, "The radius", neighbors_text(estimate.neighbors),
+          "a smaller one, or k beside it, takes less"};
 }
 
 /// The axis along which places ascend, if the sample shows the extents of the cloud.

@@ -61,8 +61,7 @@ const RunWords& run_words(std::string_view name) { return *std::ranges::find(run
 void set_word(RunOptions& options, std::string_view name, std::string_view word) {
   const RunWords& declaration = run_words(name);
   const auto found = std::ranges::find(declaration.words, word);
-  if (found == declaration.words.end())
-    fail_usage("--{}: '{}' is not {}.", name, word, list_of(declaration.words));
+  if (found == declaration.words.end()) fail_usage("--{}: '{}' is not {}.", name, word, list_of(declaration.words));
   declaration.set(options, static_cast<std::size_t>(found - declaration.words.begin()));
 }
 

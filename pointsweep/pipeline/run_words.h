@@ -13,9 +13,9 @@
 namespace pointsweep {
 
 struct RunWords {
-  std::string name;                ///< of the flag and of the option in Python, e.g. "nonfinite"
-  std::vector<std::string> words;  ///< its values
-  std::string meaning;             ///< the sentence in the help of the tool
+  std::string name;                                       ///< of the flag and of the option in Python, e.g. "nonfinite"
+  std::vector<std::string> words;                         ///< its values
+  std::string meaning;                                    ///< the sentence in the help of the tool
   std::function<void(RunOptions&, std::size_t)> set;      ///< to the word of this index
   std::function<std::string(const RunOptions&)> current;  ///< the word; empty for the default
 };

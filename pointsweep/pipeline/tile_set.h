@@ -101,8 +101,8 @@ class TileSet {
     std::string first;
     std::size_t others = 0;
   };
-  std::map<std::string, Warning> warnings_;  ///< by what follows the name of the tile
-  std::vector<std::string> empty_;           ///< names of tiles without rows
+  std::map<std::string, Warning> warnings_;       ///< by what follows the name of the tile
+  std::vector<std::string> empty_;                ///< names of tiles without rows
   std::deque<std::unique_ptr<Tile>> completing_;  ///< last, so that their tasks end before the members that they use
 };
 

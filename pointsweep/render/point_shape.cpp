@@ -61,10 +61,10 @@ SurfaceElement PointShape::operator()(const std::byte* record, Vec3 position) co
     }
   }
   const double stated = radius_.empty() ? 0 : value_of(radius_[0], record);
-  const double radius = stated > 0 && std::isfinite(stated)
-                            ? stated
-                            : std::min((has_normal ? kSurfaceRadius : kPointRadius) * spacing_.spacing(position),
-                                       radii_.largest_guess);
+  const double radius =
+      stated > 0 && std::isfinite(stated)
+          ? stated
+          : std::min((has_normal ? kSurfaceRadius : kPointRadius) * spacing_.spacing(position), radii_.largest_guess);
   if (!has_normal) return {radius * right_, radius * up_, {}};
   const Vec3 u = across(n);
   return {radius * u, radius * cross(n, u), n};

@@ -7,12 +7,12 @@
 #include <cmath>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/colors/class_colors.h"
+#include "pointsweep/colors/color_map.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/las_classes.h"
 #include "pointsweep/render/attribute_unit.h"
-#include "pointsweep/colors/class_colors.h"
 #include "pointsweep/render/cloud_sample.h"
-#include "pointsweep/colors/color_map.h"
 #include "pointsweep/render/legend.h"
 #include "pointsweep/render/point_color.h"
 #include "pointsweep/render/point_shape.h"
@@ -23,11 +23,11 @@ namespace pointsweep {
 namespace {
 
 constexpr double kAmbient = 0.25;
-constexpr double kBulge = 0.3;           // of the radius, of discs without a normal
+constexpr double kBulge = 0.3;                                         // of the radius, of discs without a normal
 constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;  // guessed radii, of the larger side
-constexpr double kSmallestLimit = 3;                                  // of these, pixels
+constexpr double kSmallestLimit = 3;                                   // of these, pixels
 constexpr double kSampleSeconds = 100e-9;  // of the canvas: what discs on top of each other take there
-constexpr double kFarOutliers = 4;       // spans of all points, in spans of nearly all
+constexpr double kFarOutliers = 4;         // spans of all points, in spans of nearly all
 constexpr std::uint64_t kMostPixels = 1u << 26;
 
 void check(const RenderOptions& options) {

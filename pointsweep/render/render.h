@@ -36,10 +36,10 @@ struct Rendering {
   std::string color;       ///< what gave the colours: "rgb", "height", "rms_curvature", ...
   bool is_number = false;  ///< true if the colours stand for numbers from lo (violet) to hi (yellow)
   double lo = 0, hi = 1;
-  View view{};         ///< view that was used
-  std::uint64_t drawn = 0;    ///< points that were looked at: all, but for RenderOptions::seconds
-  std::uint64_t outside = 0;  ///< points that lie so far from all others that the picture does not show them
-  std::string remark = {};  ///< why the file's colours are not used although it has some; else empty
+  View view{};                         ///< view that was used
+  std::uint64_t drawn = 0;             ///< points that were looked at: all, but for RenderOptions::seconds
+  std::uint64_t outside = 0;           ///< points that lie so far from all others that the picture does not show them
+  std::string remark = {};             ///< why the file's colours are not used although it has some; else empty
   std::vector<std::byte> sample = {};  ///< records of at most 65,536 of the points, evenly chosen
 };
 

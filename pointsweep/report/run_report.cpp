@@ -150,11 +150,11 @@ void add_picture(const RunSummary& summary, Page& page) {
 /// "least 0, 5 % 0.1, 25 % 0.2, median 0.3, 75 % 0.4, 95 % 0.5, greatest 1; 3 undefined"
 std::string percentiles_text(const ValueSummary& m) {
   const auto& p = m.percentiles;
-  std::string text = m.edges.empty()
-                         ? "no value is defined"
-                         : fmt::format("least {:.4g}, 5 % {:.4g}, 25 % {:.4g}, median {:.4g}, 75 % {:.4g}, "
-                                       "95 % {:.4g}, greatest {:.4g}",
-                                       p[0], p[1], p[2], p[3], p[4], p[5], p[6]);
+  std::string text = m.edges.empty() ? "no value is defined"
+                                     : fmt::format(
+                                           "least {:.4g}, 5 % {:.4g}, 25 % {:.4g}, median {:.4g}, 75 % {:.4g}, "
+                                           "95 % {:.4g}, greatest {:.4g}",
+                                           p[0], p[1], p[2], p[3], p[4], p[5], p[6]);
   if (m.undefined > 0) text += fmt::format("; {} undefined", m.undefined);
   return text;
 }

@@ -73,9 +73,8 @@ std::vector<std::uint32_t> PointCollector::touched_slabs() const {
 /// Returns whether the ball touches a cell of the slab that holds a point that is not superfluous.
 bool PointCollector::touches(const Ball& ball, std::uint32_t slab) const {
   return distance2(stream_.slabs()[slab].box, ball.center) <= ball.reach2 &&
-         std::ranges::any_of(frontier_.dropped_of(slab), [&](const DroppedCell& cell) {
-           return distance2(cell.box, ball.center) <= ball.reach2;
-         });
+         std::ranges::any_of(frontier_.dropped_of(slab),
+                             [&](const DroppedCell& cell) { return distance2(cell.box, ball.center) <= ball.reach2; });
 }
 
 bool PointCollector::is_needed(std::uint32_t slab) const {

@@ -64,7 +64,7 @@ class RecalledPoints {
     std::vector<std::uint8_t> reached;  ///< by point: whether it is in a level, or is to come into the next one
     std::vector<double> bound2;         ///< by point reached: a squared distance within which its neighbourhood lies
     std::vector<std::uint32_t> unresolved_from;  ///< by point: the first step that it cannot take, if parts are swept
-    std::vector<std::uint32_t> pending;  ///< points whose lists are to be found, ascending
+    std::vector<std::uint32_t> pending;          ///< points whose lists are to be found, ascending
     std::vector<Listed> listed;
     /// The deferred points, ascending, each with the first step whose degenerate results count.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> counted_from;
@@ -108,7 +108,7 @@ class RecalledPoints {
   static constexpr std::uint64_t kStateBytes = sizeof(double) + 1;          ///< bytes of a point in CellState
   static constexpr std::uint64_t kUnresolvedBytes = sizeof(std::uint32_t);  ///< more bytes, if parts are swept
   std::uint64_t point_bytes_;
-  std::uint64_t record_bytes_;  ///< bytes of a point while it is collected
+  std::uint64_t record_bytes_;   ///< bytes of a point while it is collected
   bool alone_ = false;           ///< there is one deferred point
   std::deque<CellState> cells_;  ///< by slot
   std::atomic<std::uint64_t> list_bytes_ = 0;

@@ -22,7 +22,7 @@ double farthest_distance2(const Box& b, Vec3 p) {
 struct WholeCells {
   Vec3 place;
   std::uint64_t count;
-  double reach2;  ///< infinite while there are too few points
+  double reach2;                                        ///< infinite while there are too few points
   std::vector<std::pair<double, std::uint64_t>> cells;  ///< squared distance of the far end, points; ascending
 
   void add(const std::vector<DroppedCell>& more) {

@@ -58,9 +58,9 @@ struct SweepStatistics {
   std::uint64_t certified = 0;  ///< points whose neighbourhood is proven exact; in the end all of them
   std::uint64_t recalled = 0;   ///< certified points that were finished in the recall
   std::uint64_t recalled_slabs = 0;
-  std::uint64_t recalled_bytes = 0;  ///< bytes of the slabs that the recall of this process has read
-  std::vector<UnresolvedPoint> unresolved;                          ///< by row
-  std::vector<DegenerateRows> degenerate;                           ///< by stage
+  std::uint64_t recalled_bytes = 0;         ///< bytes of the slabs that the recall of this process has read
+  std::vector<UnresolvedPoint> unresolved;  ///< by row
+  std::vector<DegenerateRows> degenerate;   ///< by stage
   double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads (recall: wall)
   std::vector<double> stage_seconds;                                ///< by stage, summed over threads
   std::uint64_t peak_points = 0;

@@ -54,8 +54,7 @@ void SweepObserver::note_buffers(const Window& window) {
     waiting[cell.steps_done] += cell.cell.size();
   }
   if (statistics_.buffers.empty()) statistics_.buffers = named_buffers(plan_);
-  for (std::size_t b = 0; b < waiting.size(); ++b)
-    statistics_.buffers[b].second.emplace_back(points_read_, waiting[b]);
+  for (std::size_t b = 0; b < waiting.size(); ++b) statistics_.buffers[b].second.emplace_back(points_read_, waiting[b]);
 }
 
 void SweepObserver::cells_were_dropped(const Window& window) {

@@ -28,7 +28,7 @@ struct Worker {
   CellNeighbors chosen_lists;
   std::vector<std::byte> results;
   StageTally tally;
-  StageTally halo;  ///< tally of points that a recall evaluates only because others need their values
+  StageTally halo;          ///< tally of points that a recall evaluates only because others need their values
   FirstRowError unwritten;  ///< error of a row whose results the sink cannot take; ends the sweep
   double search_seconds = 0;
   /// Points and counts of finished cells.

@@ -31,8 +31,8 @@ class ChainValues {
   /// `keep`: names of the made attributes that count; empty: all. `rule`: what is left of the neighbours found. Throws
   /// UsageError if an operator reads what neither the input nor an earlier stage has, or the rule what the input has
   /// not. A select makes selection_name(), which counts in any case.
-  ChainValues(std::vector<StageOperator> operators, const std::vector<std::string>& keep,
-              const Schema& input, SharedRule rule = {}, const CloudThreshold& threshold = {});
+  ChainValues(std::vector<StageOperator> operators, const std::vector<std::string>& keep, const Schema& input,
+              SharedRule rule = {}, const CloudThreshold& threshold = {});
   /// Returns the name of the selection by the `number`-th operator.
   static std::string selection_name(std::size_t number);
   static bool is_selection(const Attribute& made);

@@ -35,8 +35,7 @@ std::vector<double> value_in(InputCloud& cloud, const Reduction& reduction) {
 
 }  // namespace
 
-std::vector<StageOperator> with_input_values(std::vector<StageOperator> operators,
-                                                               InputCloud& cloud) {
+std::vector<StageOperator> with_input_values(std::vector<StageOperator> operators, InputCloud& cloud) {
   std::map<std::string, std::vector<double>> known;
   for (auto& op : operators) {
     const Contract contract = contract_of(op);

@@ -92,8 +92,7 @@ Mask by_hash(InputCloud& cloud, const NamedOptions& options, const PhaseProgress
 }
 
 std::vector<formulas::PolygonRings> polygons_of(const std::string& option) {
-  const std::string text =
-      is_polygon_text(option) ? option : read_text_file(option, "polygons as WKT or GeoJSON");
+  const std::string text = is_polygon_text(option) ? option : read_text_file(option, "polygons as WKT or GeoJSON");
   std::vector<formulas::PolygonRings> polygons;
   for (const Polygon& polygon : polygons_of_text(text, option)) {
     formulas::PolygonRings& rings = polygons.emplace_back();
@@ -184,8 +183,7 @@ Mask by_condition(InputCloud& cloud, const SelectOperator& op, const PhaseProgre
   return kept;
 }
 
-Mask kept_by(const StageOperator& stage, InputCloud& cloud, std::uint64_t memory_bytes,
-             const PhaseProgress& progress) {
+Mask kept_by(const StageOperator& stage, InputCloud& cloud, std::uint64_t memory_bytes, const PhaseProgress& progress) {
   const Operator& op = *operator_of(stage);
   const NamedOptions options(op.name(), op.declared_options());
   const std::string name = op.name();
@@ -230,8 +228,8 @@ RowSelection selection_of(const InputCloud& cloud, const Mask& kept) {
 
 }  // namespace
 
-std::size_t select_kept_rows(InputCloud& cloud, const std::vector<StageOperator>& operators,
-                             std::uint64_t memory_bytes, const PhaseProgress& progress) {
+std::size_t select_kept_rows(InputCloud& cloud, const std::vector<StageOperator>& operators, std::uint64_t memory_bytes,
+                             const PhaseProgress& progress) {
   std::size_t done = 0;
   for (; done < operators.size(); ++done) {
     if (!drops_rows(operators[done])) break;

@@ -17,9 +17,10 @@ template <class T>
 const T& NamedOptions::value(std::string_view name) const {
   const OptionValue* const found = find(name);
   if (found == nullptr || !std::holds_alternative<T>(*found))
-    fail_usage("verify: '{}' has no option '{}' of the kind that the operator of the library has; an operator of your "
-               "own needs a name that no operator of the library has.",
-               owner_, name);
+    fail_usage(
+        "verify: '{}' has no option '{}' of the kind that the operator of the library has; an operator of your "
+        "own needs a name that no operator of the library has.",
+        owner_, name);
   return std::get<T>(*found);
 }
 

@@ -31,8 +31,8 @@ std::vector<std::vector<NearPoint>> nearest_of_cloud(std::span<const Vec3> place
   points([&](std::uint64_t row, Vec3 p) {
     if (seen++ % stride == 0 && is_finite(p)) thin.push_back({p, row});
   });
-  const std::vector<double> reach2 = bounds_of_reach2(
-      different, std::vector<double>(different.size(), query.reach2), query.most, thin, query.space);
+  const std::vector<double> reach2 =
+      bounds_of_reach2(different, std::vector<double>(different.size(), query.reach2), query.most, thin, query.space);
   NearestInStream nearest(different, reach2, query.most, query.space);
   points([&](std::uint64_t row, Vec3 p) { nearest.offer(p, row); });
   std::vector<std::vector<NearPoint>> found;

@@ -48,8 +48,8 @@ CloudThreshold threshold_of(ForEach for_each, Type type, const NamedOptions& opt
 
 }  // namespace
 
-CloudThreshold outlier_threshold(Reader& out, const std::vector<StageOperator>& operators,
-                                 const std::string& prefix, const PhaseProgress& progress) {
+CloudThreshold outlier_threshold(Reader& out, const std::vector<StageOperator>& operators, const std::string& prefix,
+                                 const PhaseProgress& progress) {
   const auto op = std::ranges::find_if(operators, is_outlier);
   if (op == operators.end()) return {};
   RowSource source(out);

@@ -17,8 +17,8 @@ namespace pointsweep {
 /// mean + multiplier * deviation, by the operator's definition, of the finite mean distances of all points of `out`, in
 /// extended precision, for the first Outlier among the operators. `prefix`: of the names of made attributes. NaN if
 /// there is none, or if the output has no mean distances. Reads it twice.
-CloudThreshold outlier_threshold(Reader& out, const std::vector<StageOperator>& operators,
-                                 const std::string& prefix, const PhaseProgress& progress);
+CloudThreshold outlier_threshold(Reader& out, const std::vector<StageOperator>& operators, const std::string& prefix,
+                                 const PhaseProgress& progress);
 
 /// Returns the threshold of the mean distances of all points of the input, for an output that has not all. The
 /// operators themselves make these distances. Throws NotTold.

@@ -36,7 +36,7 @@ struct OutputCheck {
   VerifyOptions options;
   std::vector<OptionText> neighborhood;
   std::vector<fs::path> tiles;  ///< an output for each input, if the output is a folder
-  bool recorded = false;  ///< the pipeline comes from the record, which names what is not a default in metres
+  bool recorded = false;        ///< the pipeline comes from the record, which names what is not a default in metres
 
   bool says_how() const { return !options.pipeline.empty() || !neighborhood.empty() || !options.keep.empty(); }
 };
@@ -59,9 +59,8 @@ void take_recorded_pipeline(OutputCheck& check, const ProvenanceRecord& record) 
     check.options.pipeline = pipeline, check.recorded = true;
     if (record.setting("keep")) check.options.keep = words_of(*record.setting("keep"));
   } else if (check.inputs.empty()) {
-    fail_usage(
-        "{}: was made by '{}', of which not all operators are known here; name the inputs as well.",
-        check.output.string(), pipeline);
+    fail_usage("{}: was made by '{}', of which not all operators are known here; name the inputs as well.",
+               check.output.string(), pipeline);
   }
 }
 
@@ -112,12 +111,10 @@ OutputCheck completed(OutputCheck check) {
   const std::optional<ProvenanceRecord> record = recorded_run(check.tiles.empty() ? output : check.tiles.front());
   if (record) take_record(check, *record);
   if (record && record->setting("tile") && check.tiles.empty())
-    fail_usage("{}: is tile {} of a run over several inputs; name these and the folder of all tiles.",
-               output.string(), *record->setting("tile"));
+    fail_usage("{}: is tile {} of a run over several inputs; name these and the folder of all tiles.", output.string(),
+               *record->setting("tile"));
   if (!check.inputs.empty()) return check;
-  if (!record)
-    fail_usage("{}: does not say how it was made; name the inputs as well.",
-               output.string());
+  if (!record) fail_usage("{}: does not say how it was made; name the inputs as well.", output.string());
   check.inputs = recorded_inputs(*record, output);
   return check;
 }
@@ -140,9 +137,7 @@ void refuse_resorted(const OutputCheck& check, const ChainGraph& graph) {
         "input, and say --order input.");
 }
 
-StageText knn_of(const OutputCheck& check) {
-  return {neighborhood_declaration().name, check.neighborhood, "verify"};
-}
+StageText knn_of(const OutputCheck& check) { return {neighborhood_declaration().name, check.neighborhood, "verify"}; }
 
 /// An array of neighbours or of distances says itself how it was made, but for a radius.
 MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, const Reader& out) {
@@ -242,9 +237,8 @@ Verdict checked(const OutputCheck& check, InputCloud& cloud) {
     return verify(cloud, *array, true, made_by_neighbors(check, cloud, *array), options);
   }
   const std::unique_ptr<Reader> out =
-      check.tiles.empty()
-          ? open_reader(check.output)
-          : std::make_unique<CloudReader>(InputCloud(check.tiles, {.ignore_crs = true}), check.output);
+      check.tiles.empty() ? open_reader(check.output)
+                          : std::make_unique<CloudReader>(InputCloud(check.tiles, {.ignore_crs = true}), check.output);
   const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
   const auto made_with = [&](const std::set<std::string>& changed) {
     MadeBy made = made_by_pipeline(check, cloud, *out, changed);

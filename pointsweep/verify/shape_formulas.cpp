@@ -48,8 +48,7 @@ class NormalFormula final : public StageFormula {
 class CurvatureFormula final : public StageFormula {
  public:
   explicit CurvatureFormula(const FormulaSetup& stage)
-      : own_(place_in(stage.contract.reads, "normal")),
-        near_(place_in(stage.contract.reads_neighbors, "normal")) {}
+      : own_(place_in(stage.contract.reads, "normal")), near_(place_in(stage.contract.reads_neighbors, "normal")) {}
   ShapeEstimates evaluate(const FormulaInput& in) const override {
     const formulas::Curvatures c = formulas::curvature(in.place, in.reads[own_], in.neighbors, in.of_neighbors[near_]);
     return {
@@ -157,8 +156,8 @@ class TurnedFormula final : public StageFormula {
 }  // namespace
 
 std::vector<NamedFormula> shape_formulas() {
-  return {{"normals", formula_made<NormalFormula>},   {"curvature", formula_made<CurvatureFormula>},
-          {"splats", formula_made<SplatFormula>},     {"fair", formula_made<FairFormula>},
+  return {{"normals", formula_made<NormalFormula>},    {"curvature", formula_made<CurvatureFormula>},
+          {"splats", formula_made<SplatFormula>},      {"fair", formula_made<FairFormula>},
           {"features", formula_made<FeaturesFormula>}, {"turned_normals", formula_made<TurnedFormula>}};
 }
 

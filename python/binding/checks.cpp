@@ -45,8 +45,8 @@ Options options_of(const nb::list& pairs) {
   for (const nb::handle pair : pairs) {
     const nb::handle value = pair[1];
     const bool is_whole = nb::isinstance<nb::int_>(value);
-    options.push_back({nb::cast<std::string>(pair[0]), is_whole ? OptionValue(nb::cast<std::uint64_t>(value))
-                                                                : OptionValue(nb::cast<double>(value))});
+    options.push_back({nb::cast<std::string>(pair[0]),
+                       is_whole ? OptionValue(nb::cast<std::uint64_t>(value)) : OptionValue(nb::cast<double>(value))});
   }
   return options;
 }

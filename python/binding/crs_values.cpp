@@ -68,10 +68,12 @@ std::optional<Crs> crs_from(nb::handle value) {
 void bind_crs(nb::module_& module) {
   module.def("wkt_crs", &wkt_crs, "wkt"_a);
   module.def("las_crs", &las_crs, "wkt"_a, "directory"_a, "doubles"_a, "ascii"_a, "wkt_counts"_a);
-  module.def("short_text", [](nb::handle crs) { return text(short_text(*crs_from(crs))); }, "crs"_a);
-  module.def("differ", [](nb::handle a, nb::handle b) {
-    return compare(*crs_from(a), *crs_from(b)) == CrsAgreement::different;
-  }, "a"_a, "b"_a);
+  module.def(
+      "short_text", [](nb::handle crs) { return text(short_text(*crs_from(crs))); }, "crs"_a);
+  module.def(
+      "differ",
+      [](nb::handle a, nb::handle b) { return compare(*crs_from(a), *crs_from(b)) == CrsAgreement::different; }, "a"_a,
+      "b"_a);
 }
 
 }  // namespace pointsweep

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-
 #include "python/binding/neighbor_sink.h"
 
 namespace nb = nanobind;

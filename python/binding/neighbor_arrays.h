@@ -14,8 +14,8 @@
 
 namespace pointsweep {
 
-/// Rows and distances of the neighbours of all points of a run, at the row of the point, so that they are in memory once.
-/// Both arrays have the bytes of operators::neighbors().
+/// Rows and distances of the neighbours of all points of a run, at the row of the point, so that they are in memory
+/// once. Both arrays have the bytes of operators::neighbors().
 class NeighborArrays {
  public:
   NeighborArrays(std::size_t k, std::uint64_t points);

@@ -11,8 +11,8 @@
 
 namespace pointsweep {
 
-/// Makes "neighbor_count", u32, and keeps nothing itself: `take`, which any number of threads call at once, owns what it
-/// needs of a batch. A point may come twice, with the same neighbours.
+/// Makes "neighbor_count", u32, and keeps nothing itself: `take`, which any number of threads call at once, owns what
+/// it needs of a batch. A point may come twice, with the same neighbours.
 class NeighborSink final : public LocalOperator {
  public:
   NeighborSink(std::string name, std::function<void(const Neighborhoods&)> take)

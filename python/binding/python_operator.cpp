@@ -25,8 +25,8 @@ namespace nb = nanobind;
 
 namespace pointsweep {
 
-/// The function of Python, the threads of the run that call it, and the first exception it raised. These threads call at
-/// the same time where the interpreter has no lock; one that is not attached to it destroys this object.
+/// The function of Python, the threads of the run that call it, and the first exception it raised. These threads call
+/// at the same time where the interpreter has no lock; one that is not attached to it destroys this object.
 class PythonFunction {
  public:
   explicit PythonFunction(nb::object op) : op_(std::move(op)) {}

@@ -162,7 +162,8 @@ std::string terminal_gets(int terminal, const std::string& command) {
 
 TEST_F(Console, ATerminalGetsNoEscapeSequence) {
   const int master = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
-  if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0) GTEST_SKIP() << "this system gives no pseudo-terminal";
+  if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0)
+    GTEST_SKIP() << "this system gives no pseudo-terminal";
   made("generate sphere scan.ply -n 100");
   const std::string command = "'" POINTSWEEP_TOOL "' sort scan.ply out.ply --force";
   for (const std::string terminal : {"TERM=dumb", "TERM=xterm NO_COLOR=1", "TERM=xterm"}) {

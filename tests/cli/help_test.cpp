@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 /// What the tool says to a new user: help, version, near names, and texts that work as they stand.
+#include "cli/help.h"
+
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
-#include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "cli/help.h"
 #include "cli/operator_listing.h"
 #include "pointsweep/pipeline/registry.h"
 #include "pointsweep/pipeline/run_words.h"

@@ -309,10 +309,9 @@ TEST_F(InfoTable, SaysInWhatTheFilesDiffer) {
   says_line(run.out, "Attribute intensity is missing in g.ply.");
   says_line(run.out, "Attribute weight is missing in a.las and 5 more.");
   says_line(run.out, "Attributes return_number, number_of_returns, ");
-  says_line(
-      run.out,
-      "Types of x, y and z differ: int32 (scale 0.001) in a.las and 4 more; float64 in f.xyz; float32 "
-      "in g.ply.");
+  says_line(run.out,
+            "Types of x, y and z differ: int32 (scale 0.001) in a.las and 4 more; float64 in f.xyz; float32 "
+            "in g.ply.");
   says_line(run.out, "Types of intensity differ: uint16 in a.las and 4 more; float64 in f.xyz.");
   says_line(run.out, "No points are in g.ply.");
   says_line(run.out, "1 point has coordinates that are not finite, in f.xyz.");
@@ -457,7 +456,9 @@ TEST(PlanArea, DensityNeverRisesWhereEveryOccupiedCellKeepsAPoint) {
     const double side = area_of(all).cell_side();
     for (const std::size_t each : {1, 2, 5, 20}) {
       std::map<std::pair<double, double>, std::size_t> kept;
-      const auto cell_of = [&](const auto& p) { return std::pair(std::floor(p.first / side), std::floor(p.second / side)); };
+      const auto cell_of = [&](const auto& p) {
+        return std::pair(std::floor(p.first / side), std::floor(p.second / side));
+      };
       const Places left = without(all, [&](const auto& p) { return kept[cell_of(p)]++ >= each; });
       EXPECT_LE(density_of(left), density_of(all)) << each;
     }

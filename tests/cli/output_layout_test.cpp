@@ -68,8 +68,8 @@ TEST_F(Layout, ColorsRaiseThePointFormat) {
   write("a.txt", "x y z intensity\n0.5 1.25 2 7\n3 4 5 8\n3 4 7 9\n");
   made("run a.txt a.las -q --pipeline 'decimate(1)'");
   EXPECT_NE(format("a.las").find("point format 6"), std::string::npos) << format("a.las");
-  for (const char* pipeline : {"color(z)", "color(z, bits=8)", "color(z, bits=16)",
-                               "set(red = 65535, green = z * 100, blue = 0)"}) {
+  for (const char* pipeline :
+       {"color(z)", "color(z, bits=8)", "color(z, bits=16)", "set(red = 65535, green = z * 100, blue = 0)"}) {
     made(fmt::format("run a.las c.las -q -f --pipeline '{}'", pipeline));
     EXPECT_NE(format("c.las").find("point format 7"), std::string::npos) << pipeline << format("c.las");
     for (const char* color : {"red", "green", "blue"}) EXPECT_EQ(field("c.las", color).type, Type::u16) << pipeline;
@@ -125,10 +125,10 @@ std::string levels(bool has_nan) {
 
 TEST_F(Layout, TheFirstRowThatTheOutputCannotHoldIsNamedInEveryOrder) {
   const std::string far = "set(x = 1e300 where level > 38)";
-  for (const auto& [row, has_nan, before] : {std::tuple{39, false, "knn(k=4) | normals | "},
-                                             std::tuple{2, true, "knn(k=4) | normals | "},
-                                             std::tuple{39, false, "knn(k=4) | where(level > 20) | normals | "},
-                                             std::tuple{39, false, "where(level > 20) | "}}) {
+  for (const auto& [row, has_nan, before] :
+       {std::tuple{39, false, "knn(k=4) | normals | "}, std::tuple{2, true, "knn(k=4) | normals | "},
+        std::tuple{39, false, "knn(k=4) | where(level > 20) | normals | "},
+        std::tuple{39, false, "where(level > 20) | "}}) {
     write("a.txt", levels(has_nan));
     for (const char* how : {"--threads 1", "--threads 5", "--order sweep --threads 1", "--order sweep --threads 5",
                             "--order sweep --memory 40M", "--engine reference", "--engine reference --order sweep"}) {

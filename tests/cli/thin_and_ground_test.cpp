@@ -39,7 +39,8 @@ TEST_F(ThinAndGround, TheOldNameOfVoxelKeepIsTakenWithANote) {
   const Result result = tool("thin all.txt old.ply --voxel 1.3 --choose hash --no-provenance");
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.err.find("note: --choose is called --voxel-keep now"), std::string::npos) << result.err;
-  EXPECT_EQ(contents(folder_ / "old.ply"), made("thin all.txt new.ply -q --voxel 1.3 --voxel-keep hash --no-provenance", "new.ply"));
+  EXPECT_EQ(contents(folder_ / "old.ply"),
+            made("thin all.txt new.ply -q --voxel 1.3 --voxel-keep hash --no-provenance", "new.ply"));
   EXPECT_EQ(tool("help thin").out.find("--choose"), std::string::npos);
 }
 

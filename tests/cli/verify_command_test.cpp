@@ -8,9 +8,7 @@ class VerifyVerb : public Tool {
  protected:
   VerifyVerb() { EXPECT_EQ(tool("generate statue in.ply -n 4000 --noise 0.002").status, 0); }
 
-  static std::string last_line(const std::string& text) {
-    return text.substr(text.rfind('\n', text.size() - 2) + 1);
-  }
+  static std::string last_line(const std::string& text) { return text.substr(text.rfind('\n', text.size() - 2) + 1); }
   void same(const std::string& arguments, const std::string& words = "") {
     const Result result = tool("verify " + arguments);
     EXPECT_EQ(result.status, 0) << arguments << "\n" << result.out << result.err;
@@ -66,8 +64,7 @@ TEST_F(VerifyVerb, WhatDiffersIsStatus1AndOneSentence) {
   const Result result = tool("verify in.ply out.ply");
   EXPECT_EQ(result.status, 1);
   EXPECT_EQ(last_line(result.out), "out.ply: 1 of 4,000 samples is wrong\n");
-  EXPECT_TRUE(result.err.starts_with("error: out.ply: 1 of 4,000 samples is wrong: row 3999: nz is "))
-      << result.err;
+  EXPECT_TRUE(result.err.starts_with("error: out.ply: 1 of 4,000 samples is wrong: row 3999: nz is ")) << result.err;
   EXPECT_EQ(tool("verify in.ply out.ply --quiet").out, "");
 }
 

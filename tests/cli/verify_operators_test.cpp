@@ -52,7 +52,8 @@ class VerifyOperators : public Tool {
   void same(const std::string& arguments, const std::string& what) {
     const Result result = tool("verify " + arguments);
     EXPECT_TRUE(result.status == 0 || (result.status == 3 && only_rounding_is_open(result.out)))
-        << what << "\n" << result.out << result.err;
+        << what << "\n"
+        << result.out << result.err;
     EXPECT_EQ(result.out.find("not independent"), std::string::npos) << what << "\n" << result.out;
   }
 
@@ -194,7 +195,7 @@ TEST_F(VerifyOperators, Ground) {
 
 TEST_F(VerifyOperators, LabelsOfNeighborsWhereTheMemoryDoesNotHoldAllPoints) {
   const std::string little = " --memory 60k";  // of the sweep's order, not of a graph
-  std::size_t turn = 0;  // each cloud but one takes half of the pipelines
+  std::size_t turn = 0;                        // each cloud but one takes half of the pipelines
   for (const auto& [name, shape] : hostile_shapes()) {
     write_hostile(shape);
     ++turn;

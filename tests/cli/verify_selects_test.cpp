@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// `verify` of outputs without the rows that a select after other stages has left out: right ones pass, and a value that was
-/// changed, a row that should stay and a row that should go are found.
+/// `verify` of outputs without the rows that a select after other stages has left out: right ones pass, and a value
+/// that was changed, a row that should stay and a row that should go are found.
 #include <fmt/format.h>
 
 #include <algorithm>

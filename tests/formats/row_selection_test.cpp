@@ -31,13 +31,13 @@ struct Selected {
   std::vector<std::uint32_t> read(std::uint64_t first, std::size_t most) {
     std::vector<std::uint32_t> records(most);
     const std::size_t n = SelectionCursor(selection).read(first, 4, std::as_writable_bytes(std::span(records)),
-                                         [&](std::uint64_t row, std::span<std::byte> out) {
-                                           ASSERT_LE(row + out.size() / 4, bits.size());
-                                           for (std::size_t i = 0; i < out.size(); i += 4, ++row) {
-                                             const auto number = static_cast<std::uint32_t>(row);
-                                             std::memcpy(out.data() + i, &number, 4);
-                                           }
-                                         });
+                                                          [&](std::uint64_t row, std::span<std::byte> out) {
+                                                            ASSERT_LE(row + out.size() / 4, bits.size());
+                                                            for (std::size_t i = 0; i < out.size(); i += 4, ++row) {
+                                                              const auto number = static_cast<std::uint32_t>(row);
+                                                              std::memcpy(out.data() + i, &number, 4);
+                                                            }
+                                                          });
     records.resize(n);
     return records;
   }

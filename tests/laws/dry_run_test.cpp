@@ -72,8 +72,8 @@ class DryRun : public testing::Test {
   DryRun() : other_(testing::TempDir() + fmt::format("pointsweep-dry-run-{}.xyz", getpid())) {
     std::ofstream(other_) << "0 0 0\n1 1 1\n";
     for (const char* name : {"x", "y", "z"}) input_.schema.append(name, Type::f64);
-    for (const char* name : {"nx", "ny", "nz", "k1", "splat_axis_x", "splat_axis_y", "splat_axis_z", "splat_length",
-                             "splat_ratio"})
+    for (const char* name :
+         {"nx", "ny", "nz", "k1", "splat_axis_x", "splat_axis_y", "splat_axis_z", "splat_length", "splat_ratio"})
       input_.schema.append(name, Type::f32);
     input_.schema.append("classification", Type::u8);
     input_.schema.append("intensity", Type::u16);

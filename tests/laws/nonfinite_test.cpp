@@ -153,9 +153,8 @@ class Judgement {
     const std::vector<Attribute> reads = contract_of(*maker.op()).reads;
     const bool moves = a.name == position_attribute().name, pointwise = is_pointwise(*maker.op());
     const auto is_read = [&](const std::string& field) {
-      return std::ranges::any_of(reads, [&](const Attribute& read) {
-        return std::ranges::find(read.fields, field) != read.fields.end();
-      });
+      return std::ranges::any_of(
+          reads, [&](const Attribute& read) { return std::ranges::find(read.fields, field) != read.fields.end(); });
     };
     const bool remade = moves || std::ranges::all_of(a.fields, is_read);
     for (const std::string& field : a.fields) {

@@ -86,9 +86,9 @@ TEST_F(PromisedTypes, DoublesOfTheInputAreRoundedForEveryOperator) {
       ASSERT_EQ(got.statistics.points_written, expected.statistics.points_written) << one.pipeline;
       for (const std::string& field : made)
         if (got.schema.find(field)) {
-          EXPECT_TRUE(std::ranges::equal(got.field(field), expected.field(field), [](double a, double b) {
-            return a == b || (std::isnan(a) && std::isnan(b));
-          })) << one.pipeline << ": " << field;
+          EXPECT_TRUE(std::ranges::equal(got.field(field), expected.field(field),
+                                         [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }))
+              << one.pipeline << ": " << field;
           ++compared;
         }
     }

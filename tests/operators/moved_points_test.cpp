@@ -42,8 +42,8 @@ struct MovedCloud {
   std::vector<Vec3> points;
   Lists lists;
 
-  InCoreResult apply(const LocalOperator& op, const std::vector<Column>& reads = {}, const std::vector<Column>& near = {},
-                     std::size_t cell_points = kCellCapacity) const {
+  InCoreResult apply(const LocalOperator& op, const std::vector<Column>& reads = {},
+                     const std::vector<Column>& near = {}, std::size_t cell_points = kCellCapacity) const {
     return InCoreCloud(points, lists, cell_points, true).apply(op, reads, near);
   }
   Vector offset(std::size_t i, std::uint32_t j) const {

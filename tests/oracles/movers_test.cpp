@@ -104,7 +104,8 @@ TEST(OraclesOfMovedPoints, NewNeighborhoodsAreThoseOfTheMovedPositions) {
     Chain chain = build_chain(parse_pipeline("knn(k=11) | " + behind), after.cloud());
     // The widths of fairing are those of the input's diagonal.
     for (ChainStage& stage : chain.stages)
-      if (name_of(stage) == "fair") stage = std::get<std::shared_ptr<const LocalOperator>>(
+      if (name_of(stage) == "fair")
+        stage = std::get<std::shared_ptr<const LocalOperator>>(
             with_input_values(operators_of({stage}), points.cloud()).front());
     const OracleReport report = Oracle(after.cloud(), chain).compare(whole);
     EXPECT_EQ(report.wrong, 0u) << behind << ", of " << report.values;

@@ -251,7 +251,8 @@ TEST(RunMemory, FewerThreadsWorkWhereTheBudgetHasNoRoomForAll) {
       }
       EXPECT_NE(memory(chain, mega, planned.threads + 1).threads_note, "") << "as many as fit";
       const std::string& note = planned.threads_note;
-      const std::string begin = fmt::format("{} of 64 threads work: a memory budget of {} MB has", planned.threads, mega);
+      const std::string begin =
+          fmt::format("{} of 64 threads work: a memory budget of {} MB has", planned.threads, mega);
       EXPECT_EQ(note.find(begin), 0u) << note;
       const std::uint64_t enough = std::stoull(note.substr(note.find("--memory ") + 9));
       EXPECT_EQ(memory(chain, enough, 64).threads, 64u);

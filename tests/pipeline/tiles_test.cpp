@@ -306,7 +306,8 @@ TEST_F(Tiles, ThatLoseAllRowsAreEmptyFilesAndNamedInOneSentence) {
   EXPECT_EQ(FileContent(folder_ / "out/a.las").rows, 0u);
   EXPECT_EQ(FileContent(folder_ / "out/c.ply").rows, 49u);
   EXPECT_EQ(statistics.points_written, 49u);
-  EXPECT_THAT(statistics.warnings, testing::Contains(HasSubstr("no point passed for 4 outputs, which are empty, the first ")));
+  EXPECT_THAT(statistics.warnings,
+              testing::Contains(HasSubstr("no point passed for 4 outputs, which are empty, the first ")));
 }
 
 TEST_F(Tiles, PointsThatAreNotFiniteAreDroppedFromTheirTileAlone) {

@@ -14,13 +14,13 @@ inline void add_operators_of(const std::vector<ChainStage>& stages, std::vector<
   const auto refuse = [] { throw std::logic_error("the chain has something else than operators"); };
   for (const ChainStage& stage : stages)
     std::visit(
-        overloaded{[&](const std::shared_ptr<const LocalOperator>& op) { operators.push_back(op); },
-                   [&](const std::shared_ptr<const SelectOperator>& op) { operators.push_back(op); },
-                   [&](const std::shared_ptr<const InOrderOperator>& op) { operators.push_back(op); },
-                   [&](const std::shared_ptr<const ConnectOperator>& op) { operators.push_back(op); },
-                   [&](const std::shared_ptr<const CompositeOperator>& op) { add_operators_of(op->parts(), operators); },
-                   [&](const Drop&) { refuse(); }, [&](const Reneighbor&) { refuse(); },
-                   [&](const Resort&) { refuse(); }},
+        overloaded{
+            [&](const std::shared_ptr<const LocalOperator>& op) { operators.push_back(op); },
+            [&](const std::shared_ptr<const SelectOperator>& op) { operators.push_back(op); },
+            [&](const std::shared_ptr<const InOrderOperator>& op) { operators.push_back(op); },
+            [&](const std::shared_ptr<const ConnectOperator>& op) { operators.push_back(op); },
+            [&](const std::shared_ptr<const CompositeOperator>& op) { add_operators_of(op->parts(), operators); },
+            [&](const Drop&) { refuse(); }, [&](const Reneighbor&) { refuse(); }, [&](const Resort&) { refuse(); }},
         stage);
 }
 

@@ -145,7 +145,8 @@ TEST(Region, StopsWhenItWouldHoldTooManyPoints) {
   EXPECT_FALSE(region.collect({.whole_balls = {{cloud.points[0], 1e12}}, .most_points = 500}));
   EXPECT_LT(region.slabs_read().slabs, cloud.stream.slabs().size());
   Region of_the_nearest(cloud.stream, cloud.loader, cloud.frontier, 1);
-  EXPECT_TRUE(of_the_nearest.collect({.balls = {{cloud.points[0], 1e12}}, .nearest = 400, .most_points = 500})) << "more come in before the ball shrinks";
+  EXPECT_TRUE(of_the_nearest.collect({.balls = {{cloud.points[0], 1e12}}, .nearest = 400, .most_points = 500}))
+      << "more come in before the ball shrinks";
 }
 
 TEST(Region, AsManyPointsAsAskedLieWithinTheDistanceThatHoldsThem) {
@@ -155,8 +156,7 @@ TEST(Region, AsManyPointsAsAskedLieWithinTheDistanceThatHoldsThem) {
     const Vec3 p = cloud.points[i];
     for (const std::uint64_t count : {std::uint64_t{1}, std::uint64_t{9}, std::uint64_t{300}, std::uint64_t{4000}}) {
       const double reach2 = region.reach2_that_holds(p, count);
-      const auto within =
-          std::ranges::count_if(cloud.points, [&](const Vec3& q) { return distance2(p, q) <= reach2; });
+      const auto within = std::ranges::count_if(cloud.points, [&](const Vec3& q) { return distance2(p, q) <= reach2; });
       ASSERT_GE(static_cast<std::uint64_t>(within), count);
       ASSERT_EQ(region.touches_more_than(count - 1, p, reach2), true);
     }

@@ -55,7 +55,7 @@ inline Chain deep_chain(std::size_t k) {
 }
 
 inline Swept swept(const std::vector<Vec3>& points, const Chain& chain, std::uint64_t slab_points,
-            const SweepOptions& options) {
+                   const SweepOptions& options) {
   const PointSource source = source_of(points);
   PlannedPass planned = plan_chain(chain, source.schema).passes.front();
   StreamOptions order;

@@ -12,9 +12,9 @@ bool is_file_pattern(const std::filesystem::path& path);
 
 /// The files that the pattern matches, or the folders if it ends in '/', each once and in no certain order. * and ?
 /// stand for any characters but '/', [a-z] for one of them, ** as a whole name for any number of nested folders. Names
-/// that begin with a dot match only where the pattern has the dot. A file or folder that has a name of the pattern as its
-/// own, as "scan [2]" in "scan [2]/*.laz", is the only match of that name. Links are followed, but not by **. Throws
-/// Error for a folder that cannot be read.
+/// that begin with a dot match only where the pattern has the dot. A file or folder that has a name of the pattern as
+/// its own, as "scan [2]" in "scan [2]/*.laz", is the only match of that name. Links are followed, but not by **.
+/// Throws Error for a folder that cannot be read.
 std::vector<std::filesystem::path> matches_of(const std::filesystem::path& pattern);
 
 /// The folders before the first name that is a pattern: "tiles" of "tiles/*/a.laz", "" if there are none.

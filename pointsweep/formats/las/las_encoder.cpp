@@ -70,17 +70,18 @@ void LasEncoder::refuse(int axis, std::uint64_t row, double value) const {
   const std::string remedy = fitting_scale_ && (*fitting_scale_)[axis] > scale_[axis]
                                  ? fmt::format(" a scale of {} would reach all points;", (*fitting_scale_)[axis])
                                  : "";
-  fail("{}: {} of row {} is {}, too far from the offset {} for the scale {} of this LAS file;{} write PLY, or leave out "
-       "points that are far from the others.",
-       path_, "xyz"[axis], row, value, offset_[axis], scale_[axis], remedy);
+  fail(
+      "{}: {} of row {} is {}, too far from the offset {} for the scale {} of this LAS file;{} write PLY, or leave out "
+      "points that are far from the others.",
+      path_, "xyz"[axis], row, value, offset_[axis], scale_[axis], remedy);
 }
 
 std::string LasEncoder::rounding() const {
   if (!rounds_) return "";
   const double coarsest = std::max({scale_.x, scale_.y, scale_.z});
   const bool alike = scale_.x == scale_.y && scale_.y == scale_.z;
-  const std::string steps = alike ? fmt::format("{}", scale_.x)
-                                  : fmt::format("{} in x, {} in y and {} in z", scale_.x, scale_.y, scale_.z);
+  const std::string steps =
+      alike ? fmt::format("{}", scale_.x) : fmt::format("{} in x, {} in y and {} in z", scale_.x, scale_.y, scale_.z);
   return fmt::format("{}: moved coordinates are rounded to steps of {}, by at most {}.", path_, steps, coarsest / 2);
 }
 

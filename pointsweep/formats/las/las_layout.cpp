@@ -43,7 +43,8 @@ bool is_position_field(std::string_view name) { return name == "x" || name == "y
 /// Collects the layout field by field.
 class Builder {
  public:
-  Builder(const OutputPlan& plan, LasPoints points) : plan_(plan), points_(points), input_(extras_as<LasExtras>(plan.extras)) {
+  Builder(const OutputPlan& plan, LasPoints points)
+      : plan_(plan), points_(points), input_(extras_as<LasExtras>(plan.extras)) {
     layout_.header = input_ != nullptr ? input_->header : new_las_header();
     if (input_ != nullptr) layout_.input = input_->file;
     layout_.from.stride = plan.schema.stride;
@@ -383,7 +384,8 @@ bool las_begins_with_records_of(const LasExtras& input, const Schema& schema) {
     Field field = all[i];
     if (i < 3) {
       if (field.offset != i * size_of(field.type) || field.bit_width != 0) return false;
-      field = {.name = field.name, .type = Type::i32, .offset = own[i].offset, .scale = own[i].scale, .bias = own[i].bias};
+      field = {
+          .name = field.name, .type = Type::i32, .offset = own[i].offset, .scale = own[i].scale, .bias = own[i].bias};
     } else {
       field.offset -= longer;
     }

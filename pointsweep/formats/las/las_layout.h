@@ -40,23 +40,23 @@ struct LasLayout {
 
   /// Two schemas with fields paired by name: what comes, and the records of the file.
   Schema from, to;
-  Field x, y, z;                  ///< of `from`
-  bool positions_change = false;  ///< coordinates have to be quantised, which may fail
-  bool points_moved = false;      ///< those are of points that stages have moved
-  bool keeps_scale = false;       ///< those are rounded to steps of the input
+  Field x, y, z;                      ///< of `from`
+  bool positions_change = false;      ///< coordinates have to be quantised, which may fail
+  bool points_moved = false;          ///< those are of points that stages have moved
+  bool keeps_scale = false;           ///< those are rounded to steps of the input
   std::optional<Vec3> fitting_scale;  ///< scales that hold all coordinates, where the bounds are known
-  bool returns_missing = false;   ///< no return numbers come: every point is return 1 of 1
+  bool returns_missing = false;       ///< no return numbers come: every point is return 1 of 1
 
   /// If they are not compressed.
   std::uint64_t points_end(std::uint64_t count) const;
 };
 
-/// Input LAS and records that begin with its records, whose coordinates may be real numbers instead: everything of it is
-/// kept, made fields are appended as extra bytes; a made field that bears the name of one of the point format's
+/// Input LAS and records that begin with its records, whose coordinates may be real numbers instead: everything of it
+/// is kept, made fields are appended as extra bytes; a made field that bears the name of one of the point format's
 /// (classification, ...) is stored there.
-/// Otherwise, and where a made field is one of another point format (colours): the shortest point format that holds the fields (choose_las_point_format(); 6 to 10 only, unless an
-/// input is LAS or was); header, VLRs and EVLRs of a LAS input are kept, values that do not fit the LAS field are
-/// stored there rounded and as extra bytes exactly.
+/// Otherwise, and where a made field is one of another point format (colours): the shortest point format that holds the
+/// fields (choose_las_point_format(); 6 to 10 only, unless an input is LAS or was); header, VLRs and EVLRs of a LAS
+/// input are kept, values that do not fit the LAS field are stored there rounded and as extra bytes exactly.
 LasLayout lay_out_las(const OutputPlan& plan, LasPoints points = LasPoints::plain);
 
 /// True if `schema` begins with the records of `input`, whose coordinates may have another scale and offset or be real

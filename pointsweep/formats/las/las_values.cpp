@@ -17,9 +17,7 @@ namespace {
 
 constexpr std::size_t kBlockRows = 8192;
 
-bool is_las(const std::unique_ptr<Reader>& reader) {
-  return extras_as<LasExtras>(reader->info().extras) != nullptr;
-}
+bool is_las(const std::unique_ptr<Reader>& reader) { return extras_as<LasExtras>(reader->info().extras) != nullptr; }
 
 LasQuantization grid_of(const PositionFields& p) {
   return {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
@@ -113,7 +111,7 @@ KnownValues las_values(InputCloud& cloud, const std::function<void(std::uint64_t
   const auto* const first = extras_as<LasExtras>(extras);
   if (first == nullptr || !las_begins_with_records_of(*first, cloud.schema()))
     fields = undecided_las_fields(cloud.schema(), values.ranges, from_las);
-  const auto coordinates = values.by_decimals                        ? Look::For::decimals
+  const auto coordinates = values.by_decimals                   ? Look::For::decimals
                            : real && from_las && !values.rounds ? Look::For::grid
                                                                 : Look::For::nothing;
   Look look(cloud, values, fields, coordinates);

@@ -125,8 +125,6 @@ class PlyWriter final : public RecordWriter {
 
 }  // namespace
 
-std::unique_ptr<Writer> create_ply_writer(const OutputPlan& plan) {
-  return std::make_unique<PlyWriter>(plan);
-}
+std::unique_ptr<Writer> create_ply_writer(const OutputPlan& plan) { return std::make_unique<PlyWriter>(plan); }
 
 }  // namespace pointsweep

@@ -179,7 +179,8 @@ void find_written(ChainPlan& plan, const Schema& input) {
         std::ranges::find(plan.made, plan.graph.versions[v].attribute.name, &Attribute::name) != plan.made.end();
   if (plan.made.empty() && !plan.selects() && !plan.graph.drops)
     fail_usage(
-        "the pipeline computes nothing; add an operator, as in knn(k=8) | normals, or copy the points with decimate(1).");
+        "the pipeline computes nothing; add an operator, as in knn(k=8) | normals, or copy the points with "
+        "decimate(1).");
 }
 
 bool orders_by_moved_positions(const ChainGraph& graph) {

@@ -3,12 +3,12 @@
 #include <algorithm>
 
 #include "pointsweep/pipeline/forest_estimate.h"
+#include "pointsweep/pipeline/in_order_pass.h"
 #include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/run/made_rows.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/survey_input.h"
-#include "pointsweep/pipeline/in_order_pass.h"
 
 namespace pointsweep {
 namespace {

@@ -166,9 +166,8 @@ Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptio
       options.resources.threads != 0 ? options.resources.threads : std::max(1u, std::thread::hardware_concurrency());
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
   Statistics statistics;
-  with_threads(threads, [&] {
-    statistics = run_phases(std::make_unique<RunState>(cloud, outputs, options, std::move(plan)));
-  });
+  with_threads(threads,
+               [&] { statistics = run_phases(std::make_unique<RunState>(cloud, outputs, options, std::move(plan))); });
   return statistics;
 }
 

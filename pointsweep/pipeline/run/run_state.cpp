@@ -92,8 +92,8 @@ SpillPlace RunState::place(const char* kind, std::size_t p, bool spills) const {
 }
 
 PointSource RunState::cloud_source() {
-  return source_of(
-      cloud, [this](std::size_t n) { std::atomic_ref(statistics.bytes_read) += n * cloud.schema().stride; });
+  return source_of(cloud,
+                   [this](std::size_t n) { std::atomic_ref(statistics.bytes_read) += n * cloud.schema().stride; });
 }
 
 void RunState::warn(const std::string& sentence) {

@@ -88,7 +88,8 @@ void put_nonfinite(RunState& run, std::size_t p) {
     const std::size_t from = run.stream->record_schema().stride, to = layout->schema().stride;
     std::vector<std::byte> output(rows.size() * to);
     for (std::size_t i = 0; i < rows.size(); ++i)
-      layout->assemble(records.data() + i * from, made.data() + i * pass.plan.result_bytes, 1, output.data() + i * to, {rows[i]});
+      layout->assemble(records.data() + i * from, made.data() + i * pass.plan.result_bytes, 1, output.data() + i * to,
+                       {rows[i]});
     std::iota(rows.begin(), rows.end(), run.cloud.count() - run.stream->nonfinite_count() + first);
     run.results->put(rows, output);
   });

@@ -34,7 +34,8 @@ double plain(char sign, double a, double b) {
 
 PossibleNumber combined(char sign, PossibleNumber a, PossibleNumber b) {
   a = as_double(a), b = as_double(b);
-  if (a.is_exact() && b.is_exact()) return as_exact(plain(sign, static_cast<double>(a.low), static_cast<double>(b.low)));
+  if (a.is_exact() && b.is_exact())
+    return as_exact(plain(sign, static_cast<double>(a.low), static_cast<double>(b.low)));
   const PossibleNumber anything{-kInfinity, kInfinity, false};
   if (sign == '/' && b.low <= 0 && b.high >= 0) return anything;
   PossibleNumber out{kInfinity, -kInfinity, false};
