@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "pointsweep/neighborhood.h"
-#include "pointsweep/operators/stage_operator.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/points/promised_type.h"
 #include "pointsweep/points/schema.h"
 #include "reference/stream_point.h"

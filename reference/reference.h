@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "pointsweep/neighborhood.h"
-#include "pointsweep/operators/stage_operator.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/points/degenerate_rows.h"
 #include "reference/nearest_set.h"

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/input_cloud.h"
-#include "pointsweep/formats/write_behind.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/formats/records/write_behind.h"
 #include "pointsweep/threads.h"
 #include "pointsweep/writer.h"
 

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/engine_run.h"
 
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/formats/measured.h"
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/parallel_rows.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/threads.h"

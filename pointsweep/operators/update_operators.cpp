@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/update_operators.h"
 
-#include "pointsweep/operators/declaration.h"
-#include "pointsweep/operators/neighborhood_declaration.h"
+#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/neighborhood_declaration.h"
 
 namespace pointsweep {
 namespace {

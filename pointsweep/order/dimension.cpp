@@ -6,8 +6,8 @@
 #include <iterator>
 #include <vector>
 
+#include "pointsweep/math/middle_box.h"
 #include "pointsweep/math/sort.h"
-#include "pointsweep/order/middle_box.h"
 #include "pointsweep/order/survey.h"
 
 namespace pointsweep {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <ranges>
 
+#include "pointsweep/math/middle_box.h"
 #include "pointsweep/math/sort.h"
-#include "pointsweep/order/middle_box.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

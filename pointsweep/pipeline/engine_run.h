@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/run.h"
 
 namespace pointsweep {

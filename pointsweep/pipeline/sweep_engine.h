@@ -9,8 +9,8 @@
 
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/pipeline/engine_run.h"
-#include "pointsweep/pipeline/output_layout.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/pipeline/plan/output_layout.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/sweep/sweep.h"
 

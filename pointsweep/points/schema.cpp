@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <type_traits>
 
 #include "pointsweep/points/with_type.h"
@@ -82,6 +83,11 @@ bool is_in_range(const Field& field, double rounded) {
 }
 
 }  // namespace
+
+std::size_t bytes_of(const std::vector<Attribute>& attributes) {
+  return std::accumulate(attributes.begin(), attributes.end(), std::size_t{0},
+                         [](std::size_t sum, const Attribute& a) { return sum + a.bytes(); });
+}
 
 bool holds(const Field& field, double value) {
   const double bits = field.scale == 1 && field.bias == 0 ? value : (value - field.bias) / field.scale;

@@ -5,6 +5,7 @@
 /// that no stage names pass through unchanged (the paper's InputFields, Section 5.1).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -15,6 +16,11 @@
 #include "pointsweep/attribute.h"
 
 namespace pointsweep {
+
+/// The names of the coordinates in every schema.
+inline constexpr std::array<const char*, 3> kAxisNames{"x", "y", "z"};
+/// Returns the bytes of the values of one point.
+std::size_t bytes_of(const std::vector<Attribute>& attributes);
 
 /// Returns every spelling under which files hold the library's attribute field `name`, best first, e.g. for "nx": nx,
 /// normal_x, normalx, "normal x". A name without known aliases is its only spelling.

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/render/extents.h"
 #include "pointsweep/render/point_color.h"
 #include "pointsweep/render/row_stretches.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/render/canvas.h"
 #include "pointsweep/render/view.h"
 

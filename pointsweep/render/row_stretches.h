@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 
 namespace pointsweep {
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <string_view>
 
-#include "pointsweep/pipeline/registry.h"
+#include "pointsweep/pipeline/language/registry.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pointsweep/connect/edge_buckets.h"
-#include "pointsweep/operators/connect_operator.h"
+#include "pointsweep/operators/kinds/connect_operator.h"
 
 namespace pointsweep {
 

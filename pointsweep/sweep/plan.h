@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/stage_operator.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/search/best_list.h"
 
 namespace pointsweep {

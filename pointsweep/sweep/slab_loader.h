@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pointsweep/order/stream.h"
+#include "pointsweep/points/schema.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/search/cut.h"
 #include "pointsweep/sweep/plan.h"
@@ -55,5 +56,10 @@ class SlabLoader {
   mutable std::vector<std::unique_ptr<LoadScratch>> free_;  ///< scratch of loads that have ended, for later loads
   mutable FirstRowError refused_;
 };
+
+/// Fills `out` with the values of a file column, in the type that stages were promised, for records of `schema` whose
+/// rows are `rows`. Notes in `refused` values that this type cannot hold.
+void fill_file_column(const FileColumn& file, const Schema& schema, const std::byte* records,
+                      std::span<const std::uint64_t> rows, std::byte* out, FirstRowError& refused);
 
 }  // namespace pointsweep

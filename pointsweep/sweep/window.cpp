@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pointsweep/sweep/expected_reach.h"
+#include "pointsweep/search/expected_reach.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "pointsweep/verify/chain_values.h"
-#include "pointsweep/verify/sorted_cloud.h"
+#include "pointsweep/verify/values/sorted_cloud.h"
 
 namespace pointsweep {
 

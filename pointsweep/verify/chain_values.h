@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "pointsweep/neighborhood.h"
-#include "pointsweep/operators/stage_operator.h"
-#include "pointsweep/verify/cloud_formula.h"
-#include "pointsweep/verify/row_source.h"
-#include "pointsweep/verify/stage_formula.h"
-#include "pointsweep/verify/surroundings.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
+#include "pointsweep/verify/rows/row_source.h"
+#include "pointsweep/verify/search/surroundings.h"
+#include "pointsweep/verify/values/cloud_formula.h"
+#include "pointsweep/verify/values/stage_formula.h"
 
 namespace pointsweep {
 

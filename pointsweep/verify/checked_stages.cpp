@@ -7,8 +7,8 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/overloaded.h"
-#include "pointsweep/verify/cloud_formula.h"
-#include "pointsweep/verify/kept_rows.h"
+#include "pointsweep/verify/values/cloud_formula.h"
+#include "pointsweep/verify/values/kept_rows.h"
 
 namespace pointsweep {
 namespace {

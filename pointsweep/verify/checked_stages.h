@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/verify/verify.h"
 

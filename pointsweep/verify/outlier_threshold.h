@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/stage_operator.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/reader.h"
-#include "pointsweep/verify/row_source.h"
-#include "pointsweep/verify/stage_formula.h"
-#include "pointsweep/verify/surroundings.h"
+#include "pointsweep/verify/rows/row_source.h"
+#include "pointsweep/verify/search/surroundings.h"
+#include "pointsweep/verify/values/stage_formula.h"
 
 namespace pointsweep {
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "pointsweep/pipeline/parse.h"
+#include "pointsweep/pipeline/language/parse.h"
 #include "pointsweep/verify.h"
 
 namespace pointsweep {

@@ -4,15 +4,15 @@
 #include <algorithm>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/verify/arrivals.h"
 #include "pointsweep/verify/chain_values.h"
-#include "pointsweep/verify/input_values.h"
-#include "pointsweep/verify/made_fields.h"
-#include "pointsweep/verify/made_value.h"
 #include "pointsweep/verify/outlier_threshold.h"
-#include "pointsweep/verify/row_alignment.h"
-#include "pointsweep/verify/sample_rows.h"
-#include "pointsweep/verify/sweep_rows.h"
+#include "pointsweep/verify/rows/arrivals.h"
+#include "pointsweep/verify/rows/input_values.h"
+#include "pointsweep/verify/rows/made_fields.h"
+#include "pointsweep/verify/rows/made_value.h"
+#include "pointsweep/verify/rows/row_alignment.h"
+#include "pointsweep/verify/rows/sample_rows.h"
+#include "pointsweep/verify/rows/sweep_rows.h"
 
 namespace pointsweep {
 namespace {

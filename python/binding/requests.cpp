@@ -10,9 +10,9 @@
 #include <utility>
 #include <variant>
 
-#include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/parse.h"
-#include "pointsweep/pipeline/run_words.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/language/parse.h"
+#include "pointsweep/pipeline/language/run_words.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/crs_values.h"
 

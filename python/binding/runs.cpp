@@ -16,13 +16,13 @@
 #include <variant>
 #include <vector>
 
-#include "pointsweep/operators/declaration.h"
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/canonical_text.h"
-#include "pointsweep/pipeline/length_units.h"
-#include "pointsweep/pipeline/parse.h"
-#include "pointsweep/pipeline/run_words.h"
+#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/language/canonical_text.h"
+#include "pointsweep/pipeline/language/length_units.h"
+#include "pointsweep/pipeline/language/parse.h"
+#include "pointsweep/pipeline/language/run_words.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/neighbor_arrays.h"
 #include "python/binding/python_operator.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Whatever becomes of standard output and standard error: no verb aborts, loses its status or writes its words into a
 /// file.
-#include "cli/console.h"
+#include "cli/console/console.h"
 
 #include <fcntl.h>
 #include <stdlib.h>
@@ -12,8 +12,8 @@
 #include <sstream>
 #include <vector>
 
-#include "cli/commands.h"
 #include "cli/tool.h"
+#include "cli/verbs/commands.h"
 #include "tests/cli/tool.h"
 
 namespace pointsweep {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// What the tool says to a new user: help, version, near names, and texts that work as they stand.
-#include "cli/help.h"
+#include "cli/text/help.h"
 
 #include <fmt/format.h>
 
@@ -10,10 +10,10 @@
 #include <sstream>
 #include <vector>
 
-#include "cli/commands.h"
-#include "cli/operator_listing.h"
-#include "pointsweep/pipeline/registry.h"
-#include "pointsweep/pipeline/run_words.h"
+#include "cli/text/operator_listing.h"
+#include "cli/verbs/commands.h"
+#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/pipeline/language/run_words.h"
 #include "pointsweep/reader.h"
 #include "tests/cli/tool.h"
 

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "cli/operator_listing.h"
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/pipeline/registry.h"
+#include "cli/text/operator_listing.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/pipeline/language/registry.h"
 #include "tests/cli/tool.h"
 
 namespace pointsweep {

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "cli/commands.h"
+#include "cli/verbs/commands.h"
 #include "pointsweep/error.h"
 #include "pointsweep/formats/registry.h"
 #include "tests/cli/tool.h"

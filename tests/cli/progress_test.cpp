@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/progress.h"
+#include "cli/verbs/progress.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "tests/cli/tool.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/quantities.h"
+#include "cli/console/quantities.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/declaration.h"
-#include "pointsweep/pipeline/registry.h"
+#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/pipeline/language/registry.h"
 #include "tests/cli/tool.h"
 #include "tests/formats/las_decode.h"
 

@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <vector>
 
-#include "cli/commands.h"
+#include "cli/verbs/commands.h"
 #include "tests/cli/tool.h"
 
 namespace pointsweep {
@@ -133,7 +133,8 @@ void expect_no_empty_value(const std::string& verb, const std::string& flag) {
     ADD_FAILURE() << verb << " " << flag;
   } catch (const CLI::ParseError& error) {
     const std::string sentence = error.what();
-    EXPECT_TRUE(sentence.find("the value is empty") != std::string::npos || sentence.find("not in range") != std::string::npos)
+    EXPECT_TRUE(sentence.find("the value is empty") != std::string::npos ||
+                sentence.find("not in range") != std::string::npos)
         << verb << " " << flag << ": " << sentence;
   }
 }

@@ -7,10 +7,10 @@
 #include <cstring>
 #include <thread>
 
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/order/parallel_rows.h"
-#include "pointsweep/pipeline/cloud_source.h"
+#include "pointsweep/pipeline/rows/cloud_source.h"
 #include "pointsweep/reader.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 

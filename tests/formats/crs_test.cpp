@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/wkt.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "tests/formats/las_test_file.h"

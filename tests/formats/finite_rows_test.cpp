@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/writer.h"
 

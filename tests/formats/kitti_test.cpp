@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/registry.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"

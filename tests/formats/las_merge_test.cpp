@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/las/las_values.h"
-#include "pointsweep/pipeline/output_set.h"
+#include "pointsweep/pipeline/output/output_set.h"
 #include "tests/formats/las_decode.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"

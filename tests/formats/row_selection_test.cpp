@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/row_selection.h"
+#include "pointsweep/formats/cloud/row_selection.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/registry.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/write_behind.h"
+#include "pointsweep/formats/records/write_behind.h"
 
 #include <gtest/gtest.h>
 

@@ -16,7 +16,7 @@
 #include "pointsweep/formats/qsplat/qsplat_reader.h"
 #include "pointsweep/formats/text/text_reader.h"
 #include "pointsweep/formats/vtk/vtk_reader.h"
-#include "pointsweep/pipeline/parse.h"
+#include "pointsweep/pipeline/language/parse.h"
 #include "tests/fuzz/read_everything.h"
 
 namespace pointsweep {

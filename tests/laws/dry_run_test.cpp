@@ -10,7 +10,7 @@
 #include <map>
 
 #include "pointsweep/in_order_operator.h"
-#include "pointsweep/pipeline/preview.h"
+#include "pointsweep/pipeline/run/preview.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/support/every_operator.h"
 

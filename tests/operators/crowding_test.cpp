@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/density.h"
-#include "pointsweep/operators/local_outlier_factor.h"
-#include "pointsweep/operators/radius_outliers.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/operators/statistics/density.h"
+#include "pointsweep/operators/statistics/local_outlier_factor.h"
+#include "pointsweep/operators/statistics/radius_outliers.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/pipeline/refusal.h"
 

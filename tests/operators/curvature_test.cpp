@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/curvature.h"
+#include "pointsweep/operators/surface/curvature.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <numbers>
 #include <vector>
 
-#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "tests/operators/analytic_surface.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/in_core.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/expression.h"
+#include "pointsweep/operators/expressions/expression.h"
 
 #include <gtest/gtest.h>
 

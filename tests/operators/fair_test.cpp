@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/fair.h"
+#include "pointsweep/operators/surface/fair.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/operators/splats.h"
+#include "pointsweep/operators/surface/normals.h"
+#include "pointsweep/operators/surface/splats.h"
 #include "tests/operators/analytic_surface.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/in_core.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/features.h"
+#include "pointsweep/operators/surface/features.h"
 
 #include <gtest/gtest.h>
 

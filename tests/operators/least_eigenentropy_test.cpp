@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/least_eigenentropy.h"
+#include "pointsweep/operators/declare/least_eigenentropy.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/limits_from_attributes.h"
+#include "pointsweep/operators/declare/limits_from_attributes.h"
 
 #include <gtest/gtest.h>
 

@@ -15,12 +15,12 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/curvature.h"
-#include "pointsweep/operators/fair.h"
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/operators/neighborhood_size.h"
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/operators/splats.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/operators/statistics/neighborhood_size.h"
+#include "pointsweep/operators/surface/curvature.h"
+#include "pointsweep/operators/surface/fair.h"
+#include "pointsweep/operators/surface/normals.h"
+#include "pointsweep/operators/surface/splats.h"
 #include "tests/operators/analytic_surface.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/in_core.h"

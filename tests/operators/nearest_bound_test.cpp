@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/nearest_bound.h"
+#include "pointsweep/operators/nearest/nearest_bound.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
 
 #include <gtest/gtest.h>
 

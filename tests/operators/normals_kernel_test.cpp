@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/normals_kernel.h"
+#include "pointsweep/operators/surface/normals_kernel.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/surface/normals.h"
 
 #include <gtest/gtest.h>
 

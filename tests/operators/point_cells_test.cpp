@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/point_cells.h"
+#include "pointsweep/operators/nearest/point_cells.h"
 
 #include <gtest/gtest.h>
 
@@ -130,7 +130,8 @@ TEST(PointCells, FindTheNearestOfPlacesFarAwayAndInTheMiddle) {
   std::vector<Vec3> points = random_points(3000, {1, 1, 1}, 8);
   std::ranges::transform(points, points.begin(), on_sphere);
   const std::vector<Vec3> places = moved(random_points(2200, {1, 1, 1}, 9), 1, {-0.5, -0.5, -0.5});
-  for (const Vec3 far : {Vec3{100, 0, 0}, Vec3{0, -3, 0}, Vec3{7, 7, 1e6}, Vec3{1e9, 1e9, -1e9}, Vec3{1e12, -3e11, 2e11}})
+  for (const Vec3 far :
+       {Vec3{100, 0, 0}, Vec3{0, -3, 0}, Vec3{7, 7, 1e6}, Vec3{1e9, 1e9, -1e9}, Vec3{1e12, -3e11, 2e11}})
     expect_nearest(points, moved(places, 1, far), 2, kAny);
   for (const double scale : {0.0, 1e-12, 0.01, 1.0}) expect_nearest(points, moved(places, scale, {}), 2, kAny);
   expect_nearest(points, moved(places, 1, {3, 0, 0}), 3, 7);  // of some places, a few or none

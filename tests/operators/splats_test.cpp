@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/splats.h"
+#include "pointsweep/operators/surface/splats.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/curvature.h"
-#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/surface/curvature.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "tests/operators/analytic_surface.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/in_core.h"

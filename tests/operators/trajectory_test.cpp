@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/trajectory.h"
+#include "pointsweep/operators/surface/trajectory.h"
 
 #include <gtest/gtest.h>
 

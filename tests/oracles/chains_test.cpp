@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Every operator at every point against its formula, in real runs: several slabs, two threads, in memory and spilled.
-#include "pointsweep/operators/fair.h"
-#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/operators/surface/fair.h"
 #include "tests/oracles/clouds.h"
 #include "tests/oracles/oracle.h"
 #include "tests/support/brute_force.h"

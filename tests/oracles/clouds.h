@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/sized.h"

@@ -2,9 +2,9 @@
 // What operators make of points that have moved: neighbourhoods of the search, positions of now.
 #include <fmt/format.h>
 
-#include "pointsweep/operators/fair.h"
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/operators/neighborhood_size.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/operators/statistics/neighborhood_size.h"
+#include "pointsweep/operators/surface/fair.h"
 #include "tests/oracles/clouds.h"
 #include "tests/oracles/oracle.h"
 

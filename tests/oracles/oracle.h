@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/verify/chain_values.h"
-#include "pointsweep/verify/cloud_rows.h"
-#include "pointsweep/verify/input_values.h"
-#include "pointsweep/verify/made_value.h"
+#include "pointsweep/verify/rows/cloud_rows.h"
+#include "pointsweep/verify/rows/input_values.h"
+#include "pointsweep/verify/rows/made_value.h"
 #include "tests/oracles/grid_neighbors.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/support/operators_of.h"
@@ -71,8 +71,8 @@ class Oracle {
       : source_(cloud),
         values_(with_input_values(operators_of(chain.stages), cloud), chain.keep, cloud.schema(),
                 chain.neighborhood.rule) {
-    const Surroundings all = surroundings_of_all(
-        positions_of(source_), with_named_neighborhoods(chain).neighborhood, values_.rings());
+    const Surroundings all =
+        surroundings_of_all(positions_of(source_), with_named_neighborhoods(chain).neighborhood, values_.rings());
     rows_ = all.row;
     const PhaseProgress silent;
     CloudRows rows(source_, source_, -1, std::uint64_t{1} << 30, silent);

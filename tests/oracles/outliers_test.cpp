@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// sor against a plain evaluation in long double over neighbours found by brute force, and its sums against each other.
-#include "pointsweep/operators/outliers.h"
+#include "pointsweep/operators/statistics/outliers.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/oracles/clouds.h"
 #include "tests/oracles/grid_neighbors.h"
 #include "tests/oracles/oracle.h"

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/formats/input_cloud.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/in_memory.h"
 
 namespace pointsweep {

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"

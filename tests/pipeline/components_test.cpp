@@ -11,8 +11,8 @@
 #include <tuple>
 
 #include "pointsweep/error.h"
-#include "pointsweep/operators/connected_components.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/operators/graph/connected_components.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/brute_components.h"
 #include "tests/pipeline/moving_clouds.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// crop: what is left is the cloud of the points that a plain loop finds inside.
-#include "pointsweep/operators/crop.h"
+#include "pointsweep/operators/rows/crop.h"
 
 #include <gtest/gtest.h>
 
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"

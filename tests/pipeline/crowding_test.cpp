@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/support/sized.h"

@@ -12,8 +12,8 @@
 #include <tuple>
 
 #include "pointsweep/error.h"
-#include "pointsweep/operators/density_clusters.h"
-#include "pointsweep/operators/segments.h"
+#include "pointsweep/operators/graph/density_clusters.h"
+#include "pointsweep/operators/graph/segments.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/brute_components.h"
 #include "tests/pipeline/refusal.h"

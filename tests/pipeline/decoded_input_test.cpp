@@ -10,9 +10,9 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
-#include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/engine_run.h"
-#include "pointsweep/pipeline/preview.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/run/preview.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/support/watching.h"
 

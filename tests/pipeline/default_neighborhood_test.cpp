@@ -10,9 +10,9 @@
 #include <random>
 
 #include "pointsweep/operators.h"
-#include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/canonical_text.h"
-#include "pointsweep/pipeline/registry.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/language/canonical_text.h"
+#include "pointsweep/pipeline/language/registry.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/pipeline/refusal.h"
 

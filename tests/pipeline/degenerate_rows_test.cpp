@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/support/reference_engine.h"

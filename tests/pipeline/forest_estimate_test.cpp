@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/forest_estimate.h"
+#include "pointsweep/pipeline/memory/forest_estimate.h"
 
 #include <gtest/gtest.h>
 

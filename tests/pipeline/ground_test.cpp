@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Where ground stands in pipelines, and what may not change its classes. tests/numpy/ground_test.py compares them with
 /// whole rasters.
-#include "pointsweep/operators/ground.h"
+#include "pointsweep/operators/ground/ground.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/refusal.h"

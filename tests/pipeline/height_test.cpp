@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// height against a search through all points of the ground.
-#include "pointsweep/operators/height.h"
+#include "pointsweep/operators/ground/height.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <tuple>
 
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/refusal.h"

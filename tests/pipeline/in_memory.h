@@ -9,8 +9,8 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/geometry.h"
-#include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/writer.h"
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/chain_stage.h"
-#include "pointsweep/operators/curvature.h"
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/operators/splats.h"
+#include "pointsweep/operators/kinds/chain_stage.h"
+#include "pointsweep/operators/surface/curvature.h"
+#include "pointsweep/operators/surface/normals.h"
+#include "pointsweep/operators/surface/splats.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"

@@ -7,8 +7,8 @@
 #include <map>
 #include <random>
 
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/operators/surface/normals.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/pipeline/refusal.h"
 #include "tests/support/reference_engine.h"

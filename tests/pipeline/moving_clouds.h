@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/operators/update_operators.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
 

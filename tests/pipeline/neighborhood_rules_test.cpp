@@ -4,13 +4,13 @@
 
 #include <algorithm>
 
-#include "pointsweep/operators/least_eigenentropy.h"
-#include "pointsweep/operators/limits_from_attributes.h"
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/operators/neighborhood_size.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/operators/declare/least_eigenentropy.h"
+#include "pointsweep/operators/declare/limits_from_attributes.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/operators/statistics/neighborhood_size.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/pipeline/preview.h"
+#include "pointsweep/pipeline/run/preview.h"
 #include "tests/operators/chosen.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"

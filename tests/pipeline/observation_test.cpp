@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pointsweep/operators/curvature.h"
-#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/surface/curvature.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/sweep/sweep.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/hostile_clouds.h"

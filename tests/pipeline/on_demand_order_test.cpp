@@ -10,9 +10,9 @@
 #include <memory>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/preview.h"
-#include "pointsweep/pipeline/sort_preview.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/run/preview.h"
+#include "pointsweep/pipeline/run/sort_preview.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"

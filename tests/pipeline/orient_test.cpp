@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// orient against Kruskal's algorithm in memory, and on surfaces whose outside is known.
-#include "pointsweep/operators/orient.h"
+#include "pointsweep/operators/graph/orient.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

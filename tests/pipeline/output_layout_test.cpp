@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/output_layout.h"
+#include "pointsweep/pipeline/plan/output_layout.h"
 
 #include <gtest/gtest.h>
 

@@ -6,11 +6,11 @@
 #include <random>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/curvature.h"
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/canonical_text.h"
+#include "pointsweep/operators/surface/curvature.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/language/canonical_text.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/writer.h"
 

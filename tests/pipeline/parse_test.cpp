@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/parse.h"
+#include "pointsweep/pipeline/language/parse.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -28,8 +28,8 @@ void expect_told(const std::string& text, const std::string& place, const std::s
 }
 
 const StageTexts kExample = {{"knn", {{"k", "8", ""}}, ""},
-                         {"normals", {{"orient", "viewpoint", ""}, {"viewpoint", "0,-1.5,1e3", ""}}, ""},
-                         {"splats", {}, ""}};
+                             {"normals", {{"orient", "viewpoint", ""}, {"viewpoint", "0,-1.5,1e3", ""}}, ""},
+                             {"splats", {}, ""}};
 
 TEST(Parse, StagesOptionsAndLists) {
   EXPECT_EQ(parse_pipeline("knn(k=8) | normals(orient=viewpoint, viewpoint=[0,-1.5,1e3]) | splats"), kExample);

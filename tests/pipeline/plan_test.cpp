@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/operators/outliers.h"
-#include "pointsweep/operators/unique.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/operators/rows/unique.h"
+#include "pointsweep/operators/statistics/outliers.h"
+#include "pointsweep/operators/surface/normals.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/run/phases.h"
-#include "pointsweep/pipeline/run_memory.h"
 #include "tests/pipeline/in_memory.h"
 
 namespace pointsweep {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// poisson against the sequential greedy loop over the whole cloud.
-#include "pointsweep/operators/poisson.h"
+#include "pointsweep/operators/thinning/poisson.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
-#include "pointsweep/operators/undecided_points.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/operators/thinning/undecided_points.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/plain_hash.h"

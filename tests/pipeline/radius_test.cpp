@@ -7,14 +7,14 @@
 #include <future>
 #include <thread>
 
-#include "pointsweep/operators/curvature.h"
-#include "pointsweep/operators/fair.h"
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/operators/splats.h"
-#include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/parse.h"
-#include "pointsweep/pipeline/radius_estimate.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/operators/surface/curvature.h"
+#include "pointsweep/operators/surface/fair.h"
+#include "pointsweep/operators/surface/normals.h"
+#include "pointsweep/operators/surface/splats.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/language/parse.h"
+#include "pointsweep/pipeline/memory/radius_estimate.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/support/brute_force.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/registry.h"
+#include "pointsweep/pipeline/language/registry.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -13,11 +13,11 @@
 #include <random>
 #include <set>
 
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/canonical_text.h"
+#include "pointsweep/operators/surface/normals.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/language/canonical_text.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/pipeline/preview.h"
+#include "pointsweep/pipeline/run/preview.h"
 #include "pointsweep/points/nearest_names.h"
 #include "pointsweep/points/text_file.h"
 #include "tests/pipeline/in_memory.h"

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/build_chain.h"
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/support/examples.h"
 #include "tests/support/watching.h"

@@ -9,10 +9,10 @@
 #include <optional>
 
 #include "pointsweep/error.h"
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/writer.h"
 #include "tests/formats/temporary_folder.h"

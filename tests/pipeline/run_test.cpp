@@ -7,9 +7,9 @@
 #include <numeric>
 #include <tuple>
 
-#include "pointsweep/operators/least_eigenentropy.h"
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/declare/least_eigenentropy.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/support/brute_force.h"

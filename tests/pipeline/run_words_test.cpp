@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/run_words.h"
+#include "pointsweep/pipeline/language/run_words.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

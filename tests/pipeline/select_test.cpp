@@ -8,12 +8,12 @@
 #include <tuple>
 
 #include "pointsweep/error.h"
-#include "pointsweep/operators/input_diagonal.h"
-#include "pointsweep/operators/unique.h"
-#include "pointsweep/operators/where.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/operators/kinds/input_diagonal.h"
+#include "pointsweep/operators/rows/unique.h"
+#include "pointsweep/operators/rows/where.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/pipeline/preview.h"
+#include "pointsweep/pipeline/run/preview.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/kept_rows.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// set and drop against plain loops over the records.
-#include "pointsweep/operators/set.h"
+#include "pointsweep/operators/rows/set.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,8 @@
 #include <functional>
 
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/option_text.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/language/option_text.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/points/schema.h"
 
@@ -38,12 +38,11 @@ void for_each_pair_of_spellings(const std::function<void(const std::string& fiel
 
 /// Whether some stage reads `field` of the input, writes a new version of it, or drops it.
 bool concerns(const ChainPlan& plan, const std::string& field) {
-  return !plan.graph.dropped.empty() ||
-         std::ranges::any_of(plan.graph.versions, [&](const AttributeVersion& version) {
-           const Schema input = schema_with(field);
-           const std::vector<std::string>& names = version.attribute.fields;
-           return names.size() == 1 && field_meant(input, names[0]) == 3u && (!version.producer || names[0] == field);
-         });
+  return !plan.graph.dropped.empty() || std::ranges::any_of(plan.graph.versions, [&](const AttributeVersion& version) {
+    const Schema input = schema_with(field);
+    const std::vector<std::string>& names = version.attribute.fields;
+    return names.size() == 1 && field_meant(input, names[0]) == 3u && (!version.producer || names[0] == field);
+  });
 }
 
 bool names_attributes(const OptionDeclaration& option) {

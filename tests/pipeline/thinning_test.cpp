@@ -10,10 +10,10 @@
 #include <set>
 #include <tuple>
 
-#include "pointsweep/operators/decimate.h"
-#include "pointsweep/operators/voxel.h"
-#include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/preview.h"
+#include "pointsweep/operators/rows/decimate.h"
+#include "pointsweep/operators/thinning/voxel.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/run/preview.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/kept_rows.h"
 #include "tests/pipeline/moving_clouds.h"

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "pointsweep/operators/splats.h"
-#include "pointsweep/pipeline/preview.h"
+#include "pointsweep/operators/surface/splats.h"
+#include "pointsweep/pipeline/run/preview.h"
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/refusal.h"
 #include "tests/support/sized.h"

@@ -2,7 +2,7 @@
 // How much of a hostile cloud is in memory at once. Slabs here are 3 % of the cloud, so that an even cloud fills 16 %.
 #include <gtest/gtest.h>
 
-#include "pointsweep/operators/neighbor_rows.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
 

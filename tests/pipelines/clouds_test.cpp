@@ -7,9 +7,9 @@
 #include <random>
 
 #include "pointsweep/formats/las/laz_points.h"
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/operators/surface/normals.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/shapes/registry.h"
 #include "pointsweep/shapes/shape_reader.h"
 #include "tests/pipeline/in_memory.h"

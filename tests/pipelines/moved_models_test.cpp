@@ -7,8 +7,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/operators/analytic_surface.h"
 #include "tests/operators/equation1.h"
 #include "tests/pipeline/in_memory.h"

@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/in_memory.h"
 
 namespace pointsweep {

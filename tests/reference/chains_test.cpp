@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
-#include "pointsweep/operators/curvature.h"
-#include "pointsweep/operators/fair.h"
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/operators/splats.h"
-#include "pointsweep/pipeline/build_chain.h"
-#include "pointsweep/pipeline/preview.h"
+#include "pointsweep/operators/surface/curvature.h"
+#include "pointsweep/operators/surface/fair.h"
+#include "pointsweep/operators/surface/normals.h"
+#include "pointsweep/operators/surface/splats.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/run/preview.h"
 #include "tests/pipeline/refusal.h"
 #include "tests/reference/reference_runs.h"
 #include "tests/support/brute_force.h"

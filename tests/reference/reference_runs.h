@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "pointsweep/math/box.h"
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/operators/neighborhood_size.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
+#include "pointsweep/operators/statistics/neighborhood_size.h"
 #include "pointsweep/shapes/registry.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "pointsweep/operators/least_eigenentropy.h"
-#include "pointsweep/operators/limits_from_attributes.h"
-#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/declare/least_eigenentropy.h"
+#include "pointsweep/operators/declare/limits_from_attributes.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "tests/reference/reference_runs.h"
 #include "tests/support/brute_force.h"
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/canonical_text.h"
-#include "pointsweep/pipeline/registry.h"
+#include "pointsweep/pipeline/language/canonical_text.h"
+#include "pointsweep/pipeline/language/registry.h"
 
 namespace pointsweep {
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "pointsweep/geometry.h"
-#include "pointsweep/pipeline/registry.h"
+#include "pointsweep/pipeline/language/registry.h"
 #include "pointsweep/points/schema.h"
 #include "tests/formats/point_files.h"
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "pointsweep/operators/chain_stage.h"
+#include "pointsweep/operators/kinds/chain_stage.h"
 #include "pointsweep/overloaded.h"
 
 namespace pointsweep {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "pointsweep/geometry.h"
-#include "pointsweep/pipeline/registry.h"
+#include "pointsweep/pipeline/language/registry.h"
 
 namespace pointsweep {
 
@@ -36,9 +36,8 @@ struct PairAtRadius {
 inline std::vector<PairAtRadius> pairs_at_radius() {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> uniform(0, 1);
-  std::vector<PairAtRadius> all = {{{0, 0, 0}, {3, 4, 0}},
-                                   {{-1e-20, 0, 0}, {1, 0, 0}},
-                                   {{5e5 + 0.1, 5.4e6 + 0.7, 2}, {5e5 + 0.4, 5.4e6 + 1.1, 2}}};
+  std::vector<PairAtRadius> all = {
+      {{0, 0, 0}, {3, 4, 0}}, {{-1e-20, 0, 0}, {1, 0, 0}}, {{5e5 + 0.1, 5.4e6 + 0.7, 2}, {5e5 + 0.4, 5.4e6 + 1.1, 2}}};
   for (int i = 0; i < 5; ++i) {
     const Vec3 p{100 * uniform(random), 100 * uniform(random), uniform(random)};
     all.push_back({p, {p.x + uniform(random), p.y + uniform(random), p.z}});

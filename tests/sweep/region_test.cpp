@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "tests/support/memory_source.h"
 

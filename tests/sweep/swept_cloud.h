@@ -9,10 +9,10 @@
 #include <mutex>
 #include <random>
 
-#include "pointsweep/operators/curvature.h"
-#include "pointsweep/operators/fair.h"
-#include "pointsweep/operators/normals.h"
-#include "pointsweep/operators/splats.h"
+#include "pointsweep/operators/surface/curvature.h"
+#include "pointsweep/operators/surface/fair.h"
+#include "pointsweep/operators/surface/normals.h"
+#include "pointsweep/operators/surface/splats.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/sweep/sweep.h"
 #include "pointsweep/threads.h"

@@ -5,9 +5,9 @@
 
 #include <random>
 
-#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/sweep/expected_reach.h"
+#include "pointsweep/search/expected_reach.h"
 #include "pointsweep/sweep/slab_loader.h"
 #include "tests/support/memory_source.h"
 

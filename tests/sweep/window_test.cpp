@@ -10,8 +10,8 @@
 #include <set>
 #include <utility>
 
-#include "pointsweep/operators/curvature.h"
-#include "pointsweep/operators/normals.h"
+#include "pointsweep/operators/surface/curvature.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/sweep/slab_loader.h"
 #include "tests/support/memory_source.h"

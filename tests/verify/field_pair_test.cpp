@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/field_pair.h"
+#include "pointsweep/verify/rows/field_pair.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The rows that verify says a run has kept: found by formulas, whatever the operators do.
-#include "pointsweep/verify/kept_rows.h"
+#include "pointsweep/verify/values/kept_rows.h"
 
 #include <gtest/gtest.h>
 

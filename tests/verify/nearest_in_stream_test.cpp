@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/nearest_in_stream.h"
+#include "pointsweep/verify/search/nearest_in_stream.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/sample_rows.h"
+#include "pointsweep/verify/rows/sample_rows.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/sweep_rows.h"
+#include "pointsweep/verify/rows/sweep_rows.h"
 
 #include <gtest/gtest.h>
 

@@ -9,9 +9,9 @@
 #include <limits>
 
 #include "pointsweep/formats/npy/npy_reader.h"
-#include "pointsweep/operators/neighbor_rows.h"
-#include "pointsweep/pipeline/build_chain.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/reader.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/fixed_records.h"
+#include "pointsweep/formats/records/fixed_records.h"
 
 namespace pointsweep {
 namespace {

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/fixed_records.h"
 #include "pointsweep/formats/las/copc_hierarchy.h"
 #include "pointsweep/formats/las/las_crs.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
@@ -19,6 +18,7 @@
 #include "pointsweep/formats/las/laz_points.h"
 #include "pointsweep/formats/las_origin.h"
 #include "pointsweep/formats/provenance.h"
+#include "pointsweep/formats/records/fixed_records.h"
 
 namespace pointsweep {
 namespace {

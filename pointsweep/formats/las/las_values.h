@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "pointsweep/formats/input_cloud.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/known_values.h"
 
 namespace pointsweep {

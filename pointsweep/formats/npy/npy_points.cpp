@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/array_fields.h"
-#include "pointsweep/formats/columns_reader.h"
 #include "pointsweep/formats/default_columns.h"
 #include "pointsweep/formats/npy/npy_header.h"
 #include "pointsweep/formats/npy/npz_archive.h"
+#include "pointsweep/formats/records/array_fields.h"
+#include "pointsweep/formats/records/columns_reader.h"
 
 namespace pointsweep {
 namespace {

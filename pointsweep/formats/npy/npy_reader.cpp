@@ -9,8 +9,8 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/input_file.h"
-#include "pointsweep/formats/fixed_records.h"
 #include "pointsweep/formats/npy/npy_header.h"
+#include "pointsweep/formats/records/fixed_records.h"
 
 namespace pointsweep {
 namespace {

@@ -2,7 +2,7 @@
 /// Writing one field as an array for NumPy (format version 1.0).
 #pragma once
 
-#include "pointsweep/formats/record_writer.h"
+#include "pointsweep/formats/records/record_writer.h"
 
 namespace pointsweep {
 

@@ -9,10 +9,10 @@
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/files/words.h"
-#include "pointsweep/formats/fixed_records.h"
 #include "pointsweep/formats/pcd/lzf_stream.h"
 #include "pointsweep/formats/pcd/pcd_header.h"
-#include "pointsweep/formats/row_text_reader.h"
+#include "pointsweep/formats/records/fixed_records.h"
+#include "pointsweep/formats/records/row_text_reader.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {

@@ -7,13 +7,13 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/number_text.h"
-#include "pointsweep/formats/fixed_records.h"
 #include "pointsweep/formats/las_origin.h"
 #include "pointsweep/formats/ply/ply_comments.h"
 #include "pointsweep/formats/ply/ply_elements.h"
 #include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"
-#include "pointsweep/formats/row_text_reader.h"
+#include "pointsweep/formats/records/fixed_records.h"
+#include "pointsweep/formats/records/row_text_reader.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {

@@ -11,7 +11,7 @@
 #include "pointsweep/formats/ply/ply_comments.h"
 #include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"
-#include "pointsweep/formats/record_writer.h"
+#include "pointsweep/formats/records/record_writer.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/points/with_type.h"
 

@@ -7,7 +7,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/number_text.h"
-#include "pointsweep/formats/row_text_reader.h"
+#include "pointsweep/formats/records/row_text_reader.h"
 #include "pointsweep/formats/text/text_layout.h"
 
 namespace pointsweep {

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/array_fields.h"
-#include "pointsweep/formats/columns_reader.h"
 #include "pointsweep/formats/files/number_text.h"
+#include "pointsweep/formats/records/array_fields.h"
+#include "pointsweep/formats/records/columns_reader.h"
 #include "pointsweep/formats/vtk/vtk_layout.h"
 #include "pointsweep/formats/vtk/vtk_scanner.h"
 #include "pointsweep/points/with_type.h"

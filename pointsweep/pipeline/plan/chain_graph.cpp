@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/moved_bounds.h"
+#include "pointsweep/operators/kinds/moved_bounds.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
 
 namespace pointsweep {

@@ -16,7 +16,7 @@
 #include "pointsweep/chain.h"
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operator.h"
-#include "pointsweep/operators/stage_operator.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {

@@ -16,11 +16,6 @@ namespace {
 using Attributes = std::vector<Attribute>;
 using Names = std::set<std::string>;
 
-std::uint64_t bytes_of(const Attributes& attributes) {
-  return std::accumulate(attributes.begin(), attributes.end(), std::uint64_t{0},
-                         [](std::uint64_t sum, const Attribute& a) { return sum + a.bytes(); });
-}
-
 Attributes only(Attributes attributes, const Names& names) {
   std::erase_if(attributes, [&](const Attribute& a) { return !names.contains(a.name); });
   return attributes;

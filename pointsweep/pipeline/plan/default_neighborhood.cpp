@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "pointsweep/operators/chain_stage.h"
+#include "pointsweep/operators/kinds/chain_stage.h"
 
 namespace pointsweep {
 namespace {

@@ -12,14 +12,6 @@
 namespace pointsweep {
 namespace {
 
-constexpr const char* kAxes[] = {"x", "y", "z"};
-
-std::string list_of(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 /// Takes the names one by one.
 class Selection {
  public:
@@ -34,8 +26,8 @@ class Selection {
     const auto is_spelling = [&](const std::string& field) { return is_spelling_of(field, word); };
     const bool found =
         add_made(name, is_name) || add_input(is_name) || add_made(word, is_spelling) || add_input(is_spelling);
-    const auto axis = std::ranges::find(kAxes, word);
-    if (axis != std::end(kAxes) && input_.find(*axis)) input_fields_.insert(*input_.find(*axis));
+    const auto axis = std::ranges::find(kAxisNames, word);
+    if (axis != kAxisNames.end() && input_.find(*axis)) input_fields_.insert(*input_.find(*axis));
     if (!found) refuse(name);
   }
 
@@ -87,7 +79,7 @@ class Selection {
   std::set<std::size_t> input_indices() const {
     std::set<std::size_t> indices = input_fields_;
     for (std::size_t f = 0; input_fields_.empty() && f < input_.fields.size(); ++f) indices.insert(f);
-    for (const char* axis : kAxes)
+    for (const char* axis : kAxisNames)
       if (const auto at = input_.find(axis)) indices.insert(*at);
     return indices;
   }
@@ -101,8 +93,8 @@ class Selection {
     all.insert(all.end(), columns.begin(), columns.end());
     const auto meant = probable_name(name, all);
     fail_usage("'{}' cannot be {}{}; the input has {}{}.", name, done_,
-               meant ? fmt::format(" (did you mean '{}'?)", *meant) : "", list_of(columns),
-               made.empty() ? "" : ", and what is made is " + list_of(made));
+               meant ? fmt::format(" (did you mean '{}'?)", *meant) : "", fmt::join(columns, ", "),
+               made.empty() ? "" : fmt::format(", and what is made is {}", fmt::join(made, ", ")));
   }
 
   const std::vector<Attribute>& made_;

@@ -11,7 +11,7 @@
 #include "pointsweep/connect/edge_buckets.h"
 #include "pointsweep/free_memory.h"
 #include "pointsweep/order/row_file.h"
-#include "pointsweep/pipeline/result_sinks.h"
+#include "pointsweep/pipeline/output/result_sinks.h"
 #include "pointsweep/pipeline/run/run_scratch.h"
 #include "pointsweep/sweep/edge_emitter.h"
 

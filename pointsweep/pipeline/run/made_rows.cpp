@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/pipeline/row_pass.h"
+#include "pointsweep/pipeline/rows/row_pass.h"
 
 namespace pointsweep {
 namespace {

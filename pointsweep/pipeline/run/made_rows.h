@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <memory>
 
+#include "pointsweep/pipeline/rows/updated_cloud.h"
 #include "pointsweep/pipeline/run/run_state.h"
-#include "pointsweep/pipeline/updated_cloud.h"
 
 namespace pointsweep {
 

@@ -2,9 +2,9 @@
 /// Puts the points of a pass, or the records of the output, in order along the axis.
 #include <algorithm>
 
-#include "pointsweep/pipeline/forest_estimate.h"
-#include "pointsweep/pipeline/in_order_pass.h"
-#include "pointsweep/pipeline/nonfinite_points.h"
+#include "pointsweep/pipeline/memory/forest_estimate.h"
+#include "pointsweep/pipeline/rows/in_order_pass.h"
+#include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/pipeline/run/made_rows.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"

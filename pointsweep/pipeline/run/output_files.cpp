@@ -8,9 +8,9 @@
 
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/registry.h"
-#include "pointsweep/pipeline/canonical_text.h"
-#include "pointsweep/pipeline/output_formats.h"
-#include "pointsweep/pipeline/provenance_record.h"
+#include "pointsweep/pipeline/language/canonical_text.h"
+#include "pointsweep/pipeline/output/output_formats.h"
+#include "pointsweep/pipeline/output/provenance_record.h"
 #include "pointsweep/pipeline/run/survey_input.h"
 
 namespace pointsweep {

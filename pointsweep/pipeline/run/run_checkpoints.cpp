@@ -2,9 +2,9 @@
 #include "pointsweep/pipeline/run/run_checkpoints.h"
 
 #include "pointsweep/fail.h"
-#include "pointsweep/pipeline/row_mask.h"
+#include "pointsweep/pipeline/checkpoint/run_identity.h"
+#include "pointsweep/pipeline/rows/row_mask.h"
 #include "pointsweep/pipeline/run/made_rows.h"
-#include "pointsweep/pipeline/run_identity.h"
 
 namespace pointsweep {
 namespace {

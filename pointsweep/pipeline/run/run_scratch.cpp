@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/run/run_scratch.h"
 
-#include "pointsweep/pipeline/spilled_scratch.h"
+#include "pointsweep/pipeline/memory/spilled_scratch.h"
 
 namespace pointsweep {
 

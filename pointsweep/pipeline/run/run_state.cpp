@@ -9,8 +9,8 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/same_file.h"
-#include "pointsweep/operators/moved_bounds.h"
-#include "pointsweep/pipeline/cloud_source.h"
+#include "pointsweep/operators/kinds/moved_bounds.h"
+#include "pointsweep/pipeline/rows/cloud_source.h"
 #include "pointsweep/pipeline/statistics.h"
 
 namespace pointsweep {

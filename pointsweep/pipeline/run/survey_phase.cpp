@@ -2,7 +2,7 @@
 /// The first phase: the input is surveyed, and everything is decided that the work needs.
 #include <algorithm>
 
-#include "pointsweep/pipeline/radius_estimate.h"
+#include "pointsweep/pipeline/memory/radius_estimate.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/survey_input.h"

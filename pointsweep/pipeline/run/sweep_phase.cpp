@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "pointsweep/pipeline/in_order_pass.h"
-#include "pointsweep/pipeline/nonfinite_points.h"
 #include "pointsweep/pipeline/observation.h"
-#include "pointsweep/pipeline/pointwise_stages.h"
-#include "pointsweep/pipeline/result_sinks.h"
+#include "pointsweep/pipeline/output/result_sinks.h"
+#include "pointsweep/pipeline/rows/in_order_pass.h"
+#include "pointsweep/pipeline/rows/nonfinite_points.h"
+#include "pointsweep/pipeline/rows/pointwise_stages.h"
 #include "pointsweep/pipeline/run/connect_points.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/run_scratch.h"

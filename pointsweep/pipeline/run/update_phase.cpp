@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Ends a pass: its results become the rows, and the values of the whole cloud, that the next pass begins with.
-#include "pointsweep/pipeline/pass_update.h"
+#include "pointsweep/pipeline/rows/pass_update.h"
 #include "pointsweep/pipeline/run/made_rows.h"
 #include "pointsweep/pipeline/run/phases.h"
 

@@ -3,6 +3,7 @@
 /// "Matrix Computations", Section 8.5), which need no case distinctions. Not the closed form that the operators use.
 #pragma once
 
+#include "pointsweep/verify/formulas/estimate.h"
 #include "pointsweep/verify/formulas/vector.h"
 
 namespace pointsweep::formulas {
@@ -14,5 +15,32 @@ struct Eigen {
 };
 
 Eigen eigen_of(const Matrix& symmetric);
+
+/// Eigenvalues and eigenvectors of a matrix of which only estimates are known.
+struct Spectrum : Eigen {
+  std::array<Real, 3> value_error{};   ///< errors of the eigenvalues
+  std::array<Real, 3> vector_error{};  ///< sine of the angle by which an eigenvector may be off, or infinite
+};
+
+/// `uncertainty(u, v)`: how much uᵀ M v may differ, for unit vectors u and v.
+template <class Uncertainty>
+Spectrum spectrum_of(const Matrix& m, Uncertainty uncertainty) {
+  Spectrum s{eigen_of(m), {}, {}};
+  Real u[3][3];
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < 3; ++b) u[a][b] = uncertainty(s.vector[a], s.vector[b]);
+  for (std::size_t a = 0; a < 3; ++a) {
+    s.value_error[a] = u[a][a];
+    for (std::size_t b = 0; b < 3; ++b) {
+      if (a == b) continue;
+      const Real gap = std::fabs(s.value[a] - s.value[b]), sure = gap - u[a][a] - u[b][b];
+      s.value_error[a] += std::min(u[a][b], gap > 0 ? u[a][b] * u[a][b] / gap : kInfinity);
+      s.vector_error[a] += sure > 0 ? u[a][b] / sure : kInfinity;
+    }
+    // Beyond half a radian first order says nothing; below, an arc is at most a tenth longer than its sine.
+    s.vector_error[a] = s.vector_error[a] < 0.5L ? 1.1L * s.vector_error[a] : kInfinity;
+  }
+  return s;
+}
 
 }  // namespace pointsweep::formulas

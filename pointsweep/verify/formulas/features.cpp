@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "pointsweep/verify/formulas/spectrum.h"
+#include "pointsweep/verify/formulas/eigen.h"
 
 namespace pointsweep::formulas {
 namespace {

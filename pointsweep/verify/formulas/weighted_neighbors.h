@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "pointsweep/verify/formulas/spectrum.h"
+#include "pointsweep/verify/formulas/eigen.h"
 
 namespace pointsweep::formulas {
 

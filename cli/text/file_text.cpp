@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include "cli/text/file_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pointsweep/formats/las_classes.h"
+#include "pointsweep/formats/provenance.h"
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+namespace {
+
+/// "ascending along x", "descending along y and z", "not ascending along x, y or z". An axis along which nothing
+/// changes is in no order.
+std::string order_text(const FileSummary& summary) {
+  std::string text;
+  const Vec3 extent = summary.bounds.extent();
+  for (const bool up : {true, false}) {
+    std::string axes;
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool ordered = (up ? summary.ascending : summary.descending)[static_cast<std::size_t>(axis)];
+      if (ordered && extent[axis] > 0)
+        axes += (axes.empty() ? "" : " and ") + std::string(1, static_cast<char>('x' + axis));
+    }
+    if (!axes.empty())
+      text += (text.empty() ? "" : ", ") + std::string(up ? "ascending along " : "descending along ") + axes;
+  }
+  return text.empty() ? "not ascending along x, y or z" : text;
+}
+
+std::string line(const char* name, const std::string& value) { return fmt::format("  {:<10}  {}\n", name, value); }
+
+bool is_coordinate(const Schema& schema, std::size_t field) {
+  const auto is = [&](const char* name) { return schema.find(name) == field; };
+  return is("x") || is("y") || is("z");
+}
+
+/// Scale and offset of coordinates that files store as integers.
+std::string storage_text(const Schema& schema) {
+  const PositionFields p = position_fields(schema, "");
+  if (p.x.scale == 1 && p.y.scale == 1 && p.z.scale == 1 && p.x.bias == 0 && p.y.bias == 0 && p.z.bias == 0) return {};
+  return line("scale", fmt::format("{:g} {:g} {:g}", p.x.scale, p.y.scale, p.z.scale)) +
+         line("offset",
+              fmt::format("{:.15g} {:.15g} {:.15g}", p.x.bias + 0.0, p.y.bias + 0.0, p.z.bias + 0.0));  // + 0: not "-0"
+}
+
+std::string density_text(const FileSummary& s) {
+  std::string text;
+  if (const auto density = s.density()) {
+    text += line("density", fmt::format("{:.4g} points per square unit of x and y (occupied cells of side {:g})",
+                                        *density, s.cell_side));
+  }
+  if (const auto spacing = s.spacing()) {
+    text += line("spacing", fmt::format("{:.4g}, median distance to the nearest other point ({} points sampled)",
+                                        *spacing, s.nearest.size()));
+  }
+  if (const std::size_t equal = s.duplicates(); equal > 0)
+    text += line("duplicates", fmt::format("{} of {} sampled points", equal, s.nearest.size()));
+  return text;
+}
+
+std::string counts_text(const FileSummary& s) {
+  std::string classes, returns;
+  for (std::size_t code = 0; code < s.classes.size(); ++code) {
+    if (s.classes[code] == 0) continue;
+    classes += fmt::format("{}{} {}: {}", classes.empty() ? "" : ", ", code,
+                           name_of_las_class(static_cast<std::uint8_t>(code)), s.classes[code]);
+  }
+  for (std::size_t number = 0; number < s.returns.size(); ++number)
+    if (s.returns[number] > 0)
+      returns += fmt::format("{}{}: {}", returns.empty() ? "" : ", ", number, s.returns[number]);
+  return (classes.empty() ? "" : line("classes", classes)) + (returns.empty() ? "" : line("returns", returns));
+}
+
+std::string gps_text(const FileSummary& s) {
+  const auto times = gps_times(s);
+  if (!times) return {};
+  std::string text = fmt::format("{:.15g} .. {:.15g}", times->lo, times->hi);
+  if (times->clock == GpsClock::adjusted_standard)
+    text += fmt::format(" (adjusted standard: {} .. {})", gps_date(times->lo), gps_date(times->hi));
+  if (times->clock == GpsClock::week_seconds) text += " (seconds of the GPS week)";
+  return line("gps time", text);
+}
+
+/// Returns one line for each run that made the file, oldest first.
+std::string provenance_text(const FileInfo& info) {
+  std::string text;
+  for (const ProvenanceRecord& record : records_of(info.provenance)) text += line("made by", to_text(record));
+  return text;
+}
+
+/// Returns one line for each attribute but the coordinates.
+std::string ranges_text(const Schema& schema, const FileSummary& s) {
+  std::size_t widest = 0;
+  for (std::size_t f = 0; f < schema.fields.size(); ++f)
+    if (!is_coordinate(schema, f)) widest = std::max(widest, schema.fields[f].name.size());
+  std::string text;
+  for (std::size_t f = 0; f < schema.fields.size(); ++f) {
+    if (is_coordinate(schema, f)) continue;
+    const FieldRange& r = s.ranges[f];
+    std::string values = r.lo <= r.hi ? fmt::format("{:.9g} .. {:.9g}", r.lo, r.hi) : "no finite value";
+    if (r.lo == r.hi) values = fmt::format("{:.9g}", r.lo);
+    if (r.nonfinite > 0) values += fmt::format(", {} not finite", r.nonfinite);
+    text += fmt::format("    {:<{}}  {}\n", schema.fields[f].name, widest, values);
+  }
+  return text.empty() ? text : "  ranges\n" + text;
+}
+
+}  // namespace
+
+/// Runs of one type are named together.
+std::string attribute_text(const Schema& schema) {
+  std::string text;
+  for (std::size_t f = 0; f < schema.fields.size(); ++f) {
+    const Field& field = schema.fields[f];
+    text += field.name + (field.count > 1 ? fmt::format("[{}]", field.count) : "") + " ";
+    const bool run_ends = f + 1 == schema.fields.size() || schema.fields[f + 1].type != field.type;
+    if (run_ends) text += std::string(name_of(field.type)) + (f + 1 == schema.fields.size() ? "" : ", ");
+  }
+  return text;
+}
+
+std::string to_text(std::uint64_t points, const Box& bounds) {
+  std::string text = fmt::format("  points      {}\n", points);
+  if (bounds.empty()) return text;
+  for (int axis = 0; axis < 3; ++axis)
+    text += fmt::format("  {}           {:.15g} .. {:.15g}\n", "xyz"[axis], bounds.lo[axis], bounds.hi[axis]);
+  return text;
+}
+
+std::string to_text(const FileSummary& summary) {
+  const FileInfo& info = summary.info;
+  std::string text = fmt::format("{}\n", info.path.string());
+  text += line("format", fmt::format("{}, {} bytes", info.format, info.bytes)) + provenance_text(info);
+  if (info.crs) text += line("crs", short_text(*info.crs));
+  text += to_text(info.count, summary.bounds);
+  if (summary.nonfinite > 0) text += line("not finite", fmt::format("{} points, not in the bounds", summary.nonfinite));
+  text += storage_text(info.schema) + density_text(summary);
+  text += line("order", order_text(summary)) + counts_text(summary) + gps_text(summary);
+  return text + line("attributes", attribute_text(info.schema)) + ranges_text(info.schema, summary);
+}
+
+}  // namespace pointsweep

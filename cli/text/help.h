@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// Layout of help: the width of the terminal, flags in groups, plain names, and IN... OUT where a verb takes its output
+/// as the last file.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <CLI/Formatter.hpp>
+#include <string>
+#include <string_view>
+
+#include "cli/console/console.h"
+
+namespace pointsweep {
+
+inline constexpr const char* kInputsAndOutput = "FILES";  ///< to the parser IN... OUT is one list of this name
+
+/// Groups of flags, in the order of the help. The first holds what only one verb or a few have.
+inline constexpr const char* kOwnGroup = "Options";
+inline constexpr const char* kNeighborGroup = "Neighbours";
+inline constexpr const char* kOutputGroup = "Output";
+inline constexpr const char* kMachineGroup = "Memory and machine";
+inline constexpr const char* kOtherGroup = "Other";
+inline constexpr const char* kGroups[] = {kOwnGroup, kNeighborGroup, kOutputGroup, kMachineGroup, kOtherGroup};
+
+/// `text` broken at blanks into lines of at most `columns` characters. The first line begins at column `indent` of a
+/// line that the caller has begun; the others get `indent` blanks. A word longer than a line stays whole.
+std::string wrapped(std::string_view text, std::size_t indent, std::size_t columns = text_columns());
+
+/// Lays help out. In footers, lines that begin with a blank (examples, tables) are kept; those between are paragraphs,
+/// which are wrapped.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter();
+  std::string make_description(const CLI::App* app) const override;
+  std::string make_option(const CLI::Option* option, bool positional) const override;
+  std::string make_option_name(const CLI::Option* option, bool positional) const override;
+  std::string make_option_opts(const CLI::Option* option) const override;
+  std::string make_option_usage(const CLI::Option* option) const override;
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
+  std::string make_subcommand(const CLI::App* verb) const override;
+  std::string make_footer(const CLI::App* app) const override;
+
+ private:
+  std::string options_in_groups(const CLI::App* app) const;
+  std::string row(const std::string& left, const std::string& right) const;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "cli/text/operator_listing.h"
+
+#include <fmt/format.h>
+
+#include "cli/text/help.h"
+#include "pointsweep/error.h"
+#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/pipeline/plan/default_neighborhood.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kMeaningColumn = 17;  // of names, before what they mean
+
+std::string listing_row(const std::string& name, const std::string& text) {
+  return fmt::format("  {:<{}}{}\n", name, kMeaningColumn - 2, wrapped(text, kMeaningColumn));
+}
+
+std::string options_text(const std::vector<OptionDeclaration>& options) {
+  std::string text;
+  for (const OptionDeclaration& o : options) {
+    const std::string preset = has_value(o.preset) ? fmt::format(" (default: {})", text_of_value(o.preset)) : "";
+    text += listing_row(o.name, fmt::format("{}: {}{}", o.allowed(), o.meaning, preset));
+  }
+  return text;
+}
+
+/// "normal (nx ny nz float32), k1 (float32)"
+std::string attribute_text(const std::vector<Attribute>& attributes) {
+  std::string text;
+  for (const Attribute& a : attributes) {
+    text += (text.empty() ? "" : ", ") + a.name + " (";
+    for (const std::string& field : a.fields)
+      if (field != a.name) text += field + " ";
+    text += fmt::format("{})", name_of(a.type));
+  }
+  return text;
+}
+
+std::string row_unless_empty(const char* what, const std::string& text) {
+  return text.empty() ? "" : listing_row(what, text);
+}
+
+std::string formula_text(const std::string& formula) {
+  std::string text;
+  for (std::size_t begin = 0; begin < formula.size();) {
+    const std::size_t end = std::min(formula.find('\n', begin), formula.size());
+    text += listing_row(begin == 0 ? "formula" : "", formula.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return text;
+}
+
+std::string operator_text(const ListedOperator& listed) {
+  const OperatorDeclaration& d = listed.declaration;
+  std::string text = fmt::format("{}: {}\n", d.name, wrapped(d.meaning, d.name.size() + 2));
+  text += options_text(d.options);
+  text += row_unless_empty("needs", attribute_text(listed.contract.reads));
+  text += row_unless_empty("of neighbours", attribute_text(listed.contract.reads_neighbors));
+  text += row_unless_empty("makes", attribute_text(listed.contract.makes));
+  text += row_unless_empty("neighbours", default_k_text(listed));
+  text += formula_text(d.formula);
+  text += row_unless_empty("source", d.source) + row_unless_empty("undefined", d.undefined);
+  return text + row_unless_empty("cost", d.cost) + row_unless_empty("example", d.example);
+}
+
+ListedOperator listed_neighborhood() {
+  const NeighborhoodDeclaration& knn = neighborhood_declaration();
+  return {.declaration = {.name = knn.name,
+                          .meaning = knn.meaning + "; the first stage of a pipeline, or left out",
+                          .options = knn.options,
+                          .make = {},
+                          .formula = knn.formula,
+                          .source = knn.source,
+                          .cost = knn.cost,
+                          .example = knn.example},
+          .contract = {.default_k = 0}};
+}
+
+/// Returns whether the operator needs a radius, so that no number of neighbours is enough.
+bool needs_radius(const OperatorDeclaration& declaration) {
+  try {
+    make_stage(declaration, sample_values(declaration),
+               {.neighborhood = Neighborhood{.k = Neighborhood::kOfOperators}});
+    return false;
+  } catch (const UsageError&) {
+    return true;
+  }
+}
+
+ListedOperator listed(const OperatorDeclaration& declaration) {
+  return {.declaration = declaration, .contract = contract_of(declaration)};
+}
+
+}  // namespace
+
+Contract contract_of(const OperatorDeclaration& declaration) {
+  const ChainStage stage = make_stage(declaration, sample_values(declaration), {});
+  Contract contract = contract_of(stage);
+  std::erase_if(contract.makes, [](const Attribute& a) { return a.name == selection_attribute().name; });
+  if (declaration.makes_named) contract.makes.clear();
+  return contract;
+}
+
+std::string default_k_text(const ListedOperator& listed) {
+  const std::size_t k = listed.contract.default_k;
+  return k == 0 || needs_radius(listed.declaration) ? "" : fmt::format("{} where neither k nor a radius is given", k);
+}
+
+std::vector<ListedOperator> listed_operators(const std::vector<std::string>& names) {
+  std::vector<ListedOperator> operators;
+  for (const std::string& name : names) {
+    const bool is_knn = name == neighborhood_declaration().name;
+    operators.push_back(is_knn ? listed_neighborhood() : listed(find_operator({name, {}, "operators"})));
+  }
+  if (!names.empty()) return operators;
+  operators.push_back(listed_neighborhood());
+  for (const OperatorDeclaration& declaration : all_operators()) operators.push_back(listed(declaration));
+  return operators;
+}
+
+std::string command_of_operator(const std::string& name) {
+  const bool is_knn = name == neighborhood_declaration().name;
+  const OperatorDeclaration* const declaration = declaration_of(name);
+  if (!is_knn && declaration == nullptr) return "";
+  return fmt::format("pointsweep run IN... OUT --pipeline '{}'",
+                     is_knn ? neighborhood_declaration().example : declaration->example);
+}
+
+std::string help_of_operator(const std::string& name) {
+  const std::string command = command_of_operator(name);
+  if (command.empty()) return "";
+  return fmt::format("{}\nUsage: {}\n", to_text(listed_operators({name})), command);
+}
+
+std::string to_text(const std::vector<ListedOperator>& operators) {
+  std::string text;
+  for (const ListedOperator& listed_one : operators) text += operator_text(listed_one);
+  return text;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "cli/text/usage_errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "cli/text/help.h"
+#include "cli/text/operator_listing.h"
+#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/points/nearest_names.h"
+
+namespace pointsweep {
+namespace {
+
+std::vector<std::string> verbs_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(verb->get_name());
+  return names;
+}
+
+/// "--quiet", "-q", ... of the options that the help shows.
+std::vector<std::string> options_of(const CLI::App& verb) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : verb.get_options()) {
+    if (option->get_group().empty()) continue;
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+  }
+  return names;
+}
+
+/// The dashes of a long option are no letters of its name.
+std::string unknown_option_sentence(const CLI::App& verb, const std::string& word) {
+  const std::string given = word.substr(0, word.find('='));
+  const std::string bare = given.substr(std::min(given.find_first_not_of('-'), given.size()));
+  std::vector<std::string> bare_names;
+  for (const std::string& name : options_of(verb))
+    if (name.starts_with("--")) bare_names.push_back(name.substr(2));
+  const auto meant = probable_name(bare, bare_names);
+  const std::string hint = meant ? fmt::format(" Did you mean '--{}'?", *meant) : "";
+  return fmt::format("{}: '{}' is not an option of this verb.{}", verb.get_name(), given, hint);
+}
+
+/// Words that no option and no list of files has taken: before a verb, or after it.
+std::string extras_sentence(const CLI::App& app, const CLI::App* verb) {
+  const std::vector<std::string> before = app.remaining();
+  if (!before.empty() && before.front().starts_with('-'))
+    return fmt::format("'{}' comes before the verb; write the verb first, then its options.", before.front());
+  if (!before.empty() || verb == nullptr) return unknown_verb_sentence(app, before.empty() ? "" : before.front());
+  const std::vector<std::string> unknown = verb->remaining();
+  for (const std::string& word : unknown)
+    if (word.starts_with('-') && word != "--") return unknown_option_sentence(*verb, word);
+  return fmt::format("{}: '{}' is one argument too many.", verb->get_name(), unknown.front());
+}
+
+/// The parser counts values; every option of ours has one.
+std::string parser_sentence(const CLI::ParseError& error) {
+  std::string text = error.what();
+  if (text.starts_with(kInputsAndOutput)) text.replace(0, std::string_view(kInputsAndOutput).size(), "IN... OUT");
+  if (error.get_name() != "ArgumentMismatch") return text + ".";
+  return text.substr(0, text.find(':')) + " needs a value.";
+}
+
+}  // namespace
+
+const CLI::App* find_verb(const CLI::App& app, const std::string& name) {
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
+    if (verb->get_name() == name) return verb;
+  return nullptr;
+}
+
+std::string unknown_verb_sentence(const CLI::App& app, const std::string& word) {
+  if (const std::string command = command_of_operator(word); !command.empty())
+    return fmt::format("'{}' is an operator, not a verb: {}", word, command);
+  if (const std::string_view advice = advice_for(word); !advice.empty())
+    return fmt::format("'{}' is not a verb; in the pipeline of 'pointsweep run', {}.", word, advice);
+  const auto meant = probable_name(word, verbs_of(app));
+  return fmt::format("'{}' is not a verb.{}", word, meant ? fmt::format(" Did you mean '{}'?", *meant) : "");
+}
+
+std::string usage_sentence(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> parsed = app.get_subcommands();
+  const CLI::App* verb = parsed.empty() ? nullptr : parsed.front();
+  const bool extras = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr || !app.remaining().empty();
+  const std::string place = verb == nullptr ? "" : verb->get_name() + ": ";
+  const std::string sentence = extras ? extras_sentence(app, verb) : place + parser_sentence(error);
+  return fmt::format("{}\nRun 'pointsweep help{}' for help.", sentence, verb == nullptr ? "" : " " + verb->get_name());
+}
+
+}  // namespace pointsweep

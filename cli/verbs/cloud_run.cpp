@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+#include "cli/verbs/cloud_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "cli/console/interrupt.h"
+#include "cli/console/quantities.h"
+#include "cli/text/command_line.h"
+#include "cli/verbs/progress.h"
+#include "pointsweep/cancellation.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/crs_unit.h"
+#include "pointsweep/formats/extension.h"
+#include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/formats/files/standard_streams.h"
+#include "pointsweep/formats/registry.h"
+#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/render/attribute_unit.h"
+#include "pointsweep/report/pictured_attribute.h"
+#include "pointsweep/report/run_report.h"
+
+namespace pointsweep {
+namespace {
+
+EngineOptions run_options(const CommonOptions& options) {
+  EngineOptions run = options;
+  run.count_distances = !options.report.empty();
+  return run;
+}
+
+/// The files that a command names; standard input can be read then.
+ResolvedFiles files_of(InputsAndOutput named, const CommonOptions& options) {
+  for (const auto& path : {options.stats, options.report, options.half_way_states}) named.other_outputs.push_back(path);
+  named.resumes = !options.resume_folder.empty();
+  ResolvedFiles files = resolve(named, options.format);
+  take_standard_input(files.inputs, options);
+  return files;
+}
+
+/// Returns the name of the report; refuses a name that does not end with .html.
+const std::filesystem::path& page_name(const std::filesystem::path& file) {
+  if (extension_of(file) != ".html")
+    fail_usage("--report: {}: the report is a page; give a name that ends with .html.", file.string());
+  return file;
+}
+
+void complete(OutputFile& file, const std::string& text) {
+  file.append(std::as_bytes(std::span(text)));
+  file.commit();
+}
+
+/// The share of a run that the page about it may take in addition, and what it may take of a short run, in seconds.
+constexpr double kPageShare = 0.1, kPageSeconds = 0.5;
+
+/// Adds the result, read again, to the summary; nothing where the output is no point file or has no point to show.
+void add_result(const ResolvedFiles& files, const InputCloud& input, ProgressDisplay& display, RunSummary& summary) {
+  const Statistics& statistics = summary.statistics;
+  if (is_array_name(files.output) || is_standard_stream(files.output) || statistics.points_written == 0 ||
+      statistics.nonfinite - statistics.dropped == statistics.points)
+    return;
+  const auto start = std::chrono::steady_clock::now();
+  InputCloud cloud(files.tiles.empty() ? std::vector{files.output} : files.tiles, {.ignore_crs = true});
+  RenderOptions options;
+  options.width = 900;
+  options.height = 640;
+  options.length_unit = summary.unit;
+  options.seconds = std::max(kPageSeconds, kPageShare * statistics.total_seconds);
+  std::vector<std::string> operators;
+  for (const auto& [name, seconds] : statistics.operator_seconds) operators.push_back(name);
+  options.color = pictured_attribute(operators, input.schema(), cloud.schema());
+  options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
+    stop_if_cancelled();
+    display.report(phase, done, total);
+  };
+  summary.picture = render(cloud, options);
+  summary.made =
+      value_summaries(cloud.schema(), summary.picture->sample, made_numbers(operators, input.schema(), cloud.schema()));
+  for (ValueSummary& made : summary.made) made.unit = unit_of_attribute(made.name, summary.unit);
+  summary.drawing_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+RunSummary summary_of(const ResolvedFiles& files, const InputCloud& input, const Statistics& statistics,
+                      ProgressDisplay& display) {
+  RunSummary summary;
+  summary.title = (files.tiles.empty() ? files.output : (files.output / "").parent_path()).filename().string();
+  summary.output = files.output.string();
+  summary.command = command_line();
+  summary.version = kept_version();
+  summary.statistics = statistics;
+  if (input.crs()) {
+    summary.crs = short_text(*input.crs());
+    summary.unit = input.crs()->kind == CrsKind::geographic ? "degrees" : length_unit_of(*input.crs());
+  }
+  add_result(files, input, display, summary);
+  for (const auto& path : files.inputs) summary.inputs += (summary.inputs.empty() ? "" : ", ") + path.string();
+  return summary;
+}
+
+/// Returns a sentence for each stage that marked points as degenerate; stages of one name may have equal sentences.
+std::set<std::string> about_degenerate(const Statistics& s, const std::filesystem::path& stats) {
+  const std::string rows = stats.empty() ? "--stats FILE lists the rows"
+                                         : fmt::format("degenerate_rows in {} lists the rows", stats.string());
+  std::set<std::string> sentences;
+  for (const DegenerateResults& results : s.degenerate_results) {
+    const OperatorDeclaration* const declaration = declaration_of(results.stage);
+    if (results.count == 0 || declaration == nullptr) continue;
+    sentences.insert(fmt::format("{}: {} points {} ({}).", results.stage, grouped_text(results.count),
+                                 declaration->degenerate, rows));
+  }
+  return sentences;
+}
+
+/// "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory"
+std::string conclusion(const ResolvedFiles& files, const Statistics& s) {
+  std::string text =
+      fmt::format("wrote {}: ", is_standard_stream(files.output) ? "standard output" : files.output.string());
+  if (!files.tiles.empty())
+    text += files.tiles.size() == 1 ? "1 file, " : fmt::format("{} files, ", files.tiles.size());
+  text += fmt::format("{} points", s.points_written);
+  if (s.points_written < s.points) text += fmt::format(" of {}", s.points);
+  text += fmt::format(" in {:.1f} s", s.total_seconds);
+  if (s.total_seconds > 0) text += fmt::format(", {}/s", count_text(static_cast<double>(s.points) / s.total_seconds));
+  text += fmt::format(", at most {} of memory", size_text(s.peak_rss_bytes));
+  const std::uint64_t kept = s.nonfinite - s.dropped;
+  if (kept > 0) text += fmt::format("; {} with coordinates that are not finite", kept);
+  return text;
+}
+
+/// Shows what a run tells. Signals cancel it.
+class RunDisplay final : public Observer {
+ public:
+  explicit RunDisplay(ProgressDisplay& display) : display_(display) {}
+  void on_progress(const Progress& p) override { display_.report(p.phase, p.done, p.total); }
+  void on_warning(const std::string& sentence) override { display_.say(Severity::warning, sentence); }
+  void on_note(const std::string& sentence) override { display_.say(Severity::note, sentence); }
+  const CancellationToken& token() const noexcept override { return interrupt_token(); }
+
+ private:
+  ProgressDisplay& display_;
+};
+
+}  // namespace
+
+void take_standard_input(const std::vector<std::filesystem::path>& inputs, const CommonOptions& options) {
+  const auto count = std::ranges::count_if(inputs, is_standard_stream);
+  if (count > 1) fail_usage("-: standard input can be one of the inputs only once.");
+  if (count == 0) return;
+  if (!options.resume_folder.empty())
+    fail_usage("--resume: standard input cannot be read again by another process; save it to a file first.");
+  take_standard_input(options.resources.temp_folder);
+}
+
+void add_run_options(CLI::App& verb, CommonOptions& options) {
+  add_dry_run_option(verb, options);
+  add_stream_options(verb, options);
+  add_nonfinite_option(verb, options);
+  add_thread_option(verb, options);
+  add_crs_option(verb, options);
+  add_format_option(verb, options.format);
+  add_force_option(verb, options);
+  add_progress_options(verb, options);
+}
+
+void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
+                    const std::function<Statistics(InputCloud&, const ResolvedFiles&, const EngineOptions&)>& work) {
+  const ResolvedFiles files = files_of(paths, options);
+  InputCloud cloud(files.inputs, cloud_options(options));
+  std::optional<OutputFile> stats;  // made first: a place that cannot be written is known before the work, not after
+  if (!options.stats.empty()) stats.emplace(options.stats, options.overwrite);
+  std::optional<OutputFile> report;
+  if (!options.report.empty()) report.emplace(page_name(options.report), options.overwrite);
+  ProgressDisplay display(options);
+  EngineOptions run = run_options(options);
+  RunDisplay watching(display);
+  run.observer = &watching;
+  for (const std::string& notice : files.notices) display.say(Severity::note, notice);
+  const Statistics statistics = work(cloud, files, run);
+  if (stats) complete(*stats, to_json(statistics) + "\n");
+  if (report) complete(*report, report_of(summary_of(files, cloud, statistics, display)));
+  for (const std::string& sentence : about_degenerate(statistics, options.stats))
+    display.say(Severity::warning, sentence);
+  display.say(Severity::note, conclusion(files, statistics));
+}
+
+void look_at_cloud(const InputsAndOutput& paths, const CommonOptions& options,
+                   const std::function<void(InputCloud&, const ResolvedFiles&, const EngineOptions&)>& work) {
+  const ResolvedFiles files = files_of(paths, options);
+  InputCloud cloud(files.inputs, cloud_options(options));
+  work(cloud, files, run_options(options));
+}
+
+}  // namespace pointsweep

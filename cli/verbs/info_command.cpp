@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+/// `pointsweep info FILE...`: what is in a point file, found by reading all of it.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "cli/console/console.h"
+#include "cli/text/file_table.h"
+#include "cli/text/file_text.h"
+#include "cli/verbs/cloud_run.h"
+#include "cli/verbs/commands.h"
+#include "cli/verbs/common_options.h"
+#include "cli/verbs/inputs_and_output.h"
+#include "cli/verbs/progress.h"
+#include "pointsweep/cancellation.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/files.h"
+#include "pointsweep/info.h"
+#include "pointsweep/info/summary_json.h"
+
+namespace pointsweep {
+namespace {
+
+struct InfoCommand {
+  CommonOptions common;
+  std::vector<std::filesystem::path> files;  ///< folders, patterns and .vpc files among them
+  bool recursive = false;
+  bool json = false, table = false;
+  bool spacing = true;
+};
+
+enum class InfoStyle : std::uint8_t { details, table, json };
+
+/// The report on the files: of each in turn, then of all of them.
+class InfoReport {
+ public:
+  explicit InfoReport(InfoStyle style) : style_(style) {}
+
+  /// `label`: what the table and sentences about several files call it.
+  void add(FileSummary summary, const std::filesystem::path& label) {
+    if (style_ == InfoStyle::json) json_.push_back(json_of(summary));
+    if (style_ == InfoStyle::details) print(to_text(summary));
+    summary.info.path = label;
+    files_.readable.push_back(std::move(summary));
+  }
+  void add_failure(const std::filesystem::path& file, const std::string& sentence, const std::filesystem::path& label) {
+    files_.unreadable.emplace_back(files_.size(), label);
+    if (style_ == InfoStyle::json) json_.push_back({{"path", file.string()}, {"error", sentence}});
+  }
+  void finish() const {
+    if (style_ == InfoStyle::json)
+      print(all_as_json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    if (style_ == InfoStyle::table) print(table_of(files_));
+    if (style_ != InfoStyle::json && files_.size() > 1) print(summary_of(files_));
+  }
+  std::size_t files() const { return files_.size(); }
+  std::size_t failures() const { return files_.unreadable.size(); }
+
+ private:
+  nlohmann::ordered_json all_as_json() const {
+    std::uint64_t points = 0;
+    Box bounds;
+    for (const FileSummary& file : files_.readable) {
+      points += file.info.count;
+      bounds.include(file.bounds);
+    }
+    const std::optional<double> density = density_of(files_.readable);
+    const nlohmann::ordered_json all = {{"files", files_.size()},
+                                        {"unreadable", failures()},
+                                        {"points", points},
+                                        {"bounds", json_of(bounds)},
+                                        {"density", density ? nlohmann::ordered_json(*density) : nullptr},
+                                        {"inconsistent", inconsistencies_of(files_.readable)}};
+    return {{"files", json_}, {"all", all}};
+  }
+
+  InfoStyle style_;
+  nlohmann::ordered_json json_ = nlohmann::ordered_json::array();
+  ListedSummaries files_;
+};
+
+/// A file to look at, and what a table calls it: the name below the folder that was named, if that was one alone.
+struct LabelledFile {
+  std::filesystem::path path, label;
+};
+
+void look_at_file(const LabelledFile& file, const InfoCommand& options, bool spacing, InfoReport& report,
+                  ProgressDisplay& progress) {
+  const std::unique_ptr<Reader> reader = open_reader(file.path, options.common.format);
+  const auto show = [&](std::uint64_t done, std::uint64_t total) {
+    stop_if_cancelled();
+    progress.report("info", done, total);
+  };
+  FileSummary summary = summarize(*reader, {.spacing = spacing, .progress = show});
+  const std::string path = file.path.string();
+  for (const std::string& warning : summary.info.warnings)
+    progress.say(Severity::warning, warning.starts_with(path) ? warning : fmt::format("{}: {}", path, warning));
+  report.add(std::move(summary), file.label);
+}
+
+/// The files that an argument stands for; nothing, after a complaint, where it stands for none.
+std::vector<LabelledFile> files_of(const std::filesystem::path& named, const InfoCommand& options, InfoReport& report,
+                                   ProgressDisplay& progress) {
+  const bool is_folder = options.files.size() == 1 && stands_for_files(named);
+  std::vector<LabelledFile> files;
+  try {
+    const InputList list = list_inputs({named}, options.recursive, options.common.format);
+    for (const ListedFile& file : list.files) files.push_back({file.path, is_folder ? file.relative : file.path});
+    for (const std::string& notice : list.notices) progress.say(Severity::note, notice);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
+    progress.say(Severity::error, error.what());
+    report.add_failure(named, error.what(), named);
+  }
+  return files;
+}
+
+InfoStyle style_of(const InfoCommand& options) {
+  if (options.json) return InfoStyle::json;
+  const bool many = std::ranges::any_of(options.files, stands_for_files);
+  return options.table || many ? InfoStyle::table : InfoStyle::details;
+}
+
+void info(const InfoCommand& options) {
+  const InfoStyle style = style_of(options);
+  const bool spacing = style != InfoStyle::table && options.spacing;
+  InfoReport report(style);
+  ProgressDisplay progress(options.common);
+  take_standard_input(options.files, options.common);
+  std::vector<LabelledFile> files;
+  for (const auto& named : options.files) {
+    const auto some = files_of(named, options, report, progress);
+    files.insert(files.end(), some.begin(), some.end());
+  }
+  for (const LabelledFile& file : files) {
+    try {
+      look_at_file(file, options, spacing, report, progress);
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const Error& error) {
+      progress.say(Severity::error, error.what());
+      report.add_failure(file.path, error.what(), file.label);
+    }
+  }
+  report.finish();
+  if (report.failures() > 0) fail("{} of {} files could not be read.", report.failures(), report.files());
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("info", "Show format, coordinate system, bounds and attributes of point files");
+  auto options = std::make_shared<InfoCommand>();
+  verb.add_option("FILE", options->files, "Point files, folders of them or quoted patterns")->required()->type_name("");
+  add_recursive_option(verb, options->recursive);
+  CLI::Option* json = verb.add_flag("--json", options->json, "Write one JSON object; docs/info.md lists its keys");
+  verb.add_flag("--table", options->table,
+                "Write one line for each file, read once (default for folders, patterns and .vpc files)")
+      ->excludes(json);
+  verb.add_flag_callback(
+      "--no-spacing", [options] { options->spacing = false; },
+      "Read files once instead of twice, without the distances between points");
+  add_format_option(verb, options->common.format);
+  add_progress_options(verb, options->common);
+  verb.footer(
+      "The files are read to their end, so that bounds, counts and ranges are those of the points, not of a header.\n"
+      "A file that cannot be read is reported; the others are still read, and the exit status is 1.\n"
+      "Several files are compared: formats, coordinate reference systems, attributes and their types.\n"
+      "\nExamples:\n"
+      "  pointsweep info scan.ply\n"
+      "  pointsweep info tiles/\n"
+      "  pointsweep info --table tile_*.las");
+  verb.callback([options] { info(*options); });
+}
+
+}  // namespace pointsweep

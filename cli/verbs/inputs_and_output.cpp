@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "cli/verbs/inputs_and_output.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "cli/text/help.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/files.h"
+#include "pointsweep/formats/extension.h"
+#include "pointsweep/formats/files/folder_entries.h"
+#include "pointsweep/formats/files/same_file.h"
+#include "pointsweep/formats/files/standard_streams.h"
+#include "pointsweep/formats/registry.h"
+#include "pointsweep/points/lower_case.h"
+
+namespace pointsweep {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_folder_name(const fs::path& path) {
+  std::error_code error;
+  return !is_standard_stream(path) && (!path.has_filename() || fs::is_directory(path, error));
+}
+
+bool holds_point_files(const fs::path& folder) {
+  for (const fs::directory_entry& entry : entries_of(folder))
+    if (!is_hidden(entry.path()) && is_point_file(entry.path())) return true;
+  return false;
+}
+
+/// Returns whether the last of several names may be an input, since a file of this name exists.
+bool may_be_input(const InputsAndOutput& named) {
+  std::error_code error;
+  if (!named.named_output.empty() || named.inputs_named() <= 1 || is_standard_stream(named.output())) return false;
+  if (fs::is_directory(named.output(), error)) return !named.resumes && holds_point_files(named.output());
+  return fs::exists(fs::symlink_status(named.output(), error));
+}
+
+void require_input_and_output(const InputsAndOutput& named) {
+  if (named.inputs_named() == 0)
+    fail_usage("IN... OUT: name at least one input file, then the output file (or name it with -o FILE).");
+  if (may_be_input(named))
+    fail_usage(
+        "{}: exists, and as the last of {} files it may be an input; name the output with -o FILE, before or after the "
+        "inputs.",
+        named.output().string(), named.files.size());
+}
+
+/// A folder of outputs among its inputs: a later run would take its files as inputs.
+void require_no_folder_of_inputs(const InputsAndOutput& named) {
+  std::error_code error;
+  const fs::path output = fs::weakly_canonical(fs::absolute(named.output() / "", error), error);
+  for (const fs::path& input : named.inputs()) {
+    if (!fs::is_directory(input, error)) continue;
+    const fs::path relative = output.lexically_relative(fs::canonical(input / "", error));
+    const bool is_same = relative == "." || relative == "./" || relative.empty();
+    if (is_same || (named.recursive && relative.begin()->string() != ".."))
+      fail_usage("{}: is {} the folder of inputs {}, so its files would be inputs of a later run; name another folder.",
+                 named.output().string(), is_same ? "also" : "in", input.string());
+  }
+}
+
+void require_written_format(const fs::path& input, const fs::path& output) {
+  std::error_code error;
+  if (!fs::exists(input, error)) fail("{}: no such file; check the path.", input.string());
+  const Format* const format = format_of_output(output);
+  if (format != nullptr && format->content == Format::Content::points && format->is_built_in()) return;
+  fail_usage("{}: files named {} are not written; choose a format for the outputs, e.g. --output-format laz.",
+             input.string(), extension_of(output).empty() ? "without extension" : "*" + extension_of(output));
+}
+
+std::vector<fs::path> tiles_in(const InputsAndOutput& named, const std::vector<ListedFile>& inputs) {
+  require_no_folder_of_inputs(named);
+  std::error_code error;
+  const fs::path parent = (named.output() / "").parent_path().parent_path();
+  if (!parent.empty() && !fs::is_directory(parent, error))
+    fail("{}: the folder {} does not exist; create it first.", named.output().string(), parent.string());
+  std::vector<fs::path> tiles;
+  std::map<fs::path, fs::path> inputs_of;
+  for (const ListedFile& input : inputs) {
+    if (is_standard_stream(input.path))
+      fail_usage("-: standard input has no name for its output in a folder; name an output file.");
+    tiles.push_back(named.output() / tile_name(input.relative, named.output_format));
+    require_written_format(input.path, tiles.back());
+    const auto [other, is_new] = inputs_of.try_emplace(tiles.back(), input.path);
+    if (!is_new)
+      fail_usage(
+          "{} and {} would both be written as {}; name the folder that holds both, with --recursive, or make two runs.",
+          other->second.string(), input.path.string(), tiles.back().string());
+  }
+  return tiles;
+}
+
+void require_folder_for_format(const InputsAndOutput& named, bool is_folder) {
+  if (is_folder || named.output_format.empty()) return;
+  if (is_standard_stream(named.output()))
+    fail_usage("--output-format: standard output is PLY; for another format name an output file.");
+  fail_usage("--output-format: {} is a file, and its name says its format; leave the option out, or name a folder.",
+             named.output().string());
+}
+
+/// ".laz" for "laz" and ".LAZ".
+std::string parse_output_format(const std::string& text) {
+  std::string extension = extension_of("tile." + text.substr(text.starts_with('.') ? 1 : 0));
+  const std::vector<std::string_view> known = writable_extensions();
+  const bool is_whole = extension == in_lower_case(text.starts_with('.') ? text : "." + text);  // not "copc.laz"
+  if (!is_whole || std::ranges::find(known, extension) == known.end())
+    fail_usage("--output-format: '{}' is not one of {}.", text, fmt::join(known, ", "));
+  return extension;
+}
+
+}  // namespace
+
+void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning) {
+  verb.add_option(kInputsAndOutput, paths.files,
+                  fmt::format("Input files (merged), then output {}. A folder or a quoted pattern such as "
+                              "'tiles/*.laz' stands for its point files; - is standard input or output (PLY)",
+                              output_meaning))
+      ->type_name("");
+  add_recursive_option(verb, paths.recursive);
+}
+
+void add_recursive_option(CLI::App& verb, bool& recursive) {
+  verb.add_flag("--recursive", recursive, "Read the folders inside of folders, too")->group(kOtherGroup);
+}
+
+void add_output_format_option(CLI::App& verb, std::string& format) {
+  verb.add_option_function<std::string>(
+          "--output-format", [&format](const std::string& text) { format = parse_output_format(text); },
+          "Format of all files in a folder of outputs, e.g. laz or ply (default: that of each input)")
+      ->type_name("EXT")
+      ->group(kOutputGroup);
+}
+
+void add_output_option(CLI::App& verb, fs::path& output) {
+  verb.add_option("-o,--output", output, "Output file or folder (default: the last argument)")
+      ->type_name("FILE")
+      ->group(kOutputGroup);
+}
+
+ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format) {
+  require_input_and_output(named);
+  const bool is_folder = is_folder_name(named.output());
+  require_folder_for_format(named, is_folder);
+  InputList list = list_inputs(named.inputs(), named.recursive, format);
+  ResolvedFiles files{.inputs = {}, .output = named.output(), .tiles = {}, .notices = std::move(list.notices)};
+  if (is_folder) files.tiles = tiles_in(named, list.files);
+  for (ListedFile& file : list.files) files.inputs.push_back(std::move(file.path));
+  std::vector<fs::path> read = files.inputs, written = files.tiles;
+  if (!is_folder) written.push_back(files.output);
+  read.insert(read.end(), named.other_inputs.begin(), named.other_inputs.end());
+  written.insert(written.end(), named.other_outputs.begin(), named.other_outputs.end());
+  require_separate_files(read, written);
+  return files;
+}
+
+void require_one_output(const ResolvedFiles& files, const char* reason) {
+  if (!files.tiles.empty()) fail_usage("{}: is a folder, but {}; name an output file.", files.output.string(), reason);
+}
+
+}  // namespace pointsweep

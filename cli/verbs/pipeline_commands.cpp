@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+/// `pointsweep normals|curvature|splats|features|fair IN... OUT`: pipelines by one word each, most of them the paper's
+/// (its Section 4.3).
+#include <fmt/core.h>
+
+#include <memory>
+#include <string>
+
+#include "cli/verbs/commands.h"
+#include "cli/verbs/pipeline_run.h"
+#include "cli/verbs/stage_options.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/plan/default_neighborhood.h"
+
+namespace pointsweep {
+namespace {
+
+struct ShortForm {
+  const char* verb;
+  const char* meaning;
+  const char* output;        ///< what OUT holds in addition to the input's attributes
+  const char* stages;        ///< after knn
+  const char* with_options;  ///< the second stage whose options the verb takes, after normals; empty: none
+  const char* remark;
+  const char* example;
+};
+
+constexpr ShortForm kShortForms[] = {
+    {"normals", "Compute a unit normal for every point from its exact neighbours", "nx, ny, nz", "normals", "",
+     "A point whose neighbours define no plane gets the normal 0 0 0.",
+     "Example: a scan of any size in 2 GB of memory, normals towards the scanner:\n"
+     "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G --orient viewpoint --viewpoint 0,0,1.7\n"
+     "\nExample: a folder of tiles, into another folder without seams:\n"
+     "  pointsweep normals tiles/ out/ -k 12"},
+    {"curvature", "Compute normals and principal curvatures", "normals and curvatures", "normals | curvature", "",
+     "'pointsweep operators curvature' lists the computed attributes.",
+     "Example: the principal curvatures alone, beside the attributes of the input:\n"
+     "  pointsweep curvature scan.ply curvature.ply -k 64 --keep k1,k2"},
+    {"splats", "Compute normals and elliptical splats that cover the surface", "normals and splats", "normals | splats",
+     "splats", "'pointsweep operators splats' lists the computed attributes.",
+     "Example:\n"
+     "  pointsweep splats scan.ply splats.ply -k 12"},
+    {"features", "Compute features of the shape of neighbourhoods: linearity, planarity, verticality and more",
+     "the features", "features", "features", "'pointsweep operators features' lists the formulas.",
+     "Example: four features of the points within half a metre:\n"
+     "  pointsweep features scan.las features.las --radius 0.5 --names linearity,planarity,sphericity,verticality"},
+    {"fair", "Smooth the surface, edge-preserving: move the points, then compute normals and splats",
+     "normals and splats of the moved points", "normals | splats | fair | normals | splats", "fair",
+     "The output has the moved coordinates.",
+     "Example:\n"
+     "  pointsweep fair scan.ply smooth.ply -k 96 --f 0.3"},
+};
+
+struct ShortFormCommand {
+  PipelineRun run;
+  std::vector<OptionText> neighborhood, options;
+};
+
+std::vector<StageText> stages_of(const ShortForm& form, const ShortFormCommand& command) {
+  std::vector<StageText> stages = parse_pipeline(form.stages, form.verb);
+  for (StageText& stage : stages)
+    if (stage.name == form.with_options) stage.options = command.options;
+  stages.insert(stages.begin(), {neighborhood_declaration().name, command.neighborhood, form.verb});
+  return stages;
+}
+
+/// The number of neighbours that the stages of the verb want.
+std::string default_k_of(const ShortForm& form) {
+  const Chain chain = with_named_neighborhoods(build_chain(parse_pipeline(form.stages, form.verb), Facts{}));
+  return fmt::format("{}", chain.neighborhood.k);
+}
+
+void add_short_form(CLI::App& app, const ShortForm& form) {
+  CLI::App& verb = *app.add_subcommand(form.verb, form.meaning);
+  auto command = std::make_shared<ShortFormCommand>();
+  const std::string k = default_k_of(form);
+  const std::string output =
+      fmt::format("with the attributes of the input, and {} (in a folder, one for each input)", form.output);
+  add_inputs_and_output(verb, command->run.paths, output.c_str());
+  add_output_option(verb, command->run.paths.named_output);
+  add_neighborhood_options(verb, k, command->neighborhood);
+  if (const OperatorDeclaration* own = declaration_of(form.with_options))
+    add_stage_options(verb, own->options, command->options);
+  add_pipeline_options(verb, command->run);
+  verb.footer(fmt::format("Same as 'pointsweep run' with the pipeline 'knn(k={}) | {}'. {}\n\n{}", k, form.stages,
+                          form.remark, form.example));
+  verb.callback([&form, command] { run_stages(stages_of(form, *command), command->run); });
+}
+
+}  // namespace
+
+void add_pipeline_commands(CLI::App& app) {
+  for (const ShortForm& form : kShortForms) add_short_form(app, form);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "cli/verbs/pipeline_run.h"
+
+#include <algorithm>
+
+#include "cli/console/console.h"
+#include "cli/verbs/stage_options.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/run/preview.h"
+
+namespace pointsweep {
+namespace {
+
+bool says(const std::vector<OptionText>& options, const std::string& name) {
+  return std::ranges::find(options, name, &OptionText::name) != options.end();
+}
+
+/// Throws UsageError if --orient viewpoint comes without --viewpoint, a flag of its own on the command line.
+void require_viewpoint(const std::vector<OptionText>& orientation) {
+  const auto orient = std::ranges::find(orientation, "orient", &OptionText::name);
+  if (orient != orientation.end() && orient->value == "viewpoint" && !says(orientation, "viewpoint"))
+    fail_usage("--orient viewpoint needs the position of the scanner; add --viewpoint X,Y,Z.");
+}
+
+Outputs outputs_of(const ResolvedFiles& files) {
+  if (!files.tiles.empty()) return {.tiles = files.tiles};
+  return {.points = files.output};
+}
+
+}  // namespace
+
+void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
+  add_stage_options(verb, declaration_of("normals")->options, run.orientation);
+  add_output_options(verb, run);
+}
+
+void add_output_options(CLI::App& verb, PipelineRun& run) {
+  add_output_format_option(verb, run.paths.output_format);
+  add_keep_option(verb, run.common.keep, kKeepMeaning);
+  add_order_option(verb, run.common);
+  add_engine_option(verb, run.common);
+  add_positions_option(verb, run.common);
+  add_naming_options(verb, run.common);
+  add_provenance_options(verb, run.common);
+  add_run_options(verb, run.common);
+}
+
+void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation) {
+  if (orientation.empty()) return;
+  require_viewpoint(orientation);
+  bool any = false;
+  for (StageText& stage : stages) {
+    if (stage.name != "normals") continue;
+    if (says(stage.options, "orient") || says(stage.options, "viewpoint"))
+      fail_usage("{}: normals has an orientation in the pipeline; leave out --orient or that one.", stage.place);
+    stage.options.insert(stage.options.end(), orientation.begin(), orientation.end());
+    any = true;
+  }
+  if (!any)
+    fail_usage("{0}: the pipeline makes no normals; add the stage normals, or leave out {0}.",
+               orientation.front().place);
+}
+
+void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
+  orient_normals(stages, command.orientation);
+  build_chain(stages, Facts{});  // wrong names and options are refused before files are opened
+  if (command.common.dry_run) {
+    look_at_cloud(command.paths, command.common,
+                  [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
+                    const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
+                    print(to_text(preview(cloud, chain, options, outputs_of(files))));
+                  });
+    return;
+  }
+  run_over_cloud(command.paths, command.common,
+                 [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
+                   const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
+                   return run(cloud, chain, outputs_of(files), options);
+                 });
+}
+
+}  // namespace pointsweep

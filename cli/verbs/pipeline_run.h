@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+/// The common part of the verbs that run a pipeline of named operators.
+#pragma once
+
+#include <vector>
+
+#include "cli/verbs/cloud_run.h"
+#include "pointsweep/pipeline/language/parse.h"
+
+namespace pointsweep {
+
+struct PipelineRun {
+  CommonOptions common;
+  InputsAndOutput paths;
+  std::vector<OptionText> orientation;  ///< options of all stages `normals`; empty: not given
+};
+
+/// Adds the options of the operator `normals`, --keep, --dry-run, --order, --engine and all common options. `run`
+/// outlives the parsing.
+void add_pipeline_options(CLI::App& verb, PipelineRun& run);
+
+/// Adds the options of add_pipeline_options() without the options of normals.
+void add_output_options(CLI::App& verb, PipelineRun& run);
+
+/// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or one that has its own.
+void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation);
+
+/// Builds the chain for the cloud and runs it, or prints what would be done.
+void run_stages(std::vector<StageText> stages, const PipelineRun& run);
+
+}  // namespace pointsweep

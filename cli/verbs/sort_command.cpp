@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+/// `pointsweep sort IN... OUT`: the ordered stream as a normal file.
+#include "cli/console/console.h"
+#include "cli/verbs/cloud_run.h"
+#include "cli/verbs/commands.h"
+#include "pointsweep/pipeline/run/sort_preview.h"
+
+namespace pointsweep {
+namespace {
+
+struct SortCommand {
+  CommonOptions common;
+  InputsAndOutput paths;
+};
+
+constexpr const char* kOneOrder = "sort puts the points of all inputs in one order";
+
+void sort_points(const SortCommand& command) {
+  const std::vector<std::string>& keep = command.common.keep;
+  if (command.common.dry_run) {
+    look_at_cloud(command.paths, command.common,
+                  [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
+                    require_one_output(files, kOneOrder);
+                    print(to_text(preview_sort(cloud, files.output, options, keep)));
+                  });
+    return;
+  }
+  run_over_cloud(command.paths, command.common,
+                 [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
+                   require_one_output(files, kOneOrder);
+                   return sort(cloud, files.output, options, keep);
+                 });
+}
+
+}  // namespace
+
+void add_sort_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("sort", "Write the points in ascending order along an axis");
+  auto command = std::make_shared<SortCommand>();
+  add_inputs_and_output(verb, command->paths, "with the attributes of the input, unchanged");
+  add_output_option(verb, command->paths.named_output);
+  add_keep_option(verb, command->common.keep,
+                  "Attributes to write, e.g. intensity,classification; x, y and z always are (default: all)");
+  add_provenance_options(verb, command->common);
+  add_run_options(verb, command->common);
+  verb.footer(
+      "Equal coordinates are ordered by x, y, z, then by input row. Points with NaN or infinite coordinates come "
+      "last.\n"
+      "\nExample:\n"
+      "  pointsweep sort tile_1.las tile_2.las sorted.las --axis x --memory 1G");
+  verb.callback([command] { sort_points(*command); });
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+/// `pointsweep verify IN... OUT`: the user's own check of what a run has written.
+#include <fstream>
+#include <string>
+
+#include "cli/console/console.h"
+#include "cli/console/quantities.h"
+#include "cli/verbs/cloud_run.h"
+#include "cli/verbs/commands.h"
+#include "cli/verbs/not_checked.h"
+#include "cli/verbs/progress.h"
+#include "cli/verbs/stage_options.h"
+#include "pointsweep/cancellation.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/verify.h"
+#include "pointsweep/verify/output_check.h"
+
+namespace pointsweep {
+namespace {
+
+struct VerifyCommand {
+  CommonOptions common;
+  InputsAndOutput paths;
+  std::vector<OptionText> neighborhood;
+  VerifyOptions check;
+  Checksums checksums = Checksums::leave_out;
+};
+
+std::vector<std::uint64_t> rows_named_in(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) fail_usage("--rows: cannot open {}.", path);
+  std::vector<std::uint64_t> rows;
+  for (std::string word; file >> word;) rows.push_back(parse_count("--rows", word));
+  return rows;
+}
+
+VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& display) {
+  VerifyOptions options = command.check;
+  options.axis = command.common.axis;
+  options.prefix = command.common.prefix;
+  options.nonfinite = command.common.nonfinite;
+  options.recursive = command.paths.recursive;
+  options.cloud = cloud_options(command.common);
+  if (command.common.resources.memory_bytes != 0) options.memory_bytes = command.common.resources.memory_bytes;
+  options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
+    stop_if_cancelled();
+    display.report(phase, done, total);
+  };
+  return options;
+}
+
+void run_check(const VerifyCommand& command) {
+  take_standard_input(command.paths.files, command.common);
+  if (command.paths.files.empty()) fail_usage("IN... OUT: name what was read, and last what was written.");
+  ProgressDisplay display(command.common);
+  const Verdict verdict = verify_output(command.paths.inputs(), command.paths.output(), check_options(command, display),
+                                        command.neighborhood);
+  if (!command.common.quiet) print(to_text(verdict, command.checksums));
+  if (!verdict.same()) fail("{}: {}.", conclusion(verdict), verdict.differences.front());
+  if (!verdict.is_complete()) throw NotChecked(fmt::format("{}: {}.", verdict.output, conclusion(verdict)));
+}
+
+void add_check_options(CLI::App& verb, VerifyCommand& command) {
+  verb.add_option_function<std::string>(
+          "--sample", [&command](const std::string& text) { command.check.sample = parse_count("--sample", text); },
+          "Number of points whose computed attributes are recomputed by brute force (default: 10000)")
+      ->type_name("N");
+  verb.add_option("--seed", command.check.seed, "Seed of the random choice of these points (default: 0)")
+      ->type_name("S");
+  verb.add_option_function<std::string>(
+          "--rows", [&command](const std::string& path) { command.check.rows = rows_named_in(path); },
+          "Additional points to recompute: row numbers from 0, separated by spaces or newlines")
+      ->type_name("FILE");
+  verb.add_option_function<std::string>(
+          "--order", [&command](const std::string& name) { command.check.order = parse_order(name); },
+          "Order of the rows of the output (default: detected)")
+      ->type_name("input|sweep");
+  verb.add_flag_callback(
+      "--checksums", [&command] { command.checksums = Checksums::show; },
+      "Also show a checksum of the values of each attribute, which does not depend on the order of rows");
+  add_axis_option(verb, command.common);
+  add_nonfinite_option(verb, command.common);
+  verb.add_option("--prefix", command.common.prefix, "The --prefix of the run")->type_name("NAME");
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("verify", "Check a result by brute force, or compare two files");
+  auto command = std::make_shared<VerifyCommand>();
+  add_inputs_and_output(verb, command->paths, "file or folder that a run has written from them");
+  add_neighborhood_options(verb, "", command->neighborhood);
+  verb.add_option("--pipeline", command->check.pipeline,
+                  "The pipeline of the run (default: the record in the output, or guessed from its attributes)")
+      ->type_name("TEXT|FILE");
+  add_keep_option(verb, command->check.keep, "The --keep of the run (default: all attributes)");
+  add_check_options(verb, *command);
+  add_memory_option(
+      verb, command->common,
+      "Memory for the neighbours of the sample; a larger sample is checked in several passes (default: 1G)");
+  add_crs_option(verb, command->common);
+  add_format_option(verb, command->common.format);
+  add_progress_options(verb, command->common);
+  verb.footer(
+      "Compares every point and attribute of the input with the output. For a sample of points, finds the neighbours "
+      "by\n"
+      "brute force and recomputes the computed attributes by formulas that the run does not use. An output with a\n"
+      "record of its run (see info) needs no options, and no inputs if these are in its folder or in the current one.\n"
+      "Otherwise give the options of the run; --pipeline if normals were oriented, points moved or attributes "
+      "replaced.\n"
+      "Without computed attributes, two files are compared, whatever their formats and orders.\n"
+      "Exit status: 0 if all was checked and is right, 1 if the output differs, 3 if not all could be checked and the\n"
+      "rest is right.\n"
+      "\nExample:\n"
+      "  pointsweep verify normals.ply\n"
+      "  pointsweep verify scan.ply normals.ply -k 12\n"
+      "  pointsweep verify scan.ply out.las --pipeline 'knn(k=12) | normals(orient=up)' --sample 1000");
+  verb.callback([command] { run_check(*command); });
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/// Several files read as if they were one.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/reader.h"
+
+namespace pointsweep {
+
+class CloudReader final : public Reader {
+ public:
+  /// `name`: what the files are called together in sentences.
+  CloudReader(InputCloud cloud, const std::filesystem::path& name) : cloud_(std::move(cloud)) {
+    info_.path = name;
+    info_.format = "several files";
+    info_.schema = cloud_.schema();
+    info_.count = cloud_.count();
+    info_.bytes = cloud_.bytes();
+    info_.crs = cloud_.crs();
+    info_.las = cloud_.las();
+  }
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override { return cloud_.read(row, records); }
+
+ private:
+  InputCloud cloud_;
+};
+
+}  // namespace pointsweep

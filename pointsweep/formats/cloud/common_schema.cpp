@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/cloud/common_schema.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/points/color_depth.h"
+
+namespace pointsweep {
+namespace {
+
+using Readers = std::vector<std::unique_ptr<Reader>>;
+
+/// The schema after its coordinates are converted to `grid`.
+Schema on_grid(Schema schema, const LasQuantization& grid) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Field& field = schema.fields[*schema.find(kAxisNames[static_cast<std::size_t>(axis)])];
+    field.scale = grid.scale[axis];
+    field.bias = grid.offset[axis];
+  }
+  return schema;
+}
+
+struct IntegerRange {
+  double lo, hi;
+};
+
+/// The integers that a field can hold, or nothing if it is scaled or floating.
+std::optional<IntegerRange> integers_of(const Field& field) {
+  if (field.scale != 1 || field.bias != 0) return std::nullopt;
+  if (field.bit_width != 0) return IntegerRange{0, std::ldexp(1.0, field.bit_width) - 1};
+  const int bits = static_cast<int>(8 * size_of(field.type));
+  switch (field.type) {
+    case Type::u8:
+    case Type::u16:
+    case Type::u32:
+    case Type::u64:
+      return IntegerRange{0, std::ldexp(1.0, bits) - 1};
+    case Type::i8:
+    case Type::i16:
+    case Type::i32:
+    case Type::i64:
+      return IntegerRange{-std::ldexp(1.0, bits - 1), std::ldexp(1.0, bits - 1) - 1};
+    default:
+      return std::nullopt;
+  }
+}
+
+bool is_plain_float(const Field& field) { return field.type == Type::f32 && field.is_plain(); }
+
+/// Returns whether a float holds every value of the field.
+bool fits_float(const Field& field) {
+  const auto integers = integers_of(field);
+  return is_plain_float(field) || (integers && integers->lo >= -16777216 && integers->hi <= 16777216);
+}
+
+/// The smallest type that holds every value of both fields; float64 where none does.
+Type common_type(const Field& a, const Field& b) {
+  const auto p = integers_of(a), q = integers_of(b);
+  if (!p || !q) return fits_float(a) && fits_float(b) ? Type::f32 : Type::f64;
+  for (const Type type : {Type::u8, Type::i8, Type::u16, Type::i16, Type::u32, Type::i32, Type::u64, Type::i64}) {
+    Field whole;
+    whole.type = type;
+    const IntegerRange range = *integers_of(whole);
+    if (range.lo <= std::min(p->lo, q->lo) && range.hi >= std::max(p->hi, q->hi)) return type;
+  }
+  return Type::f64;
+}
+
+bool same_storage(const Field& a, const Field& b) {
+  return a.type == b.type && a.bit_width == b.bit_width && a.scale == b.scale && a.bias == b.bias;
+}
+
+/// `field` without its place: bit fields get a word of their own.
+Field unpacked(const Field& field) {
+  Field out = field;
+  out.offset = 0;
+  if (field.bit_width == 0) return out;
+  out.bit_shift = out.bit_width = 0;
+  if (const auto range = integers_of(field); range && range->hi <= 255) out.type = Type::u8;
+  return out;
+}
+
+/// Makes `into` able to hold the values of `field` too.
+void widen(Field& into, const Field& field) {
+  into.count = std::max(into.count, field.count);
+  const Field other = unpacked(field);
+  if (same_storage(into, other)) return;
+  into.type = common_type(into, other);
+  into.scale = 1;
+  into.bias = 0;
+}
+
+/// Fields of many schemas, gathered under the names of the first that has each.
+class Union {
+ public:
+  /// Adds a schema and returns it with its fields renamed to those of the union.
+  Schema add(Schema schema) {
+    std::vector<bool> taken(fields_.size());
+    for (Field& field : schema.fields) {
+      const std::string key = library_name_of(field.name);
+      std::size_t i = 0;
+      while (i < fields_.size() && (taken[i] || keys_[i] != key)) ++i;
+      if (i == fields_.size()) {
+        fields_.push_back(unpacked(field));
+        ranges_.push_back(range_of_type(field));
+        if (schemas_ != 0) ranges_.back().include(0);
+        keys_.push_back(key);
+        taken.push_back(true);
+      } else {
+        widen(fields_[i], field);
+        ranges_[i].include(range_of_type(field));
+        taken[i] = true;
+      }
+      field.name = fields_[i].name;
+    }
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+      if (!taken[i]) ranges_[i].include(0);
+    }
+    ++schemas_;
+    return schema;
+  }
+
+  /// Returns, for each field, the range of the values that the types of all inputs allow. It includes 0 where an input
+  /// lacks the field.
+  const std::vector<ValueRange>& ranges() const { return ranges_; }
+
+  Schema schema() const {
+    Schema schema;
+    for (const Field& field : fields_) {
+      const std::size_t i = schema.append(field.name, field.type, field.count);
+      schema.fields[i].scale = field.scale;
+      schema.fields[i].bias = field.bias;
+    }
+    return schema;
+  }
+
+ private:
+  std::vector<Field> fields_;
+  std::vector<std::string> keys_;
+  std::vector<ValueRange> ranges_;
+  std::size_t schemas_ = 0;
+};
+
+bool has_field(const Schema& schema, const std::string& name) {
+  return std::ranges::any_of(schema.fields, [&](const Field& field) { return field.name == name; });
+}
+
+/// Returns whether `name` is a flag for which point formats 0 to 5 of LAS have no bits. There the flag counts as 0.
+bool is_flag_of_las14(std::string_view name) { return name == "overlap" || name == "scanner_channel"; }
+
+/// Points that have neither number get 1 for both (MissingFields).
+bool is_return_number(const Field& field, const Schema& input) {
+  const std::string name = library_name_of(field.name);
+  const bool has_any = input.find("return_number") || input.find("number_of_returns");
+  return (name == "return_number" || name == "number_of_returns") && !has_any;
+}
+
+/// "b.las: has no red, green and blue, which a.las has; they are 0 for its points." `schemas` use the names of `all`.
+std::string what_is_missing(const Readers& readers, const std::vector<Schema>& schemas, std::size_t input,
+                            const Schema& all) {
+  std::string names;
+  std::size_t missing = 0, other = 0;
+  for (const Field& field : all.fields) {
+    if (has_field(schemas[input], field.name) || is_flag_of_las14(field.name)) continue;
+    if (is_return_number(field, readers[input]->info().schema)) continue;
+    if (missing++ == 0)
+      while (!has_field(schemas[other], field.name)) ++other;
+    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", field.name);
+  }
+  if (missing == 0) return "";
+  return fmt::format("{}: has no {}, which {} {}; {} 0 for its points.", readers[input]->info().path.string(), names,
+                     readers[other]->info().path.string(), missing == 1 ? "has" : "and others have",
+                     missing == 1 ? "it is" : "they are");
+}
+
+std::vector<std::string> missing_fields(const Readers& readers, const std::vector<Schema>& schemas, const Schema& all) {
+  constexpr std::size_t kMostNamed = 5;
+  std::vector<std::string> warnings;
+  std::size_t more = 0;
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    std::string warning = what_is_missing(readers, schemas, i, all);
+    if (warning.empty()) continue;
+    warnings.size() < kMostNamed ? warnings.push_back(std::move(warning)) : void(++more);
+  }
+  if (more > 0)
+    warnings.push_back(fmt::format("{} more inputs lack attributes that others have; these are 0 there.", more));
+  return warnings;
+}
+
+}  // namespace
+
+CommonSchema common_schema(const Readers& readers) {
+  for (const auto& reader : readers) position_fields(reader->info().schema, reader->info().path.string());
+  const std::optional<CommonGrid> grid = common_grid(readers);
+  CommonSchema common;
+  std::vector<Schema> schemas;
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    const Schema& schema = readers[i]->info().schema;
+    common.mappings.push_back({grid ? grid->shifts[i] : GridShift{}, nullptr});
+    schemas.push_back(grid ? on_grid(schema, grid->grid) : schema);
+  }
+  common.schema = schemas.front();
+  if (std::all_of(schemas.begin(), schemas.end(), [&](const Schema& s) { return s == common.schema; })) {
+    for (const Field& field : common.schema.fields) common.ranges.push_back(range_of_type(field));
+    return common;
+  }
+
+  Union all;
+  for (Schema& schema : schemas) schema = all.add(std::move(schema));
+  common.schema = all.schema();
+  common.ranges = all.ranges();
+  common.warnings = missing_fields(readers, schemas, common.schema);
+  std::vector<std::string> brightened;
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    const std::optional<Schema> scaled = has_wide_colors(common.schema) ? with_wide_colors(schemas[i]) : std::nullopt;
+    if (scaled) brightened.push_back(readers[i]->info().path.string());
+    common.mappings[i].conversion = std::make_unique<RecordConversion>(scaled ? *scaled : schemas[i], common.schema);
+    common.mappings[i].missing = MissingFields(readers[i]->info(), common.schema);
+  }
+  if (!brightened.empty())
+    common.warnings.push_back(fmt::format(
+        "{}{}: red, green and blue of 8 bits are read as 16 bits, times 257, since other inputs have 16 bits.",
+        brightened.front(), brightened.size() == 1 ? "" : fmt::format(" and {} more inputs", brightened.size() - 1)));
+  return common;
+}
+
+}  // namespace pointsweep

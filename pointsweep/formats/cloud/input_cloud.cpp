@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/cloud/input_cloud.h"
+
+#include <algorithm>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/cloud/common_crs.h"
+#include "pointsweep/formats/las_origin.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kScratchBytes = 1 << 20;
+
+/// The longest chunk, in rows, that one thread decodes while others work. For a longer chunk, other threads would wait
+/// for the thread that decodes it, so threads take turns at reading and work on the rows that they have read.
+constexpr std::uint64_t kLongestChunk = 1 << 18;
+
+bool decodes_side_by_side(const std::unique_ptr<Reader>& reader) {
+  if (!reader->has_decoders()) return false;
+  return reader->info().count == 0 || reader->decodes_any_range() || reader->chunk_of(0).rows <= kLongestChunk;
+}
+
+std::vector<std::unique_ptr<Reader>> open_all(const std::vector<std::filesystem::path>& paths,
+                                              std::string_view format) {
+  std::vector<std::unique_ptr<Reader>> readers;
+  for (const auto& path : paths) readers.push_back(open_reader(path, format));
+  return readers;
+}
+
+std::vector<FileState> states_of(const std::vector<std::filesystem::path>& paths) {
+  return {paths.begin(), paths.end()};
+}
+
+std::vector<FileState> states_of(const std::vector<std::unique_ptr<Reader>>& readers) {
+  std::vector<FileState> states;
+  for (const auto& reader : readers) states.emplace_back(reader->info().path);
+  return states;
+}
+
+}  // namespace
+
+InputCloud::InputCloud(const std::vector<std::filesystem::path>& paths, CloudOptions options)
+    : states_(states_of(paths)), readers_(open_all(paths, options.format)) {
+  begin(options);
+}
+
+InputCloud::InputCloud(std::vector<std::unique_ptr<Reader>> readers, CloudOptions options)
+    : states_(states_of(readers)), readers_(std::move(readers)) {
+  begin(options);
+}
+
+void InputCloud::begin(CloudOptions options) {
+  if (readers_.empty()) fail_usage("no input was given; name at least one point file.");
+  ignores_crs_ = options.ignore_crs;
+  CommonCrs crs = common_crs(readers_, ignores_crs_);
+  crs_ = std::move(crs.crs);
+  warnings_ = std::move(crs.warnings);
+  std::optional<LasOrigin> las = common_las_origin(readers_, warnings_);
+  CommonSchema common = common_schema(readers_);
+  schema_ = std::move(common.schema);
+  mappings_ = std::move(common.mappings);
+  ranges_ = std::move(common.ranges);
+  missing_attributes_ = std::move(common.warnings);
+  warnings_.insert(warnings_.end(), missing_attributes_.begin(), missing_attributes_.end());
+  const PositionFields p = position_fields(schema_, readers_.front()->info().path.string());
+  if (las && p.x.type == Type::i32)  // all on one grid, which may have another offset
+    las->grid = {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
+  if (las) las_ = std::make_shared<const LasOrigin>(*las);
+  number_rows();
+}
+
+void InputCloud::number_rows() {
+  count_ = 0;
+  first_row_.clear();
+  for (const auto& reader : readers_) {
+    first_row_.push_back(count_);
+    count_ += reader->info().count;
+  }
+}
+
+NonfiniteRows InputCloud::drop_nonfinite(const std::function<void(std::uint64_t)>& progress) {
+  keep_all();
+  NonfiniteRows found;
+  bool all_bounded = true;
+  for (std::size_t i = 0; i < readers_.size(); ++i) {
+    const FileInfo& info = readers_[i]->info();
+    if (!can_be_nonfinite(info.schema, info.path)) {
+      all_bounded &= info.count == 0;
+      continue;
+    }
+    FiniteRowIndex index(*readers_[i], first_row_[i], found, [&](std::uint64_t rows) {
+      if (progress) progress(first_row_[i] + rows);
+    });
+    if (index.has_all()) continue;
+    auto finite = std::make_unique<FiniteRows>(std::move(readers_[i]), std::move(index));
+    finite_[i] = finite.get();
+    readers_[i] = std::move(finite);
+  }
+  if (!all_bounded) found.bounds = {};
+  number_rows();
+  return found;
+}
+
+void InputCloud::select(RowSelection selection) {
+  reading_.cursor.reset();
+  selection_ = std::make_shared<const RowSelection>(std::move(selection));
+}
+
+void InputCloud::keep_all() {
+  reading_.cursor.reset();
+  selection_.reset();
+  for (std::size_t i = 0; i < readers_.size(); ++i)
+    if (FiniteRows* finite = finite_rows(i)) readers_[i] = finite->release();
+  finite_.assign(readers_.size(), nullptr);
+  number_rows();
+}
+
+FiniteRows* InputCloud::finite_rows(std::size_t input) const {
+  const bool is_read = input < finite_.size() && readers_[input].get() == finite_[input];
+  return is_read ? finite_[input] : nullptr;
+}
+
+std::unique_ptr<Reader> InputCloud::exchange_reader(std::size_t input, std::unique_ptr<Reader> reader) {
+  return std::exchange(readers_[input], std::move(reader));
+}
+
+std::pair<std::size_t, std::uint64_t> InputCloud::place_of_row(std::uint64_t row) {
+  const std::size_t input = input_of(row);
+  FiniteRows* finite = finite_rows(input);
+  const std::uint64_t in_file = row - first_row_[input];
+  return {input, finite == nullptr ? in_file : finite->input_row(in_file)};
+}
+
+std::uint64_t InputCloud::input_row(std::uint64_t row) {
+  const auto [input, in_file] = place_of_row(row);
+  std::uint64_t left_out = 0;
+  for (std::size_t i = 0; i < input; ++i) left_out += readers_[i]->info().left_out;
+  return first_row_[input] + left_out + in_file;
+}
+
+std::shared_ptr<const FormatExtras> InputCloud::extras() const { return readers_.front()->info().extras; }
+
+std::vector<std::shared_ptr<const FormatExtras>> InputCloud::other_extras() const {
+  std::vector<std::shared_ptr<const FormatExtras>> others;
+  for (std::size_t i = 1; i < readers_.size(); ++i) others.push_back(readers_[i]->info().extras);
+  return others;
+}
+
+std::uint64_t InputCloud::bytes() const {
+  std::uint64_t bytes = 0;
+  for (const auto& reader : readers_) bytes += reader->info().bytes;
+  return bytes;
+}
+
+std::size_t InputCloud::read(std::uint64_t row, std::span<std::byte> records) {
+  const auto read = [this](std::size_t input, std::uint64_t first, std::span<std::byte> bytes) {
+    if (input != last_input_) readers_[last_input_]->rest();
+    last_input_ = input;
+    return readers_[input]->read(first, bytes);
+  };
+  return read_with(read, reading_, row, records);
+}
+
+std::size_t InputCloud::read_with(const ReadInput& read, Reading& reading, std::uint64_t row,
+                                  std::span<std::byte> records) const {
+  if (!selection_) return read_all_with(read, reading.scratch, row, records);
+  if (!reading.cursor) reading.cursor.emplace(*selection_);
+  return reading.cursor->read(row, schema_.stride, records, [&](std::uint64_t first, std::span<std::byte> all) {
+    if (read_all_with(read, reading.scratch, first, all) * schema_.stride != all.size())
+      fail("{}: ends before its last point; run again when it is complete.", readers_.back()->info().path.string());
+  });
+}
+
+/// Reads like read_with(), from all rows, selected or not.
+std::size_t InputCloud::read_all_with(const ReadInput& read, std::vector<std::byte>& scratch, std::uint64_t row,
+                                      std::span<std::byte> records) const {
+  std::size_t done = 0;
+  for (const std::size_t wanted = records.size() / schema_.stride; done < wanted && row + done < count_;) {
+    const std::size_t input = input_of(row + done);
+    done += read_input(read, scratch, input, row + done - first_row_[input], records.subspan(done * schema_.stride));
+  }
+  return done;
+}
+
+std::size_t InputCloud::input_of(std::uint64_t row) const {
+  return static_cast<std::size_t>(std::ranges::upper_bound(first_row_, row) - first_row_.begin()) - 1;
+}
+
+std::uint64_t InputCloud::chunk_end(std::uint64_t row) const {
+  std::optional<SelectionCursor> cursor;
+  if (selection_) cursor.emplace(*selection_);
+  const std::uint64_t of_all = cursor ? cursor->row_of(row) : row;
+  const std::size_t input = input_of(of_all);
+  const Reader& reader = *readers_[input];
+  if (reader.decodes_any_range()) return row;
+  const std::uint64_t end = first_row_[input] + reader.chunk_of(of_all - first_row_[input]).end_row();
+  return cursor ? cursor->kept_before(end) : end;
+}
+
+/// Has a decoder for the input it reads; the others have none, since there may be thousands of inputs.
+class InputCloud::Decoder final : public RowDecoder {
+ public:
+  Decoder(const InputCloud& cloud, WantedFields wanted) : cloud_(cloud), wanted_(std::move(wanted)) {}
+
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
+    const auto read_rows = [this](std::size_t input, std::uint64_t first, std::span<std::byte> bytes) {
+      if (!decoder_ || input != input_) {
+        // Where records are converted, the fields of the input have other numbers.
+        const bool all = cloud_.mappings_[input].conversion != nullptr;
+        decoder_ = cloud_.readers_[input]->decoder(all ? WantedFields{} : wanted_);
+        input_ = input;
+      }
+      return decoder_->read(first, bytes);
+    };
+    return cloud_.read_with(read_rows, reading_, row, records);
+  }
+
+ private:
+  const InputCloud& cloud_;
+  WantedFields wanted_;
+  std::unique_ptr<RowDecoder> decoder_;
+  std::size_t input_ = 0;
+  Reading reading_;
+};
+
+std::unique_ptr<RowDecoder> InputCloud::decoder(const WantedFields& wanted) const {
+  if (!std::ranges::all_of(readers_, &decodes_side_by_side)) return nullptr;
+  return std::make_unique<Decoder>(*this, wanted);
+}
+
+const Reader* InputCloud::stated_boxes(std::vector<RowBox>& boxes) const {
+  const Reader* without = nullptr;
+  for (std::size_t i = 0; i < readers_.size(); ++i) {
+    const Reader& reader = *readers_[i];
+    const std::uint64_t rows = reader.info().count;
+    const std::size_t before = boxes.size();
+    for (std::uint64_t row = 0; row < rows && reader.has_decoders();) {
+      const Chunk chunk = reader.chunk_of(row);
+      if (!chunk.bounds) break;
+      boxes.push_back({first_row_[i] + row, chunk.end_row() - row, *chunk.bounds});
+      row = chunk.end_row();
+    }
+    const bool all = boxes.size() > before && boxes.back().first_row + boxes.back().rows == first_row_[i] + rows;
+    if (all || rows == 0) continue;
+    boxes.resize(before);
+    const std::optional<Box>& box = reader.info().bounds;
+    if (box)
+      boxes.push_back({first_row_[i], rows, *box});
+    else if (without == nullptr)
+      without = &reader;
+  }
+  return without;
+}
+
+void InputCloud::require_unchanged() const {
+  for (std::size_t i = 0; i < readers_.size(); ++i) require_unchanged(i);
+}
+
+void InputCloud::require_unchanged(std::size_t input) const {
+  if (states_[input].has_changed())
+    fail("{}: was written to while it was read, so old and new points may be mixed; run again once it is complete.",
+         readers_[input]->info().path.string());
+}
+
+/// Reads like read(), from one input. `row` counts from 0 in the input, which has at least one row from `row` on.
+std::size_t InputCloud::read_input(const ReadInput& read, std::vector<std::byte>& scratch, std::size_t input,
+                                   std::uint64_t row, std::span<std::byte> records) const {
+  const Reader& reader = *readers_[input];
+  const InputMapping& mapping = mappings_[input];
+  const std::size_t stride = reader.info().schema.stride;
+  std::span<std::byte> target = records;
+  if (mapping.conversion) {
+    const std::size_t most = std::max<std::size_t>(1, kScratchBytes / stride);
+    const std::size_t rows = std::min(records.size() / schema_.stride, most);
+    scratch.resize(std::max(scratch.size(), rows * stride));
+    target = std::span(scratch).first(rows * stride);
+  }
+  const std::size_t rows = read(input, row, target);
+  if (rows == 0) fail("{}: ends before its last point; run again once it is complete.", reader.info().path.string());
+  if (mapping.shift.is_needed()) mapping.shift.run(target.first(rows * stride), stride, reader.info().path);
+  if (mapping.conversion) mapping.conversion->run(target.data(), records.data(), rows);
+  if (mapping.missing.is_needed()) mapping.missing.run(records.first(rows * schema_.stride), schema_.stride);
+  return rows;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+/// The inside of a Cloud: several readers as one, rows that are left out, decoders for several threads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/cloud.h"
+#include "pointsweep/formats/cloud/common_schema.h"
+#include "pointsweep/formats/cloud/finite_rows.h"
+#include "pointsweep/formats/cloud/row_selection.h"
+#include "pointsweep/formats/files/file_state.h"
+#include "pointsweep/points/row_box.h"
+#include "pointsweep/points/schema.h"
+#include "pointsweep/reader.h"
+
+namespace pointsweep {
+
+/// Class Cloud documents its schema. LAS integers stay where all lie on one grid (common_grid.h); what a field is in an
+/// input that lacks it is in missing_fields.h.
+class InputCloud {
+ public:
+  explicit InputCloud(const std::vector<std::filesystem::path>& paths, CloudOptions options = {});
+  explicit InputCloud(std::vector<std::unique_ptr<Reader>> readers, CloudOptions options = {});
+
+  const Schema& schema() const { return schema_; }
+  /// Returns the number of rows of all inputs, or of the selected rows.
+  std::uint64_t count() const { return selection_ ? selection_->count() : count_; }
+  const std::vector<std::unique_ptr<Reader>>& readers() const { return readers_; }
+  /// Extras of the first input.
+  std::shared_ptr<const FormatExtras> extras() const;
+  /// Extras of the inputs after the first.
+  std::vector<std::shared_ptr<const FormatExtras>> other_extras() const;
+  /// Coordinate reference system of the first input that states one.
+  const std::optional<Crs>& crs() const { return crs_; }
+  /// Returns whether inputs may have different coordinate reference systems.
+  bool ignores_crs() const { return ignores_crs_; }
+  /// The meaning of coordinates and times of inputs that are or were LAS; null if there are no such inputs.
+  const std::shared_ptr<const LasOrigin>& las() const { return las_; }
+  /// The range of values that each field can have, as far as the types of the inputs tell.
+  const std::vector<ValueRange>& ranges() const { return ranges_; }
+  /// Harmless faults in the combination of inputs, one sentence each. Faults of a single input are in its FileInfo.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  /// The warnings that say which input lacks attributes of other inputs.
+  const std::vector<std::string>& missing_attributes() const { return missing_attributes_; }
+  /// Appends boxes that are said to hold the points of all rows, ascending: of chunks, where a file states them, else
+  /// of whole files. Returns the first input with points that states none, or null.
+  const Reader* stated_boxes(std::vector<RowBox>& boxes) const;
+  /// Bytes of all input files.
+  std::uint64_t bytes() const;
+
+  /// Reads records as Reader::read does, over all inputs. Not thread-safe.
+  std::size_t read(std::uint64_t row, std::span<std::byte> records);
+
+  /// A decoder of the rows for one thread, beside which others may read; null where only read() gives them: an input
+  /// has no decoders or very long chunks. Only the `wanted` fields are sure to have their values. It is of use until
+  /// drop_nonfinite(), select() or keep_all() is called. Thread-safe.
+  std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const;
+  /// Returns the row after the chunk that holds `row`: one decoder should read that far. Returns `row` where any range
+  /// is a chunk. Thread-safe.
+  std::uint64_t chunk_end(std::uint64_t row) const;
+
+  /// Leaves out the rows with NaN or infinite coordinates until keep_all() is called: all other rows follow each other,
+  /// numbered from 0. Reads every input that can have such rows once; `progress` is told the rows read so far. What was
+  /// found has rows numbered as before, and bounds unless some input was not read.
+  NonfiniteRows drop_nonfinite(const std::function<void(std::uint64_t rows)>& progress = {});
+  /// All rows are there again.
+  void keep_all();
+  /// Returns the number of the input that holds row `row`, and its row there when no rows are left out. Not
+  /// thread-safe.
+  std::pair<std::size_t, std::uint64_t> place_of_row(std::uint64_t row);
+  /// The number that row `row` has when no rows are left out. Not thread-safe.
+  std::uint64_t input_row(std::uint64_t row);
+
+  /// Reads an input by another reader, which must give the same records, and returns the one before. Not while rows are
+  /// left out or selected.
+  std::unique_ptr<Reader> exchange_reader(std::size_t input, std::unique_ptr<Reader> reader);
+
+  /// Leaves out all rows that `selection` does not keep, until keep_all() or the next select(): the kept ones follow
+  /// each other, numbered from 0. It is made for all rows that drop_nonfinite() has left.
+  void select(RowSelection selection);
+  /// Null if no rows are selected.
+  const RowSelection* selection() const { return selection_.get(); }
+
+  /// The state of each input before it was opened.
+  const std::vector<FileState>& states() const { return states_; }
+  /// Throws Error if an input was written to since it was opened: what was read may be a mixture of old and new.
+  void require_unchanged() const;
+  /// Throws Error if input `input` was written to since it was opened.
+  void require_unchanged(std::size_t input) const;
+
+ private:
+  void begin(CloudOptions options);
+  void number_rows();
+  FiniteRows* finite_rows(std::size_t input) const;
+  std::size_t input_of(std::uint64_t row) const;
+  class Decoder;
+  /// Reads rows of an input, which has at least one more.
+  using ReadInput = std::function<std::size_t(std::size_t input, std::uint64_t row, std::span<std::byte> records)>;
+  /// The state of reading rows one after another.
+  struct Reading {
+    std::vector<std::byte> scratch;
+    std::optional<SelectionCursor> cursor;
+  };
+  std::size_t read_with(const ReadInput& read, Reading& reading, std::uint64_t row, std::span<std::byte> records) const;
+  std::size_t read_all_with(const ReadInput& read, std::vector<std::byte>& scratch, std::uint64_t row,
+                            std::span<std::byte> records) const;
+  std::size_t read_input(const ReadInput& read, std::vector<std::byte>& scratch, std::size_t input, std::uint64_t row,
+                         std::span<std::byte> records) const;
+
+  std::vector<FileState> states_;  ///< of the inputs before they were opened
+  std::vector<std::unique_ptr<Reader>> readers_;
+  std::vector<FiniteRows*> finite_;  ///< by input, the one of `readers_` that leaves out rows; null: there is none
+  std::vector<std::uint64_t> first_row_;
+  std::vector<InputMapping> mappings_;
+  Reading reading_;             ///< of read()
+  std::size_t last_input_ = 0;  ///< that read() read
+  Schema schema_;
+  std::optional<Crs> crs_;
+  bool ignores_crs_ = false;
+  std::shared_ptr<const LasOrigin> las_;
+  std::vector<ValueRange> ranges_;
+  std::vector<std::string> warnings_, missing_attributes_;
+  std::uint64_t count_ = 0;  ///< before the selection
+  std::shared_ptr<const RowSelection> selection_;
+};
+
+}  // namespace pointsweep

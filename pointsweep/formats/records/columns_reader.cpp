@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/formats/records/columns_reader.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "pointsweep/formats/records/byte_order.h"
+
+namespace pointsweep {
+namespace {
+
+/// Any number would do; so many are read in some milliseconds.
+constexpr std::uint64_t kColumnChunkRows = 65536;
+constexpr std::size_t kBlockBytes = 256 << 10;  ///< of one column, read at once by one thread
+
+/// Rows of `bytes` bytes to places `stride` bytes apart.
+void scatter(const std::byte* from, std::size_t bytes, std::size_t rows, std::byte* to, std::size_t stride) {
+  if (bytes == 4) {
+    for (std::size_t i = 0; i < rows; ++i) std::memcpy(to + i * stride, from + i * 4, 4);
+  } else if (bytes == 8) {
+    for (std::size_t i = 0; i < rows; ++i) std::memcpy(to + i * stride, from + i * 8, 8);
+  } else {
+    for (std::size_t i = 0; i < rows; ++i) std::memcpy(to + i * stride, from + i * bytes, bytes);
+  }
+}
+
+}  // namespace
+
+class ColumnsReader::Decoder final : public RowDecoder {
+ public:
+  Decoder(const ColumnsReader& reader, const WantedFields& wanted) : reader_(reader) {
+    const std::vector<Field>& fields = reader.info().schema.fields;
+    for (const StoredColumn& column : reader.columns_) {
+      const auto is_here = [&](std::size_t f) { return fields[f].offset - column.offset < column.bytes; };
+      if (wanted.empty() || std::ranges::any_of(wanted, is_here)) columns_.push_back(&column);
+    }
+  }
+
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
+    const std::size_t rows = reader_.rows_for(row, records), stride = reader_.info().schema.stride;
+    for (const StoredColumn* column : columns_) read_column(*column, row, rows, records.data());
+    reverse_values(reader_.big_endian_, stride, records.first(rows * stride));
+    return rows;
+  }
+
+ private:
+  void read_column(const StoredColumn& column, std::uint64_t row, std::size_t rows, std::byte* records) {
+    const std::size_t stride = reader_.info().schema.stride;
+    if (column.bytes == stride)
+      return reader_.file_->read_at(column.begin + row * stride, std::span(records, rows * stride));
+    const std::size_t block = std::max<std::size_t>(1, kBlockBytes / column.bytes);
+    for (std::size_t first = 0; first < rows; first += block) {
+      const std::size_t n = std::min(block, rows - first);
+      values_.resize(n * column.bytes);
+      reader_.file_->read_at(column.begin + (row + first) * column.bytes, values_);
+      scatter(values_.data(), column.bytes, n, records + first * stride + column.offset, stride);
+    }
+  }
+
+  const ColumnsReader& reader_;
+  std::vector<const StoredColumn*> columns_;
+  std::vector<std::byte> values_;
+};
+
+void ColumnsReader::has_columns(std::shared_ptr<const InputFile> file, std::vector<StoredColumn> columns,
+                                std::vector<Field> big_endian) {
+  file_ = std::move(file);
+  columns_ = std::move(columns);
+  big_endian_ = std::move(big_endian);
+  info_.decoder_bytes = kBlockBytes;
+  for (const StoredColumn& column : columns_)
+    info_.decoder_bytes = std::max<std::uint64_t>(info_.decoder_bytes, column.bytes);
+}
+
+Chunk ColumnsReader::chunk_of(std::uint64_t row) const {
+  const std::uint64_t first = row / kColumnChunkRows * kColumnChunkRows;
+  return {.first_row = first, .rows = std::min(kColumnChunkRows, info_.count - first), .bounds = {}};
+}
+
+std::unique_ptr<RowDecoder> ColumnsReader::decoder(const WantedFields& wanted) const {
+  return std::make_unique<Decoder>(*this, wanted);
+}
+
+}  // namespace pointsweep

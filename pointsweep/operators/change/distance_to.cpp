@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/change/distance_to.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/nearest/point_cells.h"
+
+namespace pointsweep {
+namespace {
+
+/// The other cloud is put into cells before the first point comes.
+class DistanceToWork final : public InOrderWork {
+ public:
+  DistanceToWork(double most, const InOrderSetup& setup)
+      : most2_(most * most), other_(PointCells::Space::all, setup.axis, setup.memory_bytes, setup.make_scratch()) {
+    setup.other_points([&](std::span<const Vec3> positions, std::span<const std::uint64_t> rows) {
+      for (std::size_t i = 0; i < rows.size(); ++i) other_.add(positions[i], rows[i]);
+    });
+    other_.finish();
+  }
+
+  void add(unsigned, const OrderedPoints& points, Findings& findings) override {
+    std::vector<double> distances(points.rows.size(), std::numeric_limits<double>::quiet_NaN());
+    other_.nearest_of_all(points.positions, {.most2 = most2_, .any_of_equal = true},
+                          [&](std::size_t i, const std::vector<CellNeighbor>& nearest) {
+                            if (!nearest.empty()) distances[i] = std::sqrt(nearest.front().distance2);
+                          });
+    findings.rows.insert(findings.rows.end(), points.rows.begin(), points.rows.end());
+    const auto bytes = std::as_bytes(std::span(distances));
+    findings.values.insert(findings.values.end(), bytes.begin(), bytes.end());
+  }
+
+ private:
+  double most2_;
+  PointCells other_;
+};
+
+}  // namespace
+
+OperatorDeclaration distance_to_declaration() {
+  return {
+      .name = "distance_to",
+      .meaning = "measures the distance to the nearest point of another cloud",
+      .options = {{.name = "cloud",
+                   .kind = OptionKind::file,
+                   .meaning = "the other cloud: a point file, a folder of them or a pattern",
+                   .required = true,
+                   .positional = true,
+                   .sample = std::string("before.las")},
+                  {.name = "most",
+                   .kind = OptionKind::number,
+                   .meaning = "maximum distance at which the nearest point is looked for; without this option there "
+                              "is no limit",
+                   .least = kAboveZero,
+                   .unit = "length",
+                   .sample = 5.0,
+                   .is_radius = true}},
+      .make =
+          [](const OptionValues& options, const Facts&) {
+            const double any = std::numeric_limits<double>::infinity();
+            return std::make_shared<DistanceTo>(options.word("cloud"),
+                                                options.given("most") ? options.number("most") : any);
+          },
+      .formula = "d = min_j sqrt((dx² + dy²) + dz²) over the points j of the other cloud, in float64",
+      .source =
+          "Cloud-to-cloud distance: Girardeau-Montaut, Roux, Marc and Thibault, Change detection on points cloud data "
+          "acquired with a ground laser scanner (ISPRS 2005)",
+      .undefined = "NaN where no point of the other cloud is within `most`, and for points without a finite place.",
+      .cost =
+          "a pass that puts the points in order along an axis; the other cloud is put in the same order in the "
+          "temporary "
+          "folder (32 bytes a point, and as much while it is ordered), and memory holds what is near the front",
+      .attributes = {{.name = "cloud_distance",
+                      .meaning = "distance to the nearest point of the other cloud; undefined: NaN"}},
+      .example = "distance_to(before.las, most=5) | where(cloud_distance > 0.1)"};
+}
+
+DistanceTo::DistanceTo(std::string cloud, double most) : cloud_(std::move(cloud)), most_(most) {
+  if (cloud_.empty()) fail_usage("distance_to: name the other cloud, as in distance_to(before.las).");
+  if (!(most > 0)) fail_usage("distance_to: most = {} is not above 0.", most);
+}
+
+InOrderContract DistanceTo::in_order_contract() const {
+  Attribute distance = scalar("cloud_distance", Type::f64, "length", "distance to the nearest point of another cloud");
+  distance.fill = std::byte{0xff};  // NaN
+  return {.makes = {distance}, .places = Places::of_operator, .arrival = "beside those of the other cloud"};
+}
+
+Options DistanceTo::own_options() const {
+  Options options = {{"cloud", cloud_}};
+  if (std::isfinite(most_)) options.push_back({"most", most_});
+  return options;
+}
+
+std::unique_ptr<InOrderWork> DistanceTo::start(const InOrderSetup& setup) const {
+  return std::make_unique<DistanceToWork>(most_, setup);
+}
+
+std::uint64_t DistanceTo::least_bytes(const CloudEstimate&) const { return PointCells::least_bytes(); }
+
+}  // namespace pointsweep

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/change/m3c2.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/nearest/point_cells.h"
+
+namespace pointsweep {
+namespace {
+
+/// Number of points that a thread compares with a view of the cells.
+constexpr std::size_t kPointsAtOnce = 256;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// The points of one cloud in a cylinder, by where they lie along its axis.
+struct Section {
+  double mean = kUnknown, spread = kUnknown;
+  std::size_t count = 0;
+};
+
+/// Sums go from the least to the greatest value, so that they do not depend on the order of the points.
+Section section_of(std::vector<double>& along) {
+  std::ranges::sort(along);
+  Section section{.count = along.size()};
+  const auto n = static_cast<double>(along.size());
+  if (along.empty()) return section;
+  double sum = 0, squares = 0;
+  for (const double a : along) sum += a;
+  section.mean = sum / n;
+  if (along.size() == 1) return section;
+  for (const double a : along) squares += (a - section.mean) * (a - section.mean);
+  section.spread = std::sqrt(squares / (n - 1));
+  return section;
+}
+
+/// Around a point, along a normal.
+class Cylinder {
+ public:
+  Cylinder(Vec3 center, Vec3 normal, double diameter, double depth)
+      : center_(center), axis_((1 / length(normal)) * normal), radius_(diameter / 2), depth_(depth) {}
+
+  /// A little wider than the cylinder.
+  Box box() const {
+    Vec3 half;
+    for (int a = 0; a < 3; ++a) {
+      const double across = std::sqrt(std::max(0.0, 1 - axis_[a] * axis_[a]));
+      half[a] = (depth_ * std::abs(axis_[a]) + radius_ * across) * (1 + 1e-9) + 1e-12 * std::abs(center_[a]);
+    }
+    return {center_ - half, center_ + half};
+  }
+  /// Returns the coordinate of a point along the axis, or nothing if the point is outside of the cylinder.
+  std::optional<double> along(Vec3 point) const {
+    const Vec3 offset = point - center_;
+    const double a = dot(offset, axis_);
+    const Vec3 aside = cross(offset, axis_);
+    if (std::abs(a) > depth_ || dot(aside, aside) > radius_ * radius_) return std::nullopt;
+    return a;
+  }
+
+ private:
+  Vec3 center_, axis_;
+  double radius_, depth_;
+};
+
+/// Puts the points of the cloud itself into cells first, beside the cells of the other cloud.
+class M3c2Work final : public InOrderWork {
+ public:
+  M3c2Work(const M3c2Options& options, const InOrderSetup& setup)
+      : options_(options), own_(cells(setup)), other_(cells(setup)) {
+    setup.other_points([&](std::span<const Vec3> positions, std::span<const std::uint64_t> rows) {
+      for (std::size_t i = 0; i < rows.size(); ++i) other_.add(positions[i], rows[i]);
+    });
+    other_.finish();
+  }
+  unsigned rounds() const override { return 2; }
+
+  void add(unsigned round, const OrderedPoints& points, Findings& findings) override {
+    if (round == 1) return compare(points, findings);
+    for (std::size_t i = 0; i < points.rows.size(); ++i) own_.add(points.positions[i], points.rows[i]);
+  }
+  void end(unsigned round, Findings&) override {
+    if (round == 0) own_.finish();
+  }
+
+ private:
+  using Values = std::array<double, 6>;
+
+  static PointCells cells(const InOrderSetup& setup) {
+    return {PointCells::Space::all, setup.axis, setup.memory_bytes / 2, setup.make_scratch()};
+  }
+
+  void compare(const OrderedPoints& points, Findings& findings) {
+    const std::vector<Section> own = sections(points, own_), other = sections(points, other_);
+    std::vector<Values> values;
+    for (std::size_t i = 0; i < own.size(); ++i) values.push_back(values_of(own[i], other[i]));
+    findings.rows.insert(findings.rows.end(), points.rows.begin(), points.rows.end());
+    const auto bytes = std::as_bytes(std::span(values));
+    findings.values.insert(findings.values.end(), bytes.begin(), bytes.end());
+  }
+
+  std::vector<Section> sections(const OrderedPoints& points, PointCells& cloud) const {
+    std::vector<Section> all(points.rows.size());
+    const auto place = [&](std::size_t i) { return points.positions[i]; };
+    cloud.answer_all(all.size(), kPointsAtOnce, place, [&](std::size_t i, PointCells::View& view) {
+      const Vec3 normal{points.values[3 * i], points.values[3 * i + 1], points.values[3 * i + 2]};
+      if (!(length(normal) > 0) || !is_finite(normal)) return true;
+      const Cylinder cylinder(place(i), normal, options_.cylinder, options_.depth);
+      std::vector<double> along;
+      const auto take = [&](const CellPoint& point) {
+        if (const std::optional<double> a = cylinder.along(point.position)) along.push_back(*a);
+      };
+      if (!view.within(cylinder.box(), take)) return false;
+      all[i] = section_of(along);
+      return true;
+    });
+    return all;
+  }
+
+  /// Returns the values in the order of the contract.
+  Values values_of(const Section& own, const Section& other) const {
+    const auto n1 = static_cast<double>(own.count), n2 = static_cast<double>(other.count);
+    const double uncertainty = std::sqrt(own.spread * own.spread / n1 + other.spread * other.spread / n2);
+    constexpr double k95Percent = 1.96;
+    return {
+        other.mean - own.mean, k95Percent * (uncertainty + options_.registration), own.spread, other.spread, n1, n2};
+  }
+
+  const M3c2Options options_;
+  PointCells own_, other_;
+};
+
+}  // namespace
+
+OperatorDeclaration m3c2_declaration() {
+  const auto length_option = [](std::string name, std::string meaning, double sample) {
+    return OptionDeclaration{.name = std::move(name),
+                             .kind = OptionKind::number,
+                             .meaning = std::move(meaning),
+                             .least = kAboveZero,
+                             .unit = "length",
+                             .required = true,
+                             .sample = sample};
+  };
+  OptionDeclaration cylinder =
+      length_option("cylinder", "diameter of the cylinder along the normal (projection scale)", 0.5);
+  cylinder.is_radius = true;  // its half is
+  return {
+      .name = "m3c2",
+      .meaning = "measures the change to another cloud along the normals, with its level of detection (M3C2)",
+      .options = {{.name = "cloud",
+                   .kind = OptionKind::file,
+                   .meaning = "the other cloud, measured later: a point file, a folder of them or a pattern",
+                   .required = true,
+                   .positional = true,
+                   .sample = std::string("after.las")},
+                  cylinder,
+                  length_option("depth", "how far the cylinder reaches to each side of the point", 2.0),
+                  {.name = "registration",
+                   .kind = OptionKind::number,
+                   .preset = 0.0,
+                   .meaning = "error of the registration of the two clouds",
+                   .unit = "length"}},
+      .make =
+          [](const OptionValues& options, const Facts&) {
+            return std::make_shared<M3c2>(M3c2Options{.cloud = options.word("cloud"),
+                                                      .cylinder = options.number("cylinder"),
+                                                      .depth = options.number("depth"),
+                                                      .registration = options.number("registration")});
+          },
+      .formula =
+          "u_i = n_i / |n_i| in float64. Points of each cloud within R = cylinder / 2 of the line through p_i along "
+          "u_i, |(p_j - p_i) × u_i|² <= R·R, and within depth of p_i along it have places a_j = (p_j - p_i) . u_i. "
+          "With their mean m, their standard deviation s (of n - 1) and their number n: distance m_2 - m_1; level "
+          "of detection 1.96 (sqrt(s_1² / n_1 + s_2² / n_2) + registration).",
+      .source =
+          "Lague, Brodu and Leroux, Accurate 3D comparison of complex topography with terrestrial laser scanner (ISPRS "
+          "Journal of Photogrammetry and Remote Sensing 82, 2013), Section 3. Normals are those of the stages before, "
+          "at their scale; every point that is left is a core point",
+      .undefined =
+          "Without a finite place all is NaN; without a normal all is NaN but the counts, which are 0. The distance is "
+          "NaN where the cylinder holds no point of the other cloud, a spread where it holds fewer than two points of "
+          "its cloud, and the level of detection where a spread is.",
+      .cost =
+          "a pass that puts the points in order along an axis and reads them twice; both clouds are kept in the "
+          "temporary folder (32 bytes a point), and memory holds what is near the front; time grows with the points in "
+          "a cylinder, and each thread needs 8 bytes for each of them, which --memory does not count",
+      .attributes = {{.name = "m3c2_distance",
+                      .meaning = "change along the normal, positive where the other cloud lies "
+                                 "on the side of the normal; undefined: NaN"},
+                     {.name = "m3c2_lod", .meaning = "smallest change that is significant at 95 %; undefined: NaN"},
+                     {.name = "m3c2_spread1",
+                      .meaning = "standard deviation along the normal in this cloud; "
+                                 "undefined: NaN"},
+                     {.name = "m3c2_spread2",
+                      .meaning = "standard deviation along the normal in the other cloud; "
+                                 "undefined: NaN"},
+                     {.name = "m3c2_samples1", .meaning = "points of this cloud in the cylinder"},
+                     {.name = "m3c2_samples2", .meaning = "points of the other cloud in the cylinder"}},
+      .example = "knn(radius=1) | normals(orient=up) | m3c2(after.las, cylinder=0.5, depth=2)"};
+}
+
+M3c2::M3c2(M3c2Options options) : options_(std::move(options)) {
+  if (options_.cloud.empty()) fail_usage("m3c2: name the other cloud, as in m3c2(after.las, cylinder=0.5, depth=2).");
+  if (!(options_.cylinder > 0 && std::isfinite(options_.cylinder)))
+    fail_usage("m3c2: cylinder = {} is not above 0.", options_.cylinder);
+  if (!(options_.depth > 0 && std::isfinite(options_.depth)))
+    fail_usage("m3c2: depth = {} is not above 0.", options_.depth);
+  if (!(options_.registration >= 0)) fail_usage("m3c2: registration = {} is not 0 or more.", options_.registration);
+}
+
+InOrderContract M3c2::in_order_contract() const {
+  InOrderContract contract{
+      .reads = {normal_attribute()},
+      .makes = {scalar("m3c2_distance", Type::f64, "length", "change to another cloud along the normal"),
+                scalar("m3c2_lod", Type::f64, "length", "level of detection at 95 %"),
+                scalar("m3c2_spread1", Type::f64, "length", "deviation along the normal, this cloud"),
+                scalar("m3c2_spread2", Type::f64, "length", "deviation along the normal, other cloud"),
+                scalar("m3c2_samples1", Type::f64, "1", "points in the cylinder, this cloud"),
+                scalar("m3c2_samples2", Type::f64, "1", "points in the cylinder, other cloud")},
+      .places = Places::of_operator,
+      .arrival = "beside those of the other cloud"};
+  for (Attribute& a : contract.makes) a.fill = std::byte{0xff};  // NaN
+  return contract;
+}
+
+Options M3c2::own_options() const {
+  return {{"cloud", options_.cloud},
+          {"cylinder", options_.cylinder},
+          {"depth", options_.depth},
+          {"registration", options_.registration}};
+}
+
+std::unique_ptr<InOrderWork> M3c2::start(const InOrderSetup& setup) const {
+  return std::make_unique<M3c2Work>(options_, setup);
+}
+
+std::uint64_t M3c2::least_bytes(const CloudEstimate&) const { return 2 * PointCells::least_bytes(); }
+
+}  // namespace pointsweep

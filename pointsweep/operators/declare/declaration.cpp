@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/declare/declaration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace pointsweep {
+namespace {
+
+bool is_within(double value, const OptionDeclaration& option) { return value >= option.least && value <= option.most; }
+
+std::string range_text(double least, double most) {
+  if (least == kAboveZero) return std::isfinite(most) ? fmt::format("above 0, at most {}", most) : "above 0";
+  return std::isfinite(most) ? fmt::format("{} to {}", least, most) : fmt::format("{} or more", least);
+}
+
+std::string choices_text(const std::vector<std::string>& choices, const char* last = " or ") {
+  std::string text;
+  for (std::size_t i = 0; i < choices.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == choices.size() ? last : ", ") + choices[i];
+  return text;
+}
+
+bool is_letter_or_digit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
+bool are_some_of(const std::vector<std::string>& words, const std::vector<std::string>& choices) {
+  const std::set<std::string> distinct(words.begin(), words.end());
+  return !words.empty() && distinct.size() == words.size() && std::ranges::all_of(words, [&](const std::string& word) {
+    return std::ranges::find(choices, word) != choices.end();
+  });
+}
+
+}  // namespace
+
+std::string OptionDeclaration::allowed() const {
+  switch (kind) {
+    case OptionKind::whole:
+    case OptionKind::number:
+      return range_text(least, most);
+    case OptionKind::choice:
+      return choices_text(choices);
+    case OptionKind::names:
+      return fmt::format("a list of {}, each at most once", choices_text(choices, " and "));
+    case OptionKind::point:
+      return "[X,Y,Z]";
+    case OptionKind::attribute:
+      return "the name of an attribute";
+    case OptionKind::numbers:
+      return "a list of numbers, [A,B,...]";
+    case OptionKind::file:
+      return "the name of a file";
+    case OptionKind::word:
+      return "a word of letters and digits";
+    case OptionKind::attributes:
+      return "names of attributes with commas between";
+    case OptionKind::assignments:
+      return "assignments such as classification = 7 where outlier == 1";
+    case OptionKind::condition:
+      break;
+  }
+  return "a condition such as classification == 2 && z < 100";
+}
+
+bool OptionDeclaration::allows(const OptionValue& value) const {
+  const auto* whole = std::get_if<std::uint64_t>(&value);
+  const auto* number = std::get_if<double>(&value);
+  const auto* word = std::get_if<std::string>(&value);
+  const auto* point = std::get_if<Vec3>(&value);
+  switch (kind) {
+    case OptionKind::whole:
+      return whole != nullptr && is_within(static_cast<double>(*whole), *this);
+    case OptionKind::number:
+      return number != nullptr && std::isfinite(*number) && is_within(*number, *this);
+    case OptionKind::choice:
+      return word != nullptr && std::ranges::find(choices, *word) != choices.end();
+    case OptionKind::names:
+      return word != nullptr && are_some_of(words_of(*word), choices);
+    case OptionKind::point:
+      return point != nullptr && is_finite(*point);
+    case OptionKind::numbers:
+      return word != nullptr && !numbers_of(*word).empty();
+    case OptionKind::word:
+      return word != nullptr && !word->empty() && std::ranges::all_of(*word, is_letter_or_digit);
+    case OptionKind::attributes:
+      return word != nullptr && std::ranges::none_of(words_of(*word), &std::string::empty);
+    case OptionKind::attribute:
+    case OptionKind::condition:
+    case OptionKind::file:
+    case OptionKind::assignments:
+      break;
+  }
+  return word != nullptr && !word->empty();
+}
+
+OptionValues::OptionValues(const std::vector<OptionDeclaration>& declared, std::string where)
+    : where_(std::move(where)) {
+  for (const OptionDeclaration& option : declared) {
+    names_.push_back(option.name);
+    if (has_value(option.preset)) preset_.emplace(option.name, option.preset);
+  }
+}
+
+bool OptionValues::give(const std::string& name, OptionValue value) {
+  return given_.emplace(name, std::move(value)).second;
+}
+
+OptionValues OptionValues::with_presets_of(const std::vector<OptionDeclaration>& declared) const {
+  OptionValues values(declared, where_);
+  values.given_ = given_;
+  return values;
+}
+
+const OptionValue& OptionValues::value(std::string_view name) const {
+  const auto found = given_.find(name);
+  return found != given_.end() ? found->second : preset_.find(name)->second;
+}
+
+Options OptionValues::all() const {
+  Options options;
+  for (const std::string& name : names_)
+    if (given_.contains(name) || preset_.contains(name)) options.push_back({name, value(name)});
+  return options;
+}
+
+std::vector<std::string> words_of(std::string_view list) {
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    words.emplace_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
+}
+
+std::vector<double> numbers_of(std::string_view list) {
+  std::vector<double> numbers;
+  for (const std::string& word : words_of(list)) {
+    double number = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(number)) return {};
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+ChainStage make_stage(const OperatorDeclaration& declaration, const OptionValues& values, const Facts& facts) {
+  MadeStage made = declaration.make(values, facts);
+  if (made.without_options != nullptr) made.without_options->declare_options(values.all());
+  return std::move(made.stage);
+}
+
+OptionValues sample_values(const OperatorDeclaration& declaration) {
+  OptionValues values(declaration.options, declaration.name);
+  for (const OptionDeclaration& option : declaration.options)
+    if (option.required || (option.positional && has_value(option.sample))) values.give(option.name, option.sample);
+  return values;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+/// The declaration of an operator, beside its code. Pipelines as text and JSON, flags of verbs, help, docs, checkpoints
+/// and the records in outputs all come from it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "pointsweep/geometry.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/operators/kinds/chain_stage.h"
+#include "pointsweep/option.h"
+
+namespace pointsweep {
+
+enum class OptionKind : std::uint8_t {
+  whole,        ///< std::uint64_t from `least` to `most`
+  number,       ///< finite double from `least` to `most`
+  choice,       ///< std::string, one of `choices`
+  names,        ///< std::string, some of `choices`, each once, with commas between
+  point,        ///< Vec3, finite
+  attribute,    ///< std::string, the name of an attribute; not empty
+  condition,    ///< std::string, a condition on attributes; not empty
+  numbers,      ///< std::string, finite numbers with commas between, each in its shortest form
+  file,         ///< std::string, the name of a file, or what it would hold; not empty
+  word,         ///< std::string, letters and digits
+  attributes,   ///< std::string, names of attributes with commas between; none empty
+  assignments,  ///< std::string, NAME = NUMBER or NAME = NUMBER where CONDITION, with commas between; not empty
+};
+
+/// The least of numbers that have to be above 0, however small the cloud is.
+inline constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();
+
+struct OptionDeclaration {
+  std::string name;
+  OptionKind kind;
+  OptionValue preset = {};  ///< the value where none is given; std::monostate: there is none
+  std::string meaning;      ///< one line that begins in lower case
+  double least = 0;
+  double most = std::numeric_limits<double>::infinity();
+  /// Unit of a number, e.g. "length"; empty if the number has none. The preset of a length is in metres. It is
+  /// converted for clouds whose unit is known to be another one.
+  std::string unit = {};
+  std::vector<std::string> choices = {};
+  bool required = false;    ///< it has to be given
+  bool positional = false;  ///< its name may be left out, as in where("z < 2"); only the first option of an operator
+  OptionValue sample = {};  ///< a value for examples, where there is no preset
+  /// A distance R within which points count, or an attribute that holds it: d² <= R·R in double, the same for all.
+  bool is_radius = false;
+
+  /// "1 or more", "0 to 90", "none, up or input", "[X,Y,Z]": what may be given.
+  std::string allowed() const;
+  /// Returns whether `value` has the type of the kind and lies within the limits.
+  bool allows(const OptionValue& value) const;
+};
+
+/// The values of one operator's options: those given, else the presets.
+class OptionValues {
+ public:
+  /// Holds only presets. `where` begins every sentence about these options, e.g. "pipeline, column 12: normals".
+  OptionValues(const std::vector<OptionDeclaration>& declared, std::string where);
+
+  /// False if the option has been given before. `name` is declared, and its declaration allows `value`.
+  bool give(const std::string& name, OptionValue value);
+  /// Returns these values, with the presets of `declared` for options that are not given.
+  OptionValues with_presets_of(const std::vector<OptionDeclaration>& declared) const;
+
+  bool given(std::string_view name) const { return given_.contains(name); }
+  bool any_given() const { return !given_.empty(); }
+  /// Returns the value of a declared option by its name. An option without preset is asked for only if it is given or
+  /// required.
+  std::uint64_t whole(std::string_view name) const { return std::get<std::uint64_t>(value(name)); }
+  double number(std::string_view name) const { return std::get<double>(value(name)); }
+  Vec3 point(std::string_view name) const { return std::get<Vec3>(value(name)); }
+  /// Returns the value of a choice, of names, of an attribute or of a condition.
+  const std::string& word(std::string_view name) const { return std::get<std::string>(value(name)); }
+  /// Returns all options that have a value, in the order of their declaration.
+  Options all() const;
+
+  const std::string& where() const { return where_; }
+
+ private:
+  const OptionValue& value(std::string_view name) const;
+
+  std::string where_;
+  std::vector<std::string> names_;  ///< in the order of their declaration
+  std::map<std::string, OptionValue, std::less<>> given_, preset_;
+};
+
+/// Facts about the cloud and the earlier stages that an operator may need when it is made.
+struct Facts {
+  std::uint64_t points = 0;
+  std::set<std::string> made = {};                ///< names of the attributes that earlier stages make
+  std::optional<Neighborhood> neighborhood = {};  ///< neighbourhood of the operator; absent: not known
+  double metres_per_unit = 1;                     ///< metres in a unit of the coordinates
+};
+
+/// An attribute as docs/attributes.md describes it, where its own words (Attribute::meaning) are too short.
+struct AttributeNote {
+  std::string name;
+  std::string meaning;
+  std::string type = {};   ///< given where the attribute can have several types
+  std::string shape = {};  ///< given where the shape is not known in advance, e.g. "N×k"
+};
+
+/// A stage whose operator does not know its options yet.
+struct MadeStage {
+  template <class Kind>
+  MadeStage(std::shared_ptr<Kind> op) : without_options(op.get()), stage(std::shared_ptr<const Kind>(std::move(op))) {}
+  template <class Instruction>
+  requires std::is_same_v<Instruction, Drop> || std::is_same_v<Instruction, Reneighbor> ||
+      std::is_same_v<Instruction, Resort>
+      MadeStage(Instruction instruction) : stage(std::move(instruction)) {}
+
+  Operator* without_options = nullptr;  ///< of `stage`; null for an instruction
+  ChainStage stage;
+};
+
+struct OperatorDeclaration {
+  std::string name;
+  std::string meaning;  ///< one line that begins in lower case
+  std::vector<OptionDeclaration> options = {};
+  /// Makes the stage, which then is `name`. Throws UsageError, beginning with OptionValues::where(), for values that do
+  /// not go together.
+  std::function<MadeStage(const OptionValues&, const Facts&)> make;
+  std::string formula = {};    ///< lines of plain text
+  std::string source = {};     ///< the publication and where in it
+  std::string undefined = {};  ///< which points get no value, and what they get
+  /// A clause about the points that it marks as degenerate (Columns::mark_degenerate), e.g. "have no neighbours; their
+  /// density is 0"; empty: it marks none.
+  std::string degenerate = {};
+  std::string cost = {};     ///< in addition to the time of `neighbor_ns`
+  double neighbor_ns = 10;   ///< CPU time for each neighbour, of about 1,000; measured with `script/bench radius`
+  bool makes_named = false;  ///< its options name the attributes that it makes
+  std::vector<AttributeNote> attributes = {};  ///< about what it makes
+  std::string example = {};                    ///< a whole pipeline as one writes it
+};
+
+/// "a,b" as {"a", "b"}: the words of an option of the kind `names`.
+std::vector<std::string> words_of(std::string_view list);
+/// "1,2.5" as {1, 2.5}: an option of the kind `numbers`. Empty where a word is no finite number.
+std::vector<double> numbers_of(std::string_view list);
+
+/// Made by the declaration; an operator knows the values as its options.
+ChainStage make_stage(const OperatorDeclaration& declaration, const OptionValues& values, const Facts& facts);
+
+/// The values of examples: presets, and samples of what is required or needs no name. For docs and checks of a
+/// declaration.
+OptionValues sample_values(const OperatorDeclaration& declaration);
+
+}  // namespace pointsweep

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/expressions/expression.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/expressions/expression_node.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::pair<std::string_view, Operation> kComparisons[] = {
+    {"==", Operation::equal},         {"!=", Operation::unequal}, {"<=", Operation::less_equal},
+    {">=", Operation::greater_equal}, {"<", Operation::less},     {">", Operation::greater}};
+
+bool begins_name(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool continues_name(char c) { return begins_name(c) || is_digit(c) || c == '.'; }
+
+using Node = Expression::Node;
+
+/// Recursive descent through the grammar in the header.
+class ExpressionParser {
+ public:
+  ExpressionParser(std::string_view text, std::string_view where, std::vector<Expression::Name>& names)
+      : text_(text), where_(where), names_(names) {}
+
+  Node whole_text(Expression::Form form) {
+    const bool is_condition = form == Expression::Form::condition;
+    Node root = either();
+    skip_blanks();
+    if (at_ < text_.size()) unexpected(is_condition ? "an operator such as && or the end" : "an operator or the end");
+    return is_condition ? condition(std::move(root), 0) : number(std::move(root), 0);
+  }
+
+  std::string canonical() && { return std::move(canonical_); }
+
+ private:
+  Node either() {
+    return chain(Operation::either, "||", [this] { return both(); });
+  }
+  Node both() {
+    return chain(Operation::both, "&&", [this] { return test(); });
+  }
+
+  template <class Part>
+  Node chain(Operation operation, std::string_view sign, Part part) {
+    const std::size_t first = at_;
+    Node node = part();
+    while (take(sign)) {
+      note_binary(sign);
+      Node left = condition(std::move(node), first);
+      const std::size_t second = at_;
+      Node right = condition(part(), second);
+      node = {.operation = operation};
+      node.parts = {std::move(left), std::move(right)};
+    }
+    return node;
+  }
+
+  Node test() {
+    const Depth depth(*this);
+    skip_blanks();
+    if (text_.substr(at_, 2) != "!=" && take("!")) {
+      canonical_ += '!';
+      const std::size_t first = at_;
+      Node node{.operation = Operation::no};
+      node.parts = {condition(test(), first)};
+      return node;
+    }
+    return comparison();
+  }
+
+  Node comparison() {
+    const std::size_t first = at_;
+    Node left = sum();
+    for (const auto& [sign, operation] : kComparisons) {
+      if (!take(sign)) continue;
+      note_binary(sign);
+      left = number(std::move(left), first);
+      const std::size_t second = at_;
+      Node node{.operation = operation}, right = number(sum(), second);
+      node.parts = {std::move(left), std::move(right)};
+      return node;
+    }
+    skip_blanks();
+    if (text_.substr(at_, 1) == "=") fail_at(at_, "'=' compares nothing; write ==");
+    return left;
+  }
+
+  Node sum() {
+    return arithmetic([this] { return product(); }, '+', Operation::add, '-', Operation::subtract);
+  }
+  Node product() {
+    return arithmetic([this] { return factor(); }, '*', Operation::multiply, '/', Operation::divide);
+  }
+
+  template <class Part>
+  Node arithmetic(Part part, char sign, Operation operation, char other_sign, Operation other) {
+    const std::size_t first = at_;
+    Node node = part();
+    while (true) {
+      const bool is_first = take(std::string_view(&sign, 1));
+      if (!is_first && !take(std::string_view(&other_sign, 1))) return node;
+      note_binary(std::string_view(is_first ? &sign : &other_sign, 1));
+      Node left = number(std::move(node), first);
+      const std::size_t second = at_;
+      Node right = number(part(), second);
+      node = {.operation = is_first ? operation : other};
+      node.parts = {std::move(left), std::move(right)};
+    }
+  }
+
+  Node factor() {
+    const Depth depth(*this);
+    skip_blanks();
+    if (at_ >= text_.size()) unexpected("an attribute or a number");
+    if (take("-")) {
+      canonical_ += '-';
+      return negated(number(factor(), at_));
+    }
+    if (take("(")) {
+      canonical_ += '(';
+      Node inner = either();
+      if (!take(")")) unexpected("')'");
+      canonical_ += ')';
+      return inner;
+    }
+    if (begins_name(text_[at_])) return name();
+    if (is_digit(text_[at_]) || text_[at_] == '.') return literal();
+    unexpected("an attribute or a number");
+  }
+
+  static Node negated(Node part) {
+    if (part.operation == Operation::number && !part.large) {
+      part.number = -part.number;
+      if (part.whole) part.whole = -*part.whole;
+      return part;
+    }
+    Node node{.operation = Operation::negate};
+    node.parts = {std::move(part)};
+    return node;
+  }
+
+  Node name() {
+    const std::size_t first = at_;
+    while (at_ < text_.size() && continues_name(text_[at_])) ++at_;
+    const std::string_view word = text_.substr(first, at_ - first);
+    canonical_ += word;
+    const auto known = std::ranges::find(names_, word, &Expression::Name::text);
+    Node node{.operation = Operation::name};
+    node.name = static_cast<std::size_t>(known - names_.begin());
+    if (known == names_.end()) names_.push_back({std::string(word), first + 1});
+    return node;
+  }
+
+  Node literal() {
+    Node node;
+    const char *first = text_.data() + at_, *last = text_.data() + text_.size();
+    const auto [end, error] = std::from_chars(first, last, node.number);
+    if (error != std::errc() || (end != last && continues_name(*end))) unexpected("an attribute or a number");
+    std::uint64_t whole = 0;
+    const auto [whole_end, whole_error] = std::from_chars(first, last, whole);
+    if (whole_error == std::errc() && whole_end == end) {
+      if (whole >> 63)
+        node.large = whole;
+      else
+        node.whole = static_cast<std::int64_t>(whole);
+    }
+    canonical_.append(first, end);
+    at_ += static_cast<std::size_t>(end - first);
+    return node;
+  }
+
+  Node condition(Node node, std::size_t at) const {
+    if (!node.is_condition()) fail_at(at, "a comparison is expected, such as z < 100");
+    return node;
+  }
+  Node number(Node node, std::size_t at) const {
+    if (node.is_condition()) fail_at(at, "an attribute or a number is expected, not a comparison");
+    return node;
+  }
+
+  void note_binary(std::string_view sign) { canonical_ += fmt::format(" {} ", sign); }
+
+  bool take(std::string_view sign) {
+    skip_blanks();
+    if (!text_.substr(at_).starts_with(sign)) return false;
+    at_ += sign.size();
+    return true;
+  }
+  void skip_blanks() {
+    while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n')) ++at_;
+  }
+
+  [[noreturn]] void unexpected(std::string_view wanted) const {
+    if (at_ >= text_.size()) fail_at(at_, fmt::format("{} is expected, but the condition ends", wanted));
+    fail_at(at_, fmt::format("{} is expected, not '{}'", wanted, text_[at_]));
+  }
+  [[noreturn]] void fail_at(std::size_t at, std::string_view what) const {
+    while (at < text_.size() && text_[at] == ' ') ++at;
+    fail_usage("{}: '{}', column {}: {}.", where_, text_, at + 1, what);
+  }
+
+  /// Bounds the recursion.
+  struct Depth {
+    explicit Depth(ExpressionParser& of) : parser(of) {
+      if (++parser.depth_ > kMostDepth)
+        parser.fail_at(parser.at_, "there are more than 100 signs ! - ( inside each other");
+    }
+    ~Depth() { --parser.depth_; }
+    Depth(const Depth&) = delete;
+    Depth& operator=(const Depth&) = delete;
+    ExpressionParser& parser;
+  };
+  static constexpr int kMostDepth = 200;  // two for each parenthesis
+  std::string_view text_, where_;
+  std::vector<Expression::Name>& names_;
+  std::size_t at_ = 0;
+  std::string canonical_;
+  int depth_ = 0;
+};
+
+std::string_view without_outer_blanks(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+}  // namespace
+
+Expression::Expression(std::string_view text, std::string_view where, Form form) : text_(without_outer_blanks(text)) {
+  if (text_.empty() && form == Form::number)
+    fail_usage("{}: a number is missing; write one such as intensity * 2.", where);
+  if (text_.empty()) fail_usage("{}: the condition is empty; write one such as classification == 2 && z < 100.", where);
+  ExpressionParser parser(text_, where, names_);
+  root_ = std::make_shared<const Node>(parser.whole_text(form));
+  canonical_ = std::move(parser).canonical();
+}
+
+}  // namespace pointsweep

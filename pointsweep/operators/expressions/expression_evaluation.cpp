@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "pointsweep/operators/expressions/expression.h"
+#include "pointsweep/operators/expressions/expression_node.h"
+
+namespace pointsweep {
+namespace {
+
+using Node = Expression::Node;
+
+using Whole = WholeNumber;
+
+/// Evaluates the nodes for one batch.
+class ExpressionEvaluator {
+ public:
+  ExpressionEvaluator(std::span<const ExpressionValues> values, std::size_t size) : values_(values), size_(size) {}
+
+  std::vector<std::uint8_t> condition(const Node& node) const {
+    switch (node.operation) {
+      case Operation::no: {
+        std::vector<std::uint8_t> out = condition(node.parts[0]);
+        for (auto& v : out) v = v == 0;
+        return out;
+      }
+      case Operation::both:
+      case Operation::either: {
+        std::vector<std::uint8_t> out = condition(node.parts[0]);
+        const std::vector<std::uint8_t> right = condition(node.parts[1]);
+        const bool both = node.operation == Operation::both;
+        for (std::size_t i = 0; i < size_; ++i) out[i] = both ? out[i] & right[i] : out[i] | right[i];
+        return out;
+      }
+      default:
+        break;
+    }
+    if (is_whole(node.parts[0]) && is_whole(node.parts[1]) && !(is_literal(node.parts[0]) && is_literal(node.parts[1])))
+      return compared(node.operation, wholes(node.parts[0]), wholes(node.parts[1]));
+    return compared(node.operation, reals(node.parts[0]), reals(node.parts[1]));
+  }
+
+  bool is_whole(const Node& node) const {
+    if (node.operation == Operation::name) return values_[node.name].whole != nullptr;
+    return is_literal(node) && (node.whole || node.large);
+  }
+
+  std::vector<Whole> wholes(const Node& node) const {
+    if (is_literal(node)) return std::vector<Whole>(size_, node.large ? Whole{*node.large} : Whole{*node.whole});
+    std::vector<Whole> out(size_);
+    const ExpressionValues& v = values_[node.name];
+    for (std::size_t i = 0; i < size_; ++i)
+      out[i] = v.is_signed ? Whole{static_cast<std::int64_t>(v.whole[i])} : Whole{v.whole[i]};
+    return out;
+  }
+
+  std::vector<double> reals(const Node& node) const {
+    if (is_literal(node)) return std::vector<double>(size_, node.number);
+    if (node.operation == Operation::name) {
+      const ExpressionValues& v = values_[node.name];
+      if (v.whole == nullptr) return {v.real, v.real + size_};
+      std::vector<double> out(size_);
+      for (std::size_t i = 0; i < size_; ++i)
+        out[i] =
+            v.is_signed ? static_cast<double>(static_cast<std::int64_t>(v.whole[i])) : static_cast<double>(v.whole[i]);
+      return out;
+    }
+    std::vector<double> out = reals(node.parts[0]);
+    if (node.operation == Operation::negate) {
+      for (double& v : out) v = -v;
+      return out;
+    }
+    const std::vector<double> right = reals(node.parts[1]);
+    for (std::size_t i = 0; i < size_; ++i) out[i] = combined(node.operation, out[i], right[i]);
+    return out;
+  }
+
+ private:
+  static bool is_literal(const Node& node) { return node.operation == Operation::number; }
+  static double combined(Operation operation, double a, double b) {
+    switch (operation) {
+      case Operation::add:
+        return a + b;
+      case Operation::subtract:
+        return a - b;
+      case Operation::multiply:
+        return a * b;
+      default:
+        return a / b;
+    }
+  }
+
+  template <class T>
+  std::vector<std::uint8_t> compared(Operation operation, const std::vector<T>& a, const std::vector<T>& b) const {
+    std::vector<std::uint8_t> out(size_);
+    const auto set = [&](auto holds) {
+      for (std::size_t i = 0; i < size_; ++i) out[i] = holds(a[i], b[i]);
+    };
+    switch (operation) {
+      case Operation::equal:
+        set([](T x, T y) { return x == y; });
+        break;
+      case Operation::unequal:
+        set([](T x, T y) { return x != y; });
+        break;
+      case Operation::less:
+        set([](T x, T y) { return x < y; });
+        break;
+      case Operation::less_equal:
+        set([](T x, T y) { return x <= y; });
+        break;
+      case Operation::greater:
+        set([](T x, T y) { return x > y; });
+        break;
+      default:
+        set([](T x, T y) { return x >= y; });
+    }
+    return out;
+  }
+
+  std::span<const ExpressionValues> values_;
+  std::size_t size_;
+};
+
+}  // namespace
+
+void Expression::evaluate_number(std::span<const ExpressionValues> values, std::span<double> values_of_points) const {
+  std::ranges::copy(ExpressionEvaluator(values, values_of_points.size()).reals(*root_), values_of_points.begin());
+}
+
+bool Expression::is_whole(std::span<const ExpressionValues> values) const {
+  return ExpressionEvaluator(values, 0).is_whole(*root_);
+}
+
+void Expression::evaluate_whole(std::span<const ExpressionValues> values,
+                                std::span<WholeNumber> values_of_points) const {
+  std::ranges::copy(ExpressionEvaluator(values, values_of_points.size()).wholes(*root_), values_of_points.begin());
+}
+
+void Expression::evaluate(std::span<const ExpressionValues> values, std::span<std::uint8_t> kept) const {
+  std::ranges::copy(ExpressionEvaluator(values, kept.size()).condition(*root_), kept.begin());
+}
+
+}  // namespace pointsweep

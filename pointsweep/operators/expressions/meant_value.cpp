@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/expressions/meant_value.h"
+
+#include <algorithm>
+
+#include "pointsweep/points/schema.h"
+
+namespace pointsweep {
+namespace {
+
+/// The component of an attribute made before whose name `fits`.
+template <class Fits>
+MeantValue made_value(std::span<const Attribute> made, Fits fits) {
+  for (const Attribute& a : made) {
+    const auto field = std::ranges::find_if(a.fields, fits);
+    if (a.name != position_attribute().name && field != a.fields.end())
+      return {.made = &a, .component = static_cast<std::size_t>(field - a.fields.begin())};
+  }
+  return {};
+}
+
+}  // namespace
+
+MeantValue meant_value(const std::string& word, const Schema& input, std::span<const Attribute> made) {
+  const auto is_word = [&](const std::string& field) { return field == word; };
+  if (const MeantValue own = made_value(made, is_word); own.made != nullptr) return own;
+  const auto is_meant = [&](const std::string& field) { return means_only(word, field); };
+  if (const MeantValue own = made_value(made, is_meant); own.made != nullptr) return own;
+  const auto at = field_meant(input, word);
+  if (at && input.fields[*at].name == word) return {.field = &input.fields[*at]};
+  const auto is_spelled = [&](const std::string& field) { return is_spelling_of(field, word); };
+  if (const MeantValue own = made_value(made, is_spelled); own.made != nullptr) return own;
+  return {.field = at ? &input.fields[*at] : nullptr};
+}
+
+}  // namespace pointsweep

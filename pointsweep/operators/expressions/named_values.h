@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+/// The attributes that the names of an expression stand for, and their values for a batch of points.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operator.h"
+#include "pointsweep/operators/expressions/expression.h"
+
+namespace pointsweep {
+
+/// A name is a component of an attribute made before ("nz", "outlier"), else x, y or z, the position of now, else a
+/// field of the input, in any spelling that files use (meant_value.h); of arrays none.
+class NamedValues {
+ public:
+  NamedValues() = default;
+  /// `place`: begins messages. Throws UsageError for a name that fits nothing, with those there are.
+  NamedValues(const Expression& expression, const std::string& place, const Schema& input,
+              std::span<const Attribute> made);
+
+  /// The attributes that have to be read, each once.
+  const std::vector<Attribute>& reads() const { return reads_; }
+
+  /// The values of one batch, by number of the name.
+  class Batch {
+   public:
+    /// The attributes of reads() are those that the operator reads from number `first` on.
+    Batch(const NamedValues& names, const Neighborhoods& in, std::size_t first = 0);
+    std::span<const ExpressionValues> values() const { return values_; }
+
+   private:
+    /// The values of a name; the vectors are what the pointers point into.
+    struct Memory {
+      std::vector<double> real;
+      std::vector<std::uint64_t> whole;
+    };
+    std::vector<Memory> memory_;
+    std::vector<ExpressionValues> values_;
+  };
+
+  /// The source of the values of a name: component `component` of reads()[attribute], or of the position if `attribute`
+  /// is negative.
+  struct Source {
+    int attribute = -1;
+    std::size_t component = 0;
+  };
+  const std::vector<Source>& sources() const { return sources_; }
+
+ private:
+  Source read(Attribute attribute, std::size_t component);
+
+  std::vector<Attribute> reads_;
+  std::vector<Source> sources_;  ///< indexed by the number of the name
+};
+
+}  // namespace pointsweep

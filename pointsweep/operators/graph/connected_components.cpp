@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/graph/connected_components.h"
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/complete_lists.h"
+#include "pointsweep/operators/declare/declaration.h"
+
+namespace pointsweep {
+namespace {
+
+MadeStage make_components(const OptionValues& options, const Facts& facts) {
+  if (!options.given("distance")) return std::make_shared<ConnectedComponents>(std::nullopt, facts.points);
+  const double distance = options.number("distance");
+  require_complete_lists(facts, Neighborhood::kUnlimited, distance, options.where());
+  return std::make_shared<ConnectedComponents>(distance, facts.points);
+}
+
+}  // namespace
+
+OperatorDeclaration components_declaration() {
+  return {.name = "components",
+          .meaning = "connected components of the graph of neighbours, with their sizes",
+          .options = {{.name = "distance",
+                       .kind = OptionKind::number,
+                       .meaning = "points farther from each other are not joined; needs knn(radius=...) of at least it",
+                       .least = 0,
+                       .unit = "length",
+                       .sample = 0.5,
+                       .is_radius = true}},
+          .make = make_components,
+          .formula =
+              "Points i and j are joined if j is in N_i or i is in N_j; with distance D: if |p_j - p_i| <= D.\n"
+              "component: numbered from 0 by the first point, that of the least x, then y, then z, then row.",
+          .source = "exact minimum spanning forest of the open points, docs/adr/0014",
+          .undefined = "-1, of size 0, for points without a finite place.",
+          .cost = "a sweep that ends a pass; about 60 bytes a point in the temporary folder",
+          .neighbor_ns = 10,
+          .attributes = {{.name = "component",
+                          .meaning = "number of the connected component; undefined: -1",
+                          .type = "i32, i64 from 2³¹ rows on"},
+                         {.name = "component_size",
+                          .meaning = "points of the component; undefined: 0",
+                          .type = "u32, u64 from 2³¹ rows on"}},
+          .example = "knn(k=8) | components | where(component_size > 100)"};
+}
+
+bool has_short_numbers(std::uint64_t points) { return points > 0 && points < std::uint64_t{1} << 31; }
+
+Attribute component_number(std::string name, std::string meaning, std::uint64_t points) {
+  const Type type = has_short_numbers(points) ? Type::i32 : Type::i64;
+  return {name, type, Kind::index, {name}, "1", std::move(meaning), std::byte{0xff}};
+}
+
+Attribute component_size(std::string name, std::string meaning, std::uint64_t points) {
+  return scalar(std::move(name), has_short_numbers(points) ? Type::u32 : Type::u64, "1", std::move(meaning));
+}
+
+void put_component(const ComponentLabel& label, bool is_short, std::byte* values) {
+  const auto put = [&](auto number, auto size) {
+    std::memcpy(values, &number, sizeof number);
+    std::memcpy(values + sizeof number, &size, sizeof size);
+  };
+  if (is_short)
+    put(static_cast<std::uint32_t>(label.number), static_cast<std::uint32_t>(label.points));
+  else
+    put(label.number, label.points);
+}
+
+Contract ConnectedComponents::contract() const {
+  return {{},
+          {},
+          {component_number("component", "number of the connected component; -1 without a place", points_),
+           component_size("component_size", "points of the connected component", points_)}};
+}
+
+ConnectedComponents::ConnectedComponents(std::optional<double> distance, std::uint64_t points)
+    : distance_(distance), points_(points) {
+  if (distance && !(*distance >= 0 && std::isfinite(*distance)))
+    fail_usage("components: the distance {} is not a number of at least 0.", *distance);
+}
+
+/// Within a distance, both ends know of each other: the one of the lower row emits the edge.
+void ConnectedComponents::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte*) const {
+  for (std::uint32_t i = 0; i < in.size(); ++i) {
+    const NeighborRef* neighbors = in.neighbors(i);
+    for (std::size_t j = 0; j < in.count(i); ++j) {
+      if (distance_ && (in.neighbor_row(i, j) < in.row(i) || !(in.distance2(i, j) <= *distance_ * *distance_)))
+        continue;
+      edges.push_back({i, neighbors[j]});
+    }
+  }
+}
+
+void ConnectedComponents::put_values(const ComponentLabel& label, std::byte* values) const {
+  put_component(label, has_short_numbers(points_), values);
+}
+
+}  // namespace pointsweep

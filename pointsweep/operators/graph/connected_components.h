@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+/// Connected components of the graph of neighbours.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operators/kinds/connect_operator.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration components_declaration();
+
+/// Returns whether component numbers and sizes have 32 bits in a cloud of `points` points; 0: not known.
+bool has_short_numbers(std::uint64_t points);
+/// N i32 or i64: the number of the component `name` of a point; -1 for points without one.
+Attribute component_number(std::string name, std::string meaning, std::uint64_t points);
+/// N u32 or u64: the number of points in the component of a point.
+Attribute component_size(std::string name, std::string meaning, std::uint64_t points);
+/// Appends both, in these types, to `values`.
+void put_component(const ComponentLabel& label, bool is_short, std::byte* values);
+
+/// Makes component and component_size. Points i and j are joined if one is a neighbour of the other, and, with a
+/// distance, if they are not farther from each other. Components are numbered from 0 by their first point: the least x,
+/// then y, then z, then row.
+class ConnectedComponents final : public ConnectOperator {
+ public:
+  /// With a distance, N_i must hold all points within it. Pipelines that do not give them are refused; C++ code has to
+  /// see to it. `points` of the cloud, if known, decide about the types. Throws UsageError unless the distance is a
+  /// number of at least 0.
+  explicit ConnectedComponents(std::optional<double> distance = std::nullopt, std::uint64_t points = 0);
+  std::string name() const override { return "components"; }
+  Contract contract() const override;
+  void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
+  void put_values(const ComponentLabel& label, std::byte* values) const override;
+
+ protected:
+  Options own_options() const override { return distance_ ? Options{{"distance", *distance_}} : Options(); }
+
+ private:
+  std::optional<double> distance_;
+  std::uint64_t points_;
+};
+
+}  // namespace pointsweep

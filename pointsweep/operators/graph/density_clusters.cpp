@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/graph/density_clusters.h"
+
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <tuple>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/complete_lists.h"
+#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/graph/connected_components.h"
+
+namespace pointsweep {
+namespace {
+
+/// A result of one byte: whether a core point is among the points. Points without one are noise.
+class AnyCore final : public VoteRule {
+ public:
+  std::size_t ballot_bytes() const override { return 1; }
+  std::size_t bytes() const override { return 1; }
+  void start(std::byte* votes, const PointKey&, const std::byte* ballot) const override { *votes = *ballot; }
+  void merge(std::byte* into, const std::byte* from, bool) const override { *into |= *from; }
+  std::size_t result_bytes() const override { return 1; }
+  void conclude(const std::byte* votes, std::byte* result) const override { *result = *votes; }
+  bool counts(const std::byte* result) const override { return *result != std::byte{0}; }
+};
+
+MadeStage make_dbscan(const OptionValues& options, const Facts& facts) {
+  const double eps = options.number("eps");
+  require_complete_lists(facts, Neighborhood::kUnlimited, eps, options.where());
+  return std::make_shared<DensityClusters>(eps, options.whole("min_points"), facts.points);
+}
+
+/// The nearest core point within eps; equal distances go by x, y, z, row.
+std::optional<NeighborRef> nearest_core(const Neighborhoods& in, std::size_t i, double eps2) {
+  using Key = std::tuple<double, double, double, double, std::uint64_t>;
+  std::optional<NeighborRef> nearest;
+  Key least;
+  for (std::size_t j = 0; j < in.count(i); ++j) {
+    const double d2 = in.distance2(i, j);
+    if (!(d2 <= eps2) || in.neighbor_value<std::uint8_t>(0, i, j) == 0) continue;
+    const Vec3 p = in.neighbor_position(i, j);
+    const Key key{d2, p.x, p.y, p.z, in.neighbor_row(i, j)};
+    if (!nearest || key < least) nearest = in.neighbors(i)[j], least = key;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+OperatorDeclaration dbscan_declaration() {
+  return {
+      .name = "dbscan",
+      .meaning = "density-based clusters (DBSCAN): points around core points, which have many neighbours",
+      .options = {{.name = "eps",
+                   .kind = OptionKind::number,
+                   .meaning = "the distance within which points are neighbours, inclusive; needs knn(radius=...) "
+                              "of at least it",
+                   .least = kAboveZero,
+                   .unit = "length",
+                   .required = true,
+                   .sample = 0.5,
+                   .is_radius = true},
+                  {.name = "min_points",
+                   .kind = OptionKind::whole,
+                   .preset = std::uint64_t{5},
+                   .meaning = "number of points within eps that make a core point, itself included",
+                   .least = 1}},
+      .make = make_dbscan,
+      .formula =
+          "core_i = 1 where |{j : |p_j - p_i| <= eps}| >= min_points, i itself counted, as in scikit-learn.\n"
+          "Core points within eps of each other are in one cluster. Another point is in that of the nearest "
+          "core point within eps, equal distances by x, y, z, row; without one it is noise, cluster = -1.\n"
+          "Clusters are numbered from 0 by their first point, that of the least x, then y, then z, then row.\n"
+          "In scikit-learn and in the publication a border point belongs to the cluster that comes to it "
+          "first, so that its cluster depends on the order of the points.",
+      .source =
+          "Ester, Kriegel, Sander, Xu, A density-based algorithm for discovering clusters in large spatial "
+          "databases with noise (KDD 1996)",
+      .undefined = "core 0, cluster -1 and cluster_size 0 for points without a finite place.",
+      .cost = "a sweep of two steps that ends a pass; about 60 bytes a point in the temporary folder",
+      .neighbor_ns = 15,
+      .attributes =
+          {{.name = "core", .meaning = "1: at least min_points points within eps; else 0"},
+           {.name = "cluster", .meaning = "number of the cluster; noise: -1", .type = "i32, i64 from 2³¹ rows on"},
+           {.name = "cluster_size", .meaning = "points of the cluster; noise: 0", .type = "u32, u64 from 2³¹ rows on"}},
+      .example = "knn(radius=0.5) | dbscan(eps=0.5, min_points=10) | where(cluster >= 0)"};
+}
+
+Attribute core_attribute() { return scalar("core", Type::u8, "1", "1: at least min_points points within eps"); }
+
+void CorePoints::apply(const Neighborhoods& in, Columns& out) const {
+  const std::span<std::uint8_t> core = out.column<std::uint8_t>(0);
+  const double eps2 = eps_ * eps_;
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    std::uint64_t near = is_finite(in.position(i)) ? 1 : 0;
+    for (std::size_t j = 0; j < in.count(i) && near < min_points_; ++j) near += in.distance2(i, j) <= eps2;
+    core[i] = near >= min_points_;
+  }
+}
+
+Contract ClustersOfCores::contract() const {
+  return {{core_attribute()},
+          {core_attribute()},
+          {component_number("cluster", "number of the cluster; -1: noise", points_),
+           component_size("cluster_size", "points of the cluster; 0: noise", points_)}};
+}
+
+const VoteRule* ClustersOfCores::votes() const {
+  static const AnyCore rule;
+  return &rule;
+}
+
+/// A core point of the lower row emits the edge of two core points, and any other point one edge at most: it joins no
+/// clusters.
+void ClustersOfCores::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const {
+  const double eps2 = eps_ * eps_;
+  for (std::uint32_t i = 0; i < in.size(); ++i) {
+    const bool is_core = in.value<std::uint8_t>(0, i) != 0;
+    ballots[i] = std::byte(is_core);
+    if (!is_core) {
+      if (const auto core = nearest_core(in, i, eps2)) edges.push_back({i, *core});
+      continue;
+    }
+    for (std::size_t j = 0; j < in.count(i); ++j)
+      if (in.row(i) < in.neighbor_row(i, j) && in.distance2(i, j) <= eps2 &&
+          in.neighbor_value<std::uint8_t>(0, i, j) != 0)
+        edges.push_back({i, in.neighbors(i)[j]});
+  }
+}
+
+void ClustersOfCores::put_values(const ComponentLabel& label, std::byte* values) const {
+  ComponentLabel cluster = label;
+  if (label.number == ComponentLabel::kNone) cluster.points = 0;
+  put_component(cluster, has_short_numbers(points_), values);
+}
+
+DensityClusters::DensityClusters(double eps, std::uint64_t min_points, std::uint64_t points)
+    : eps_(eps), min_points_(min_points), points_(points) {
+  if (!(eps > 0 && std::isfinite(eps))) fail_usage("dbscan: eps = {} is not a number above 0.", eps);
+  if (min_points == 0) fail_usage("dbscan: min_points = 0 makes every point a core point; choose 1 or more.");
+}
+
+Contract DensityClusters::contract() const {
+  Contract contract = ClustersOfCores(eps_, points_).contract();
+  contract.makes.insert(contract.makes.begin(), core_attribute());
+  return {{}, {}, contract.makes};
+}
+
+std::vector<ChainStage> DensityClusters::parts() const {
+  return {std::make_shared<CorePoints>(eps_, min_points_), std::make_shared<ClustersOfCores>(eps_, points_)};
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+/// Consistent signs of normals over a whole surface (H. Hoppe, T. DeRose, T. Duchamp, J. McDonald, W. Stuetzle,
+/// "Surface reconstruction from unorganized points", SIGGRAPH 1992, Section 3.3).
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointsweep/chain.h"
+#include "pointsweep/operators/graph/orientation_votes.h"
+#include "pointsweep/operators/kinds/connect_operator.h"
+#include "pointsweep/operators/surface/facing_normals.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration orient_declaration();
+
+/// N u8: 1 where orient() has turned the normal.
+Attribute normal_turned_attribute();
+
+/// Makes normal_turned: the signs of the minimum spanning forest of the graph of neighbours, an edge of which has the
+/// weight 1 - |n_i . n_j| and joins equal signs where n_i . n_j >= 0. OrientationVotes decides for each component.
+class NormalSigns final : public ConnectOperator {
+ public:
+  explicit NormalSigns(std::optional<Vec3> viewpoint) : viewpoint_(viewpoint), votes_(viewpoint) {}
+  std::string name() const override { return "normal_signs"; }
+  Contract contract() const override {
+    return {{normal_attribute()}, {normal_attribute()}, {normal_turned_attribute()}};
+  }
+  bool weighted() const override { return true; }
+  const VoteRule* votes() const override { return &votes_; }
+  void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
+  void put_values(const ComponentLabel& label, std::byte* values) const override;
+
+ protected:
+  Options own_options() const override { return viewpoint_ ? Options{{"viewpoint", *viewpoint_}} : Options(); }
+
+ private:
+  std::optional<Vec3> viewpoint_;
+  OrientationVotes votes_;
+};
+
+/// Makes normal: the one there is, turned where normal_turned says so.
+class TurnedNormals final : public LocalOperator {
+ public:
+  std::string name() const override { return "turned_normals"; }
+  Contract contract() const override {
+    return {.reads = {normal_attribute(), normal_turned_attribute()}, .makes = {normal_attribute()}, .default_k = 0};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override;
+};
+
+/// `orient`: these two, or FacingNormals.
+class OrientedNormals final : public CompositeOperator {
+ public:
+  /// Throws UsageError for a viewpoint that is not finite.
+  explicit OrientedNormals(std::optional<Vec3> viewpoint = std::nullopt);
+  /// Orients by a trajectory: FacingNormals.
+  OrientedNormals(std::string trajectory, std::string checksum);
+  std::string name() const override { return "orient"; }
+  Contract contract() const override;
+  /// Returns the options of an operator with a trajectory, with the checksum of the trajectory's content.
+  Options facing_options() const;
+  std::vector<ChainStage> parts() const override;
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  std::optional<Vec3> viewpoint_;
+  std::string trajectory_;
+  std::shared_ptr<const FacingNormals> facing_;
+};
+
+}  // namespace pointsweep

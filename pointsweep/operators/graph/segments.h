@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// Segments: parts of a surface across which normals turn little from neighbour to neighbour. Region growing without
+/// its dependence on seeds and their order (T. Rabbani, F. van den Heuvel, G. Vosselman, "Segmentation of point clouds
+/// using smoothness constraint", 2006).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operators/graph/plane_residual.h"
+#include "pointsweep/operators/kinds/connect_operator.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration segments_declaration();
+
+/// Makes segment, segment_size and segment_residual: components of the points that are joined if one is a neighbour of
+/// the other, their normals differ by less than an angle, whatever their signs, and they are not farther from each
+/// other than a distance. A point without a normal is a segment of one point. PlaneResidual says how flat they are.
+class Segments final : public ConnectOperator {
+ public:
+  /// Throws UsageError unless the angle is above 0 and at most 90 degrees, and the distance at least 0.
+  explicit Segments(double angle, std::optional<double> distance = std::nullopt, std::uint64_t points = 0);
+  std::string name() const override { return "segments"; }
+  Contract contract() const override;
+  const VoteRule* votes() const override { return &residual_; }
+  /// After stages that move points, the residual is computed from the moved points.
+  std::shared_ptr<const ConnectOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
+  void put_values(const ComponentLabel& label, std::byte* values) const override;
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  double angle_;
+  std::optional<double> distance_;
+  std::uint64_t points_;
+  PlaneResidual residual_{false};
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/ground/ground.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/expressions/single_value.h"
+#include "pointsweep/operators/ground/ground_work.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr double kMostCells = 1000;
+
+OptionDeclaration positive_length(const char* name, double preset, const char* meaning) {
+  return {.name = name,
+          .kind = OptionKind::number,
+          .preset = preset,
+          .meaning = meaning,
+          .least = kAboveZero,
+          .unit = "length"};
+}
+
+std::vector<OptionDeclaration> ground_options() {
+  return {{.name = "method",
+           .kind = OptionKind::choice,
+           .preset = std::string("smrf"),
+           .meaning = "filter that finds the ground; there is only this one",
+           .choices = {"smrf"}},
+          positive_length("cell", 1, "edge length of the cells of the raster, whose lines lie at multiples of it"),
+          {.name = "slope",
+           .kind = OptionKind::number,
+           .preset = 0.15,
+           .meaning = "steepest slope of the ground, rise over run; steeper shapes are objects"},
+          {.name = "window",
+           .kind = OptionKind::number,
+           .preset = 18.0,
+           .meaning = "about half the width of the widest object, such as a building",
+           .unit = "length"},
+          {.name = "threshold",
+           .kind = OptionKind::number,
+           .preset = 0.5,
+           .meaning = "largest distance from a point of the ground to the surface, where that is level",
+           .unit = "length"},
+          {.name = "scalar",
+           .kind = OptionKind::number,
+           .preset = 1.25,
+           .meaning = "length added to the threshold for each unit of the slope of the surface",
+           .unit = "length"},
+          {.name = "returns",
+           .kind = OptionKind::choice,
+           .preset = std::string("last"),
+           .meaning = "use the last returns of pulses or all returns, where the cloud numbers them",
+           .choices = {"last", "all"}},
+          {.name = "noise",
+           .kind = OptionKind::choice,
+           .preset = std::string("no"),
+           .meaning = "let points of the classes 7 and 18 (noise) take part, where the cloud has classes",
+           .choices = {"no", "yes"}}};
+}
+
+MadeStage make_ground(const OptionValues& options, const Facts&) {
+  return std::make_shared<Ground>(GroundOptions{.cell = options.number("cell"),
+                                                .slope = options.number("slope"),
+                                                .window = options.number("window"),
+                                                .threshold = options.number("threshold"),
+                                                .scalar = options.number("scalar"),
+                                                .all_returns = options.word("returns") == "all",
+                                                .noise = options.word("noise") == "yes"});
+}
+
+/// CPU seconds of the openings of one cell by all disks, divided by the square of the largest radius, on one core of
+/// 2.6 GHz.
+constexpr double kCellSeconds = 2.5e-9;
+
+struct RasterSize {
+  std::size_t columns = 0;  ///< the most of a band of rows
+  double cells = 0;         ///< cells of all bands
+};
+
+/// Returns the size of the raster of a sample.
+RasterSize raster_of(std::span<const Vec3> sample, int axis, double cell, AxisRule rule) {
+  std::vector<std::pair<double, double>> cells;  // row, column
+  for (const Vec3& p : sample) {
+    const double x = std::floor(p.x / cell), y = std::floor(p.y / cell);
+    cells.emplace_back(axis == 0 ? std::pair{x, y} : std::pair{y, x});
+  }
+  std::ranges::sort(cells);
+  BandedRows rows(rule);
+  CellAxis columns(rule);
+  RasterSize size;
+  const auto end_band = [&] {
+    columns.finish();
+    size.columns = std::max(size.columns, columns.size());
+    size.cells += static_cast<double>(rows.rows()) * static_cast<double>(columns.size());
+    columns = CellAxis(rule);
+  };
+  for (const auto& [row, column] : cells) {
+    if (rows.begins_band(row)) end_band();
+    rows.place_of(row);
+    columns.add(column);
+  }
+  end_band();
+  return size;
+}
+
+}  // namespace
+
+OperatorDeclaration ground_declaration() {
+  return {.name = "ground",
+          .meaning = "finds the points of the ground by a morphological filter and gives them class 2",
+          .options = ground_options(),
+          .make = make_ground,
+          .formula =
+              "Cell of p: (⌊x / cell⌋, ⌊y / cell⌋); R = ⌈window / cell⌉. Rasters have absent cells.\n"
+              "1. Z: the least z of the points of a cell that take part. F(Z): a cell without one becomes "
+              "((W/w + E/e) + (S/s + N/n)) / ((1/w + 1/e) + (1/s + 1/n)), W, E, S, N: the nearest "
+              "values in its row and column, at most 3R + 3 cells away; w, e, s, n: their distances; "
+              "missing sides count 0. Without any it is absent.\n"
+              "2. open(A, r): the greatest, over a disk dx² + dy² <= r², of the least of A over a disk; "
+              "absent cells count for nothing and stay absent. Pits: -F(Z) - open(-F(Z), 1) > 5 cell.\n"
+              "3. S_0 = F(Z); S_r = open(S_(r-1), r), r = 1 ... R. Objects: for some r "
+              "S_(r-1) - S_r > slope (cell r).\n"
+              "4. G = F(Z without the cells of pits and objects); g = sqrt(gx² + gy²) in each cell, by "
+              "central differences of G, one-sided next to an absent cell, 0 between two of them.\n"
+              "5. G(p), g(p): bilinear between the centres of the four cells around p; where one of these "
+              "is absent, those of the cell of p.\n"
+              "Ground: points that take part with |z - G(p)| <= threshold + scalar g(p).",
+          .source =
+              "Pingel, Clarke and McBride, An improved simple morphological filter for the terrain classification of "
+              "airborne LIDAR data (ISPRS Journal 77, 2013). The paper fills holes by a system of springs over the "
+              "whole raster, in which every cell depends on every other; F is local, so that tiles, their order and "
+              "points far away change nothing. Its optional net for large buildings is not there",
+          .undefined =
+              "Points that do not take part, and those where G is absent, are not ground. What is not ground keeps its "
+              "class, but 1 in the place of 2, and 1 where the cloud has no classes. Points without a finite place "
+              "keep their class.",
+          .cost =
+              "a pass that puts the points in order by rows of cells and reads them twice, without a search; memory "
+              "holds about 6R rows of cells for each of the R disks, or, within a smaller --memory, for one disk at a "
+              "time",
+          .attributes = {{.name = "classification",
+                          .meaning = "class of LAS: 2 where the point is ground; else that of the input, but 1 in the "
+                                     "place of 2, and 1 where it has none"}},
+          .example = "knn(k=8) | sor | where(outlier == 0) | ground(cell=1, window=18)"};
+}
+
+Attribute classification_attribute() {
+  Attribute a = scalar("classification", Type::u8, "1", "class of LAS: 2 for ground");
+  a.fill = std::byte{1};
+  return a;
+}
+
+Ground::Ground(const GroundOptions& options) : options_(options) {
+  const auto require = [](const char* name, double value, bool fine) {
+    if (!fine || !std::isfinite(value))
+      fail_usage("ground: {}={} is not in its range; see 'pointsweep operators ground'.", name, value);
+  };
+  require("cell", options.cell, options.cell > 0);
+  require("slope", options.slope, options.slope >= 0);
+  require("window", options.window, options.window >= 0);
+  require("threshold", options.threshold, options.threshold >= 0);
+  require("scalar", options.scalar, options.scalar >= 0);
+  if (options.window / options.cell > kMostCells)
+    fail_usage("ground: the window {} is more than {} cells of {}; choose larger cells or a smaller window.",
+               options.window, kMostCells, options.cell);
+}
+
+GroundRule Ground::rule() const {
+  return {options_.cell, options_.slope, static_cast<std::size_t>(std::ceil(options_.window / options_.cell))};
+}
+
+InOrderContract Ground::in_order_contract() const {
+  return {.reads = reads_,
+          .makes = {classification_attribute()},
+          .places = Places::in_plane,
+          .arrival = "those of a row of cells together"};
+}
+
+Options Ground::own_options() const {
+  return {{"method", std::string("smrf")},
+          {"cell", options_.cell},
+          {"slope", options_.slope},
+          {"window", options_.window},
+          {"threshold", options_.threshold},
+          {"scalar", options_.scalar},
+          {"returns", std::string(options_.all_returns ? "all" : "last")},
+          {"noise", std::string(options_.noise ? "yes" : "no")}};
+}
+
+std::shared_ptr<const InOrderOperator> Ground::bound(const Schema& input, std::span<const Attribute> made) const {
+  auto bound = std::make_shared<Ground>(*this);
+  bound->reads_.clear();
+  const auto read = [&](const char* name) -> std::optional<std::size_t> {
+    const std::optional<Attribute> value = single_value(name, input, made);
+    if (!value) return {};
+    bound->reads_.push_back(*value);
+    return bound->reads_.size() - 1;
+  };
+  bound->numbers_.classification = read("classification");
+  if (options_.all_returns) return bound;
+  bound->numbers_.return_number = read("return_number");
+  bound->numbers_.number_of_returns = read("number_of_returns");
+  return bound;
+}
+
+Vec3 Ground::place_of(Vec3 position) const {
+  constexpr double kMost = std::numeric_limits<double>::max();
+  const auto number = [&](double c) { return std::clamp(std::floor(c / options_.cell), -kMost, kMost); };
+  return {number(position.x), number(position.y), 0};
+}
+
+std::unique_ptr<InOrderWork> Ground::start(const InOrderSetup& setup) const {
+  return std::make_unique<GroundWork>(options_, rule(), numbers_, reads_.size(), setup);
+}
+
+std::uint64_t Ground::least_bytes(const CloudEstimate& cloud) const {
+  const std::size_t columns = raster_of(cloud.sample, cloud.axis, options_.cell, rule().axis_rule()).columns;
+  return least_ground_bytes(rule(), columns + columns / 8);
+}
+
+InOrderEffort Ground::effort(const CloudEstimate& cloud) const {
+  const auto radius = static_cast<double>(rule().radius);
+  const double cells = raster_of(cloud.sample, cloud.axis, options_.cell, rule().axis_rule()).cells;
+  return {.seconds = kCellSeconds * cells * radius * radius,
+          .cause = "The window",
+          .text = fmt::format("disks of up to {} cells over a raster of about {:.2g} cells", radius, cells),
+          .remedy = "larger cells or a smaller window take less"};
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+/// The work of Ground on points in order: first it finds the lowest point of each cell, then it compares all points
+/// with the surface.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "pointsweep/operators/ground/ground.h"
+#include "pointsweep/raster/lowest_cells.h"
+#include "pointsweep/raster/surface_window.h"
+
+namespace pointsweep {
+
+class GroundWork final : public InOrderWork {
+ public:
+  /// `values`: how many each point has; `numbers` says which of them are which attributes.
+  GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& numbers,
+             std::size_t values, const InOrderSetup& setup);
+  unsigned rounds() const override { return 2; }
+  void add(unsigned round, const OrderedPoints& points, Findings& findings) override;
+  void end(unsigned round, Findings& findings) override;
+
+ private:
+  /// The surface and its slope at a point.
+  struct Surface {
+    double z, slope;
+  };
+  struct Cell {
+    std::uint64_t row;
+    std::size_t column;
+  };
+  bool takes_part(const double* values) const;
+  std::uint8_t class_of_others(const double* values) const;
+  void add_lowest(const OrderedPoints& points);
+  void classify(const OrderedPoints& points, Findings& findings);
+  Cell cell_of(Vec3 place);
+  void open_band(std::size_t number);
+  bool is_ground(Vec3 p, Cell cell) const;
+  std::optional<Surface> surface_at(Vec3 p, Cell cell) const;
+  double surface(Cell cell, int dx, int dy) const;
+  double slope(Cell cell, int dx, int dy) const;
+  double row_number(Vec3 place) const { return setup_.axis == 0 ? place.x : place.y; }
+  double column_number(Vec3 place) const { return setup_.axis == 0 ? place.y : place.x; }
+
+  GroundOptions options_;
+  GroundRule rule_;
+  Ground::ValueNumbers numbers_;
+  std::size_t values_;
+  InOrderSetup setup_;
+  LowestCells lowest_;
+  BandedRows rows_;  ///< rows of the second round
+  std::optional<std::size_t> opened_;
+  std::optional<CellBand> band_;  ///< of that number
+  std::optional<SurfaceWindow> surface_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/ground/height.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/expressions/single_value.h"
+#include "pointsweep/operators/ground/ground.h"
+#include "pointsweep/operators/nearest/point_cells.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr double kGroundClass = 2;
+
+double height_above(double z, const std::vector<CellNeighbor>& ground) {
+  if (ground.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (ground.front().distance2 == 0) return z - ground.front().position.z;
+  double sum = 0, weights = 0;
+  for (const CellNeighbor& g : ground) {
+    const double weight = 1 / g.distance2;
+    sum += weight * g.position.z;
+    weights += weight;
+  }
+  return z - sum / weights;
+}
+
+/// Puts the points of the ground into cells first; then all points look for the nearest of them.
+class HeightWork final : public InOrderWork {
+ public:
+  HeightWork(std::size_t k, const InOrderSetup& setup)
+      : k_(k), ground_(PointCells::Space::plane, setup.axis, setup.memory_bytes, setup.make_scratch()) {}
+  unsigned rounds() const override { return 2; }
+
+  void add(unsigned round, const OrderedPoints& points, Findings& findings) override {
+    if (points.rows.empty()) return;
+    round == 0 ? add_ground(points) : measure(points, findings);
+  }
+  void end(unsigned round, Findings&) override {
+    if (round == 0) ground_.finish();
+  }
+
+ private:
+  void add_ground(const OrderedPoints& points) {
+    for (std::size_t i = 0; i < points.rows.size(); ++i)
+      if (points.values[i] == kGroundClass) ground_.add(points.positions[i], points.rows[i]);
+  }
+
+  void measure(const OrderedPoints& points, Findings& findings) {
+    const std::size_t n = points.rows.size();
+    std::vector<double> heights(n);
+    ground_.nearest_of_all(points.positions, {.k = k_}, [&](std::size_t i, const std::vector<CellNeighbor>& ground) {
+      heights[i] = height_above(points.positions[i].z, ground);
+    });
+    findings.rows.insert(findings.rows.end(), points.rows.begin(), points.rows.end());
+    const auto bytes = std::as_bytes(std::span(heights));
+    findings.values.insert(findings.values.end(), bytes.begin(), bytes.end());
+  }
+
+  std::size_t k_;
+  PointCells ground_;
+};
+
+}  // namespace
+
+OperatorDeclaration height_declaration() {
+  return {
+      .name = "height",
+      .meaning = "measures the height above the nearest points of the ground, in the plane of x and y",
+      .options = {{.name = "from",
+                   .kind = OptionKind::choice,
+                   .preset = std::string("ground"),
+                   .meaning = "measure height from the points of class 2",
+                   .choices = {"ground"}},
+                  {.name = "k",
+                   .kind = OptionKind::whole,
+                   .preset = std::uint64_t{1},
+                   .meaning = "number of nearest ground points over which the height of the ground is averaged",
+                   .least = 1,
+                   .most = static_cast<double>(Height::kMostNeighbors)}},
+      .make = [](const OptionValues& options, const Facts&) { return std::make_shared<Height>(options.whole("k")); },
+      .formula =
+          "h = z - Σ_j w_j z_j / Σ_j w_j, w_j = 1 / d_j², over the k points of class 2 that are nearest "
+          "in x and y: d_j² = dx² + dy² in float64, equal ones by x, y, z, row; summed nearest first.\n"
+          "Where d_1 = 0: h = z - z_1.",
+      .source =
+          "Inverse distance weighting: Shepard, A two-dimensional interpolation function for "
+          "irregularly-spaced data (ACM National Conference 1968)",
+      .undefined = "NaN where the cloud has no point of class 2, and for points without a finite place.",
+      .cost =
+          "a pass that puts the points in order along x or y and reads them twice; points of the ground are "
+          "kept in the temporary folder in cells, and memory holds those near the front",
+      .attributes = {{.name = "height", .meaning = "z above the nearest points of the ground; undefined: NaN"}},
+      .example = "knn(k=8) | ground | height(k=3) | where(height < 2)"};
+}
+
+Attribute height_attribute() {
+  Attribute a = scalar("height", Type::f64, "length", "z above the nearest points of the ground; NaN without any");
+  a.fill = std::byte{0xff};  // NaN
+  return a;
+}
+
+Height::Height(std::uint64_t k) : k_(k), class_(classification_attribute()) {
+  if (k < 1 || k > kMostNeighbors) fail_usage("height: k = {} is not from 1 to {}.", k, kMostNeighbors);
+}
+
+InOrderContract Height::in_order_contract() const {
+  return {.reads = {class_},
+          .makes = {height_attribute()},
+          .places = Places::in_plane,
+          .arrival = "beside those of the ground"};
+}
+
+Options Height::own_options() const { return {{"from", std::string("ground")}, {"k", k_}}; }
+
+std::shared_ptr<const InOrderOperator> Height::bound(const Schema& input, std::span<const Attribute> made) const {
+  const std::optional<Attribute> found = single_value("classification", input, made);
+  if (!found) return nullptr;
+  auto bound = std::make_shared<Height>(*this);
+  bound->class_ = *found;
+  return bound;
+}
+
+std::unique_ptr<InOrderWork> Height::start(const InOrderSetup& setup) const {
+  return std::make_unique<HeightWork>(static_cast<std::size_t>(k_), setup);
+}
+
+std::uint64_t Height::least_bytes(const CloudEstimate&) const { return PointCells::least_bytes(); }
+
+}  // namespace pointsweep

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+/// Name, contract and options of an entry of a chain, be it an operator or an instruction.
+#pragma once
+
+#include <string>
+
+#include "pointsweep/chain.h"
+#include "pointsweep/in_order_operator.h"
+#include "pointsweep/operators/kinds/connect_operator.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
+
+namespace pointsweep {
+
+/// Returns null for Drop, Reneighbor and Resort.
+const Operator* operator_of(const ChainStage& stage);
+/// Returns the contract of its operator; for an instruction one that is empty and needs no neighbours.
+Contract contract_of(const ChainStage& stage);
+/// Returns its name in pipelines.
+std::string name_of(const ChainStage& stage);
+/// Returns all options that tell it from other stages of its name.
+Options options_of(const ChainStage& stage);
+/// Returns whether the stage, or one that it is short for, leaves out rows.
+bool drops_rows(const ChainStage& stage);
+
+}  // namespace pointsweep

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/kinds/stage_operator.h"
+
+#include <array>
+#include <cstdint>
+
+#include "pointsweep/overloaded.h"
+
+namespace pointsweep {
+namespace {
+
+void note_positions(const Neighborhoods& in, Columns& out) {
+  const auto position = out.column<std::array<double, 3>>(0);
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    const Vec3 p = in.position(i);
+    position[i] = {p.x, p.y, p.z};
+  }
+}
+
+}  // namespace
+
+Attribute stream_position_attribute() {
+  return {"stream_position", Type::f64,
+          Kind::position,    {"stream_x", "stream_y", "stream_z"},
+          "length",          "position where the stream was last sorted"};
+}
+
+const Operator* operator_of(const StageOperator& stage) {
+  return std::visit(
+      overloaded{[]<class Kind>(const std::shared_ptr<const Kind>& op) -> const Operator* { return op.get(); },
+                 [](const NotePosition&) -> const Operator* { return nullptr; }},
+      stage);
+}
+
+std::string name_of(const StageOperator& stage) {
+  const Operator* op = operator_of(stage);
+  return op != nullptr ? op->name() : "resort";
+}
+
+Contract contract_of(const StageOperator& stage) {
+  const Operator* op = operator_of(stage);
+  return op != nullptr ? op->contract() : Contract{.makes = {stream_position_attribute()}, .default_k = 0};
+}
+
+StageOperator bound(const StageOperator& stage, const Schema& input, std::span<const Attribute> made) {
+  return std::visit(overloaded{[&]<class Kind>(const std::shared_ptr<const Kind>& op) -> StageOperator {
+                                 const std::shared_ptr<const Kind> other = op->bound(input, made);
+                                 return other ? other : op;
+                               },
+                               [](const NotePosition& note) -> StageOperator { return note; }},
+                    stage);
+}
+
+bool drops_rows(const StageOperator& stage) {
+  return std::visit(
+      overloaded{[](const std::shared_ptr<const LocalOperator>&) { return false; },
+                 [](const std::shared_ptr<const SelectOperator>&) { return true; },
+                 [](const std::shared_ptr<const InOrderOperator>& op) { return op->in_order_contract().drops_rows; },
+                 [](const std::shared_ptr<const ConnectOperator>&) { return false; },
+                 [](const NotePosition&) { return false; }},
+      stage);
+}
+
+bool is_pointwise(const StageOperator& stage) {
+  return std::visit(
+      overloaded{[](const std::shared_ptr<const LocalOperator>& op) { return op->contract().default_k == 0; },
+                 [](const std::shared_ptr<const SelectOperator>&) { return true; },
+                 [](const std::shared_ptr<const InOrderOperator>&) { return false; },
+                 [](const std::shared_ptr<const ConnectOperator>&) { return false; },
+                 [](const NotePosition&) { return true; }},
+      stage);
+}
+
+void apply(const StageOperator& stage, const Neighborhoods& in, Columns& out) {
+  std::visit(
+      overloaded{[&](const std::shared_ptr<const LocalOperator>& op) { op->apply(in, out); },
+                 [&](const std::shared_ptr<const SelectOperator>& op) { op->keep(in, out.column<std::uint8_t>(0)); },
+                 [](const std::shared_ptr<const InOrderOperator>&) {},
+                 [](const std::shared_ptr<const ConnectOperator>&) {},
+                 [&](const NotePosition&) { note_positions(in, out); }},
+      stage);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+/// The operators that run in a pass, one for each kind.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "pointsweep/in_order_operator.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/operators/kinds/connect_operator.h"
+
+namespace pointsweep {
+
+/// The note that the last Resort of a chain leaves: it keeps the position that the point has there, which decides the
+/// order of the output, as stream_position_attribute().
+struct NotePosition {};
+
+using StageOperator =
+    std::variant<std::shared_ptr<const LocalOperator>, std::shared_ptr<const SelectOperator>,
+                 std::shared_ptr<const InOrderOperator>, std::shared_ptr<const ConnectOperator>, NotePosition>;
+
+/// The position that a point had at the last Resort of a chain.
+Attribute stream_position_attribute();
+
+/// Returns null for NotePosition.
+const Operator* operator_of(const StageOperator& stage);
+std::string name_of(const StageOperator& stage);
+Contract contract_of(const StageOperator& stage);
+/// Returns the stage for a cloud with the fields of `input`, after stages that make `made`.
+StageOperator bound(const StageOperator& stage, const Schema& input, std::span<const Attribute> made);
+
+/// Returns whether the stage leaves out rows.
+bool drops_rows(const StageOperator& stage);
+/// Returns whether the stage reads only the point itself: no neighbour, and no other point in an order.
+bool is_pointwise(const StageOperator& stage);
+
+/// Fills the columns of a batch. The results of a stage in order or a connecting one are not known batch by batch:
+/// such a stage leaves the columns unchanged.
+void apply(const StageOperator& stage, const Neighborhoods& in, Columns& out);
+
+}  // namespace pointsweep

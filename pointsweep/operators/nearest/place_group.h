@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+/// Places near to each other, whose nearest points are found together.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pointsweep/operators/nearest/cell_point.h"
+#include "pointsweep/operators/nearest/halved_boxes.h"
+#include "pointsweep/operators/nearest/point_cells.h"
+
+namespace pointsweep {
+
+/// Places are searched for one by one as long as each search takes few points. Far away from the points, or in the
+/// middle of them, nearly all are as far away as the nearest. Then the points that may be among the nearest of any
+/// place are collected from the cells once, the group is halved again and again, and each half keeps the points that
+/// may be among the nearest of its own places. A group with too many such points is halved before.
+class PlaceGroup {
+ public:
+  using Use = std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>;
+
+  /// `places`: their rows are the numbers by which they are known; puts them in another order.
+  PlaceGroup(std::span<CellPoint> places, const NearestWanted& wanted, bool in_plane)
+      : places_(places), wanted_(wanted), in_plane_(in_plane), done_(places.size()) {}
+
+  Vec3 first() const { return places_.front().position; }
+  /// Answers what it can with the cells in memory. False if some are lacking: then the rest is answered the next time.
+  bool answer(PointCells::View& view, const Use& use);
+
+ private:
+  struct Part {
+    unsigned level;
+    std::size_t j;
+  };
+  enum class Outcome { done, lacks_cells, takes_long };
+
+  void search(Part part, PointCells::View& view, const Use& use);
+  /// Places from `begin` to `end` - 1 that are not done. Ends when searches look at more than `most` points each.
+  Outcome one_by_one(std::size_t begin, std::size_t end, std::size_t most, PointCells::View& view, const Use& use);
+  PointCells::View::Collected collect(const Box& places, PointCells::View& view);
+  void narrow(Part part, std::size_t count, const Use& use);
+  /// Leaves the nearest of `points` in nearest_.
+  void nearest_of(std::span<const CellPoint> points, Vec3 place, const NearestWanted& wanted);
+  Vec3 flat(Vec3 p) const { return in_plane_ ? Vec3{p.x, p.y, 0} : p; }
+
+  std::span<CellPoint> places_;
+  NearestWanted wanted_;
+  bool in_plane_;
+  std::vector<bool> done_;           ///< indexed by place
+  std::optional<HalvedBoxes> tree_;  ///< tree of the places, if searching one by one takes long
+  std::vector<Part> open_;           ///< parts that lacked cells
+  std::vector<CellPoint> points_;    ///< collected for a part
+  NearestSoFar nearest_;
+};
+
+}  // namespace pointsweep

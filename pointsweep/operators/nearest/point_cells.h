@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+/// Searches in a set of points that does not fit in memory: compact cells of it lie in scratch, and those near the
+/// questions in memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "pointsweep/geometry.h"
+#include "pointsweep/operators/nearest/cell_point.h"
+#include "pointsweep/operators/nearest/halved_boxes.h"
+#include "pointsweep/operators/nearest/nearest_bound.h"
+#include "pointsweep/points/scratch.h"
+
+namespace pointsweep {
+
+class PointCells {
+ public:
+  /// The coordinates that count in distances: `plane` without the third one.
+  enum class Space : std::uint8_t { plane, all };
+
+  /// `axis`: along which points come; `memory_bytes`: for the cells that are in memory, of which there are a few in any
+  /// case.
+  PointCells(Space space, int axis, std::uint64_t memory_bytes, std::unique_ptr<Scratch> scratch);
+  PointCells(PointCells&&) noexcept;
+  ~PointCells();
+  /// Points come in ascending order along the axis, all of them before the first question.
+  void add(Vec3 position, std::uint64_t row);
+  void finish();
+
+  /// The object that answers searches. It sees the cells that are in memory.
+  class View;
+  /// Answers question i; false if a search lacked cells. Then it is asked again, when more cells are in memory.
+  using Answer = std::function<bool(std::size_t i, View& view)>;
+  /// Answers n questions on all threads, `at_once` by one of them. `place(i)`: where question i is asked. Places that
+  /// follow one another should be near to each other.
+  void answer_all(std::size_t n, std::size_t at_once, const std::function<Vec3(std::size_t i)>& place,
+                  const Answer& answer);
+  /// Gives the nearest of the set for each place, nearest first, on all threads; for some places more than once.
+  void nearest_of_all(std::span<const Vec3> places, const NearestWanted& wanted,
+                      const std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>& use);
+
+  /// The least memory that answers questions without reading most cells again and again.
+  static std::uint64_t least_bytes();
+
+ private:
+  class Tree;
+  struct Cell {
+    std::uint64_t first;  ///< points before it in scratch
+    std::size_t count;
+    std::unique_ptr<const Tree> loaded;
+  };
+  /// Consecutive points along the axis.
+  struct Slab {
+    Box box;
+    std::size_t first_cell;
+    HalvedBoxes cells;
+  };
+
+  Vec3 flat(Vec3 p) const { return space_ == Space::plane ? Vec3{p.x, p.y, 0} : p; }
+  void end_slab();
+  std::size_t slab_at(double along) const;
+  const Tree& load(std::size_t cell, std::size_t near);
+
+  Space space_;
+  int axis_;
+  std::size_t most_loaded_;
+  std::unique_ptr<Scratch> scratch_;
+  std::vector<Cell> cells_;
+  std::vector<Slab> slabs_;
+  std::vector<CellPoint> slab_;  ///< points of the slab that grows
+  std::uint64_t count_ = 0;
+  std::set<std::size_t> loaded_;
+};
+
+class PointCells::View {
+ public:
+  /// The nearest of the set, until the next search. Null if a cell is needed that is not in memory.
+  const std::vector<CellNeighbor>* nearest(Vec3 place, const NearestWanted& wanted);
+  /// Points that the last search looked at.
+  std::size_t seen() const { return nearest_.seen(); }
+  /// Calls `use` for all points of the set in a box, in no particular order. False as above: then some may be missing.
+  bool within(const Box& box, const std::function<void(const CellPoint&)>& use);
+  enum class Collected : std::uint8_t { all, too_many, lacks_cells };
+  /// Adds the points that are not out to `to`, until it has more than `most`.
+  Collected collect(const Box& places, const NearestBound& bound, std::size_t most, std::vector<CellPoint>& to);
+
+ private:
+  friend class PointCells;
+  explicit View(const PointCells& of) : of_(of) {}
+  const Tree* tree(std::size_t cell);
+  /// Slabs that meet a range along the axis.
+  std::span<const Slab> slabs_between(double lo, double hi) const;
+
+  const PointCells& of_;
+  std::vector<std::size_t> missing_;  ///< cells that were needed
+  PointCells* loading_ = nullptr;     ///< loads cells when they are needed,
+  std::size_t near_ = 0;              ///< and drops first those far from this one
+  NearestSoFar nearest_;
+};
+
+}  // namespace pointsweep

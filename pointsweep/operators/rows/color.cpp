@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/rows/color.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "pointsweep/colors/class_colors.h"
+#include "pointsweep/colors/color_map.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/declaration.h"
+
+namespace pointsweep {
+namespace {
+
+/// Names in the order of ColorMap.
+constexpr const char* kMapNames[] = {"viridis", "turbo", "gray", "classes"};
+/// Names in the order of ColorBits.
+constexpr const char* kBitsNames[] = {"auto", "8", "16"};
+
+/// Least and greatest finite value of a component of an attribute.
+class LeastAndMost final : public Reduction {
+ public:
+  LeastAndMost(Attribute of, std::size_t component, bool of_input)
+      : of_(std::move(of)), component_(component), of_input_(of_input) {}
+  std::string text() const override { return fmt::format("least and most of {} {}", of_.name, component_); }
+  std::vector<Attribute> reads() const override { return {of_}; }
+  bool of_input() const override { return of_input_; }
+  std::unique_ptr<Accumulator> start() const override { return std::make_unique<Ends>(component_, of_.fields.size()); }
+
+ private:
+  class Ends final : public Accumulator {
+   public:
+    Ends(std::size_t component, std::size_t width) : component_(component), width_(width) {}
+    void add(const double* values, std::size_t points) override {
+      for (std::size_t i = 0; i < points; ++i) include(values[i * width_ + component_]);
+    }
+    void merge(const Accumulator& other) override {
+      const auto& ends = static_cast<const Ends&>(other);
+      if (ends.lo_ <= ends.hi_) include(ends.lo_), include(ends.hi_);
+    }
+    std::vector<double> finish() const override { return {lo_, hi_}; }
+
+   private:
+    void include(double v) {
+      if (std::isfinite(v)) lo_ = std::min(lo_, v + 0.0), hi_ = std::max(hi_, v + 0.0);
+    }
+    std::size_t component_, width_;
+    double lo_ = std::numeric_limits<double>::infinity(), hi_ = -std::numeric_limits<double>::infinity();
+  };
+
+  Attribute of_;
+  std::size_t component_;
+  bool of_input_;
+};
+
+template <class Choice, std::size_t n>
+Choice choice_of(const std::string& word, const char* const (&names)[n]) {
+  return static_cast<Choice>(std::ranges::find(names, word) - std::begin(names));
+}
+
+MadeStage make_color(const OptionValues& options, const Facts&) {
+  ColorOptions color{.by = options.word("by"),
+                     .map = choice_of<ColorMap>(options.word("map"), kMapNames),
+                     .bits = choice_of<ColorBits>(options.word("bits"), kBitsNames)};
+  if (options.given("range")) {
+    const std::vector<double> range = numbers_of(options.word("range"));
+    if (range.size() != 2) fail_usage("{}: range is two numbers, [LO,HI], not {}.", options.where(), range.size());
+    color.range = {range[0], range[1]};
+  }
+  return std::make_shared<Color>(std::move(color), options.where());
+}
+
+Attribute color_attribute(Type type) {
+  return {"color", type, Kind::color, {"red", "green", "blue"}, "1", "colour of an attribute's value"};
+}
+
+}  // namespace
+
+OperatorDeclaration color_declaration() {
+  return {
+      .name = "color",
+      .meaning = "colours points by the values of an attribute",
+      .options = {{.name = "by",
+                   .kind = OptionKind::attribute,
+                   .meaning = "attribute of the input, component of one that an earlier stage computes, or x, y or z; "
+                              "'by=' may be left out",
+                   .required = true,
+                   .positional = true,
+                   .sample = std::string("z")},
+                  {.name = "map",
+                   .kind = OptionKind::choice,
+                   .preset = std::string("viridis"),
+                   .meaning = "colour map for numbers, or the colours of the classes of LAS",
+                   .choices = {std::begin(kMapNames), std::end(kMapNames)}},
+                  {.name = "range",
+                   .kind = OptionKind::numbers,
+                   .meaning = "values at the ends of the colour map; without this option, the least and the greatest "
+                              "of the cloud",
+                   .sample = std::string("0,10")},
+                  {.name = "bits",
+                   .kind = OptionKind::choice,
+                   .preset = std::string("auto"),
+                   .meaning = "bits of a colour channel: 8, or 16 as in LAS; auto takes 16 where the input has "
+                              "colours of 16 bits or fields of LAS",
+                   .choices = {std::begin(kBitsNames), std::end(kBitsNames)}}},
+      .make = make_color,
+      .formula =
+          "t = (v - lo) / (hi - lo), at least 0, at most 1; 0 if lo = hi. Channels of 8 bits, halves upwards:\n"
+          "viridis: linear between ten colours; turbo: a polynomial of degree 5; gray: 255 t.\n"
+          "classes: the colour of class v, rounded, as render draws it. Of 16 bits: 257 times that.",
+      .source = "Viridis: van der Walt and Smith 2015. Turbo: Mikhailov 2019.",
+      .undefined = "NaN is grey (128).",
+      .cost =
+          "without a range one more pass over the rows, which is the writing of the output where no later stage "
+          "needs neighbours",
+      .attributes = {{.name = "color", .meaning = "colour of the value of an attribute", .type = "u8 or u16"}},
+      .example = "knn(k=12) | normals | curvature | color(k1, map=turbo, range=[0,5])"};
+}
+
+Color::Color(ColorOptions options, std::string place) : options_(std::move(options)), place_(std::move(place)) {
+  if (!options_.range) return;
+  std::tie(lo_, hi_) = *options_.range;
+  if (!(std::isfinite(*lo_) && std::isfinite(*hi_) && *lo_ <= *hi_))
+    fail_usage("{}: the range begins at {} and ends at {}; give the smaller number first.", place_, *lo_, *hi_);
+  if (options_.map == ColorMap::classes) fail_usage("{}: classes have no range; leave it out.", place_);
+}
+
+Contract Color::contract() const {
+  Contract contract{.reads = names_.reads(), .makes = {color_attribute(type_)}, .default_k = 0};
+  if (options_.map == ColorMap::classes || options_.range || names_.sources().empty()) return contract;
+  const auto [attribute, component] = source();
+  const Attribute of = attribute < 0 ? position_attribute() : names_.reads()[static_cast<std::size_t>(attribute)];
+  contract.values = {std::make_shared<LeastAndMost>(of, component, of_input_)};
+  return contract;
+}
+
+std::shared_ptr<const LocalOperator> Color::bound(const Schema& input, std::span<const Attribute> made) const {
+  auto bound = std::make_shared<Color>(*this);
+  const Expression by(options_.by, place_, Expression::Form::number);
+  if (by.names().size() != 1 || by.canonical() != by.names()[0].text)
+    fail_usage("{}: '{}' is not the name of an attribute; make one before by set(NAME = ...).", place_, options_.by);
+  bound->names_ = NamedValues(by, place_, input, made);
+  const int attribute = bound->source().attribute;
+  const std::string read =
+      attribute < 0 ? position_attribute().name : bound->names_.reads()[static_cast<std::size_t>(attribute)].name;
+  bound->of_input_ = std::ranges::find(made, read, &Attribute::name) == made.end();
+  const auto red = input.find("red");
+  const bool wide = input.find("point_source_id") || (red && input.fields[*red].type == Type::u16);
+  bound->type_ =
+      options_.bits == ColorBits::sixteen || (options_.bits == ColorBits::automatic && wide) ? Type::u16 : Type::u8;
+  return bound;
+}
+
+std::shared_ptr<const LocalOperator> Color::with_values(std::span<const std::vector<double>> values) const {
+  auto known = std::make_shared<Color>(options_, place_);  // without declared options, which lack the range
+  known->names_ = names_, known->of_input_ = of_input_, known->type_ = type_;
+  known->lo_ = values[0][0], known->hi_ = values[0][1];
+  return known;
+}
+
+template <class T>
+void Color::fill(std::span<const ExpressionValues> values, Columns& out) const {
+  const auto to = out.column<std::array<T, 3>>(0);
+  const Expression value(options_.by, place_, Expression::Form::number);
+  std::vector<double> numbers(out.size());
+  value.evaluate_number(values, numbers);
+  constexpr unsigned kWiden = sizeof(T) == 1 ? 1 : 257;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const double v = numbers[i];
+    Rgb color;
+    if (options_.map == ColorMap::classes) {
+      color = std::isnan(v) ? no_value_color()
+                            : color_of_las_class(static_cast<std::uint8_t>(std::clamp(v, 0.0, 255.0) + 0.5));
+    } else {
+      const double t = *hi_ > *lo_ ? (v - *lo_) / (*hi_ - *lo_) : 0 * v;
+      color = options_.map == ColorMap::turbo ? turbo(t) : options_.map == ColorMap::gray ? gray(t) : viridis(t);
+    }
+    to[i] = {static_cast<T>(color.red * kWiden), static_cast<T>(color.green * kWiden),
+             static_cast<T>(color.blue * kWiden)};
+  }
+}
+
+void Color::apply(const Neighborhoods& in, Columns& out) const {
+  const NamedValues::Batch batch(names_, in);
+  type_ == Type::u16 ? fill<std::uint16_t>(batch.values(), out) : fill<std::uint8_t>(batch.values(), out);
+}
+
+Options Color::own_options() const {
+  Options own = {{"by", options_.by}, {"map", std::string(kMapNames[static_cast<std::size_t>(options_.map)])}};
+  if (lo_) own.push_back({"range", fmt::format("{},{}", *lo_, *hi_)});
+  own.push_back({"bits", std::string(kBitsNames[static_cast<std::size_t>(options_.bits)])});
+  return own;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/rows/crop.h"
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/points/lower_case.h"
+#include "pointsweep/points/text_file.h"
+#include "pointsweep/polygons/polygon_text.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr const char* kSamplePolygon = "POLYGON ((0 0, 10 0, 10 10, 0 0))";
+
+MadeStage make_crop(const OptionValues& options, const Facts&) {
+  CropOptions crop;
+  if (options.given("bounds")) crop.bounds = numbers_of(options.word("bounds"));
+  if (options.given("polygon")) crop.polygon = options.word("polygon");
+  if (options.given("checksum")) crop.checksum = options.word("checksum");
+  crop.outside = options.word("outside") == "true";
+  auto op = std::make_shared<Crop>(std::move(crop), options.where());
+  Options declared = options.all();
+  if (!op->options().checksum.empty() && !options.given("checksum"))
+    declared.push_back({"checksum", op->options().checksum});
+  op->declare_options(std::move(declared));
+  return op;
+}
+
+}  // namespace
+
+OperatorDeclaration crop_declaration() {
+  return {
+      .name = "crop",
+      .meaning = "keeps the points inside a box or polygons; later stages see neighbours among these",
+      .options = {{.name = "bounds",
+                   .kind = OptionKind::numbers,
+                   .meaning = "corners of a box: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, or XMIN,YMIN,XMAX,YMAX for any z; "
+                              "'bounds=' may be left out",
+                   .unit = "length",
+                   .positional = true,
+                   .sample = std::string("0,0,10,10")},
+                  {.name = "polygon",
+                   .kind = OptionKind::file,
+                   .meaning = "file with polygons, or a polygon itself, as WKT or GeoJSON in the coordinates of the "
+                              "cloud; with bounds a point has to lie in both",
+                   .sample = std::string(kSamplePolygon)},
+                  {.name = "outside",
+                   .kind = OptionKind::choice,
+                   .preset = std::string("false"),
+                   .meaning = "keep the points outside of the box and polygons instead",
+                   .choices = {"false", "true"}},
+                  {.name = "checksum",
+                   .kind = OptionKind::word,
+                   .meaning = "checksum of the file with polygons, as a processing record holds it; a file with other "
+                              "content is refused",
+                   .sample = std::string("baf74575be7585e0")}},
+      .make = make_crop,
+      .formula =
+          "In the box: XMIN <= x <= XMAX and YMIN <= y <= YMAX (and ZMIN <= z <= ZMAX).\n"
+          "In a polygon: (x, y) lies on one of its edges, or a ray from it crosses its edges an odd number of times "
+          "(even-odd rule over all its rings). Of several polygons: in any of them. Decided without rounding.",
+      .source = "Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates (1997).",
+      .undefined =
+          "A point of which a coordinate that is compared is NaN or infinite lies outside; outside=true keeps it.",
+      .cost = "a pass over the rows, without a search; about 50 ns for each point near many edges",
+      .example = "knn(k=12) | crop([0,0,100,100]) | normals"};
+}
+
+Crop::Crop(CropOptions options, std::string place) : options_(std::move(options)), place_(std::move(place)) {
+  const std::vector<double>& b = options_.bounds;
+  if (b.empty() && options_.polygon.empty())
+    fail_usage("{}: nothing says what is inside; give bounds=[XMIN,YMIN,XMAX,YMAX] or polygon=FILE.", place_);
+  if (!b.empty() && b.size() != 4 && b.size() != 6)
+    fail_usage("{}: bounds are 4 numbers, XMIN,YMIN,XMAX,YMAX, or 6 with ZMIN and ZMAX, not {}.", place_, b.size());
+  for (std::size_t a = 0; a < b.size() / 2; ++a)
+    if (const double low = b[a], high = b[a + b.size() / 2]; !(low <= high))
+      fail_usage("{}: of the bounds the least {} is {}, more than the most, {}.", place_, "xyz"[a], low, high);
+  if (options_.polygon.empty() && !options_.checksum.empty())
+    fail_usage("{}: the checksum is that of a file with polygons; give polygon=FILE.", place_);
+  if (!options_.polygon.empty()) read_polygons();
+}
+
+void Crop::read_polygons() {
+  const bool is_file = !is_polygon_text(options_.polygon);
+  const std::string extension = in_lower_case(std::filesystem::path(options_.polygon).extension().string());
+  if (is_file && (extension == ".shp" || extension == ".gpkg"))
+    fail("{0}: polygons are read as GeoJSON or WKT; convert the file: ogr2ogr -f GeoJSON polygons.geojson {0}.",
+         options_.polygon);
+  const std::string text = is_file ? read_text_file(options_.polygon, "polygons as WKT or GeoJSON") : options_.polygon;
+  const std::string checksum = checksum_of_text(text), name = is_file ? options_.polygon : place_;
+  if (!options_.checksum.empty() && options_.checksum != checksum)
+    fail("{}: are not the polygons that the run read: their checksum is {}, not {}; give those, or leave checksum out.",
+         name, checksum, options_.checksum);
+  if (is_file) options_.checksum = checksum;
+  polygons_ = polygons_of_text(text, name);
+  index_.emplace(polygons_);
+}
+
+bool Crop::is_inside(Vec3 p) const {
+  const std::vector<double>& b = options_.bounds;
+  const std::size_t axes = b.size() / 2;
+  for (std::size_t a = 0; a < axes; ++a)
+    if (const double c = p[static_cast<int>(a)]; !(c >= b[a] && c <= b[a + axes])) return false;
+  return !index_ || index_->covers({p.x, p.y});
+}
+
+std::optional<Box> Crop::extent() const {
+  if (options_.outside) return std::nullopt;
+  Box box;
+  if (const std::vector<double>& b = options_.bounds; !b.empty()) {
+    const std::size_t axes = b.size() / 2;
+    for (const std::size_t corner : {std::size_t{0}, axes}) box.include(Vec3{b[corner], b[corner + 1], 0});
+    return box;
+  }
+  for (const Polygon& polygon : polygons_)
+    for (const Ring& ring : polygon.rings)
+      for (const Point2& p : ring) box.include(Vec3{p.x, p.y, 0});
+  return box;
+}
+
+void Crop::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {
+  for (std::size_t i = 0; i < points.size(); ++i) kept[i] = is_inside(points.position(i)) != options_.outside;
+}
+
+Options Crop::own_options() const {
+  Options own;
+  if (!options_.bounds.empty()) own.push_back({"bounds", fmt::format("{}", fmt::join(options_.bounds, ","))});
+  if (!options_.polygon.empty()) own.push_back({"polygon", options_.polygon});
+  own.push_back({"outside", std::string(options_.outside ? "true" : "false")});
+  if (!options_.checksum.empty()) own.push_back({"checksum", options_.checksum});
+  return own;
+}
+
+}  // namespace pointsweep

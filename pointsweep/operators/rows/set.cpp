@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/rows/set.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/points/with_type.h"
+#include "pointsweep/row_error.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr Type kAllTypes[] = {Type::i8,  Type::u8,  Type::i16, Type::u16, Type::i32,
+                              Type::u32, Type::i64, Type::u64, Type::f32, Type::f64};
+
+/// Types of attributes that LAS has, where a cloud without them gets them.
+using LasType = std::pair<std::string_view, Type>;
+constexpr LasType kTypesOfLas[] = {{"classification", Type::u8}, {"intensity", Type::u16},
+                                   {"return_number", Type::u8},  {"number_of_returns", Type::u8},
+                                   {"user_data", Type::u8},      {"point_source_id", Type::u16},
+                                   {"red", Type::u16},           {"green", Type::u16},
+                                   {"blue", Type::u16}};
+
+std::optional<Type> type_named(const std::string& name) {
+  const auto found = std::ranges::find(kAllTypes, name, [](Type type) { return std::string(name_of(type)); });
+  return found == std::end(kAllTypes) ? std::nullopt : std::optional(*found);
+}
+
+std::vector<std::string> names_of_types() {
+  std::vector<std::string> names;
+  for (const Type type : kAllTypes) names.emplace_back(name_of(type));
+  return names;
+}
+
+TargetRange range_of(Type type) {
+  return with_type(type, [&]<class T>() {
+    if constexpr (std::is_floating_point_v<T>) return TargetRange{.type = type};
+    return TargetRange{.type = type,
+                       .least = static_cast<double>(std::numeric_limits<T>::min()),
+                       .most = static_cast<double>(std::numeric_limits<T>::max()),
+                       .is_whole = true};
+  });
+}
+
+/// Returns the range of a field of the input: for packed bits of the smallest type that holds them, for scaled numbers
+/// of float64.
+TargetRange range_of(const Field& field) {
+  if (field.is_plain()) return range_of(field.type);
+  if (field.bit_width == 0 || field.scale != 1 || field.bias != 0) return range_of(Type::f64);
+  TargetRange range = range_of(field.bit_width <= 8    ? Type::u8
+                               : field.bit_width <= 16 ? Type::u16
+                               : field.bit_width <= 32 ? Type::u32
+                                                       : Type::u64);
+  if (field.bit_width < 53) range.most = std::ldexp(1.0, field.bit_width) - 1;
+  return range;
+}
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool continues_word(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.';
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+/// Returns the index of the word `where` in the text; npos if the text does not contain it.
+std::size_t place_of_where(std::string_view text) {
+  for (std::size_t at = text.find("where"); at != text.npos; at = text.find("where", at + 1)) {
+    const bool begins = at > 0 && !continues_word(text[at - 1]);
+    if (begins && (at + 5 == text.size() || !continues_word(text[at + 5]))) return at;
+  }
+  return text.npos;
+}
+
+Assignment assignment_of(std::string_view text, const std::string& place) {
+  const std::size_t equals = text.find('=');
+  const std::string_view name = trimmed(text.substr(0, equals));
+  const bool is_word = !name.empty() && std::ranges::all_of(name, continues_word);
+  if (equals == text.npos || !is_word || text.substr(equals + 1).starts_with('='))
+    fail_usage("{}: '{}' assigns nothing; write NAME = NUMBER, as in classification = 7 where outlier == 1.", place,
+               trimmed(text));
+  const std::string_view rest = text.substr(equals + 1);
+  const std::size_t where = place_of_where(rest);
+  Assignment assignment{std::string(name), Expression(rest.substr(0, where), place, Expression::Form::number), {}};
+  if (where != rest.npos) assignment.condition.emplace(rest.substr(where + 5), place);
+  return assignment;
+}
+
+MadeStage make_set(const OptionValues& options, const Facts&) {
+  const auto type = options.given("as") ? type_named(options.word("as")) : std::nullopt;
+  auto set = std::make_shared<Set>(options.word("assign"), type, options.where());
+  Options declared = {{"assign", set->canonical()}};
+  if (type) declared.push_back({"as", std::string(name_of(*type))});
+  set->declare_options(std::move(declared));
+  return set;
+}
+
+Options options_of_set(const std::string& assign, std::optional<Type> type) {
+  Options options = {{"assign", assign}};
+  if (type) options.push_back({"as", std::string(name_of(*type))});
+  return options;
+}
+
+}  // namespace
+
+OperatorDeclaration set_declaration() {
+  return {
+      .name = "set",
+      .meaning = "assigns numbers to attributes, of all points or of those for which a condition holds",
+      .options = {{.name = "assign",
+                   .kind = OptionKind::assignments,
+                   .meaning = "NAME = NUMBER or NAME = NUMBER where CONDITION, several with commas between, done one "
+                              "after another; numbers and conditions are those of where; 'assign=' may be left out",
+                   .required = true,
+                   .positional = true,
+                   .sample = std::string("classification = 7 where z > 100")},
+                  {.name = "as",
+                   .kind = OptionKind::choice,
+                   .meaning = "type of new attributes; without this option float64, or the type that LAS has for the "
+                              "name, such as uint8 for classification",
+                   .choices = names_of_types(),
+                   .sample = std::string("float32")}},
+      .make = make_set,
+      .formula =
+          "Numbers are evaluated in float64, as by where, and those of whole numbers of 64 bits exactly. A "
+          "whole-number "
+          "type gets the nearest one, halves to even.\n"
+          "An attribute that exists keeps its type, and its value where the condition does not hold; a new attribute "
+          "is "
+          "0 there. Assigning to x, y or z moves the points.",
+      .undefined =
+          "A value that the type cannot hold ends the run with an error that names the row, and so does a NaN or "
+          "infinite "
+          "coordinate for a point that has a finite place. Points without a finite place are assigned to like all "
+          "others.",
+      .cost = "a pass over the rows, without a search; none where other stages search anyway",
+      .makes_named = true,
+      .example = "knn(k=12) | sor | set(classification = 7 where outlier == 1)"};
+}
+
+std::string Assignment::canonical() const {
+  const std::string text = fmt::format("{} = {}", name, value.canonical());
+  return condition ? fmt::format("{} where {}", text, condition->canonical()) : text;
+}
+
+std::vector<Assignment> assignments_of(std::string_view text, const std::string& place) {
+  std::vector<Assignment> assignments;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    assignments.push_back(assignment_of(text.substr(begin, end - begin), place));
+    begin = end + 1;
+  }
+  return assignments;
+}
+
+Set::Set(std::string_view assignments, std::optional<Type> type, const std::string& place)
+    : assignments_(assignments_of(assignments, place)), type_(type) {
+  for (const Assignment& a : assignments_) parts_.push_back(std::make_shared<SetAttribute>(a, type, place));
+}
+
+Contract Set::contract() const {
+  Contract contract{.default_k = 0};
+  for (const auto& part : parts_)
+    for (const Attribute& a : contract_of(part).makes) contract.makes.push_back(a);
+  return contract;
+}
+
+std::string Set::canonical() const {
+  std::string text;
+  for (const Assignment& a : assignments_) text += (text.empty() ? "" : ", ") + a.canonical();
+  return text;
+}
+
+Options Set::own_options() const { return options_of_set(canonical(), type_); }
+
+SetAttribute::SetAttribute(Assignment assignment, std::optional<Type> type, std::string place)
+    : assignment_(std::move(assignment)), type_(type), place_(std::move(place)) {
+  target_ = scalar(assignment_.name, Type::f64, "1", "assigned");
+}
+
+Options SetAttribute::own_options() const { return options_of_set(assignment_.canonical(), type_); }
+
+Contract SetAttribute::contract() const {
+  Contract contract{.makes = {target_}, .default_k = 0};
+  const auto add = [&](const std::vector<Attribute>& reads) {
+    contract.reads.insert(contract.reads.end(), reads.begin(), reads.end());
+  };
+  add(value_names_.reads());
+  add(condition_names_.reads());
+  if (old_) contract.reads.push_back(*old_);
+  return contract;
+}
+
+std::shared_ptr<const LocalOperator> SetAttribute::bound(const Schema& input, std::span<const Attribute> made) const {
+  auto bound = std::make_shared<SetAttribute>(*this);
+  bound->value_names_ = NamedValues(assignment_.value, place_, input, made);
+  if (assignment_.condition) bound->condition_names_ = NamedValues(*assignment_.condition, place_, input, made);
+  bound->find_target(input, made);
+  if (bound->old_) bound->old_value_ = bound->first_of_condition() + bound->condition_names_.reads().size();
+  return bound;
+}
+
+/// An attribute made before, a coordinate, a field of the input, or a new one.
+void SetAttribute::find_target(const Schema& input, std::span<const Attribute> made) {
+  const std::string& name = assignment_.name;
+  const MeantValue meant = meant_value(name, input, made);
+  if (meant.made != nullptr) {
+    target_ = *meant.made;
+    component_ = meant.component;
+    range_ = range_of(target_.type);
+    old_ = target_;
+    return;
+  }
+  const std::string word = library_name_of(name);
+  if (word.size() == 1 && word[0] >= 'x' && word[0] <= 'z') {
+    target_ = position_attribute();
+    component_ = static_cast<std::size_t>(word[0] - 'x');
+    range_ = range_of(Type::f64);
+    return;
+  }
+  if (std::ranges::find(made, name, &Attribute::name) != made.end())
+    fail_usage("{}: '{}' has several components; assign to one of them.", place_, name);
+  if (meant.field == nullptr) {
+    // A new "b" is a number of the user's, not the blue of a colour that is not there.
+    const auto las = std::ranges::find(kTypesOfLas, name.size() == 1 ? name : word, &LasType::first);
+    range_ = range_of(type_ ? *type_ : las != std::end(kTypesOfLas) ? las->second : Type::f64);
+    target_ = scalar(name, range_.type, "1", "assigned");
+    return;
+  }
+  const Field& field = *meant.field;
+  if (field.count != 1)
+    fail_usage("{}: '{}' is an array of {}, and set assigns single values.", place_, field.name, field.count);
+  range_ = range_of(field);
+  target_ = scalar(field.name, range_.type, "1", "assigned");
+  const bool exact = field.is_plain() && (field.type == Type::i64 || field.type == Type::u64);
+  old_ = scalar(field.name, exact ? field.type : Type::f64, "", "");
+}
+
+RowSentence SetAttribute::refusal(const std::string& value) const {
+  const std::string range = range_.is_whole
+                                ? fmt::format("{}, {:.0f} to {:.0f}", name_of(range_.type), range_.least, range_.most)
+                            : target_.name == position_attribute().name ? std::string("a finite coordinate")
+                                                                        : std::string(name_of(range_.type));
+  return {fmt::format("{}: row ", place_),
+          fmt::format(": {} would be {}, which is not {}; exclude such points by a condition, or assign to a new "
+                      "attribute.",
+                      assignment_.name, value, range)};
+}
+
+/// `is_placed`: the point has a finite place, which it must not lose.
+template <class T>
+std::optional<T> SetAttribute::stored(double value, bool is_placed) const {
+  if constexpr (std::is_floating_point_v<T>) {
+    const auto as_stored = static_cast<T>(value);
+    const bool moves = is_placed && target_.name == position_attribute().name;
+    if ((std::isfinite(value) || moves) && !std::isfinite(as_stored)) return std::nullopt;
+    return as_stored;
+  } else {
+    const double rounded = std::nearbyint(value);
+    // The largest of 64 bits is no double: its next one is too large.
+    const bool below = range_.most < 0x1p53 ? rounded <= range_.most : rounded < range_.most;
+    if (!(rounded >= range_.least && below)) return std::nullopt;
+    return static_cast<T>(rounded);
+  }
+}
+
+template <class T>
+void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
+  const std::size_t n = in.size(), width = target_.fields.size();
+  const NamedValues::Batch batch(value_names_, in, 0);
+  std::vector<std::uint8_t> holds(n, 1);
+  if (assignment_.condition) {
+    const NamedValues::Batch names(condition_names_, in, first_of_condition());
+    assignment_.condition->evaluate(names.values(), holds);
+  }
+  const bool is_exact = std::is_integral_v<T> && assignment_.value.is_whole(batch.values());
+  std::vector<WholeNumber> wholes(is_exact ? n : 0);
+  std::vector<double> reals(is_exact ? 0 : n);
+  if (is_exact)
+    assignment_.value.evaluate_whole(batch.values(), wholes);
+  else
+    assignment_.value.evaluate_number(batch.values(), reals);
+  auto* const to = reinterpret_cast<T*>(out.column<std::byte>(0).data());
+  const Field old_field{.name = "", .type = old_ ? old_->type : Type::f64};
+  const auto old = old_value_ ? in.values<std::byte>(*old_value_) : nullptr;
+  FirstRowError refused;
+  const auto refuse = [&](std::size_t i, const auto& value) {
+    refused.note(in.row(i), [&] { return refusal(value()); });
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    T* const value = to + i * width;
+    for (std::size_t c = 0; c < width; ++c) {
+      if (target_.name == position_attribute().name) {
+        value[c] = static_cast<T>(in.position(i)[static_cast<int>(c)]);
+      } else if (old != nullptr) {
+        const std::byte* const from = old + i * old_->bytes() + c * size_of(old_->type);
+        if (old_->type == target_.type)
+          std::memcpy(value + c, from, sizeof(T));
+        else
+          value[c] = static_cast<T>(value_of(old_field, from));
+      }
+    }
+    if (!holds[i]) continue;
+    if (!is_exact) {
+      if (const std::optional<T> number = stored<T>(reals[i], is_finite(in.position(i))))
+        value[component_] = *number;
+      else
+        refuse(i, [&] { return fmt::format("{}", reals[i]); });
+      continue;
+    }
+    if constexpr (std::is_integral_v<T>) {
+      const auto number = static_cast<T>(wholes[i]);
+      const bool fits =
+          WholeNumber{number} == wholes[i] && (range_.most >= 0x1p53 || static_cast<double>(number) <= range_.most);
+      if (!fits) refuse(i, [&] { return fmt::format("{:.0f}", static_cast<double>(wholes[i])); });
+      value[component_] = number;
+    }
+  }
+  refused.throw_if_any();
+}
+
+void SetAttribute::apply(const Neighborhoods& in, Columns& out) const {
+  with_type(target_.type, [&]<class T>() { assign<T>(in, out); });
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+/// Assigning values to attributes, of all points or of those for which a condition holds.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/chain.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/operators/expressions/expression.h"
+#include "pointsweep/operators/expressions/named_values.h"
+#include "pointsweep/row_error.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration set_declaration();
+
+/// NAME = NUMBER [where CONDITION], e.g. intensity = intensity * 2 where classification == 2.
+struct Assignment {
+  std::string name;
+  Expression value;
+  std::optional<Expression> condition;
+
+  std::string canonical() const;
+};
+
+/// Assignments with commas between. Throws UsageError that begins with `place`.
+std::vector<Assignment> assignments_of(std::string_view text, const std::string& place);
+
+/// The values that the target of an assignment can hold.
+struct TargetRange {
+  Type type = Type::f64;
+  double least = 0, most = 0;  ///< of whole numbers
+  bool is_whole = false;
+};
+
+/// Makes a new version of one attribute. Values of whole-number types are rounded to the nearest, halves to even.
+class SetAttribute final : public LocalOperator {
+ public:
+  /// `type`: the type of a new attribute; absent: the type that LAS gives to an attribute of this name, else float64.
+  SetAttribute(Assignment assignment, std::optional<Type> type, std::string place = "set");
+  std::string name() const override { return "set"; }
+  Contract contract() const override;
+  /// Throws RowError naming the lowest row with a value that the type of the attribute cannot hold.
+  void apply(const Neighborhoods& in, Columns& out) const override;
+  std::array<bool, 3> changes_system() const override { return {component_ == 0, component_ == 1, component_ == 2}; }
+  std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  void find_target(const Schema& input, std::span<const Attribute> made);
+  void read_old(Attribute attribute);
+  /// Returns the number, in contract().reads, of the first attribute that the condition reads; the value's come before.
+  std::size_t first_of_condition() const { return value_names_.reads().size(); }
+  RowSentence refusal(const std::string& value) const;
+  template <class T>
+  void assign(const Neighborhoods& in, Columns& out) const;
+  /// Nothing if the type of the attribute cannot hold the value.
+  template <class T>
+  std::optional<T> stored(double value, bool is_placed) const;
+
+  Assignment assignment_;
+  std::optional<Type> type_;
+  std::string place_;
+  NamedValues value_names_, condition_names_;
+  Attribute target_;
+  std::size_t component_ = 0;
+  TargetRange range_;
+  std::optional<Attribute> old_;
+  std::optional<std::size_t> old_value_;
+};
+
+/// Several assignments, one after another: each sees what those before it have made.
+class Set final : public CompositeOperator {
+ public:
+  Set(std::string_view assignments, std::optional<Type> type, const std::string& place = "set");
+  std::string name() const override { return "set"; }
+  Contract contract() const override;
+  std::vector<ChainStage> parts() const override { return parts_; }
+  std::string canonical() const;
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  std::vector<ChainStage> parts_;
+  std::vector<Assignment> assignments_;
+  std::optional<Type> type_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/rows/unique.h"
+
+#include <memory>
+#include <optional>
+
+#include "pointsweep/operators/declare/declaration.h"
+
+namespace pointsweep {
+namespace {
+
+/// Keeps the first of equal points. Points of one place follow one another, the point of the first row first.
+class FirstOfEqual final : public InOrderWork {
+ public:
+  void add(unsigned, const OrderedPoints& points, Findings& findings) override {
+    for (std::size_t i = 0; i < points.rows.size(); ++i) {
+      if (last_ && points.places[i] == *last_) findings.dropped.push_back(points.rows[i]);
+      last_ = points.places[i];
+    }
+  }
+
+ private:
+  std::optional<Vec3> last_;
+};
+
+}  // namespace
+
+OperatorDeclaration unique_declaration() {
+  return {.name = "unique",
+          .meaning = "keeps the first of points with equal coordinates; later stages see neighbours among those kept",
+          .make = [](const OptionValues&, const Facts&) { return std::make_shared<Unique>(); },
+          .undefined = "Points without a finite place are all kept.",
+          .cost = "a pass that puts the points in order, without a search",
+          .example = "unique"};
+}
+
+std::unique_ptr<InOrderWork> Unique::start(const InOrderSetup&) const { return std::make_unique<FirstOfEqual>(); }
+
+}  // namespace pointsweep

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/rows/where.h"
+
+#include <cassert>
+
+#include "pointsweep/operators/declare/declaration.h"
+
+namespace pointsweep {
+namespace {
+
+/// Conditions that differ in blanks only are the same.
+MadeStage make_where(const OptionValues& options, const Facts&) {
+  auto where = std::make_shared<Where>(options.word("condition"), options.where());
+  where->declare_options(where->declared_options());
+  return where;
+}
+
+}  // namespace
+
+OperatorDeclaration where_declaration() {
+  return {
+      .name = "where",
+      .meaning = "keeps the points for which a condition on attributes holds; later stages see neighbours among these",
+      .options = {{.name = "condition",
+                   .kind = OptionKind::condition,
+                   .meaning = "attributes of the input or made before, numbers, + - * /, == != < <= > >=, && || !, and "
+                              "parentheses; 'condition=' may be left out",
+                   .required = true,
+                   .positional = true,
+                   .sample = "z > 0"}},
+      .make = make_where,
+      .undefined = "Points without a finite place are asked like all others: their coordinates are NaN or infinite.",
+      .cost = "a pass over the rows, without a search; one more sweep if a later stage needs neighbours again",
+      .example = "knn(k=12) | where(z > 0 && z < 100) | normals"};
+}
+
+Where::Where(std::string_view condition, std::string place) : condition_(condition, place), place_(std::move(place)) {}
+
+void Where::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {
+  assert(names_.sources().size() == condition_.names().size());
+  const NamedValues::Batch batch(names_, points);
+  condition_.evaluate(batch.values(), kept);
+}
+
+std::shared_ptr<const SelectOperator> Where::bound(const Schema& input, std::span<const Attribute> made) const {
+  auto bound = std::make_shared<Where>(*this);
+  bound->names_ = NamedValues(condition_, place_, input, made);
+  return bound;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+/// Keeping the points for which a condition holds.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operator.h"
+#include "pointsweep/operators/expressions/expression.h"
+#include "pointsweep/operators/expressions/named_values.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration where_declaration();
+
+/// Keeps the rows for which `condition` holds, e.g. classification == 2 && z < 100. Points without a finite place are
+/// asked like all others: x, y and z are then NaN or infinite, made attributes have the documented value of none.
+class Where final : public SelectOperator {
+ public:
+  /// `place`: for messages, e.g. "pipeline, column 12: where". Throws UsageError for a text that is no condition.
+  explicit Where(std::string_view condition, std::string place = "where");
+  std::string name() const override { return "where"; }
+  std::vector<Attribute> reads() const override { return names_.reads(); }
+  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
+  /// Throws UsageError for a name that fits nothing, with those there are.
+  std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
+
+ protected:
+  Options own_options() const override { return {{"condition", condition_.canonical()}}; }
+
+ private:
+  Expression condition_;
+  std::string place_;
+  NamedValues names_;  ///< nothing before bound()
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/statistics/density.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <span>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/complete_lists.h"
+#include "pointsweep/operators/declare/declaration.h"
+
+namespace pointsweep {
+namespace {
+
+MadeStage make_density(const OptionValues& options, const Facts& facts) {
+  if (!options.given("radius")) return std::make_shared<Density>();
+  require_complete_lists(facts, Neighborhood::kUnlimited, options.number("radius"), options.where());
+  return std::make_shared<Density>(options.number("radius"));
+}
+
+/// A quotient beyond float32 is the largest one.
+float single(double v) { return static_cast<float>(std::min(v, double(std::numeric_limits<float>::max()))); }
+
+struct Ball {
+  double points = 0, radius = 0;
+};
+
+Ball ball_of(const Neighborhoods& in, std::size_t i, std::optional<double> radius) {
+  if (!radius) return {static_cast<double>(in.count(i)), std::sqrt(in.farthest_distance2(i))};
+  std::size_t near = 1;
+  for (std::size_t j = 0; j < in.count(i); ++j) near += in.distance2(i, j) <= *radius * *radius;
+  return {static_cast<double>(near), *radius};
+}
+
+}  // namespace
+
+OperatorDeclaration density_declaration() {
+  return {.name = "density",
+          .meaning = "points for each unit of area and of volume around a point",
+          .options = {{.name = "radius",
+                       .kind = OptionKind::number,
+                       .meaning = "radius of the ball in which points are counted; without this option, the distance "
+                                  "to "
+                                  "the farthest neighbour",
+                       .least = kAboveZero,
+                       .unit = "length",
+                       .sample = 0.5,
+                       .is_radius = true}},
+          .make = make_density,
+          .formula =
+              "surface_density = m / (π R²), volume_density = m / (4/3 π R³)\n"
+              "Without radius: R = max_j |p_j - p_i|, m = |N_i| without p_i.\n"
+              "With radius R: m = 1 + |{j : |p_j - p_i| <= R}|, as CloudCompare counts; needs knn(radius=R).\n"
+              "A plane through p_i cuts a disc of area π R² out of the ball.",
+          .source =
+              "CloudCompare, Compute geometric features: surface and volume density; PDAL filters.radialdensity "
+              "makes the volume density with radius",
+          .undefined =
+              "0 without neighbours, where all lie on the point, and where one has no finite place; with radius only "
+              "for a point that has no finite place itself.",
+          .degenerate = "have no neighbours, or only neighbours in the same place; their densities are 0",
+          .neighbor_ns = 2,
+          .attributes = {{.name = "surface_density", .meaning = "points for each unit of area; undefined: 0"},
+                         {.name = "volume_density", .meaning = "points for each unit of volume; undefined: 0"}},
+          .example = "knn(k=16) | density"};
+}
+
+Density::Density(std::optional<double> radius) : radius_(radius) {
+  if (radius && !(*radius > 0 && std::isfinite(*radius)))
+    fail_usage("density: the radius {} is not a number above 0.", *radius);
+}
+
+Options Density::own_options() const { return radius_ ? Options{{"radius", *radius_}} : Options(); }
+
+Contract Density::contract() const {
+  return {.makes = {scalar("surface_density", Type::f32, "1/length^2", "points for each unit of area"),
+                    scalar("volume_density", Type::f32, "1/length^3", "points for each unit of volume")},
+          .default_k = 32};
+}
+
+void Density::apply(const Neighborhoods& in, Columns& out) const {
+  const std::span<float> surface = out.column<float>(0), volume = out.column<float>(1);
+  constexpr double pi = std::numbers::pi;
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    const Ball ball = ball_of(in, i, radius_);
+    const double r = ball.radius;
+    if (!(r > 0 && std::isfinite(r))) {
+      surface[i] = volume[i] = 0;
+      out.mark_degenerate(i);
+      continue;
+    }
+    // One division after the other, so that no power of R under- or overflows.
+    surface[i] = single(ball.points / r / r / pi);
+    volume[i] = single(ball.points / r / r / r / (4 * pi / 3));
+  }
+}
+
+}  // namespace pointsweep

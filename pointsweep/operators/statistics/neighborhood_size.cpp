@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/statistics/neighborhood_size.h"
+
+#include <cmath>
+#include <memory>
+#include <span>
+
+#include "pointsweep/operators/declare/declaration.h"
+
+namespace pointsweep {
+
+OperatorDeclaration neighborhood_size_declaration() {
+  return {.name = "neighborhood_size",
+          .meaning = "number of neighbours and distance of the farthest",
+          .make = [](const OptionValues&, const Facts&) { return std::make_shared<NeighborhoodSize>(); },
+          .formula = "|N_i| without p_i, and max_j |p_j - p_i|",
+          .source = "PDAL keeps the same as OptimalKNN and OptimalRadius",
+          .attributes = {{.name = "neighbor_count", .meaning = "how many neighbours the point has"},
+                         {.name = "neighbor_radius",
+                          .meaning = "distance to the farthest of them at the positions the stage sees; without any: "
+                                     "0; if one has no finite place: NaN"}},
+          .example = "knn(radius=0.1) | neighborhood_size"};
+}
+
+Contract NeighborhoodSize::contract() const {
+  return {{},
+          {},
+          {scalar("neighbor_count", Type::u32, "1", "number of neighbours"),
+           scalar("neighbor_radius", Type::f64, "length", "distance to the farthest neighbour; 0 without any")}};
+}
+
+void NeighborhoodSize::apply(const Neighborhoods& in, Columns& out) const {
+  const std::span<std::uint32_t> count = out.column<std::uint32_t>(0);
+  const std::span<double> radius = out.column<double>(1);
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    count[i] = static_cast<std::uint32_t>(in.count(i));
+    radius[i] = std::sqrt(in.farthest_distance2(i));
+  }
+}
+
+}  // namespace pointsweep

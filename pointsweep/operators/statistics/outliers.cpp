@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/statistics/outliers.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/math/exact_sum.h"
+#include "pointsweep/operators/declare/declaration.h"
+
+namespace pointsweep {
+namespace {
+
+/// Names in the order of OutlierDefinition.
+constexpr const char* kDefinitions[] = {"pointsweep", "pdal", "pcl", "open3d", "cloudcompare"};
+
+/// Σ d, Σ d² and n of finite values, and how many are not 0.
+class DistanceMoments final : public Accumulator {
+ public:
+  explicit DistanceMoments(OutlierRule rule) : rule_(rule) {}
+  void add(const double* values, std::size_t points) override {
+    for (std::size_t i = 0; i < points; ++i) {
+      const double d = values[i];
+      if (!std::isfinite(d)) continue;
+      sum_.add(d);
+      squares_.add_product(d, d);
+      ++count_;
+      if (d != 0) ++nonzero_;
+    }
+  }
+  void merge(const Accumulator& other) override {
+    const auto& moments = static_cast<const DistanceMoments&>(other);
+    sum_.add(moments.sum_);
+    squares_.add(moments.squares_);
+    count_ += moments.count_;
+    nonzero_ += moments.nonzero_;
+  }
+  std::vector<double> finish() const override {
+    const auto n = static_cast<double>(count_);
+    if (count_ == 0) return {std::numeric_limits<double>::quiet_NaN(), 0, 0};
+    const double by = rule_.population ? n : n - 1;
+    return {sum_.rounded() / n, by > 0 ? std::sqrt(n_squared_variance() / n / by) : 0, n};
+  }
+
+ private:
+  /// n Σ (d - mean)², from 159 bits of n Σ d² and (Σ d)²: close values far from 0 leave a small difference of large
+  /// numbers. Where values of 0 are left out of the sum, n Σ d² - (2 - m/n) (Σ d)² with m values that are not 0.
+  double n_squared_variance() const {
+    const auto n = static_cast<double>(count_);
+    const double zeros = rule_.zero_is_outlier ? static_cast<double>(count_ - nonzero_) : 0;
+    ExactSum difference;
+    for (const double part : squares_.expansion()) difference.add_product(n, part);
+    const std::array<double, 3> sum = sum_.expansion();
+    for (const double a : sum)
+      for (const double b : sum) difference.add_product(-a, b);
+    const double all = difference.rounded();
+    if (zeros == 0) return std::max(0.0, all);
+    // Each value of 0 would have added n mean².
+    const double mean = sum_.rounded() / n;
+    return std::max(0.0, all - zeros * (n * (mean * mean)));
+  }
+
+  ExactSum sum_, squares_;
+  std::uint64_t count_ = 0, nonzero_ = 0;
+  OutlierRule rule_;
+};
+
+}  // namespace
+
+OutlierRule rule_of(OutlierDefinition definition) {
+  switch (definition) {
+    case OutlierDefinition::pdal:
+      return {.threshold_is_outlier = true};
+    case OutlierDefinition::open3d:
+      return {.counts_point = true, .zero_is_outlier = true, .threshold_is_outlier = true};
+    case OutlierDefinition::cloudcompare:
+      return {.population = true};
+    case OutlierDefinition::pointsweep:
+    case OutlierDefinition::pcl:
+      break;
+  }
+  return {};
+}
+
+const char* name_of(OutlierDefinition definition) { return kDefinitions[static_cast<std::size_t>(definition)]; }
+
+OperatorDeclaration sor_declaration() {
+  return {.name = "sor",
+          .meaning =
+              "statistical outliers: points whose mean distance to their neighbours exceeds mean + multiplier * "
+              "deviation of the cloud",
+          .options = {{.name = "multiplier",
+                       .kind = OptionKind::number,
+                       .preset = 2.0,
+                       .meaning = "a mean distance this many standard deviations above that of the cloud makes an "
+                                  "outlier"},
+                      {.name = "definition",
+                       .kind = OptionKind::choice,
+                       .preset = kDefinitions[0],
+                       .meaning = "use the rule of this program; the formula shows the differences",
+                       .choices = {std::begin(kDefinitions), std::end(kDefinitions)}}},
+          .make =
+              [](const OptionValues& options, const Facts&) {
+                const auto definition = std::ranges::find(kDefinitions, options.word("definition"));
+                return std::make_shared<StatisticalOutliers>(
+                    options.number("multiplier"),
+                    static_cast<OutlierDefinition>(definition - std::begin(kDefinitions)));
+              },
+          .formula =
+              "d_i = 1/|N_i| Σ_j |p_j - p_i| (mean_distance); m and s: mean and standard deviation of "
+              "all n finite d; t = m + multiplier * s. N_i never holds p_i.\n"
+              "pointsweep:   s divides by n - 1; outlier: d > t\n"
+              "pdal:         s divides by n - 1; outlier: d >= t. mean_k is our k\n"
+              "pcl:          as pointsweep. mean_k is our k (before PCL 1.7: k + 1)\n"
+              "open3d:       d_i = 1/(|N_i| + 1) Σ_j |p_j - p_i|, for the point itself counts, at "
+              "distance 0. Terms of s with d = 0 are left out, but count in n; "
+              "s divides by n - 1; outlier: d >= t or d = 0. nb_neighbors is k + 1\n"
+              "cloudcompare: s divides by n; outlier: d > t. Its number of points is k + 1",
+          .source =
+              "Rusu, Semantic 3D object maps (2009); the sources of PDAL 2 (filters.outlier), PCL 1.13 "
+              "(StatisticalOutlierRemoval), Open3D 0.18 (RemoveStatisticalOutliers) and CloudCompare 2.11 (sorFilter). "
+              "PCL and CloudCompare round d to float32; here it is float64",
+          .undefined = "Without neighbours, or if one has no finite place: mean_distance is NaN and outlier 1.",
+          .degenerate = "have no neighbours with a place; their mean_distance is NaN and outlier is 1",
+          .cost =
+              "one more pass over the rows, in which the outliers are marked; it is the writing of the output "
+              "where no later "
+              "stage needs neighbours",
+          .attributes = {{.name = "mean_distance",
+                          .meaning = "mean distance to the neighbours at the positions the stage sees; undefined: NaN"},
+                         {.name = "outlier",
+                          .meaning =
+                              "1: mean_distance is above mean + multiplier * deviation of the cloud, or NaN; else 0"}},
+          .example = "knn(k=8) | sor(multiplier=2) | where(outlier == 0)"};
+}
+
+Attribute mean_distance_attribute() {
+  Attribute a = scalar("mean_distance", Type::f64, "length", "mean distance to the neighbours; NaN without any");
+  a.fill = std::byte{0xff};  // NaN
+  return a;
+}
+
+Attribute outlier_attribute() {
+  Attribute a = scalar("outlier", Type::u8, "1", "1: farther from its neighbours than mean + multiplier * deviation");
+  a.fill = std::byte{1};
+  return a;
+}
+
+void MeanDistance::apply(const Neighborhoods& in, Columns& out) const {
+  const std::span<double> mean = out.column<double>(0);
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    double sum = 0;
+    for (std::size_t j = 0; j < in.count(i); ++j) sum += std::sqrt(in.distance2(i, j));
+    const double distance = in.count(i) == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                             : sum / (static_cast<double>(in.count(i)) + (counts_point_ ? 1 : 0));
+    const bool none = !std::isfinite(distance);
+    mean[i] = none ? std::numeric_limits<double>::quiet_NaN() : distance;
+    if (none) out.mark_degenerate(i);
+  }
+}
+
+std::string MeanAndDeviation::text() const {
+  return (rule_.population ? "mean and deviation (n) of " : "mean and deviation of ") + of_.name +
+         (rule_.zero_is_outlier ? " without squares of 0" : "");
+}
+
+std::unique_ptr<Accumulator> MeanAndDeviation::start() const { return std::make_unique<DistanceMoments>(rule_); }
+
+Contract Outlier::contract() const {
+  Contract contract{.reads = {mean_distance_attribute()}, .makes = {outlier_attribute()}, .default_k = 0};
+  contract.values = {std::make_shared<MeanAndDeviation>(mean_distance_attribute(), rule_of(definition_))};
+  return contract;
+}
+
+void Outlier::apply(const Neighborhoods& in, Columns& out) const {
+  const OutlierRule rule = rule_of(definition_);
+  const std::span<std::uint8_t> outlier = out.column<std::uint8_t>(0);
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    const double d = in.value<double>(0, i);
+    const bool within = rule.threshold_is_outlier ? d < threshold_ : d <= threshold_;
+    outlier[i] = !within || (rule.zero_is_outlier && d == 0);
+  }
+}
+
+std::shared_ptr<const LocalOperator> Outlier::with_values(std::span<const std::vector<double>> values) const {
+  return std::make_shared<Outlier>(multiplier_, definition_, values[0][0] + multiplier_ * values[0][1]);
+}
+
+StatisticalOutliers::StatisticalOutliers(double multiplier, OutlierDefinition definition)
+    : multiplier_(multiplier), definition_(definition) {
+  if (!(multiplier >= 0 && std::isfinite(multiplier)))
+    fail_usage("sor: the multiplier {} is not a number of at least 0.", multiplier);
+}
+
+std::vector<ChainStage> StatisticalOutliers::parts() const {
+  return {std::make_shared<MeanDistance>(rule_of(definition_).counts_point),
+          std::make_shared<Outlier>(multiplier_, definition_)};
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+/// Features of the shape of a neighbourhood, from the eigenvalues of its covariance: is it like a line, a plane or a
+/// volume?
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/surface/features_kernel.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+/// The set P of a point are its neighbours and, by default, p_i itself; n = |P|, p̄ its mean.
+///   Σ = 1/n Σ_{p in P} (p - p̄)(p - p̄)^T, eigenvalues l1 >= l2 >= l3 >= 0, unit eigenvectors e1, e2, e3.
+/// λ are l (raw, length²), √l (root, length) or l / (l1 + l2 + l3) (normalized).
+///
+/// | attribute (N f32)   | formula                         | unit of raw / root / normalized |
+/// | linearity           | (λ1 - λ2) / λ1                  | 1 |
+/// | planarity           | (λ2 - λ3) / λ1                  | 1 |
+/// | sphericity          | λ3 / λ1                         | 1 |
+/// | omnivariance        | ∛(λ1 λ2 λ3)                     | length² / length / 1 |
+/// | anisotropy          | (λ1 - λ3) / λ1                  | 1 |
+/// | eigenentropy        | -Σ λ ln λ, 0 ln 0 = 0           | unit of λ, with ln of its number / 1 |
+/// | eigenvalue_sum      | λ1 + λ2 + λ3                    | length² / length / 1 |
+/// | surface_variation   | λ3 / (λ1 + λ2 + λ3)             | 1, [0, 1/3] |
+/// | verticality         | 1 - |e3 · z|                    | 1, [0, 1] |
+/// | moment1_axis1, 2    | |Σ_{p in P} (p - p_i) · e1|, e2 | length |
+/// | moment2_axis1, 2    | Σ_{p in P} ((p - p_i) · e1)², e2 | length² |
+/// | height_range        | max z - min z over P            | length |
+/// | number_of_neighbors | n (N u32)                       | 1 |
+///
+/// Sources: M. Weinmann et al., ISPRS Journal 105 (2015); T. Hackel, J. D. Wegner, K. Schindler, "Fast semantic
+/// segmentation of 3D point clouds with strongly varying density" (2016), for moments and verticality. Their moments
+/// have the sign of an eigenvector, which is arbitrary, and are here without it. CloudCompare's "1st order moment" is
+/// moment1_axis2² / moment2_axis2.
+///
+/// For lone points, or points all in one place, number_of_neighbors and height_range have their values and all else is
+/// 0; so is everything but number_of_neighbors where an offset is not finite. verticality is 0 where P lies on a line
+/// to rounding: l2 <= 1e-12 l1 + ρ², ρ as in Normals. Such points count as degenerate, unless none of the attributes
+/// concerned was asked for. Where two eigenvalues are equal, their axes are some pair across each other.
+///
+/// Everything is in double and rounded to float32 at the end. Sums are about a point of P; eigenvalues are right to
+/// some n 2^-52 of the largest.
+class Features final : public LocalOperator {
+ public:
+  /// Throws UsageError for a name that is not one of those above, or is given twice.
+  explicit Features(const FeaturesOptions& options = {});
+  std::string name() const override { return "features"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods& in, Columns& out) const override;
+
+ protected:
+  /// Names in the order of the columns, and none where all are made.
+  Options own_options() const override;
+
+ private:
+  FeaturesOptions options_;
+  std::vector<Feature> made_;
+};
+
+OperatorDeclaration features_declaration();
+
+}  // namespace pointsweep

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/thinning/poisson.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/math/coordinate_hash.h"
+#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/thinning/undecided_points.h"
+
+namespace pointsweep {
+namespace {
+
+/// The radius of a point: what its attribute says, at most the limit; NaN and negative values count as 0.
+double own_radius(double value, double limit) { return value > 0 ? std::min(value, limit) : 0; }
+
+/// Points that come between two decisions.
+constexpr std::uint64_t kHeldAtMost = 4096;
+
+class PoissonFront final : public InOrderWork {
+ public:
+  /// `values`: components of what is read of each point, of which number `component` is its radius; 0: nothing is read.
+  PoissonFront(const InOrderSetup& setup, double radius, std::size_t values, std::size_t component)
+      : points_(setup.axis, radius, setup.memory_bytes / UndecidedPoints::kPointBytes),
+        radius_(radius),
+        values_(values),
+        component_(component) {}
+
+  void add(unsigned, const OrderedPoints& points, Findings& findings) override {
+    for (std::size_t i = 0; i < points.rows.size(); ++i) {
+      const double r = values_ == 0 ? radius_ : own_radius(points.values[i * values_ + component_], radius_);
+      const Vec3 p = points.positions[i];
+      points_.hold({p, coordinate_hash(p, kPoissonSeed), points.rows[i], r * r});
+      if (++since_decision_ == kHeldAtMost) points_.decide(findings.dropped), since_decision_ = 0;
+    }
+    points_.decide(findings.dropped);
+  }
+  void end(unsigned, Findings& findings) override { points_.finish(findings.dropped); }
+
+ private:
+  UndecidedPoints points_;
+  double radius_;
+  std::size_t values_, component_;
+  std::size_t since_decision_ = 0;
+};
+
+MadeStage make_poisson(const OptionValues& options, const Facts&) {
+  return std::make_shared<Poisson>(
+      PoissonOptions{.radius = options.number("radius"),
+                     .radius_from = options.given("radius_from") ? options.word("radius_from") : ""});
+}
+
+}  // namespace
+
+OperatorDeclaration poisson_declaration() {
+  return {.name = "poisson",
+          .meaning = "keeps points that are farther than a radius from each other and leave no gap wider than it",
+          .options = {{.name = "radius",
+                       .kind = OptionKind::number,
+                       .meaning = "minimum distance between kept points; with radius_from, its upper limit",
+                       .least = kAboveZero,
+                       .unit = "length",
+                       .required = true,
+                       .positional = true,
+                       .sample = 0.5,
+                       .is_radius = true},
+                      {.name = "radius_from",
+                       .kind = OptionKind::attribute,
+                       .meaning = "attribute of the input, or made before, that holds the minimum distance from each "
+                                  "point to the kept ones",
+                       .is_radius = true}},
+          .make = make_poisson,
+          .formula =
+              "In ascending order of h_i (ties by x, y, z, then row) a point is kept unless a kept point j has "
+              "|p_i - p_j|² <= r_i², ((dx² + dy²) + dz²) in float64.\n"
+              "So of two points at exactly the radius the first in that order stays, and the other is left out.\n"
+              "h: the hash of decimate with the seed 0x706f6973736f6e.\n"
+              "r_i = radius, or min(radius_from, radius); 0 where radius_from is NaN or negative.",
+          .source =
+              "The greedy maximal independent set, the same in any order of evaluation: Blelloch, Fineman and "
+              "Shun (SPAA 2012).",
+          .undefined = "Points without a finite place all stay.",
+          .cost =
+              "a pass that puts the points in order, without a search; memory holds the points of a slice about "
+              "two radii thick",
+          .example = "knn(k=12) | poisson(0.2) | normals"};
+}
+
+Poisson::Poisson(PoissonOptions options) : options_(std::move(options)) {
+  const double r = options_.radius;
+  if (!(r > 0 && std::isfinite(r)))
+    fail_usage("poisson: the radius {} is not a positive length; give one in the length unit of the cloud.", r);
+  if (!std::isnormal(r * r))
+    fail_usage("poisson: double precision cannot hold the square of the radius {}: scale the coordinates.", r);
+}
+
+InOrderContract Poisson::in_order_contract() const {
+  return {.reads = reads_, .drops_rows = true, .arrival = "each held until all points within the radius have come"};
+}
+
+std::uint64_t Poisson::least_bytes(const CloudEstimate& cloud) const {
+  const std::uint64_t near = cloud.slice_points(2 * options_.radius) + kHeldAtMost;
+  return UndecidedPoints::kPointBytes * std::min(cloud.points, near);
+}
+
+Options Poisson::own_options() const {
+  Options options = {{"radius", options_.radius}};
+  if (!options_.radius_from.empty()) options.push_back({"radius_from", options_.radius_from});
+  return options;
+}
+
+std::unique_ptr<InOrderWork> Poisson::start(const InOrderSetup& setup) const {
+  const std::size_t values = reads_.empty() ? 0 : reads_.front().fields.size();
+  return std::make_unique<PoissonFront>(setup, options_.radius, values, component_);
+}
+
+std::shared_ptr<const InOrderOperator> Poisson::bound(const Schema& input, std::span<const Attribute> made) const {
+  if (options_.radius_from.empty()) return nullptr;
+  auto bound = std::make_shared<Poisson>(*this);
+  const MeantValue meant = meant_value(options_.radius_from, input, made);
+  if (meant.made != nullptr) {
+    bound->reads_ = {*meant.made};
+    bound->component_ = meant.component;
+    return bound;
+  }
+  if (meant.field == nullptr || meant.field->count != 1)
+    fail_usage(
+        "poisson: radius_from={}: neither the input nor an earlier stage has a single value of this name for "
+        "each point.",
+        options_.radius_from);
+  bound->reads_ = {scalar(meant.field->name, Type::f64, "length", "radius of the point")};
+  return bound;
+}
+
+}  // namespace pointsweep

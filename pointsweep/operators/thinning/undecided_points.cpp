@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/thinning/undecided_points.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <tuple>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/math/mix.h"
+
+namespace pointsweep {
+
+bool DiskPoint::operator<(const DiskPoint& other) const {
+  const auto key = [](const DiskPoint& p) {
+    return std::tuple(p.hash, p.position.x, p.position.y, p.position.z, p.row);
+  };
+  return key(*this) < key(other);
+}
+
+std::size_t UndecidedPoints::CellHash::operator()(const CellKey& key) const {
+  std::uint64_t hash = 0;
+  for (const std::int64_t k : key) hash = mix(hash ^ static_cast<std::uint64_t>(k));
+  return hash;
+}
+
+/// A cell is a little longer than the radius, so that the coordinates within it lie in three cells in a row.
+UndecidedPoints::UndecidedPoints(int axis, double largest_radius, std::uint64_t most)
+    : axis_(axis),
+      radius_(largest_radius),
+      cell_(std::max(largest_radius * (1 + 0x1p-20), std::numeric_limits<double>::min())),
+      most_(std::min<std::uint64_t>(most, kNone)),
+      front_(-std::numeric_limits<double>::infinity()) {}
+
+/// Ascends with c.
+std::int64_t UndecidedPoints::cell_along(double c) const {
+  return static_cast<std::int64_t>(std::clamp(std::floor(c / cell_), -0x1p62, 0x1p62));
+}
+
+/// Visits all cells that hold a point whose distance to p, as distance2() rounds it, may be within the largest radius:
+/// c - cell_ and c + cell_ are beyond these coordinates however they are rounded, and cell_along() ascends. The cell of
+/// p is the first. Ends where `visit` returns true.
+template <class Visit>
+void UndecidedPoints::visit_cells_around(Vec3 p, Visit visit) {
+  const CellKey own = {cell_along(p.x), cell_along(p.y), cell_along(p.z)};
+  const auto ends_at = [&](const CellKey& key) {
+    const auto cell = cells_.find(key);
+    if (cell == cells_.end()) return false;
+    const bool ends = visit(cell->second);
+    if (cell->second.members.empty()) cells_.erase(cell);
+    return ends;
+  };
+  if (ends_at(own)) return;
+  CellKey low, high;
+  for (int a = 0; a < 3; ++a) {
+    low[static_cast<std::size_t>(a)] = cell_along(p[a] - cell_);
+    high[static_cast<std::size_t>(a)] = cell_along(p[a] + cell_);
+  }
+  for (std::int64_t x = low[0]; x <= high[0]; ++x)
+    for (std::int64_t y = low[1]; y <= high[1]; ++y)
+      for (std::int64_t z = low[2]; z <= high[2]; ++z)
+        if (const CellKey key = {x, y, z}; key != own && ends_at(key)) return;
+}
+
+bool UndecidedPoints::precedes(const Member& a, const Member& b) const {
+  if (a.hash != b.hash) return a.hash < b.hash;
+  return slots_[a.slot].point < slots_[b.slot].point;
+}
+
+void UndecidedPoints::sort(Cell& cell) const {
+  if (cell.sorted == cell.members.size()) return;
+  const auto order = [&](const Member& a, const Member& b) { return precedes(a, b); };
+  const auto middle = cell.members.begin() + static_cast<std::ptrdiff_t>(cell.sorted);
+  std::sort(middle, cell.members.end(), order);
+  std::inplace_merge(cell.members.begin(), middle, cell.members.end(), order);
+  cell.sorted = cell.members.size();
+}
+
+void UndecidedPoints::hold(const DiskPoint& point) {
+  if (held() >= most_)
+    fail(
+        "poisson: more than {} points lie within its radius {} behind the front, and memory holds no more: give more "
+        "--memory or a smaller radius, or thin with voxel before it.",
+        most_, radius_);
+  Slot slot = static_cast<Slot>(slots_.size());
+  if (free_.empty()) {
+    slots_.emplace_back();
+  } else {
+    slot = free_.back();
+    free_.pop_back();
+  }
+  slots_[slot] = {.point = point, .uses = 2};  // in its cell, and incomplete
+  const Vec3 p = point.position;
+  cells_[{cell_along(p.x), cell_along(p.y), cell_along(p.z)}].members.push_back({point.hash, slot});
+  incomplete_.push_back(slot);
+  front_ = p[axis_];
+  ++come_;
+}
+
+/// Cells are put in order again each time, so that a share of what is held must have come.
+void UndecidedPoints::decide(std::vector<std::uint64_t>& dropped) {
+  constexpr std::uint64_t kShare = 16, kLeast = 256;
+  if (come_ < std::max(held() / kShare, kLeast)) return;
+  come_ = 0;
+  take_complete(front_);
+  decide_waiting(dropped);
+}
+
+void UndecidedPoints::finish(std::vector<std::uint64_t>& dropped) {
+  take_complete(std::numeric_limits<double>::infinity());
+  decide_waiting(dropped);
+  assert(held() == 0);
+}
+
+/// The squared distance along the axis, as distance2() rounds it, is no more than that to any point to come.
+void UndecidedPoints::take_complete(double front) {
+  for (; !incomplete_.empty(); incomplete_.pop_front()) {
+    const Slot slot = incomplete_.front();
+    const double ahead = front - slots_[slot].point.position[axis_];
+    if (std::isfinite(front) && !(ahead * ahead > radius_ * radius_)) return;
+    slots_[slot].is_decided ? release(slot) : to_decide_.push_back(slot);
+  }
+}
+
+void UndecidedPoints::decide_waiting(std::vector<std::uint64_t>& dropped) {
+  while (!to_decide_.empty()) {
+    stop_if_cancelled();
+    const Slot slot = to_decide_.back();
+    to_decide_.pop_back();
+    Held& held = slots_[slot];
+    const Slot lesser = held.is_decided ? kNone : lesser_within(held.point);
+    if (lesser != kNone) {
+      held.next_waiter = slots_[lesser].first_waiter;
+      slots_[lesser].first_waiter = slot;
+      continue;
+    }
+    if (!held.is_decided) keep(slot, dropped);
+    release(slot);
+  }
+}
+
+/// An undecided point that has to be decided before this one; kNone: there is none.
+UndecidedPoints::Slot UndecidedPoints::lesser_within(const DiskPoint& point) {
+  Slot found = kNone;
+  visit_cells_around(point.position, [&](Cell& cell) {
+    sort(cell);
+    for (const Member& m : cell.members) {
+      if (m.hash > point.hash) return false;
+      const Held& other = slots_[m.slot];
+      if (other.is_decided || !(other.point < point)) continue;
+      if (distance2(other.point.position, point.position) > point.radius2) continue;
+      found = m.slot;
+      return true;
+    }
+    return false;
+  });
+  return found;
+}
+
+void UndecidedPoints::keep(Slot slot, std::vector<std::uint64_t>& dropped) {
+  const DiskPoint& kept = slots_[slot].point;
+  slots_[slot].is_decided = true;
+  visit_cells_around(kept.position, [&](Cell& cell) {
+    for (const Member& m : cell.members) {
+      Held& other = slots_[m.slot];
+      if (m.slot == slot) ++cell.decided;
+      if (other.is_decided || !(kept < other.point)) continue;
+      if (distance2(other.point.position, kept.position) > other.point.radius2) continue;
+      leave_out(m.slot, dropped);
+      ++cell.decided;
+    }
+    forget_decided(cell);
+    return false;
+  });
+  // Points that waited for this one have it within their radius, so that they are left out by now.
+  for (Slot waiter = slots_[slot].first_waiter; waiter != kNone;) {
+    const Slot next = slots_[waiter].next_waiter;
+    assert(slots_[waiter].is_decided);
+    release(waiter);
+    waiter = next;
+  }
+}
+
+void UndecidedPoints::leave_out(Slot slot, std::vector<std::uint64_t>& dropped) {
+  Held& held = slots_[slot];
+  held.is_decided = true;
+  dropped.push_back(held.point.row);
+  for (Slot waiter = held.first_waiter; waiter != kNone; waiter = slots_[waiter].next_waiter)
+    to_decide_.push_back(waiter);
+  held.first_waiter = kNone;
+}
+
+void UndecidedPoints::forget_decided(Cell& cell) {
+  if (2 * cell.decided <= cell.members.size()) return;
+  std::size_t left = 0, sorted = 0;
+  for (std::size_t i = 0; i < cell.members.size(); ++i) {
+    const Member m = cell.members[i];
+    if (slots_[m.slot].is_decided) {
+      release(m.slot);
+      continue;
+    }
+    sorted += i < cell.sorted;
+    cell.members[left++] = m;
+  }
+  cell.members.resize(left);
+  if (4 * left < cell.members.capacity()) cell.members.shrink_to_fit();
+  cell.sorted = sorted;
+  cell.decided = 0;
+}
+
+void UndecidedPoints::release(Slot slot) {
+  if (--slots_[slot].uses == 0) free_.push_back(slot);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+/// Keeping one point in each cube of a grid.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/in_order_operator.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/thinning/voxel_centroid.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration voxel_declaration();
+
+/// Keeps one of the points of each voxel. Along each axis, voxel v holds the coordinates whose quotient by the size,
+/// rounded to float64, lies in [v, v + 1): the grid depends on coordinates only, not on the cloud, and a point on a
+/// face belongs to the voxel above it. Points without a finite place all stay. The points are put in order by voxel, so
+/// that memory holds one voxel's choice at a time, however large voxels are. With VoxelKeep::centroid the point that
+/// stays moves to the mean position, and attributes become means.
+class Voxel final : public InOrderOperator {
+ public:
+  /// `size`: length of an edge. Throws UsageError unless it is positive and finite.
+  explicit Voxel(double size, VoxelKeep keep = VoxelKeep::center);
+  std::string name() const override { return "voxel"; }
+  InOrderContract in_order_contract() const override;
+  std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  std::unique_ptr<InOrderWork> start(const InOrderSetup&) const override;
+  /// The numbers of the voxel along the axes.
+  Vec3 place_of(Vec3 position) const override;
+  std::uint64_t least_bytes(const CloudEstimate&) const override;
+
+ protected:
+  Options own_options() const override;
+
+ private:
+  double size_;
+  VoxelKeep keep_;
+  std::vector<AveragedAttribute> averaged_;
+};
+
+/// The numbers of the voxel of a position along the axes.
+Vec3 voxel_of_position(Vec3 position, double size);
+
+/// Seed of the hashes that VoxelKeep::hash compares.
+inline constexpr std::uint64_t kVoxelSeed = 0x766f78656c;
+
+}  // namespace pointsweep

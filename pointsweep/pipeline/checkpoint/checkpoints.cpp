@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/checkpoint/checkpoints.h"
+
+#include <algorithm>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/pipeline/checkpoint/run_identity.h"
+
+namespace pointsweep {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A checkpoint takes at most this share of the time until the next.
+constexpr double kShare = 0.01;
+
+template <class T>
+std::vector<std::byte> packed(T& value) {
+  Packer out;
+  value.pack(out);
+  return out.bytes();
+}
+
+}  // namespace
+
+Checkpoints::Checkpoints(const EngineOptions& options, const std::string& identity)
+    : folder_(options.resume_folder), least_interval_(options.checkpoint_seconds), interval_(least_interval_) {
+  found_ = !folder_.saved().empty();
+  if (found_) last_ = Checkpoint::unpacked(folder_.saved());
+  if (found_) require_same_run(last_.identity, identity, folder_.path());
+  last_.identity = identity;
+  folder_.keep_only(files());
+}
+
+SpillPlace Checkpoints::place(const char* kind, std::uint64_t sweep) const {
+  return folder_.place(fmt::format("{}-{}", kind, sweep));
+}
+
+std::optional<SweepProgress> Checkpoints::progress() const {
+  if (last_.progress.empty()) return std::nullopt;
+  Unpacker packed(last_.progress);
+  return SweepProgress::unpacked(packed);
+}
+
+void Checkpoints::require_slabs_of(std::uint64_t slab_points) const {
+  if (last_.slab_points > slab_points)
+    fail(
+        "'{}' was begun with more memory or fewer threads: give --memory and --threads as then, or remove the folder "
+        "to start again.",
+        folder_.path().string());
+}
+
+void Checkpoints::surveyed(const Survey& survey, std::uint64_t memory_bytes) {
+  last_.survey = survey;
+  last_.memory_bytes = memory_bytes;
+}
+
+void Checkpoints::in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places,
+                           RowStore* results) {
+  if (last_.is_in_order()) return;
+  const auto begun = Clock::now();
+  last_.slab_points = slab_points;
+  last_.stream = packed(stream);
+  last_.bucket_places = bucket_places;
+  if (results != nullptr) last_.results = packed(*results);
+  save(begun);
+}
+
+bool Checkpoints::is_due() const {
+  return Clock::now() - saved_at_ >= interval_ && (interval_.count() == 0 || !folder_.is_saving());
+}
+
+void Checkpoints::in_sweep(const SweepProgress& progress, RowStore& results) {
+  const auto begun = Clock::now();
+  last_.progress = packed(progress);
+  last_.results = packed(results);
+  save(begun);
+}
+
+void Checkpoints::swept(RowStore& results, const Statistics& counts) {
+  const auto begun = Clock::now();
+  last_.results = packed(results);
+  last_.stream = last_.progress = {};
+  last_.bucket_places = {};
+  take_counts(last_.counts, counts);
+  save(begun);
+}
+
+void Checkpoints::updated(bool selects, const CloudValues& values, const Statistics& counts) {
+  const auto begun = Clock::now();
+  last_.results = {};
+  ++last_.sweep;
+  if (selects) last_.mask = last_.sweep;
+  take_counts(last_.counts, counts);
+  for (const auto& [number, value] : values) {
+    if (last_.values.size() <= number) last_.values.resize(number + 1);
+    last_.values[number] = value;
+  }
+  save(begun);
+}
+
+void Checkpoints::writing_tiles() {
+  if (folder_.saved().empty()) save(Clock::now());
+}
+
+void Checkpoints::save(Clock::time_point begun) {
+  folder_.save(last_.packed(), files());
+  saved_at_ = Clock::now();
+  const std::chrono::duration<double> took = saved_at_ - begun;
+  if (least_interval_.count() > 0) interval_ = std::max(least_interval_, took / kShare);
+}
+
+/// Returns the names of the files that the last checkpoint refers to.
+std::set<std::string> Checkpoints::files() const {
+  std::set<std::string> names;
+  if (last_.sweep > 0) names.insert(place("rows", last_.sweep).file().filename());
+  if (last_.mask > 0) names.insert(place("mask", last_.mask).file().filename());
+  if (last_.is_in_order()) names.insert(place("stream", last_.sweep).file().filename());
+  if (!last_.results.empty()) names.insert(place("results", last_.sweep).file().filename());
+  return names;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+/// Makes the checkpoints of a run and finds the one that an earlier process has left.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "pointsweep/order/row_store.h"
+#include "pointsweep/order/stream.h"
+#include "pointsweep/pipeline/checkpoint/checkpoint.h"
+#include "pointsweep/pipeline/checkpoint/resume_folder.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/rows/pass_values.h"
+#include "pointsweep/sweep/sweep_progress.h"
+
+namespace pointsweep {
+
+class Checkpoints {
+ public:
+  /// Throws Error if the folder cannot be used or holds another run.
+  Checkpoints(const EngineOptions& options, const std::string& identity);
+
+  /// Returns the last checkpoint; at first, the checkpoint that an earlier process has left.
+  const Checkpoint& last() const { return last_; }
+  bool found() const { return found_; }  ///< returns whether an earlier process has left a checkpoint
+  /// The place for a spilled stream, the "results" of a pass, or the "rows" carried into it and their "mask".
+  SpillPlace place(const char* kind, std::uint64_t sweep) const;
+  std::optional<SweepProgress> progress() const;
+  /// Throws Error if the stream was cut into larger slabs than these, for more memory or fewer threads than now.
+  void require_slabs_of(std::uint64_t slab_points) const;
+
+  /// `memory_bytes`: the budget that the plan is made for.
+  void surveyed(const Survey& survey, std::uint64_t memory_bytes);
+  /// `bucket_places`: RunState::bucket_places. `results` may be null where there will be none.
+  void in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places,
+                RowStore* results);
+  void swept(RowStore& results, const Statistics& counts);
+  /// The rows for the next pass are complete, and the mask of its number if `selects`.
+  void updated(bool selects, const CloudValues& values, const Statistics& counts);
+  /// Tiles get their names one after the other from now on, and are listed: there must be a checkpoint.
+  void writing_tiles();
+  /// The run is complete: nothing is left of the folder.
+  void finish() { folder_.remove(); }
+
+  bool is_due() const;
+  void in_sweep(const SweepProgress& progress, RowStore& results);
+
+ private:
+  void save(std::chrono::steady_clock::time_point begun);
+  std::set<std::string> files() const;
+
+  ResumeFolder folder_;
+  Checkpoint last_;
+  bool found_ = false;
+  std::chrono::duration<double> least_interval_, interval_;
+  std::chrono::steady_clock::time_point saved_at_ = std::chrono::steady_clock::now();
+};
+
+/// Takes a sweep's progress into the checkpoints, with the results so far.
+class CheckpointKeeper final : public ProgressKeeper {
+ public:
+  CheckpointKeeper(Checkpoints& checkpoints, RowStore& results) : checkpoints_(checkpoints), results_(results) {}
+  bool wants_progress() override { return checkpoints_.is_due(); }
+  void keep(const SweepProgress& progress) override { checkpoints_.in_sweep(progress, results_); }
+
+ private:
+  Checkpoints& checkpoints_;
+  RowStore& results_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/language/option_text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/neighborhood_declaration.h"
+#include "pointsweep/points/nearest_names.h"
+
+namespace pointsweep {
+namespace {
+
+template <class Number>
+std::optional<Number> read_number(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+std::optional<Vec3> read_point(std::string_view text) {
+  Vec3 point;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::size_t end = axis < 2 ? text.find(',') : text.size();
+    const auto number = end == text.npos ? std::nullopt : read_number<double>(text.substr(0, end));
+    if (!number) return std::nullopt;
+    point[axis] = *number;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return point;
+}
+
+/// Throws UsageError for an option without `=`: a value without a name, or the name of an option alone.
+[[noreturn]] void refuse_unnamed(const std::vector<OptionDeclaration>& declarations, const OptionText& option,
+                                 const std::string& stage) {
+  const auto named = std::ranges::find(declarations, option.value, &OptionDeclaration::name);
+  if (named != declarations.end())
+    fail_usage("{}: {}: the option '{}' has no value; write {}=VALUE ({}).", option.place, stage, option.value,
+               option.value, named->allowed());
+  if (declarations.empty()) fail_usage("{}: {} has no options; leave out '{}'.", option.place, stage, option.value);
+  fail_usage("{}: {}: '{}' has no name; write options as NAME=VALUE, e.g. {}={}.", option.place, stage, option.value,
+             declarations.front().name, option.value);
+}
+
+const OptionDeclaration& declared(const std::vector<OptionDeclaration>& declarations, const OptionText& option,
+                                  const std::string& stage) {
+  if (option.name.empty()) refuse_unnamed(declarations, option, stage);
+  std::vector<std::string> names;
+  for (const OptionDeclaration& d : declarations) {
+    if (d.name == option.name) return d;
+    names.push_back(d.name);
+  }
+  const auto& knn = neighborhood_declaration();
+  if (std::ranges::find(knn.options, option.name, &OptionDeclaration::name) != knn.options.end())
+    fail_usage("{}: {} belongs to the neighbourhood: write {}({}={}) | {}.", option.place, option.name, knn.name,
+               option.name, option.value, stage);
+  if (names.empty()) fail_usage("{}: {} has no options, so it has no '{}'.", option.place, stage, option.name);
+  fail_usage("{}: {} has no option '{}'; the nearest it has {} {}.", option.place, stage, option.name,
+             names.size() == 1 ? "is" : "are", nearest_names(option.name, names));
+}
+
+/// Returns the declaration that an option text belongs to. A value without a name in the first place belongs to the
+/// first option.
+const OptionDeclaration& declared_for(const std::vector<OptionDeclaration>& declared_options, const OptionText& option,
+                                      bool first, const StageText& stage) {
+  const auto is_name = [&](const OptionDeclaration& o) { return !o.positional && o.name == option.value; };
+  if (option.name.empty() && first && !declared_options.empty() && std::ranges::none_of(declared_options, is_name))
+    return declared_options.front();
+  return declared(declared_options, option, stage.name);
+}
+
+/// where(level = 3) is meant as a condition with a mistake, not as an option `level`.
+OptionText as_condition(const std::vector<OptionDeclaration>& declared_options, const OptionText& option) {
+  const bool takes_one = !declared_options.empty() && declared_options.front().kind == OptionKind::condition &&
+                         declared_options.front().positional;
+  const bool is_known =
+      std::ranges::find(declared_options, option.name, &OptionDeclaration::name) != declared_options.end();
+  if (option.name.empty() || is_known || !takes_one) return option;
+  return {"", option.name + " = " + option.value, option.place};
+}
+
+/// drop(a, b) and set(a = 1, b = 2) have one option, of which commas part the values.
+std::vector<OptionText> with_lists_joined(const std::vector<OptionDeclaration>& declared_options,
+                                          const std::vector<OptionText>& given) {
+  const auto is_list = [](const OptionDeclaration& option) {
+    return option.positional && (option.kind == OptionKind::attributes || option.kind == OptionKind::assignments);
+  };
+  if (declared_options.empty() || !is_list(declared_options.front())) return given;
+  std::vector<OptionText> joined;
+  for (const OptionText& option : given) {
+    const bool goes_on = !joined.empty() && joined.front().name.empty() && option.name.empty();
+    goes_on ? void(joined.front().value += "," + option.value) : joined.push_back(option);
+  }
+  return joined;
+}
+
+[[noreturn]] void refuse_value(const OptionDeclaration& option, const std::string& value, const std::string& where) {
+  const char* what = option.kind == OptionKind::whole    ? "a whole number, "
+                     : option.kind == OptionKind::number ? "a number, "
+                     : option.kind == OptionKind::point  ? "three numbers "
+                                                         : "";
+  fail_usage("{}: {} is {}{}, not '{}'.", where, option.name, what, option.allowed(), value);
+}
+
+/// -0 as 0.
+std::string shortest_text(double number) { return fmt::format("{}", number == 0 ? 0.0 : number); }
+
+/// Each number in its shortest form, so that equal lists are the same text. What is none is left to the check.
+std::string shortest_numbers(std::string_view list) {
+  std::string text;
+  for (const double number : numbers_of(list)) text += (text.empty() ? "" : ",") + shortest_text(number);
+  return text;
+}
+
+std::optional<OptionValue> parse_unchecked(OptionKind kind, std::string_view text) {
+  const auto value = [](const auto& parsed) { return parsed ? std::optional<OptionValue>(*parsed) : std::nullopt; };
+  switch (kind) {
+    case OptionKind::whole:
+      return value(read_number<std::uint64_t>(text));
+    case OptionKind::number:
+      return value(read_number<double>(text));
+    case OptionKind::point:
+      return value(read_point(text));
+    case OptionKind::numbers:
+      return shortest_numbers(text);
+    case OptionKind::choice:
+    case OptionKind::file:
+    case OptionKind::word:
+    case OptionKind::attributes:
+    case OptionKind::assignments:
+    case OptionKind::names:
+    case OptionKind::attribute:
+    case OptionKind::condition:
+      break;
+  }
+  return std::string(text);
+}
+
+}  // namespace
+
+std::optional<OptionValue> parse_value(const OptionDeclaration& option, std::string_view text) {
+  std::optional<OptionValue> value = parse_unchecked(option.kind, text);
+  if (value && !option.allows(*value)) value.reset();
+  return value;
+}
+
+std::string text_of_value(const OptionValue& value) {
+  if (const auto* whole = std::get_if<std::uint64_t>(&value)) return fmt::format("{}", *whole);
+  if (const auto* number = std::get_if<double>(&value)) return shortest_text(*number);
+  if (const auto* word = std::get_if<std::string>(&value)) return *word;
+  if (const auto* p = std::get_if<Vec3>(&value))
+    return shortest_text(p->x) + "," + shortest_text(p->y) + "," + shortest_text(p->z);
+  return "";
+}
+
+OptionValues read_options(const std::vector<OptionDeclaration>& declared_options, const StageText& stage) {
+  OptionValues values(declared_options, stage.place + ": " + stage.name);
+  const std::vector<OptionText> options = with_lists_joined(declared_options, stage.options);
+  for (const OptionText& given : options) {
+    const OptionText text = as_condition(declared_options, given);
+    const OptionDeclaration& option = declared_for(declared_options, text, &given == options.data(), stage);
+    std::optional<OptionValue> value = parse_value(option, text.value);
+    if (!value) refuse_value(option, text.value, text.place + ": " + stage.name);
+    if (!values.give(option.name, *std::move(value)))
+      fail_usage("{}: {}: '{}' is given twice.", text.place, stage.name, option.name);
+  }
+  for (const OptionDeclaration& option : declared_options)
+    if (option.required && !values.given(option.name))
+      fail_usage("{}: the option '{}' is missing; write {}({}{}).", values.where(), option.name, stage.name,
+                 option.positional ? "" : option.name + "=", text_of_value(option.sample));
+  return values;
+}
+
+}  // namespace pointsweep

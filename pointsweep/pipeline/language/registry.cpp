@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/language/registry.h"
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/change/distance_to.h"
+#include "pointsweep/operators/change/m3c2.h"
+#include "pointsweep/operators/graph/connected_components.h"
+#include "pointsweep/operators/graph/density_clusters.h"
+#include "pointsweep/operators/graph/orient.h"
+#include "pointsweep/operators/graph/segments.h"
+#include "pointsweep/operators/ground/ground.h"
+#include "pointsweep/operators/ground/height.h"
+#include "pointsweep/operators/rows/color.h"
+#include "pointsweep/operators/rows/crop.h"
+#include "pointsweep/operators/rows/decimate.h"
+#include "pointsweep/operators/rows/drop.h"
+#include "pointsweep/operators/rows/set.h"
+#include "pointsweep/operators/rows/unique.h"
+#include "pointsweep/operators/rows/where.h"
+#include "pointsweep/operators/statistics/density.h"
+#include "pointsweep/operators/statistics/local_outlier_factor.h"
+#include "pointsweep/operators/statistics/neighborhood_size.h"
+#include "pointsweep/operators/statistics/outliers.h"
+#include "pointsweep/operators/statistics/radius_outliers.h"
+#include "pointsweep/operators/surface/curvature.h"
+#include "pointsweep/operators/surface/fair.h"
+#include "pointsweep/operators/surface/features.h"
+#include "pointsweep/operators/surface/normals.h"
+#include "pointsweep/operators/surface/splats.h"
+#include "pointsweep/operators/thinning/poisson.h"
+#include "pointsweep/operators/thinning/simplify.h"
+#include "pointsweep/operators/thinning/voxel.h"
+#include "pointsweep/operators/update_operators.h"
+#include "pointsweep/points/nearest_names.h"
+
+namespace pointsweep {
+
+namespace {
+
+/// A word of other programs for what no operator here is called, and what to do instead.
+struct OtherWord {
+  std::string_view word, advice;
+};
+
+constexpr std::string_view kReproject =
+    "pointsweep does not transform coordinates, but 'pdal translate IN OUT reprojection "
+    "--filters.reprojection.out_srs=EPSG:CODE' does";
+constexpr std::string_view kCopy = "decimate(1) copies the points of all inputs";
+constexpr OtherWord kOtherWords[] = {
+    {"reproject", kReproject},
+    {"reprojection", kReproject},
+    {"transform", "set moves points, as in set(x = x + 1000, y = y + 2000)"},
+    {"sample", "voxel and poisson keep points at a distance, decimate a share of them"},
+    {"merge", kCopy},
+    {"copy", kCopy},
+    {"convert", kCopy},
+    {"translate", kCopy}};
+
+}  // namespace
+
+const std::vector<OperatorDeclaration>& all_operators() {
+  static const std::vector<OperatorDeclaration> operators = {
+      normals_declaration(),    curvature_declaration(),   splats_declaration(),
+      fair_declaration(),       features_declaration(),    neighborhood_size_declaration(),
+      where_declaration(),      crop_declaration(),        set_declaration(),
+      drop_declaration(),       sor_declaration(),         ror_declaration(),
+      lof_declaration(),        density_declaration(),     unique_declaration(),
+      decimate_declaration(),   voxel_declaration(),       poisson_declaration(),
+      simplify_declaration(),   ground_declaration(),      height_declaration(),
+      color_declaration(),      distance_to_declaration(), m3c2_declaration(),
+      components_declaration(), dbscan_declaration(),      segments_declaration(),
+      orient_declaration(),     reneighbor_declaration(),  resort_declaration(),
+  };
+  return operators;
+}
+
+std::string_view advice_for(std::string_view word) {
+  const auto* const found = std::ranges::find(kOtherWords, word, &OtherWord::word);
+  return found == std::end(kOtherWords) ? std::string_view() : found->advice;
+}
+
+const OperatorDeclaration* declaration_of(std::string_view name) {
+  const auto found = std::ranges::find(all_operators(), name, &OperatorDeclaration::name);
+  return found == all_operators().end() ? nullptr : &*found;
+}
+
+const OperatorDeclaration& find_operator(const StageText& stage) {
+  if (const OperatorDeclaration* found = declaration_of(stage.name)) return *found;
+  if (const std::string_view advice = advice_for(stage.name); !advice.empty())
+    fail_usage("{}: no operator is called '{}'; {}.", stage.place, stage.name, advice);
+  std::vector<std::string> names = {neighborhood_declaration().name};
+  for (const OperatorDeclaration& declaration : all_operators()) names.push_back(declaration.name);
+  const std::optional<std::string> meant = probable_name(stage.name, names);
+  fail_usage("{}: no operator is called '{}'; {}.", stage.place, stage.name,
+             meant ? fmt::format("the nearest is '{}'", *meant) : "'pointsweep operators' lists all");
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/memory/run_memory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <thread>
+#include <utility>
+
+#include "pointsweep/order/waiting_estimate.h"
+#include "pointsweep/pipeline/memory/forest_estimate.h"
+#include "pointsweep/pipeline/memory/radius_estimate.h"
+#include "pointsweep/pipeline/output/output_formats.h"
+#include "pointsweep/pipeline/rows/other_cloud.h"
+#include "pointsweep/pipeline/rows/row_mask.h"
+#include "pointsweep/sweep/edge_emitter.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::uint64_t kMovedPositionBytes = 3 * sizeof(double);
+
+bool in_memory(const MemoryPlan& plan) { return !plan.spill_stream && !plan.spill_results; }
+
+unsigned threads_of(const EngineOptions& options) {
+  return options.resources.threads != 0 ? options.resources.threads : std::max(1u, std::thread::hardware_concurrency());
+}
+
+MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std::uint64_t points, const Survey& survey,
+                    const EngineOptions& options, std::uint64_t codec_bytes) {
+  const std::uint64_t row_bytes = points >> 32 ? 8 : 4;
+  return {
+      .points = points,
+      .working_record_bytes = record_bytes + row_bytes,
+      .result_record_bytes = result_bytes,
+      .slab_points = options.slab_points != 0 ? options.slab_points : recommended_slab_points(points, survey.dimension),
+      .slabs_per_turn = options.slab_points != 0 ? std::max(1u, options.slabs_per_turn) : options.slabs_per_turn,
+      .threads = threads_of(options),
+      .cell_points = options.cell_points,
+      .codec_bytes = codec_bytes};
+}
+
+/// Adds the demand of a radius without a limit k. Returns its effort, for a sentence to the user.
+Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& survey) {
+  const Neighborhood& n = plan.neighborhood;
+  if (n.k != Neighborhood::kUnlimited) return {};
+  const double width = n.radius * static_cast<double>(plan.step_count() + 1);
+  const RadiusEstimate estimate = estimate_radius(survey, demand.points, n.radius, width);
+  demand.slice_points = estimate.slice_points;
+  demand.most_neighbors = static_cast<std::uint64_t>(estimate.most_neighbors);
+  const double all = estimate.neighbors * static_cast<double>(demand.points);
+  return {neighbor_seconds(plan, all) / demand.threads, "The radius", neighbors_text(estimate.neighbors),
+          "a smaller one, or k beside it, takes less"};
+}
+
+/// The axis along which places ascend, if the sample shows the extents of the cloud.
+int axis_of_places(const Survey& survey, const EngineOptions& options) {
+  if (options.axis && *options.axis < 2) return *options.axis;
+  const Vec3 extent = survey.bounds.extent();
+  return extent.x >= extent.y ? 0 : 1;
+}
+
+/// The least memory of an in-order operator, and its effort.
+void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey, const EngineOptions& options,
+                  Effort& effort) {
+  const InOrderOperator* op = pass.in_order();
+  if (op == nullptr) return;
+  const auto slice_points = [&](double thickness) {
+    return estimate_radius(survey, demand.points, thickness / 2, thickness).slice_points;
+  };
+  const CloudEstimate cloud{.points = demand.points,
+                            .sample = survey.sample,
+                            .axis = axis_of_places(survey, options),
+                            .slice_points = slice_points};
+  const InOrderEffort alone = op->effort(cloud);
+  effort = {alone.seconds / demand.threads, alone.cause, alone.text, alone.remedy};
+  demand.in_order_bytes = op->least_bytes(cloud);
+  if (!op->other_cloud().empty()) demand.in_order_bytes += OtherCloud::working_bytes(demand.threads);
+}
+
+/// Adds the demand of a forest: the supernodes of a bucket and of the points whose neighbours are not all in earlier
+/// buckets, and the edges that a thread has in hand.
+void add_forest(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey) {
+  const Stage* stage = pass.connecting_stage();
+  if (stage == nullptr) return;
+  const std::size_t k = pass.plan.neighborhood.k;
+  const std::uint64_t open =
+      k == Neighborhood::kUnlimited ? demand.slice_points : estimate_open_points(survey, demand.points, k);
+  const bool weighted = stage->connects()->weighted();
+  const std::uint64_t votes = stage->connects()->votes() != nullptr ? stage->connects()->votes()->bytes() : 0;
+  demand.connect_bytes = (open + std::min(demand.points, kBucketPoints)) * (votes + (weighted ? 450 : 150));
+  demand.listed_edge_bytes = EdgeEmitter::bytes_per_neighbor(weighted);
+}
+
+MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand,
+                const EngineOptions& options) {
+  MemoryPlan memory = try_plan_memory(budget, sweep, demand);
+  if (options.ordering == Ordering::on_demand && demand.waiting_points) {
+    memory.on_demand = true;
+    memory.spill_stream = false;
+    memory.spill_results |= options.spill;
+    memory.result_buffer_bytes = std::max<std::uint64_t>(memory.result_buffer_bytes, 1 << 20);
+    memory.most_waiting = std::numeric_limits<std::uint64_t>::max();
+    return memory;
+  }
+  if (options.spill || !options.resume_folder.empty()) {
+    memory.spill_stream = memory.spill_results = true;
+    memory.result_buffer_bytes = std::max<std::uint64_t>(memory.result_buffer_bytes, 1 << 20);
+  }
+  return memory;
+}
+
+/// Returns the number of points that would wait, by the boxes; absent where slabs cannot be made on demand.
+std::optional<std::uint64_t> waiting_points(const OnDemandOrder& order, const Survey& survey,
+                                            const MemoryDemand& demand) {
+  if (!order.why_not.empty()) return {};
+  return estimate_waiting(order.boxes, survey.axis, survey.sample, demand.points, demand.slab_points, demand.threads);
+}
+
+double mega(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
+
+/// Describes how the points of the first pass are put in order, and why.
+std::string order_text(const MemoryPlan& memory, const OnDemandOrder& order, const MemoryDemand& demand) {
+  if (!memory.on_demand && !memory.spill_stream) return "by distribution, in memory";
+  if (!memory.on_demand && !order.why_not.empty()) return "by distribution: " + order.why_not;
+  const std::string waiting = fmt::format("about {} points ({:.1f} MB)", demand.waiting_points.value_or(0),
+                                          mega(demand.waiting_points.value_or(0) * demand.working_record_bytes));
+  if (memory.on_demand)
+    return fmt::format("by the boxes of the inputs: at most {} wait in memory; nothing is spilled for it", waiting);
+  return fmt::format("by distribution: by the boxes of the inputs {} would have to wait in memory", waiting);
+}
+
+/// Points that are put in order and go through no stage.
+SweepPlan unswept(std::uint32_t result_bytes) {
+  SweepPlan none;
+  none.steps = {0, 0};
+  none.result_bytes = result_bytes;
+  return none;
+}
+
+/// Reads rows in their order: rows_at_once() of them at once.
+MemoryPlan plan_rows(std::uint64_t codec_bytes) {
+  MemoryPlan memory;
+  memory.expected_bytes = kFixedBytes + codec_bytes;
+  return memory;
+}
+
+/// The masks of the select before and of the one that is decided.
+std::uint64_t mask_bytes(const ChainPlan& planned, std::uint64_t points) {
+  return planned.selects() ? 2 * RowMask::bytes(points) : 0;
+}
+
+}  // namespace
+
+bool RunMemory::spills() const {
+  if (by_distribution && !in_memory(*by_distribution)) return true;
+  return spill_rows || !in_memory(reordering) || !std::ranges::all_of(passes, in_memory);
+}
+
+namespace {
+
+/// For whole records of `record_bytes` that are only put in order. Does not throw: see MemoryPlan::needed_bytes.
+MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
+                                const Survey& survey, const EngineOptions& options, std::uint64_t codec_bytes) {
+  return plan(budget, unswept(0), demand(record_bytes, 0, points, survey, options, codec_bytes), options);
+}
+
+/// Plans like plan_run_memory(), for exactly the threads of the options. Does not throw for a budget that is too small:
+/// see RunMemory::needed_bytes.
+RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
+                          const EngineOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes,
+                          const OnDemandOrder& on_demand) {
+  RunMemory memory;
+  memory.threads = threads_of(options);
+  memory.ordered_pass = first_ordered_pass(planned);
+  for (const PlannedPass& pass : planned.passes) {
+    if (pass.kind == PassKind::rows) {
+      memory.efforts.emplace_back();
+      memory.record_bytes.push_back(pass.input.stride);
+      memory.passes.push_back(plan_rows(codec_bytes));
+      continue;
+    }
+    SweepPlan stages = pass.plan;
+    if (pass.kind == PassKind::order) stages = unswept(pass.plan.result_bytes);
+    const bool whole = leaves_in_order(planned, options) && &pass == &planned.passes.back();
+    MemoryDemand needs = demand(whole ? pass.input.stride : pass.travelling_bytes(),
+                                whole ? output_bytes : stages.result_bytes, points, survey, options, codec_bytes);
+    memory.efforts.push_back(add_radius(needs, stages, survey));
+    add_in_order(needs, pass, survey, options, memory.efforts.back());
+    add_forest(needs, pass, survey);
+    memory.record_bytes.push_back(needs.working_record_bytes);
+    if (memory.passes.size() == memory.ordered_pass) {
+      needs.waiting_points = waiting_points(on_demand, survey, needs);
+      memory.passes.push_back(plan(budget, stages, needs, options));
+      memory.order_text = order_text(memory.passes.back(), on_demand, needs);
+      needs.waiting_points = {};
+      if (memory.passes.back().on_demand) memory.by_distribution = plan(budget, stages, needs, options);
+    } else {
+      memory.passes.push_back(plan(budget, stages, needs, options));
+    }
+    memory.expected_bytes = std::max(memory.expected_bytes, memory.passes.back().expected_bytes);
+  }
+  if (planned.reorders) {
+    const std::uint64_t position_bytes = planned.passes.empty() ? 0 : kMovedPositionBytes;
+    memory.reordering =
+        plan_ordering_memory(budget, output_bytes + position_bytes, points, survey, options, codec_bytes);
+    memory.expected_bytes = std::max(memory.expected_bytes, memory.reordering.expected_bytes);
+  }
+  memory.needed_bytes = memory.reordering.needed_bytes;
+  for (const MemoryPlan& pass : memory.passes) memory.needed_bytes = std::max(memory.needed_bytes, pass.needed_bytes);
+  memory.row_bytes = points * planned.most_carried_bytes() + mask_bytes(planned, points);
+  memory.spill_rows = memory.row_bytes > 0 && (memory.spills() || memory.expected_bytes + memory.row_bytes > budget);
+  if (memory.spill_rows) return memory;
+  memory.expected_bytes += memory.row_bytes;
+  for (MemoryPlan& pass : memory.passes) pass.in_order_bytes -= std::min(pass.in_order_bytes, memory.row_bytes);
+  return memory;
+}
+
+}  // namespace
+
+RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
+                          const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs,
+                          const OnDemandOrder& on_demand) {
+  const auto plan_for = [&](unsigned threads) {
+    EngineOptions fewer = options;
+    fewer.resources.threads = threads;
+    return plan_on_threads(budget, planned, points, survey, fewer, output_bytes, codecs ? codecs(threads) : 0,
+                           on_demand);
+  };
+  const unsigned asked = threads_of(options);
+  RunMemory all = plan_for(asked), fitting;
+  if (all.needed_bytes == 0) return all;
+  unsigned enough = 0, too_many = asked;
+  while (too_many - enough > 1) {
+    const unsigned middle = enough + (too_many - enough) / 2;
+    RunMemory memory = plan_for(middle);
+    if (memory.needed_bytes != 0)
+      too_many = middle;
+    else
+      enough = middle, fitting = std::move(memory);
+  }
+  if (enough == 0) fail_budget(budget, asked == 1 ? all.needed_bytes : plan_for(1).needed_bytes);
+  fitting.threads_note = fmt::format(
+      "{} of {} threads work: a memory budget of {} MB has no room for more; --memory {}M has room for all.", enough,
+      asked, budget >> 20, all.needed_bytes >> 20);
+  return fitting;
+}
+
+std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::uint64_t record_bytes,
+                          unsigned threads) {
+  std::uint64_t decoders = 0;  // a thread reads one input at a time
+  for (const auto& reader : cloud.readers())
+    if (!reader->info().decode_once)  // those are gone before the memory is needed (decoded_input.h)
+      decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));
+  return decoders + encoder_bytes(outputs, record_bytes, threads);
+}
+
+std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, unsigned threads) {
+  std::uint64_t most = 0;
+  for (const OutputFormat& output : output_formats(outputs))
+    if (output.format->encoder_bytes != nullptr)
+      most = std::max(most, output.format->encoder_bytes(record_bytes, threads));
+  return most;
+}
+
+bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options) {
+  return options.order == Order::sweep && !planned.reorders;
+}
+
+}  // namespace pointsweep

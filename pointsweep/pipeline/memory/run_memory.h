@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+/// The memory of the phases of a run, asked of the memory plan.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/order/survey.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/memory_plan.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/pipeline/rows/on_demand_order.h"
+
+namespace pointsweep {
+
+/// The estimated effort of a pass whose time does not follow from the number of points: a pass with a radius without a
+/// limit k, or with an in-order operator. 0 seconds for all other passes.
+struct Effort {
+  double seconds = 0;  ///< on all threads
+  std::string cause;   ///< "The radius"
+  std::string text;    ///< what the cause means: "about 400 neighbours per point"
+  std::string remedy;  ///< "a smaller one takes less"
+};
+
+/// Efforts from here on are worth a sentence before the work.
+inline constexpr double kLongSeconds = 60;
+
+/// The memory of all phases, planned before the first phase.
+struct RunMemory {
+  std::vector<MemoryPlan> passes;  ///< by pass
+  std::size_t ordered_pass = 0;    ///< first_ordered_pass()
+  /// The plan for `ordered_pass` by distribution, used where an order on demand is planned and turns out not to fit.
+  std::optional<MemoryPlan> by_distribution;
+  std::string order_text;                   ///< how the points of that pass are put in order, and why
+  std::vector<std::uint64_t> record_bytes;  ///< of a point on its way through the stream, by pass
+  std::vector<Effort> efforts;              ///< by pass
+  MemoryPlan reordering;                    ///< of the output, if planned.reorders
+  bool spill_rows = false;                  ///< what is carried between passes, and which rows are left
+  std::uint64_t row_bytes = 0;              ///< what that takes at most, in memory or in the temporary folder
+  std::uint64_t expected_bytes = 0;         ///< the most at any time
+  std::uint64_t needed_bytes = 0;           ///< the least budget that does, if this one does not; otherwise 0
+  unsigned threads = 1;                     ///< that work after the survey
+  std::string threads_note;                 ///< for the user, where they are fewer than asked for
+  bool spills() const;
+};
+
+/// Returns codec_bytes() for a number of threads.
+using CodecBytes = std::function<std::uint64_t(unsigned threads)>;
+
+/// Plans the memory of all passes. Records carried between sweeps stay in memory only if nothing is spilled. One survey
+/// serves all sweeps, since the places of moved points are not known yet. As many threads work as the budget has memory
+/// for, at most the threads of the options. Throws Error, which states the least sufficient budget, if the budget is
+/// too small for one thread. `output_bytes`: bytes of an output record; `codecs` may be empty.
+RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
+                          const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs = {},
+                          const OnDemandOrder& on_demand = {"it was not looked for", {}});
+
+/// Returns the bytes that decoding the inputs and encoding records of `record_bytes` to these outputs take on `threads`
+/// threads.
+std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::uint64_t record_bytes,
+                          unsigned threads);
+
+/// The part of it for encoding one output.
+std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, unsigned threads);
+
+/// The order of the only sweep is the one that the output is to have: its records travel along.
+bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options);
+
+}  // namespace pointsweep

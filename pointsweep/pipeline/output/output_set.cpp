@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/output/output_set.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/known_values.h"
+#include "pointsweep/formats/registry.h"
+#include "pointsweep/pipeline/rows/cloud_source.h"
+
+namespace pointsweep {
+
+namespace {
+constexpr std::size_t kChunkBytes = 4 << 20;
+
+/// The ranges of the fields that are kept, in their order.
+std::shared_ptr<const KnownValues> of_kept_fields(std::shared_ptr<const KnownValues> values, const KeptFields& kept) {
+  if (!values || !kept.input) return values;
+  auto some = std::make_shared<KnownValues>(*values);
+  some->ranges.clear();
+  for (const std::size_t field : *kept.input) some->ranges.push_back(values->ranges[field]);
+  return some;
+}
+
+}  // namespace
+
+std::optional<Type> type_of_positions(const std::vector<Attribute>& made, const std::filesystem::path& output,
+                                      const EngineOptions& options) {
+  const Format* const format = format_of_output(output);
+  if (options.positions && format != nullptr && !format->real_coordinates)
+    fail_usage("--positions: {} stores coordinates as integers, in {}; leave the option out, or write PLY.",
+               format->name, output.string());
+  if (options.positions) return options.positions;
+  return moves_points(made) ? std::optional(Type::f64) : std::nullopt;
+}
+
+OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept,
+                     const Outputs& outputs, const EngineOptions& options, OutputPlace place,
+                     std::vector<std::string> provenance)
+    : layout_(cloud.schema(), made, kept, type_of_positions(made, outputs.points, options)),
+      input_stride_(cloud.schema().stride) {
+  const OutputPlan plan{.path = outputs.points,
+                        .schema = layout_.schema(),
+                        .count = cloud.count(),
+                        .extras = cloud.extras(),
+                        .overwrite = options.overwrite,
+                        .bounds = place.bounds,
+                        .crs = cloud.crs(),
+                        .las = cloud.las(),
+                        .values = of_kept_fields(std::move(place.values), kept),
+                        .other_extras = cloud.other_extras(),
+                        .made = made,
+                        .provenance = std::move(provenance),
+                        .encoder_bytes = place.encoder_bytes};
+  if (!outputs.points.empty()) points_.add(create_writer(plan));
+  if (outputs.writer) points_.add(outputs.writer(plan));
+  for (const Attribute& attribute : made) {
+    for (const auto& [name, path] : outputs.arrays) {
+      if (name != attribute.name) continue;
+      Schema schema;
+      schema.append(name, attribute.type, static_cast<std::uint32_t>(attribute.fields.size()));
+      const OutputPlan array{.path = path,
+                             .schema = schema,
+                             .count = cloud.count(),
+                             .extras = nullptr,
+                             .overwrite = options.overwrite,
+                             .made = {attribute}};
+      arrays_.emplace_back().file.add(array_format().create(array));
+      arrays_.back().offset = result_bytes_;
+      arrays_.back().bytes = attribute.bytes();
+    }
+    result_bytes_ += attribute.bytes();
+  }
+  if (arrays_.size() != outputs.arrays.size()) fail_usage("An array is asked for that no operator of the chain makes.");
+}
+
+std::size_t OutputSet::chunk_rows() const { return std::max<std::size_t>(1, kChunkBytes / layout_.schema().stride); }
+
+void OutputSet::write_results(InputCloud& cloud, std::uint64_t first_row, std::span<const std::byte> results) {
+  const std::size_t rows = result_bytes_ == 0 ? 0 : results.size() / result_bytes_;
+  const std::size_t chunk = chunk_rows();
+  for (std::size_t done = 0; done < rows; done += chunk) {
+    const std::size_t n = std::min(chunk, rows - done);
+    const std::byte* from = results.data() + done * result_bytes_;
+    if (!points_.empty()) {
+      inputs_.resize(n * input_stride_);
+      assembled_.resize(n * layout_.schema().stride);
+      if (!input_rows_) input_rows_.emplace(source_of(cloud, [](std::size_t) {}));
+      input_rows_->read(first_row + done, inputs_);
+      for_each_task(n, [&](std::size_t row, std::size_t m) {
+        layout_.assemble(inputs_.data() + row * input_stride_, from + row * result_bytes_, m,
+                         assembled_.data() + row * layout_.schema().stride, {first_row + done + row});
+      });
+      points_.write(assembled_);
+    }
+    for (Array& array : arrays_) {
+      array.column.resize(n * array.bytes);
+      for_each_task(n, [&](std::size_t row, std::size_t m) {
+        for (std::size_t i = row; i < row + m; ++i)
+          std::memcpy(array.column.data() + i * array.bytes, from + i * result_bytes_ + array.offset, array.bytes);
+      });
+      array.file.write(array.column);
+    }
+  }
+}
+
+void OutputSet::write_records(std::span<const std::byte> records) {
+  const std::size_t chunk = chunk_rows() * layout_.schema().stride;
+  while (!records.empty()) {
+    assembled_.resize(chunk);
+    const std::size_t fitting = std::min(records.size(), chunk - filled_);
+    std::memcpy(assembled_.data() + filled_, records.data(), fitting);
+    records = records.subspan(fitting);
+    filled_ += fitting;
+    if (filled_ == chunk) write_filled();
+  }
+}
+
+void OutputSet::write_inputs(std::uint64_t first_row, std::span<const std::byte> records) {
+  const std::size_t rows = records.size() / input_stride_;
+  inputs_.resize(rows * layout_.schema().stride);
+  for_each_task(rows, [&](std::size_t row, std::size_t n) {
+    layout_.assemble(records.data() + row * input_stride_, nullptr, n, inputs_.data() + row * layout_.schema().stride,
+                     {first_row + row});
+  });
+  write_records(inputs_);
+}
+
+void OutputSet::write_filled() {
+  assembled_.resize(filled_);
+  points_.write(assembled_);
+  filled_ = 0;
+}
+
+std::vector<std::string> OutputSet::warnings() const {
+  std::vector<std::string> all;
+  for (const auto& writer : points_.writers())
+    all.insert(all.end(), writer->warnings().begin(), writer->warnings().end());
+  return all;
+}
+
+void OutputSet::flush() {
+  if (filled_ != 0) write_filled();
+  points_.wait();
+  for (Array& array : arrays_) array.file.wait();
+}
+
+void OutputSet::finish(const InputCloud& cloud) {
+  cloud.require_unchanged();
+  flush();  // no file gets its name while another may still fail for want of space
+  points_.finish();
+  for (Array& array : arrays_) array.file.finish();
+}
+
+std::uint64_t OutputSet::bytes_written() const {
+  std::uint64_t bytes = points_.bytes_written();
+  for (const Array& array : arrays_) bytes += array.file.bytes_written();
+  return bytes;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+/// Sinks in which the finished points of a sweep wait until the output is written (the deferred write Φ_W, paper
+/// Section 4.2.1).
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/order/row_store.h"
+#include "pointsweep/order/stream.h"
+#include "pointsweep/pipeline/plan/output_layout.h"
+#include "pointsweep/sweep/plan.h"
+
+namespace pointsweep {
+
+/// For Order::input: result records by input row.
+class InputOrderSink final : public Sink {
+ public:
+  InputOrderSink(RowStore& store, std::uint32_t result_bytes) : store_(store), result_bytes_(result_bytes) {}
+  void finished(const Finished& points) override {
+    store_.put({points.rows, points.size}, {points.results, points.size * result_bytes_});
+  }
+
+ private:
+  RowStore& store_;
+  std::uint32_t result_bytes_;
+};
+
+/// For Order::sweep: whole output records by place in the canonical order.
+class SweepOrderSink final : public Sink {
+ public:
+  SweepOrderSink(RowStore& store, const Stream& stream, const OutputLayout& layout, std::uint32_t input_stride);
+  bool wants_records() const override { return true; }
+  void slab_read(std::uint32_t slab, std::vector<std::byte> records) override;
+  void finished(const Finished& points) override;
+  void recalled(const Finished& points) override;
+  void deferred(std::uint32_t slab, std::uint32_t index_in_slab) override;
+  void were_finished(std::uint32_t slab, std::uint64_t points) override { leave(slab, points); }
+
+ private:
+  struct Kept {
+    std::uint64_t place;
+    std::vector<std::byte> record;
+  };
+  /// A slab whose points are not all finished yet.
+  struct Open {
+    std::vector<std::byte> records;
+    std::vector<std::uint32_t> rank;  ///< by index in the slab
+    std::uint64_t left;
+  };
+  void put(const Open& open, const Finished& points);
+  void leave(std::uint32_t slab, std::uint64_t points);
+
+  RowStore& store_;
+  const Stream& stream_;
+  const OutputLayout& layout_;
+  std::uint32_t input_stride_;
+  std::mutex mutex_;
+  std::vector<std::shared_ptr<Open>> slabs_;                      ///< null before it is read and after its last point
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Kept> kept_;  ///< deferred points, by slab and index
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/output/tile_set.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/formats/known_values.h"
+#include "pointsweep/formats/records/borrowed_reader.h"
+#include "pointsweep/formats/registry.h"
+#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/order/survey.h"
+#include "pointsweep/pipeline/rows/cloud_source.h"
+#include "pointsweep/row_error.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A cloud of one input alone.
+InputCloud cloud_of_input(const InputCloud& all, std::size_t input) {
+  std::vector<std::unique_ptr<Reader>> reader;
+  reader.push_back(std::make_unique<BorrowedReader>(*all.readers()[input]));
+  return InputCloud(std::move(reader));
+}
+
+/// Returns the part of a selection that concerns one input, whose rows begin at `first` in the whole cloud.
+RowSelection selected_rows(const RowSelection& all, std::uint64_t first, std::uint64_t rows) {
+  return {rows, [&all, first, rows](std::uint64_t block, std::span<std::byte> bits) {
+            SelectionCursor kept(all);
+            std::ranges::fill(bits, std::byte{0});
+            const std::uint64_t begin = block * RowSelection::kBlockRows;
+            const std::uint64_t n = std::min(RowSelection::kBlockRows, rows - begin);
+            for (std::uint64_t i = 0; i < n; ++i)
+              if (kept.has(first + begin + i)) bits[i / 8] |= std::byte{1} << (i % 8);
+          }};
+}
+
+/// Returns the field of one input from which the field `name` of the whole cloud comes.
+std::optional<std::size_t> own_field(const Schema& own, const std::string& name) {
+  for (std::size_t f = 0; f < own.fields.size(); ++f)
+    if (own.fields[f].name == name) return f;
+  return own.find(library_name_of(name));
+}
+
+/// Returns the kept fields of one input.
+KeptFields kept_of(const KeptFields& kept, const Schema& all, const Schema& own) {
+  KeptFields mine = kept;
+  if (!kept.input || all == own) return mine;
+  mine.input->clear();
+  for (const std::size_t f : *kept.input)
+    if (const auto field = own_field(own, all.fields[f].name)) mine.input->push_back(*field);
+  std::ranges::sort(*mine.input);
+  return mine;
+}
+
+/// Returns the names in `replace` that mean an attribute of this input. The other names belong to other inputs.
+std::vector<std::string> replaced_in(const Schema& own, const std::vector<std::string>& replace,
+                                     const std::vector<Attribute>& made) {
+  std::vector<std::string> some;
+  for (const std::string& name : replace) {
+    bool is_there = own_field(own, name).has_value();
+    for (const Attribute& a : made)
+      if (a.name == name)
+        for (const std::string& field : a.fields) is_there |= own_field(own, field).has_value();
+    if (is_there) some.push_back(name);
+  }
+  return some;
+}
+
+Box bounds_of(InputCloud& cloud) {
+  if (cloud.count() == 0) return {Vec3{}, Vec3{}};
+  return survey(source_of(cloud, [](std::size_t) {}), std::nullopt, true).bounds;
+}
+
+/// Returns OutputPlan::bounds for the output of one input.
+std::optional<Box> bounds_if_needed(const Format* format, InputCloud& cloud) {
+  const bool needed = format != nullptr && format->needs_bounds != nullptr && format->needs_bounds(cloud.schema());
+  return needed ? std::optional(bounds_of(cloud)) : std::nullopt;
+}
+
+std::shared_ptr<KnownValues> values_if_needed(const Format* format, InputCloud& cloud) {
+  if (format == nullptr || format->values == nullptr) return nullptr;
+  return std::make_shared<KnownValues>(format->values(cloud, [](std::uint64_t) { stop_if_cancelled(); }));
+}
+
+/// Returns whether a point of the tile has moved. The rows of the tile begin at `first` in the whole cloud.
+bool has_moved_points(InputCloud& tile, const MovedPoints& moved, std::uint64_t first) {
+  constexpr std::uint64_t kRows = 1 << 14;
+  const std::size_t stride = tile.schema().stride, bytes = moved.rows->record_bytes();
+  const PositionFields p = position_fields(tile.schema(), "the input");
+  std::vector<std::byte> inputs, after;
+  for (std::uint64_t row = 0; row < tile.count(); row += kRows) {
+    stop_if_cancelled();
+    const std::size_t n = std::min(kRows, tile.count() - row);
+    inputs.resize(n * stride);
+    after.resize(n * bytes);
+    tile.read(row, inputs);
+    moved.rows->read(first + row, after);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::byte* const own = inputs.data() + i * stride;
+      const double was[3] = {value_of(p.x, own), value_of(p.y, own), value_of(p.z, own)};
+      double is[3];
+      std::memcpy(is, after.data() + i * bytes + moved.position, sizeof is);
+      if (!std::equal(was, was + 3, is)) return true;
+    }
+  }
+  return false;
+}
+
+/// Tries one tile of each kind: opens its file and removes it again.
+class KindsOfTiles {
+ public:
+  explicit KindsOfTiles(const TileRequest& request) : request_(request) {}
+
+  void try_tile(std::size_t tile) {
+    const fs::path& output = request_.outputs.tiles[tile];
+    const Reader& reader = *request_.cloud.readers()[tile];
+    Kind kind{format_of_output(output), reader.info().schema};
+    for (Field& field : kind.schema.fields) field.bias = 0;  // wherever the grid of an input begins
+    if (std::ranges::find(tried_, kind) != tried_.end()) return;
+    tried_.push_back(std::move(kind));
+    const InputCloud cloud = cloud_of_input(request_.cloud, tile);
+    const KeptFields kept = kept_of(request_.names.kept, request_.cloud.schema(), cloud.schema());
+    name_outputs(cloud.schema(), reader.info().path.string(), request_.names.made, kept, output,
+                 {"", replaced_in(cloud.schema(), request_.options.replace, request_.names.made)});
+    Box somewhere;
+    somewhere.include(Vec3{});
+    OutputSet(cloud, request_.names.made, kept, {.points = output}, request_.options, {somewhere, nullptr});
+  }
+
+ private:
+  struct Kind {
+    const Format* format;
+    Schema schema;
+    friend bool operator==(const Kind&, const Kind&) = default;
+  };
+  const TileRequest& request_;
+  std::vector<Kind> tried_;
+};
+
+}  // namespace
+
+void require_writable_tiles(const TileRequest& request, const FinishedTiles& finished, MadeFolders& folders) {
+  const std::vector<fs::path>& tiles = request.outputs.tiles;
+  if (tiles.size() != request.cloud.readers().size())
+    fail_usage("{} outputs are named for {} inputs; name one for each.", tiles.size(), request.cloud.readers().size());
+  for (const fs::path& tile : tiles) folders.make_for(tile);
+  KindsOfTiles kinds(request);
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    stop_if_cancelled();
+    if (finished.has(t, tiles[t])) continue;
+    OutputFile::require_possible(tiles[t], request.options.overwrite);
+    kinds.try_tile(t);
+  }
+}
+
+/// A tile that gets its rows or is being completed. If an earlier process has finished it, its rows are skipped.
+struct TileSet::Tile {
+  Tile(std::size_t t, std::uint64_t first_row, InputCloud of_tile)
+      : number(t), first(first_row), cloud(std::move(of_tile)) {}
+
+  std::size_t number;
+  std::uint64_t first;  ///< number of its first row among the rows of the whole cloud that are left
+  InputCloud cloud;
+  std::optional<OutputSet> files;            ///< absent if an earlier process has finished the tile
+  std::uint64_t done = 0;                    ///< rows that have been written or skipped
+  std::optional<ParallelRows> input_rows;    ///< reads rows without made attributes
+  std::optional<BackgroundTask> completing;  ///< last, so that the task ends before the members that it uses
+};
+
+TileSet::TileSet(const TileRequest& request, FinishedTiles finished)
+    : request_(request), outputs_(request.outputs.tiles), finished_(std::move(finished)) {
+  std::uint64_t row = 0;
+  for (const auto& reader : request.cloud.readers()) {
+    first_row_.push_back(row);
+    row += reader->info().count;
+  }
+}
+
+TileSet::~TileSet() = default;
+
+void TileSet::open_next() {
+  const std::size_t t = next_++;
+  tile_.reset(new Tile(t, rows_opened_, cloud_of_input(request_.cloud, t)));
+  InputCloud& cloud = tile_->cloud;
+  if (const RowSelection* all = request_.cloud.selection())
+    cloud.select(selected_rows(*all, first_row_[t], cloud.count()));
+  const fs::path& output = request_.outputs.tiles[t];
+  const std::uint64_t first = std::exchange(rows_opened_, rows_opened_ + cloud.count());
+  if (cloud.count() == 0) empty_.push_back(output.string());
+  if (finished_.has(t, output)) return void(++complete_);
+  const KeptFields kept = kept_of(request_.names.kept, request_.cloud.schema(), cloud.schema());
+  OutputPlace place = place_of_tile(cloud, format_of_output(output), first);
+  tile_->files.emplace(cloud, request_.names.made, kept, Outputs{.points = output}, request_.options, std::move(place),
+                       request_.provenance(cloud, t));
+}
+
+/// Tiles with moved points share one decision about their grid; all others keep their own.
+OutputPlace TileSet::place_of_tile(InputCloud& cloud, const Format* format, std::uint64_t first) const {
+  std::shared_ptr<KnownValues> values = values_if_needed(format, cloud);
+  if (!request_.moved || !values) return {bounds_if_needed(format, cloud), values};
+  if (!has_moved_points(cloud, *request_.moved, first)) return {bounds_of(cloud), values};
+  values->grid = request_.moved->grid;
+  return {request_.moved->bounds, values};
+}
+
+void TileSet::complete() {
+  tile_->cloud.readers().front()->rest();  // the inputs that follow may need its memory and its file
+  if (!tile_->files) return void(tile_.reset());
+  require_unchanged_inputs();
+  Tile& tile = *completing_.emplace_back(std::move(tile_));
+  tile.completing.emplace([this, &tile] { finish_files(tile); });
+  while (completing_.size() > request_.completing) wait_for_first();
+}
+
+/// Writes the last rows of a tile and gives its file its name. Runs in the background.
+void TileSet::finish_files(Tile& tile) {
+  const fs::path& output = request_.outputs.tiles[tile.number];
+  tile.files->flush();
+  finished_.begin(tile.number, output);
+  tile.files->finish(tile.cloud);
+  finished_.end(tile.number, output);
+  ++complete_;
+}
+
+void TileSet::wait_for_first() {
+  const Tile& tile = *completing_.front();
+  completing_.front()->completing->wait();
+  note(tile.files->warnings(), request_.outputs.tiles[tile.number]);
+  bytes_written_ += tile.files->bytes_written();
+  completing_.pop_front();
+}
+
+/// Results depend on all inputs, all of which are read before the first tile is complete. Later tiles read their own
+/// input only.
+void TileSet::require_unchanged_inputs() const {
+  const bool is_first = complete_ == 0 && completing_.empty();
+  is_first ? request_.cloud.require_unchanged() : request_.cloud.require_unchanged(tile_->number);
+}
+
+/// Divides the next `rows` rows of the cloud among the tiles that have them. Calls write(tile, row, skip, part) for
+/// each tile: `row` is the first of `part` rows in the tile, and `skip` of the `rows` come before it.
+void TileSet::for_each_part(std::uint64_t rows, const WriteRows& write) {
+  for (std::uint64_t skip = 0; skip < rows;) {
+    if (!tile_) open_next();
+    const std::uint64_t part = std::min(rows - skip, tile_->cloud.count() - tile_->done);
+    if (part > 0 && tile_->files) {
+      try {
+        write(*tile_, tile_->done, skip, part);
+      } catch (const RowError& error) {
+        throw error.numbered(tile_->first + error.row());
+      }
+    }
+    tile_->done += part;
+    skip += part;
+    if (tile_->done == tile_->cloud.count()) complete();
+  }
+}
+
+void TileSet::write_results(std::uint64_t, std::span<const std::byte> results) {
+  std::size_t bytes = 0;
+  for (const Attribute& a : request_.names.made) bytes += a.bytes();
+  for_each_part(results.size() / bytes, [&](Tile& tile, std::uint64_t row, std::uint64_t skip, std::uint64_t rows) {
+    tile.files->write_results(tile.cloud, row, results.subspan(skip * bytes, rows * bytes));
+  });
+}
+
+void TileSet::write_inputs(std::uint64_t, std::uint64_t rows) {
+  for_each_part(rows, [&](Tile& tile, std::uint64_t row, std::uint64_t, std::uint64_t part) {
+    std::vector<std::byte> records(part * tile.cloud.schema().stride);
+    if (!tile.input_rows) tile.input_rows.emplace(source_of(tile.cloud, [](std::size_t) {}));
+    tile.input_rows->read(row, records);
+    tile.files->write_inputs(row, records);
+  });
+}
+
+void TileSet::finish() {
+  while (tile_ || next_ < request_.outputs.tiles.size()) {
+    stop_if_cancelled();
+    if (!tile_) open_next();
+    complete();
+  }
+  while (!completing_.empty()) wait_for_first();
+  request_.cloud.require_unchanged();
+}
+
+std::string TileSet::progress() {
+  completing_.clear();  // which waits for them
+  if (complete_ == 0) return "";
+  return fmt::format(" {} of {} outputs are complete and stay.", complete_.load(), request_.outputs.tiles.size());
+}
+
+void TileSet::note(const std::vector<std::string>& warnings, const fs::path& output) {
+  for (const std::string& warning : warnings) {
+    const std::string name = output.string();
+    const std::string what = warning.starts_with(name) ? warning.substr(name.size()) : warning;
+    const auto [known, is_new] = warnings_.try_emplace(what, Warning{warning});
+    if (!is_new) ++known->second.others;
+  }
+}
+
+std::vector<std::string> TileSet::warnings() const {
+  std::vector<std::string> all;
+  for (const auto& [what, warning] : warnings_)
+    all.push_back(warning.others == 0 ? warning.first
+                                      : fmt::format("{} (And so of {} more outputs.)", warning.first, warning.others));
+  if (empty_.size() == 1) all.push_back(fmt::format("no point passed; {} is empty.", empty_.front()));
+  if (empty_.size() > 1)
+    all.push_back(
+        fmt::format("no point passed for {} outputs, which are empty, the first {}.", empty_.size(), empty_.front()));
+  return all;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+/// The files of a run that writes one for each input.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/formats/files/made_folders.h"
+#include "pointsweep/formats/files/unfinished_output.h"
+#include "pointsweep/formats/las_scale.h"
+#include "pointsweep/order/row_file.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/output/finished_tiles.h"
+#include "pointsweep/pipeline/output/output_names.h"
+#include "pointsweep/pipeline/output/output_set.h"
+
+namespace pointsweep {
+
+struct Format;
+
+/// Positions and bounds of the points of all tiles after stages that move points, for formats that store integers.
+struct MovedPoints {
+  Box bounds;  ///< of all tiles
+  /// The grid of the inputs, if there is one, so that all tiles with moved points and the merged cloud get the same.
+  std::optional<LasQuantization> grid;
+  const RowFile* rows;   ///< what the last pass has left
+  std::size_t position;  ///< where a record of it has the moved position, three float64
+};
+
+/// The parts of a request that all tiles of a run share.
+struct TileRequest {
+  InputCloud& cloud;  ///< of all inputs
+  const OutputNames& names;
+  const Outputs& outputs;  ///< a tile for each input
+  const EngineOptions& options;
+  /// Returns the processing record for the output made of the cloud of one input (OutputPlan::provenance).
+  std::function<std::vector<std::string>(const InputCloud& input, std::size_t tile)> provenance;
+  std::optional<MovedPoints> moved = std::nullopt;
+  /// The most tiles that are completed in the background while the next tile gets its rows; limited by the memory.
+  std::size_t completing = 0;
+};
+
+/// Throws for faults that are known before the work: outputs that exist or cannot be written, attributes that would be
+/// overwritten, formats that cannot hold the made attributes. Makes the folders of the tiles in `folders`.
+void require_writable_tiles(const TileRequest& request, const FinishedTiles& finished, MadeFolders& folders);
+
+/// Tiles get their rows one after the other and are completed side by side. Each has the rows, the fields, the grid and
+/// the header of its input, not those of the cloud, and gets its name when it is complete. Tiles that an earlier
+/// process has finished stay.
+class TileSet {
+ public:
+  TileSet(const TileRequest& request, FinishedTiles finished);
+  ~TileSet();
+
+  /// Writes the next rows of the cloud with their results, like OutputSet::write_results().
+  void write_results(std::uint64_t first_row, std::span<const std::byte> results);
+  /// Writes the next rows of the cloud, for which no results were made.
+  void write_inputs(std::uint64_t first_row, std::uint64_t rows);
+  /// All rows have come: completes the tiles that have none.
+  void finish();
+
+  /// Returns an addition to the sentence of an error: how many outputs are complete. Empty if none is complete.
+  std::string progress();
+  std::uint64_t bytes_written() const { return bytes_written_; }
+  /// A sentence for each thing that a tile cannot hold, with the number of other tiles that share it; and how many
+  /// tiles have no rows.
+  std::vector<std::string> warnings() const;
+
+ private:
+  struct Tile;
+  using WriteRows = std::function<void(Tile&, std::uint64_t row, std::uint64_t skip, std::uint64_t rows)>;
+  void for_each_part(std::uint64_t rows, const WriteRows& write);
+  void open_next();
+  OutputPlace place_of_tile(InputCloud& cloud, const Format* format, std::uint64_t first) const;
+  void complete();
+  void finish_files(Tile& tile);
+  void wait_for_first();
+  void require_unchanged_inputs() const;
+  void note(const std::vector<std::string>& warnings, const std::filesystem::path& output);
+
+  TileRequest request_;
+  ManyOutputs outputs_;
+  FinishedTiles finished_;
+  std::vector<std::uint64_t> first_row_;   ///< first row of each input, before any select
+  std::uint64_t rows_opened_ = 0;          ///< rows of the cloud in the tiles before next_
+  std::size_t next_ = 0;                   ///< tile to be opened next
+  std::atomic<std::size_t> complete_ = 0;  ///< tiles; counted by background tasks, too
+  std::unique_ptr<Tile> tile_;             ///< the tile that gets rows now
+  std::uint64_t bytes_written_ = 0;
+  struct Warning {
+    std::string first;
+    std::size_t others = 0;
+  };
+  std::map<std::string, Warning> warnings_;       ///< by what follows the name of the tile
+  std::vector<std::string> empty_;                ///< names of tiles without rows
+  std::deque<std::unique_ptr<Tile>> completing_;  ///< last, so that their tasks end before the members that they use
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/rows/in_order_pass.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/order/working_record.h"
+#include "pointsweep/pipeline/rows/ordered_output.h"
+#include "pointsweep/points/promised_type.h"
+#include "pointsweep/row_error.h"
+
+namespace pointsweep {
+namespace {
+
+/// Points near to each other are found together (operators/nearest/place_group.h).
+constexpr std::size_t kOrderedBatch = 32768;
+
+/// No field of a file has a blank in its library name.
+std::string position_name(const char* axis) { return std::string("position ") + axis; }
+
+/// From records of a source to records that begin with a place.
+class Placement {
+ public:
+  Placement(const Schema& source, const std::vector<std::size_t>& payload, const InOrderOperator& op)
+      : position_(position_fields(source, "the input")), stride_(source.stride), op_(op) {
+    for (const char* axis : kAxisNames) schema_.append(axis, Type::f64);
+    const std::array<const Field*, 3> own = {&position_.x, &position_.y, &position_.z};
+    for (std::size_t a = 0; a < 3; ++a) carry(*own[a], position_name(kAxisNames[a]));
+    for (const std::size_t f : payload) carry(source.fields[f], source.fields[f].name);
+  }
+
+  const Schema& schema() const { return schema_; }
+  std::uint32_t source_stride() const { return stride_; }
+
+  void run(const std::byte* from, std::size_t n, std::byte* to) const {
+    std::vector<double> x(n), y(n), z(n);
+    decode_positions(position_, from, stride_, n, x.data(), y.data(), z.data());
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3 p{x[i], y[i], z[i]};
+      const Vec3 place = is_finite(p) ? op_.place_of(p) : p;
+      std::byte* record = to + i * schema_.stride;
+      std::memcpy(record, &place, sizeof place);
+      for (const Piece& piece : pieces_) std::memcpy(record + piece.to, from + i * stride_ + piece.from, piece.bytes);
+    }
+  }
+
+ private:
+  struct Piece {
+    std::uint32_t from, to, bytes;
+  };
+  void carry(const Field& own, std::string name) {
+    const auto bytes = static_cast<std::uint32_t>(size_of(own.type) * own.count);
+    pieces_.push_back({own.offset, schema_.stride, bytes});
+    Field field = own;
+    field.name = std::move(name);
+    field.offset = schema_.stride;
+    schema_.fields.push_back(std::move(field));
+    schema_.stride += bytes;
+  }
+
+  PositionFields position_;
+  std::uint32_t stride_;
+  const InOrderOperator& op_;
+  Schema schema_;
+  std::vector<Piece> pieces_;
+};
+
+/// Reads rows by `read` and places them.
+ReadRows placing(ReadRows read, std::shared_ptr<const Placement> placement) {
+  return [read = std::move(read), placement = std::move(placement), scratch = std::vector<std::byte>()](
+             std::uint64_t row, std::span<std::byte> records) mutable {
+    const std::size_t n = records.size() / placement->schema().stride;
+    scratch.resize(n * placement->source_stride());
+    const std::size_t got = read(row, scratch);
+    placement->run(scratch.data(), got, records.data());
+    return got;
+  };
+}
+
+/// Makes the arguments of an InOrderWork out of working records.
+class OrderedBatch {
+ public:
+  OrderedBatch(const Schema& record, const PlannedPass& pass)
+      : schema_(record), place_(position_fields(record, "the stream")), position_(place_) {
+    if (pass.has_places()) {
+      const auto field = [&](const char* axis) { return record.fields[record.find(position_name(axis)).value()]; };
+      position_ = {field("x"), field("y"), field("z")};
+    }
+    for (const std::uint16_t column : pass.plan.stages.front().reads)
+      for (std::size_t c = 0; c < pass.file_fields.size(); ++c)
+        if (pass.plan.file_columns[c].column == column)
+          for (const std::string& name : pass.file_fields[c])
+            values_of_.emplace_back(record.fields[*record.find(name)], pass.plan.file_columns[c].type);
+  }
+
+  /// Throws the error of the lowest row so far that has a value which the stage cannot read.
+  void require_values() const { refused_.throw_if_any(); }
+
+  /// Returns the points of `n` records, without records whose place is not finite.
+  OrderedPoints of(const std::byte* records, std::size_t n) {
+    places_.clear(), positions_.clear(), rows_.clear(), values_.clear();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::byte* record = records + i * schema_.stride;
+      const Vec3 place = vector_at(place_, record);
+      if (!is_finite(place)) continue;
+      places_.push_back(place);
+      positions_.push_back(vector_at(position_, record));
+      rows_.push_back(row_of(schema_, record));
+      for (const Value& value : values_of_) values_.push_back(value.of(record, rows_.back(), refused_));
+    }
+    return {places_, positions_, rows_, values_};
+  }
+
+ private:
+  /// A number of the type that the contract of the stage names.
+  class Value {
+   public:
+    Value(const Field& stored, Type type) : promised_(stored, type), made_{.name = "", .type = type} {}
+    double of(const std::byte* record, std::uint64_t row, FirstRowError& refused) const {
+      std::byte bytes[sizeof(double)];
+      promised_.convert(record, row, bytes, refused);
+      return value_of(made_, bytes);
+    }
+
+   private:
+    PromisedType promised_;
+    Field made_;
+  };
+  static Vec3 vector_at(const PositionFields& fields, const std::byte* record) {
+    return {value_of(fields.x, record), value_of(fields.y, record), value_of(fields.z, record)};
+  }
+
+  const Schema& schema_;
+  PositionFields place_, position_;
+  std::vector<Value> values_of_;
+  std::vector<Vec3> places_, positions_;
+  std::vector<std::uint64_t> rows_;
+  std::vector<double> values_;
+  FirstRowError refused_;
+};
+
+/// Gives all points in order.
+template <class Use>
+void for_each_batch(const InOrderPass& run, Use use) {
+  const std::size_t stride = run.stream.record_schema().stride;
+  OrderedBatch batch(run.stream.record_schema(), run.pass);
+  const auto take = [&](std::span<const std::byte> records) {
+    for (std::size_t at = 0; at < records.size(); at += kOrderedBatch * stride) {
+      stop_if_cancelled();
+      const std::size_t n = std::min(kOrderedBatch, (records.size() - at) / stride);
+      use(batch.of(records.data() + at, n));
+    }
+  };
+  write_in_order(run.stream, stride, take, run.progress);
+  batch.require_values();
+}
+
+/// Result records of what a work finds, which hold the attributes that the pass keeps, in the order of the pass.
+class FoundRecords {
+ public:
+  FoundRecords(const InOrderOperator& op, const PlannedPass& pass) : filled_(pass.fill_record()), dropped_(filled_) {
+    const std::vector<Attribute> made = op.in_order_contract().makes;
+    for (const Attribute& a : made) value_bytes_ += a.bytes();
+    std::size_t to = 0;
+    for (const Attribute& kept : pass.made) {
+      if (kept.name == selection_attribute().name)
+        dropped_[to] = std::byte{0};
+      else
+        pieces_.push_back({offset_of(kept, made), to, kept.bytes()});
+      to += kept.bytes();
+    }
+  }
+
+  void put(Findings& found, RowStore& results) {
+    records_.clear();
+    for (std::size_t i = 0; i < found.dropped.size(); ++i)
+      records_.insert(records_.end(), dropped_.begin(), dropped_.end());
+    results.put(found.dropped, records_);
+    results.put(found.rows, values_of(found));
+    found.dropped.clear(), found.rows.clear(), found.values.clear();
+  }
+
+ private:
+  struct Piece {
+    std::size_t from, to, bytes;
+  };
+  static std::size_t offset_of(const Attribute& kept, const std::vector<Attribute>& made) {
+    std::size_t at = 0, a = 0;
+    while (made[a].name != kept.name) at += made[a++].bytes();
+    return at;
+  }
+
+  std::span<const std::byte> values_of(const Findings& found) {
+    const bool keeps_all =
+        filled_.size() == value_bytes_ && std::ranges::all_of(pieces_, [](const Piece& p) { return p.from == p.to; });
+    if (keeps_all) return found.values;
+    records_.clear();
+    for (std::size_t i = 0; i < found.rows.size(); ++i) {
+      records_.insert(records_.end(), filled_.begin(), filled_.end());
+      const std::byte* const values = found.values.data() + i * value_bytes_;
+      std::byte* const record = records_.data() + i * filled_.size();
+      for (const Piece& p : pieces_) std::memcpy(record + p.to, values + p.from, p.bytes);
+    }
+    return records_;
+  }
+
+  std::vector<Piece> pieces_;
+  std::size_t value_bytes_ = 0;
+  std::vector<std::byte> filled_, dropped_, records_;
+};
+
+}  // namespace
+
+PlacedSource::PlacedSource(const PointSource& from, const std::vector<std::size_t>& fields, const InOrderOperator& op) {
+  const auto placement = std::make_shared<const Placement>(from.schema, fields, op);
+  source = {placement->schema(), from.count, placing(from.read, placement)};
+  if (from.for_thread) {
+    std::vector<std::size_t> wanted = fields;
+    for (const char* axis : kAxisNames) wanted.push_back(from.schema.find(axis).value());
+    source.for_thread = [make = from.for_thread, wanted, placement](const std::vector<std::size_t>&) -> ReadRows {
+      ReadRows own = make(wanted);
+      return own ? placing(std::move(own), placement) : ReadRows();
+    };
+  }
+  source.chunk_end = from.chunk_end;
+  for (std::size_t f = kAxisNames.size(); f < source.schema.fields.size(); ++f) payload.push_back(f);
+}
+
+void run_in_order(const InOrderPass& run) {
+  const InOrderOperator& op = *run.pass.in_order();
+  const std::unique_ptr<InOrderWork> work = op.start(run.setup);
+  FoundRecords records(op, run.pass);
+  Findings found;
+  for (unsigned round = 0; round < work->rounds(); ++round) {
+    for_each_batch(run, [&](const OrderedPoints& points) {
+      work->add(round, points, found);
+      records.put(found, run.results);
+    });
+    work->end(round, found);
+    records.put(found, run.results);
+  }
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+/// Output in canonical order, slab by slab.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/order/row_file.h"
+#include "pointsweep/order/source.h"
+#include "pointsweep/order/stream.h"
+#include "pointsweep/pipeline/plan/output_layout.h"
+
+namespace pointsweep {
+
+/// Gives the first `bytes` of every working record to `write`, points without a place last.
+/// `report(points_written)` after each slab.
+void write_in_order(const Stream& stream, std::size_t bytes,
+                    const std::function<void(std::span<const std::byte>)>& write,
+                    const std::function<void(std::uint64_t)>& report);
+
+/// Output records in the order of positions that no sweep went by: each is followed by the position that gives it its
+/// place, the one carried last in `rows` if `by_moved_positions`, otherwise the input's.
+class Reordering {
+ public:
+  Reordering(InputCloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions);
+  /// Positions alone, for the survey. The source must not outlive this.
+  PointSource positions() const;
+  /// Whole records. The source must not outlive this.
+  PointSource records() const;
+
+ private:
+  class Rows;
+  using Fill = std::function<void(Rows& rows, std::uint64_t row, std::size_t n, std::byte* out)>;
+  PointSource source(Schema schema, const Fill& fill) const;
+
+  PointSource input_;
+  const RowFile& rows_;
+  const OutputLayout& layout_;
+  bool by_moved_positions_;
+  PositionFields input_position_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// The rows that a select keeps, one bit for each row: written in row order by a pass, then read by the cloud.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pointsweep/formats/cloud/row_selection.h"
+#include "pointsweep/order/row_file.h"
+
+namespace pointsweep {
+
+/// Collects a decision for each row of a cloud, which may be a selection itself; the result is one of the whole cloud.
+class RowMask {
+ public:
+  /// `before`: what earlier selects have left of `rows` rows; null: all. It must outlive this.
+  RowMask(std::uint64_t rows, const RowSelection* before, const SpillPlace& spill);
+  /// Appends the decisions on the next rows of `before`: not 0 for a row that is kept.
+  void append(std::span<const std::uint8_t> kept);
+  /// After the last row.
+  RowSelection finish();
+  std::uint64_t spilled_bytes() const { return file_->spilled_bytes(); }
+
+  /// Returns a finished mask that a checkpoint has kept.
+  static RowSelection kept(std::uint64_t rows, const SpillPlace& kept);
+  /// Returns the bytes that the bits of `rows` rows take.
+  static std::uint64_t bytes(std::uint64_t rows);
+
+ private:
+  void append_any(bool kept);
+
+  std::uint64_t rows_, next_ = 0;  ///< of all rows
+  std::optional<SelectionCursor> before_;
+  std::shared_ptr<RowFile> file_;
+  std::vector<std::byte> block_;
+};
+
+}  // namespace pointsweep

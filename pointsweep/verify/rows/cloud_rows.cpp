@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/rows/cloud_rows.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "pointsweep/cancellation.h"
+
+namespace pointsweep {
+namespace {
+
+struct PlaceOfRow {
+  Vec3 position;
+  std::uint64_t row;
+};
+
+std::size_t components_of(std::span<const ColumnSource> columns) {
+  std::size_t components = 0;
+  for (const ColumnSource& c : columns) components += c.attribute.fields.size();
+  return components;
+}
+
+double as_type(Type type, double value) {
+  return type == Type::f32 ? static_cast<double>(static_cast<float>(value)) : value;
+}
+
+void put_from_input(std::span<const ColumnSource> columns, const std::byte* record, double* values) {
+  for (const ColumnSource& c : columns) {
+    for (std::size_t f = 0; f < c.in_input.size(); ++f)
+      values[f] = as_type(c.attribute.type, value_of(c.in_input[f], record));
+    values += c.attribute.fields.size();
+  }
+}
+
+void put_made_again(std::span<const ColumnSource> columns, std::uint64_t row, double* values) {
+  for (const ColumnSource& c : columns) {
+    const std::size_t components = c.attribute.fields.size();
+    if (c.made_again) std::copy_n(c.made_again->data() + row * components, components, values);
+    values += components;
+  }
+}
+
+void put_from_output(std::span<const ColumnSource> columns, const std::byte* record, double* values) {
+  for (const ColumnSource& c : columns) {
+    const bool turned = c.turned_by && c.turned_by->found_value(record) != 0;
+    for (std::size_t f = 0; f < c.in_output.size(); ++f) {
+      const double value = as_type(c.attribute.type, c.in_output[f].found_value(record));
+      values[f] = turned ? -value : value;
+    }
+    values += c.attribute.fields.size();
+  }
+}
+
+template <class Use>
+void for_each_block(RowSource& source, Use use) {
+  for (std::uint64_t first = 0; first < source.count();) {
+    stop_if_cancelled();
+    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(source.block_rows(), source.count() - first));
+    const std::span<const std::byte> records = source.read(first, n);
+    for (std::size_t i = 0; i < n; ++i) use(first + i, records.data() + i * source.schema().stride);
+    first += n;
+  }
+}
+
+}  // namespace
+
+std::string bytes_text(std::uint64_t bytes) {
+  const auto mib = static_cast<double>(bytes) / (1 << 20);
+  return mib < 1024 ? fmt::format("{:.0f}M", std::ceil(mib)) : fmt::format("{:.1f}G", std::ceil(mib / 102.4) / 10);
+}
+
+void require_memory(std::uint64_t bytes, const CloudRows& rows) {
+  if (bytes > rows.memory_bytes()) throw NeedsMemory(fmt::format("needs --memory {}", bytes_text(bytes)));
+}
+
+void CloudRows::require(std::span<const ColumnSource> columns) const {
+  const bool reads_output = std::ranges::any_of(columns, [](const auto& c) { return !c.in_output.empty(); });
+  if (reads_output && axis_ >= 0)
+    require_memory(count() * (sizeof(PlaceOfRow) + components_of(columns) * sizeof(double)), *this);
+}
+
+/// Rows of the output stand where a sort of all positions of the input puts them.
+std::vector<double> CloudRows::values_in_order_of_input(std::span<const ColumnSource> columns, std::size_t components) {
+  require(columns);
+  std::vector<PlaceOfRow> order;
+  order.reserve(count());
+  for_each_position(in_, "ordering", progress_, [&](std::uint64_t row, Vec3 p) { order.push_back({p, row}); });
+  ++passes_;
+  const auto key = [&](const PlaceOfRow& p) {
+    const bool finite = is_finite(p.position);
+    const Vec3 at = finite ? p.position : Vec3{};
+    return std::tuple(!finite, at[axis_], at.x, at.y, at.z, p.row);
+  };
+  std::ranges::sort(order, {}, key);
+  std::vector<double> values(count() * components);
+  for_each_block(out_, [&](std::uint64_t place, const std::byte* record) {
+    put_from_output(columns, record, values.data() + order[place].row * components);
+  });
+  return values;
+}
+
+void CloudRows::for_each(std::span<const ColumnSource> columns,
+                         const std::function<void(std::uint64_t, Vec3, std::span<const double>)>& use) {
+  const std::size_t components = components_of(columns);
+  const bool reads_output = std::ranges::any_of(columns, [](const auto& c) { return !c.in_output.empty(); });
+  std::vector<double> moved;
+  if (reads_output && axis_ >= 0) moved = values_in_order_of_input(columns, components);
+  const PositionFields position = position_fields(in_.schema(), in_.name());
+  std::vector<double> values(components);
+  std::span<const std::byte> out_records;
+  std::uint64_t out_first = 0;
+  ++passes_;
+  for_each_block(in_, [&](std::uint64_t row, const std::byte* record) {
+    if (!moved.empty()) {
+      std::copy_n(moved.data() + row * components, components, values.data());
+    } else if (reads_output) {
+      const std::size_t stride = out_.schema().stride;
+      if (row >= out_first + out_records.size() / stride) {
+        out_first = row;
+        out_records =
+            out_.read(row, static_cast<std::size_t>(std::min<std::uint64_t>(out_.block_rows(), count() - row)));
+      }
+      put_from_output(columns, out_records.data() + (row - out_first) * stride, values.data());
+    }
+    put_from_input(columns, record, values.data());
+    put_made_again(columns, row, values.data());
+    use(row, {value_of(position.x, record), value_of(position.y, record), value_of(position.z, record)}, values);
+    if (progress_ && (row + 1) % 65536 == 0) progress_("reading", row + 1, count());
+  });
+}
+
+}  // namespace pointsweep

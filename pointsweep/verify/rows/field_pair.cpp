@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/rows/field_pair.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "pointsweep/formats/field_names.h"
+#include "pointsweep/points/color_depth.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kLasNameBytes = 32;
+
+Field component_of(Field field, std::uint32_t component) {
+  field.offset += component * static_cast<std::uint32_t>(size_of(field.type));
+  field.count = 1;
+  return field;
+}
+
+bool stored_alike(const Field& a, const Field& b) {
+  return a.type == b.type && a.bit_width == 0 && b.bit_width == 0 && a.scale == b.scale && a.bias == b.bias;
+}
+
+std::uint64_t bits_at(const Field& field, const std::byte* record) {
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, record + field.offset, size_of(field.type));
+  return bits;
+}
+
+/// Returns the value that a reader gets after `value` was stored in `field`; returns `value` itself if the field cannot
+/// hold it.
+double stored_and_read(Field field, double value) {
+  if (!holds(field, value)) return value;
+  std::byte bytes[sizeof(double)]{};
+  field.offset = 0;
+  set_value(field, bytes, value);
+  return value_of(field, bytes);
+}
+
+struct Place {
+  std::size_t field;
+  std::uint32_t component;
+};
+
+std::optional<Place> exactly(const Schema& schema, const std::string& name, std::uint32_t component) {
+  for (std::size_t f = 0; f < schema.fields.size(); ++f)
+    if (schema.fields[f].name == name && component < schema.fields[f].count) return Place{f, component};
+  return std::nullopt;
+}
+
+/// Looks for one component under all the names it may have got.
+class PlaceFinder {
+ public:
+  PlaceFinder(const Schema& from, std::size_t index, const Schema& to)
+      : from_(from), field_(from.fields[index]), to_(to) {
+    std::size_t column = 0;
+    for (std::size_t f = 0; f < index; ++f) column += from.fields[f].count;
+    const std::vector<std::string> columns = column_names(from);
+    for (std::uint32_t c = 0; c < field_.count; ++c) columns_.push_back(columns[column + c]);
+  }
+
+  std::optional<Place> find(std::uint32_t component) const {
+    const std::string& name = field_.name;
+    for (const std::string& added : {fmt::format("{}_{}", name, name_of(field_.type)), name + "_input"})
+      if (!exactly(from_, added, 0))
+        if (const auto place = numbered(added, component)) return place;
+    if (const auto place = exactly(to_, columns_[component], 0)) return place;
+    if (const auto place = numbered(name, component)) return place;
+    const auto spelled = to_.find(library_name_of(name));
+    if (spelled && component < to_.fields[*spelled].count) return Place{*spelled, component};
+    return std::nullopt;
+  }
+
+ private:
+  /// NAME, NAME_0 or NAME[0], cut to what LAS can hold.
+  std::optional<Place> numbered(const std::string& name, std::uint32_t component) const {
+    if (const auto place = exactly(to_, name, component)) return place;
+    if (field_.count == 1) return exactly(to_, name.substr(0, kLasNameBytes), component);
+    const std::string index = fmt::format("[{}]", component);
+    if (const auto place = exactly(to_, name.substr(0, kLasNameBytes - index.size()) + index, 0)) return place;
+    return exactly(to_, fmt::format("{}_{}", name, component), 0);
+  }
+
+  const Schema& from_;
+  const Field& field_;
+  const Schema& to_;
+  std::vector<std::string> columns_;
+};
+
+}  // namespace
+
+FieldPair::FieldPair(std::string name, const Field& from, std::uint32_t from_component, const Field& to,
+                     std::uint32_t to_component)
+    : name_(std::move(name)),
+      from_(component_of(from, from_component)),
+      to_(component_of(to, to_component)),
+      bitwise_(stored_alike(from_, to_)),
+      decimals_(to_.type == Type::f64 && to_.is_plain() ? from_ : Field{}),
+      single_(from_.type == Type::f32 && from_.is_plain() && to_.type == Type::f64 && to_.is_plain()) {}
+
+std::uint64_t FieldPair::word_of(double value) const {
+  if (single_) value = static_cast<double>(static_cast<float>(value));
+  value = decimals_.of(value);
+  return std::bit_cast<std::uint64_t>(std::isnan(value) ? std::numeric_limits<double>::quiet_NaN() : value);
+}
+
+std::uint64_t FieldPair::expected(const std::byte* from_record) const {
+  if (bitwise_) return bits_at(from_, from_record);
+  return word_of(stored_and_read(to_, value_of(from_, from_record)));
+}
+
+std::uint64_t FieldPair::found(const std::byte* to_record) const {
+  return bitwise_ ? bits_at(to_, to_record) : word_of(value_of(to_, to_record));
+}
+
+double FieldPair::resolution(double value) const {
+  const double of_double = std::ldexp(std::abs(value), -52);
+  if (to_.type == Type::f64 && to_.is_plain()) return single_ ? std::ldexp(std::abs(value), -24) : 0;
+  if (to_.type == Type::f32 && to_.is_plain()) return bitwise_ ? 0 : std::ldexp(std::abs(value), -24) + 0x1p-150;
+  return std::abs(to_.scale) / 2 + of_double;
+}
+
+std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to) {
+  const std::optional<Schema> scaled = has_wide_colors(to) ? with_wide_colors(from) : std::nullopt;
+  const Field& field = (scaled ? *scaled : from).fields[index];
+  const PlaceFinder finder(from, index, to);
+  std::vector<FieldPair> pairs;
+  for (std::uint32_t c = 0; c < field.count; ++c) {
+    const auto place = finder.find(c);
+    if (!place) return std::nullopt;
+    const std::string name = field.count == 1 ? field.name : fmt::format("{}[{}]", field.name, c);
+    pairs.emplace_back(name, field, c, to.fields[place->field], place->component);
+  }
+  return pairs;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/rows/row_alignment.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <unordered_map>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/verify/rows/checksum.h"
+#include "pointsweep/verify/rows/sample_rows.h"
+
+namespace pointsweep {
+namespace {
+
+using Word = std::uint64_t (FieldPair::*)(const std::byte*) const;
+
+std::uint64_t word_of(std::span<const FieldPair> pairs, const std::byte* record, Word word) {
+  std::uint64_t all = 0;
+  for (const FieldPair& pair : pairs) all = scramble(all ^ (pair.*word)(record));
+  return all;
+}
+
+/// Calls use(row, word of its values, record) for each row.
+template <class Use>
+void for_each_word(RowSource& source, std::span<const FieldPair> pairs, Word word, const PhaseProgress& progress,
+                   Use use) {
+  for (std::uint64_t first = 0; first < source.count();) {
+    stop_if_cancelled();
+    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(source.block_rows(), source.count() - first));
+    const std::span<const std::byte> records = source.read(first, n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::byte* record = records.data() + i * source.schema().stride;
+      use(first + i, word_of(pairs, record, word), record);
+    }
+    first += n;
+    if (progress) progress("comparing", first, source.count());
+  }
+}
+
+/// The words of the output, one after another.
+class OutputWords {
+ public:
+  OutputWords(RowSource& out, std::span<const FieldPair> pairs) : out_(out), pairs_(pairs) { fill(); }
+  bool ends() const { return row_ == out_.count(); }
+  std::uint64_t row() const { return row_; }
+  std::uint64_t word() const { return words_[row_ - first_]; }
+  void step() {
+    if (++row_ == first_ + words_.size()) fill();
+  }
+
+ private:
+  void fill() {
+    first_ = row_;
+    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(out_.block_rows(), out_.count() - first_));
+    const std::span<const std::byte> records = out_.read(first_, n);
+    words_.clear();
+    for (std::size_t i = 0; i < n; ++i)
+      words_.push_back(word_of(pairs_, records.data() + i * out_.schema().stride, &FieldPair::found));
+  }
+
+  RowSource& out_;
+  std::span<const FieldPair> pairs_;
+  std::uint64_t row_ = 0, first_ = 0;
+  std::vector<std::uint64_t> words_;
+};
+
+}  // namespace
+
+std::optional<std::uint64_t> RowAlignment::place_of(std::uint64_t row) const {
+  const auto at = std::ranges::lower_bound(kept, row);
+  if (at == kept.end() || *at != row) return {};
+  return static_cast<std::uint64_t>(at - kept.begin());
+}
+
+RowAlignment align_rows(RowSource& in, RowSource& out, std::span<const FieldPair> pairs,
+                        const PhaseProgress& progress) {
+  RowAlignment alignment;
+  OutputWords words(out, pairs);
+  for_each_word(in, pairs, &FieldPair::expected, progress,
+                [&](std::uint64_t row, std::uint64_t word, const std::byte*) {
+                  if (words.ends() || words.word() != word) return;
+                  alignment.kept.push_back(row);
+                  words.step();
+                });
+  if (!words.ends()) alignment.not_of_input = words.row();
+  return alignment;
+}
+
+std::vector<std::uint64_t> sample_of_both(const RowAlignment& alignment, std::uint64_t count, std::uint64_t size,
+                                          std::uint64_t seed) {
+  const std::vector<std::uint64_t>& kept = alignment.kept;
+  const std::uint64_t left_out = count - kept.size();
+  const std::uint64_t of_kept = std::min<std::uint64_t>(kept.size(), size - std::min(size / 2, left_out));
+  std::vector<std::uint64_t> rows;
+  for (const std::uint64_t i : sample_rows(kept.size(), of_kept, seed)) rows.push_back(kept[i]);
+  std::uint64_t before = 0;  // rows of the output before the i-th that was left out
+  for (const std::uint64_t i : sample_rows(left_out, size - of_kept, seed)) {
+    while (before < kept.size() && kept[before] - before <= i) ++before;
+    rows.push_back(i + before);
+  }
+  return rows;
+}
+
+std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& alignment,
+                                           std::span<const FieldPair> pairs, std::span<const std::uint64_t> rows,
+                                           const PhaseProgress& progress) {
+  const std::size_t stride = in.schema().stride;
+  std::vector<std::string> records;
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> of_word;  // rows by number
+  std::vector<bool> has_twin(rows.size());
+  for_each_record(in, rows, [&](std::size_t i, const std::byte* record) {
+    records.emplace_back(reinterpret_cast<const char*>(record), stride);
+    of_word[word_of(pairs, record, &FieldPair::expected)].push_back(i);
+  });
+  for_each_word(
+      in, pairs, &FieldPair::expected, progress, [&](std::uint64_t row, std::uint64_t word, const std::byte* record) {
+        const auto same = of_word.find(word);
+        if (same == of_word.end()) return;
+        for (const std::size_t i : same->second)
+          if (alignment.has(row) != alignment.has(rows[i]) && std::memcmp(record, records[i].data(), stride) != 0)
+            has_twin[i] = true;
+      });
+  std::vector<std::uint64_t> twins;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (has_twin[i]) twins.push_back(rows[i]);
+  return twins;
+}
+
+}  // namespace pointsweep

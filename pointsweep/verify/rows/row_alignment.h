@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+/// The rows of an input that an output has, where a stage has left out some.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pointsweep/verify/rows/field_pair.h"
+#include "pointsweep/verify/rows/row_source.h"
+
+namespace pointsweep {
+
+struct RowAlignment {
+  std::vector<std::uint64_t> kept;            ///< row of the input of each row of the output; they ascend
+  std::optional<std::uint64_t> not_of_input;  ///< the first row of the output that is not a later row of the input
+
+  bool has(std::uint64_t row) const { return place_of(row).has_value(); }
+  /// The row of the output.
+  std::optional<std::uint64_t> place_of(std::uint64_t row) const;
+};
+
+/// Aligns an output whose rows are rows of the input, in the order of the input, with some left out: each row of the
+/// output is taken for the first row of the input that has its values. `pairs`: the fields that are compared.
+RowAlignment align_rows(RowSource& in, RowSource& out, std::span<const FieldPair> pairs, const PhaseProgress& progress);
+
+/// A random sample of the rows of the input: half of them rows that the output has, if there are enough of both. In no
+/// order.
+std::vector<std::uint64_t> sample_of_both(const RowAlignment& alignment, std::uint64_t count, std::uint64_t size,
+                                          std::uint64_t seed);
+
+/// Returns the rows among `rows`, ascending, that have a twin: a row that differs from it less than the output can
+/// hold, where the output has only one of the two, so that it does not tell which. Rows without a difference stay or go
+/// together.
+std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& alignment,
+                                           std::span<const FieldPair> pairs, std::span<const std::uint64_t> rows,
+                                           const PhaseProgress& progress);
+
+}  // namespace pointsweep

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/rows/row_source.h"
+
+#include "pointsweep/fail.h"
+
+namespace pointsweep {
+
+RowSource::RowSource(InputCloud& cloud)
+    : schema_(&cloud.schema()),
+      count_(cloud.count()),
+      name_(cloud.readers().front()->info().path.string()),
+      read_([&cloud](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }) {}
+
+RowSource::RowSource(Reader& reader)
+    : schema_(&reader.info().schema),
+      count_(reader.info().count),
+      name_(reader.info().path.string()),
+      read_([&reader](std::uint64_t row, std::span<std::byte> records) { return reader.read(row, records); }) {}
+
+RowSource::RowSource(RowSource& rows, std::span<const std::uint64_t> chosen)
+    : schema_(rows.schema_),
+      count_(chosen.size()),
+      name_(rows.name_),
+      read_([&rows, chosen](std::uint64_t row, std::span<std::byte> records) {
+        const std::size_t stride = rows.schema().stride;
+        const auto some = chosen.subspan(row, std::min(chosen.size() - row, records.size() / stride));
+        for_each_record(rows, some, [&](std::size_t i, const std::byte* record) {
+          std::copy_n(record, stride, records.data() + i * stride);
+        });
+        return some.size();
+      }) {}
+
+std::span<const std::byte> RowSource::read(std::uint64_t first, std::size_t count) {
+  const std::size_t bytes = count * schema_->stride;
+  block_.resize(std::max(block_.size(), bytes));
+  const std::size_t got = bytes == 0 ? 0 : read_(first, std::span(block_).first(bytes));
+  if (got != count) fail("{}: ends at point {} of {}; it has changed while it was read.", name_, first + got, count_);
+  return std::span(block_).first(bytes);
+}
+
+void for_each_position(RowSource& source, const char* phase, const PhaseProgress& progress,
+                       const std::function<void(std::uint64_t, Vec3)>& use) {
+  const PositionFields position = position_fields(source.schema(), source.name());
+  const std::size_t stride = source.schema().stride;
+  std::vector<double> x, y, z;
+  for (std::uint64_t first = 0; first < source.count();) {
+    const std::size_t n = std::min<std::uint64_t>(source.block_rows(), source.count() - first);
+    const std::span<const std::byte> records = source.read(first, n);
+    x.resize(n), y.resize(n), z.resize(n);
+    decode_positions(position, records.data(), stride, n, x.data(), y.data(), z.data());
+    for (std::size_t i = 0; i < n; ++i) use(first + i, {x[i], y[i], z[i]});
+    first += n;
+    if (progress) progress(phase, first, source.count());
+  }
+}
+
+void for_each_record(RowSource& source, std::span<const std::uint64_t> rows,
+                     const std::function<void(std::size_t, const std::byte*)>& use) {
+  const std::size_t stride = source.schema().stride, block = source.block_rows();
+  for (std::size_t i = 0; i < rows.size();) {
+    const std::uint64_t first = rows[i] / block * block;
+    const std::size_t n = std::min<std::uint64_t>(block, source.count() - first);
+    const std::span<const std::byte> records = source.read(first, n);
+    for (; i < rows.size() && rows[i] < first + n; ++i) use(i, records.data() + (rows[i] - first) * stride);
+  }
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+/// Points read in pieces and in sequence, from a cloud and from a single file alike.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/reader.h"
+
+namespace pointsweep {
+
+/// A function called between pieces of work with the work done and the work in total; may throw to end it.
+using PhaseProgress = std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)>;
+
+class RowSource {
+ public:
+  /// Borrow what they are made of.
+  explicit RowSource(InputCloud& cloud);
+  explicit RowSource(Reader& reader);
+  /// Selects some rows of another source; `chosen` ascends.
+  RowSource(RowSource& rows, std::span<const std::uint64_t> chosen);
+
+  const Schema& schema() const { return *schema_; }
+  std::uint64_t count() const { return count_; }
+  const std::string& name() const { return name_; }  ///< of the (first) file
+  /// Returns the number of rows that make a piece of about 4 MB.
+  std::size_t block_rows() const { return std::max<std::size_t>(1, kBlockBytes / schema_->stride); }
+
+  /// The records [first, first + count), all of which exist; valid until the next call. Throws Error when the file
+  /// has changed.
+  std::span<const std::byte> read(std::uint64_t first, std::size_t count);
+
+ private:
+  static constexpr std::size_t kBlockBytes = 4 << 20;
+
+  const Schema* schema_;
+  std::uint64_t count_;
+  std::string name_;
+  std::function<std::size_t(std::uint64_t, std::span<std::byte>)> read_;
+  std::vector<std::byte> block_;
+};
+
+/// Calls `use(row, position)` for every point, finite or not, in the order of rows.
+void for_each_position(RowSource& source, const char* phase, const PhaseProgress& progress,
+                       const std::function<void(std::uint64_t row, Vec3 position)>& use);
+
+/// Calls `use(i, record)` for every i-th of `rows`, which ascend. Blocks without such a row are not read.
+void for_each_record(RowSource& source, std::span<const std::uint64_t> rows,
+                     const std::function<void(std::size_t i, const std::byte* record)>& use);
+
+}  // namespace pointsweep

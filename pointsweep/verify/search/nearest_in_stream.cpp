@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/search/nearest_in_stream.h"
+
+#include <algorithm>
+
+#include "pointsweep/cancellation.h"
+
+namespace pointsweep {
+
+bool operator<(const NearPoint& a, const NearPoint& b) {
+  if (a.distance2 != b.distance2) return a.distance2 < b.distance2;
+  if (a.position.x != b.position.x) return a.position.x < b.position.x;
+  if (a.position.y != b.position.y) return a.position.y < b.position.y;
+  if (a.position.z != b.position.z) return a.position.z < b.position.z;
+  return a.row < b.row;
+}
+
+NearestInStream::NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most, Space space)
+    : places_(std::move(places)),
+      reach2_(std::move(reach2)),
+      most_(most),
+      space_(space),
+      found_(places_.size()),
+      index_(places_, reach2_) {}
+
+void NearestInStream::offer(Vec3 p, std::uint64_t row) {
+  stop_if_cancelled();
+  if (!is_finite(p)) return;
+  const Vec3 at = space_ == Space::plane ? Vec3{p.x, p.y, 0} : p;
+  index_.visit(at, [&](std::uint32_t place) {
+    const double d2 = distance2(places_[place], at);
+    if (!(d2 <= reach2_[place])) return;
+    std::vector<NearPoint>& found = found_[place];
+    const NearPoint candidate{d2, p, row};
+    if (found.size() == most_) {
+      if (!(candidate < found.front())) return;
+      std::pop_heap(found.begin(), found.end());
+      found.back() = candidate;
+    } else {
+      found.push_back(candidate);
+    }
+    if (most_ != kAll) std::push_heap(found.begin(), found.end());
+    if (found.size() == most_) reach2_[place] = std::min(reach2_[place], found.front().distance2);
+  });
+}
+
+std::vector<NearPoint>& NearestInStream::nearest(std::size_t place) {
+  stop_if_cancelled();
+  std::sort(found_[place].begin(), found_[place].end());
+  return found_[place];
+}
+
+/// A few bound the distances roughly, and all of them with that more closely.
+std::vector<double> bounds_of_reach2(const std::vector<Vec3>& places, std::vector<double> reach2, std::size_t most,
+                                     std::span<const KnownPoint> some, NearestInStream::Space space) {
+  constexpr std::size_t kFew = 1024;
+  for (const std::size_t stride : {std::max<std::size_t>(1, some.size() / std::max(kFew, 8 * most)), std::size_t{1}}) {
+    NearestInStream nearest(places, reach2, most, space);
+    for (std::size_t i = 0; i < some.size(); i += stride) nearest.offer(some[i].position, some[i].row);
+    for (std::size_t i = 0; i < places.size(); ++i) reach2[i] = nearest.reach2(i);
+  }
+  return reach2;
+}
+
+}  // namespace pointsweep

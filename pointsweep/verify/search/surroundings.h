@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+/// Chosen points with their neighbours, the neighbours' neighbours, and so on as far as a chain of operators looks.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pointsweep/geometry.h"
+#include "pointsweep/verify/rows/row_source.h"
+#include "pointsweep/verify/search/nearest_in_stream.h"
+
+namespace pointsweep {
+
+/// The k nearest other points, those within `radius` (inclusive), or the k nearest of these.
+struct NeighborRule {
+  static constexpr std::size_t kUnlimited = NearestInStream::kAll;
+  std::size_t k = 8;
+  double radius = std::numeric_limits<double>::infinity();
+};
+
+/// Chosen points with their neighbours, numbered ring by ring: first the chosen points, then their neighbours that were
+/// not chosen, and so on. All points but the points of the last ring have their neighbours.
+struct Surroundings {
+  std::vector<double> x, y, z;
+  std::vector<std::uint64_t> row;
+  std::vector<std::size_t> ring_end;     ///< points up to ring r are 0 ... ring_end[r] - 1
+  std::vector<std::size_t> list_begin;   ///< into neighbors, of points 0 ... ring_end[rings - 1] - 1, and the end
+  std::vector<std::uint32_t> neighbors;  ///< numbers of points, nearest first
+
+  std::size_t size() const { return row.size(); }
+};
+
+/// Reads the whole input once for each of `rings` (1 or more). `subset` is a sample of the input, random or evenly
+/// spaced, that gives first bounds of the distances of neighbours.
+Surroundings find_surroundings(RowSource& in, std::span<const KnownPoint> chosen, std::span<const KnownPoint> subset,
+                               const NeighborRule& rule, std::size_t rings, const PhaseProgress& progress);
+
+}  // namespace pointsweep

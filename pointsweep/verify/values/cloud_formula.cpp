@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/values/cloud_formula.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "pointsweep/verify/values/change_formulas.h"
+#include "pointsweep/verify/values/graph_formulas.h"
+#include "pointsweep/verify/values/ground_formula.h"
+#include "pointsweep/verify/values/height_formula.h"
+#include "pointsweep/verify/values/voxel_formula.h"
+
+namespace pointsweep {
+namespace {
+
+const std::vector<NamedCloudFormula>& all_cloud_formulas() {
+  static const std::vector<NamedCloudFormula> all = [] {
+    std::vector<NamedCloudFormula> list = {ground_formula(), height_formula(), voxel_formula()};
+    for (const auto& more : {change_formulas(), graph_formulas()}) list.insert(list.end(), more.begin(), more.end());
+    return list;
+  }();
+  return all;
+}
+
+}  // namespace
+
+const ColumnSource& CloudInput::source(std::size_t read) const {
+  if (!reads[read]) throw NotTold("what it reads is not in the output");
+  return *reads[read];
+}
+
+bool has_cloud_formula(const Operator& op) {
+  return std::ranges::find(all_cloud_formulas(), op.name(), &NamedCloudFormula::name) != all_cloud_formulas().end();
+}
+
+std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers) {
+  const auto found = std::ranges::find(all_cloud_formulas(), op.name(), &NamedCloudFormula::name);
+  if (found == all_cloud_formulas().end()) return nullptr;
+  FormulaSetup stage = setup_of(op);
+  stage.makers = makers;
+  return found->make(stage);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+/// Independent evaluation of stages whose values come from all points of a cloud: a search in another cloud, a raster,
+/// a graph. What they read of all rows is taken from the input, or from the output, where it is checked on its own.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/operator.h"
+#include "pointsweep/verify/formulas/estimate.h"
+#include "pointsweep/verify/rows/cloud_rows.h"
+#include "pointsweep/verify/search/surroundings.h"
+#include "pointsweep/verify/values/stage_formula.h"
+
+namespace pointsweep {
+
+/// A point to be evaluated, with the values that the stage reads of it, in the order of the stage's contract.
+struct CloudPoint {
+  KnownPoint at;
+  std::vector<formulas::Estimate> reads;
+};
+
+struct CloudInput {
+  CloudRows& rows;
+  std::vector<std::optional<ColumnSource>> reads;  ///< of all rows, in the order of the contract; none: nowhere
+  std::vector<std::optional<ColumnSource>> makes;  ///< what the output has of what the stage makes
+  NeighborRule neighborhood;
+  bool has_rule;                       ///< true if a rule keeps a part of the neighbours
+  InputCloud* before_means = nullptr;  ///< all points of the voxels of which each point is the only one left
+
+  /// Throws NotTold if the values of a read are nowhere.
+  const ColumnSource& source(std::size_t read) const;
+};
+
+class CloudFormula {
+ public:
+  virtual ~CloudFormula() = default;
+  /// Looks at all points, once before the first evaluate(). Throws NotTold.
+  virtual void prepare(const CloudInput& in) = 0;
+  /// Returns what the check does not look at, without a full stop; empty: nothing.
+  virtual std::string limits() const { return {}; }
+  /// Returns the estimates of the values that the stage makes of each point, as StageFormula::evaluate().
+  virtual std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
+                                                                const CloudInput& in) = 0;
+  /// Returns the values of a point without a finite place; none if the stage leaves such points unchanged.
+  virtual std::optional<std::vector<formulas::Estimate>> unplaced(const CloudPoint& point) const {
+    (void)point;
+    return std::nullopt;
+  }
+};
+
+/// The formula of the operators of one name.
+struct NamedCloudFormula {
+  std::string_view name;
+  std::unique_ptr<CloudFormula> (*make)(const FormulaSetup& stage);
+};
+
+template <class Formula>
+std::unique_ptr<CloudFormula> cloud_formula_made(const FormulaSetup& stage) {
+  return std::make_unique<Formula>(stage);
+}
+
+/// Returns whether the operator has a formula over the whole cloud.
+bool has_cloud_formula(const Operator& op);
+/// Null for operators that are local, and where no formula has the name of the operator. `makers`: of each attribute of
+/// contract().reads, or null where the input has it.
+std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers);
+
+}  // namespace pointsweep

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/values/kept_rows.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <optional>
+#include <tuple>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/points/degenerate_points.h"
+#include "pointsweep/points/text_file.h"
+#include "pointsweep/points/with_type.h"
+#include "pointsweep/polygons/polygon_text.h"
+#include "pointsweep/verify/formulas/regions.h"
+#include "pointsweep/verify/formulas/thinning.h"
+#include "pointsweep/verify/values/disk_rows.h"
+#include "pointsweep/verify/values/named_options.h"
+#include "pointsweep/verify/values/stage_formula.h"
+
+namespace pointsweep {
+namespace {
+
+/// A flag for each of the present rows of a cloud: whether it is kept.
+using Mask = std::vector<bool>;
+
+constexpr std::uint64_t kVoxelSeed = 0x766f78656c;  // "voxel" in ASCII
+
+/// A point that competes with others of the same group. The least of a group is kept.
+struct Competitor {
+  Vec3 group;
+  double first = 0;          ///< decides,
+  std::uint64_t second = 0;  ///< then this, then the position, then the row
+  Vec3 at;
+  std::uint64_t row = 0;
+
+  auto key() const { return std::tuple(group.x, group.y, group.z, first, second, at.x, at.y, at.z, row); }
+};
+
+/// Returns the group of a point, and the values by which it competes there.
+using Competes = std::function<Competitor(Vec3 p, std::uint64_t row)>;
+
+/// Returns the turn that looks at a group. Equal groups have the same turn, with -0 and 0 too.
+std::uint64_t turn_of(Vec3 p, std::uint64_t turns) {
+  std::uint64_t hash = 0;
+  for (const double v : {p.x, p.y, p.z}) {
+    hash = (hash ^ std::bit_cast<std::uint64_t>(v + 0.0)) * 0x9E3779B97F4A7C15;
+    hash ^= hash >> 29;
+  }
+  return hash % turns;
+}
+
+Mask least_of_groups(InputCloud& cloud, const Competes& competes, std::uint64_t memory_bytes,
+                     const PhaseProgress& progress) {
+  Mask kept(cloud.count(), true);
+  const std::uint64_t turns = 1 + cloud.count() * 2 * sizeof(Competitor) / std::max<std::uint64_t>(memory_bytes, 1);
+  for (std::uint64_t turn = 0; turn < turns; ++turn) {
+    std::vector<Competitor> points;
+    RowSource source(cloud);
+    for_each_position(source, "reading", progress, [&](std::uint64_t row, Vec3 p) {
+      if (!is_finite(p)) return;
+      const Competitor next = competes(p, row);
+      if (turn_of(next.group, turns) == turn) points.push_back(next);
+    });
+    std::ranges::sort(points, {}, &Competitor::key);
+    for (std::size_t i = 1; i < points.size(); ++i)
+      if (points[i].group == points[i - 1].group) kept[points[i].row] = false;
+  }
+  return kept;
+}
+
+formulas::Coordinates coordinates(Vec3 p) { return {p.x, p.y, p.z}; }
+
+Competitor in_voxel(double size, bool random, Vec3 p, std::uint64_t row) {
+  const auto [x, y, z] = formulas::voxel_of(coordinates(p), size);
+  if (random) return {{x, y, z}, 0, formulas::hash_of(coordinates(p), kVoxelSeed), p, row};
+  return {{x, y, z}, formulas::distance2_to_center(coordinates(p), size), 0, p, row};
+}
+
+Mask by_hash(InputCloud& cloud, const NamedOptions& options, const PhaseProgress& progress) {
+  const std::uint64_t seed = options.whole("seed");
+  const double share = options.number("share");
+  Mask kept(cloud.count(), true);
+  RowSource source(cloud);
+  for_each_position(source, "reading", progress, [&](std::uint64_t row, Vec3 p) {
+    kept[row] = !is_finite(p) || formulas::is_in_share(formulas::hash_of(coordinates(p), seed), share);
+  });
+  return kept;
+}
+
+std::vector<formulas::PolygonRings> polygons_of(const std::string& option) {
+  const std::string text = is_polygon_text(option) ? option : read_text_file(option, "polygons as WKT or GeoJSON");
+  std::vector<formulas::PolygonRings> polygons;
+  for (const Polygon& polygon : polygons_of_text(text, option)) {
+    formulas::PolygonRings& rings = polygons.emplace_back();
+    for (const Ring& ring : polygon.rings) {
+      rings.emplace_back();
+      for (const Point2& corner : ring) rings.back().push_back({corner.x, corner.y});
+    }
+  }
+  return polygons;
+}
+
+/// Decides about every row, also of points without a finite place.
+Mask by_region(InputCloud& cloud, const NamedOptions& options, const PhaseProgress& progress) {
+  std::vector<double> bounds;
+  if (options.has("bounds")) bounds = options.numbers("bounds");
+  std::vector<formulas::PolygonRings> polygons;
+  if (options.has("polygon")) polygons = polygons_of(options.word("polygon"));
+  const bool outside = options.word("outside") == "true";
+  const formulas::EdgesAlongX edges(polygons);
+  Mask kept(cloud.count());
+  RowSource source(cloud);
+  for_each_position(source, "reading", progress, [&](std::uint64_t row, Vec3 p) {
+    const bool inside = formulas::is_in_box(coordinates(p), bounds) && (polygons.empty() || edges.hold({p.x, p.y}));
+    kept[row] = inside != outside;
+  });
+  return kept;
+}
+
+/// A stored value as the operator reads it: in its own type, or as float64.
+void put_value(const Field& field, const std::byte* record, Type type, std::byte* to) {
+  if (field.is_plain() && field.type == type) return void(std::copy_n(record + field.offset, size_of(type), to));
+  set_value({.name = "", .type = type}, to, value_of(field, record));
+}
+
+formulas::Real number_in(Type type, const std::byte* value) {
+  return with_type(type, [&]<class T>() {
+    T number;
+    std::memcpy(&number, value, sizeof number);
+    return static_cast<formulas::Real>(number);
+  });
+}
+
+/// Evaluates the formula of a condition on each row. The operator itself decides where it has no formula, and where
+/// the formula leaves the row open.
+Mask by_condition(InputCloud& cloud, const SelectOperator& op, const PhaseProgress& progress) {
+  const Contract contract = op.contract();
+  const PositionFields position = position_fields(cloud.schema(), "the input");
+  std::vector<std::uint16_t> reads;
+  std::vector<std::vector<std::byte>> values;
+  std::vector<Field> fields;
+  for (const Attribute& a : contract.reads) {
+    reads.push_back(static_cast<std::uint16_t>(reads.size()));
+    values.emplace_back(a.bytes());
+    fields.push_back(cloud.schema().fields[cloud.schema().find(a.fields.front()).value()]);
+  }
+  std::vector<const std::byte*> columns;
+  for (const auto& value : values) columns.push_back(value.data());
+  const std::unique_ptr<StageFormula> formula = formula_of(op);
+  FormulaInput known;
+  known.reads.resize(fields.size());
+  Mask kept;
+  RowSource source(cloud);
+  for (std::uint64_t row = 0; row < source.count();) {
+    stop_if_cancelled();
+    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(source.block_rows(), source.count() - row));
+    const std::span<const std::byte> records = source.read(row, n);
+    for (std::size_t i = 0; i < n; ++i, ++row) {
+      const std::byte* record = records.data() + i * source.schema().stride;
+      for (std::size_t f = 0; f < fields.size(); ++f)
+        put_value(fields[f], record, contract.reads[f].type, values[f].data());
+      const double x = value_of(position.x, record), y = value_of(position.y, record), z = value_of(position.z, record);
+      if (formula != nullptr) {
+        known.place.at = {x, y, z};
+        for (std::size_t f = 0; f < fields.size(); ++f)
+          known.reads[f].value.x = number_in(contract.reads[f].type, columns[f]);
+        if (const formulas::Estimate holds = formula->evaluate(known).front(); !holds.is_open()) {
+          kept.push_back(holds.value.x == 1);
+          continue;
+        }
+      }
+      const std::uint32_t no_list[2] = {0, 0};
+      std::uint8_t decision = 0;
+      op.keep({{&x, &y, &z, &row, columns.data()}, 1, nullptr, no_list, nullptr, reads, {}}, {&decision, 1});
+      kept.push_back(decision != 0);
+    }
+    if (progress) progress("reading", row, source.count());
+  }
+  return kept;
+}
+
+Mask kept_by(const StageOperator& stage, InputCloud& cloud, std::uint64_t memory_bytes, const PhaseProgress& progress) {
+  const Operator& op = *operator_of(stage);
+  const NamedOptions options(op.name(), op.declared_options());
+  const std::string name = op.name();
+  if (name == "decimate") return by_hash(cloud, options, progress);
+  if (name == "crop") return by_region(cloud, options, progress);
+  if (const auto* select = std::get_if<std::shared_ptr<const SelectOperator>>(&stage))
+    return by_condition(cloud, **select, progress);
+  if (name == "poisson" && !options.has("radius_from"))
+    return rows_of_disks(cloud, options.number("radius"), memory_bytes, progress);
+  Competes competes;
+  if (name == "unique") {
+    competes = [](Vec3 p, std::uint64_t row) { return Competitor{p, 0, 0, {}, row}; };
+  } else if (name == "voxel") {
+    const double size = options.number("size");
+    const bool random = options.word("keep") == "hash";
+    competes = [=](Vec3 p, std::uint64_t row) { return in_voxel(size, random, p, row); };
+  } else {
+    fail_usage(
+        "verify: which rows '{}' leaves out with these options is not checked; verify the output of the stages before "
+        "it.",
+        name);
+  }
+  return least_of_groups(cloud, competes, memory_bytes, progress);
+}
+
+/// Returns `kept` as a selection of all rows of the cloud, of which `cloud` may have selected some already.
+RowSelection selection_of(const InputCloud& cloud, const Mask& kept) {
+  const RowSelection* before = cloud.selection();
+  const std::uint64_t rows = before == nullptr ? cloud.count() : before->rows();
+  auto all = std::make_shared<Mask>(rows);
+  std::optional<SelectionCursor> left;
+  if (before != nullptr) left.emplace(*before);
+  for (std::uint64_t row = 0, i = 0; row < rows; ++row)
+    if (!left || left->has(row)) (*all)[row] = kept[i++];
+  return {rows, [all](std::uint64_t block, std::span<std::byte> bits) {
+            std::ranges::fill(bits, std::byte{0});
+            const std::uint64_t first = block * RowSelection::kBlockRows;
+            for (std::uint64_t i = 0; i < RowSelection::kBlockRows && first + i < all->size(); ++i)
+              if ((*all)[first + i]) bits[i / 8] |= std::byte{1} << i % 8;
+          }};
+}
+
+}  // namespace
+
+std::size_t select_kept_rows(InputCloud& cloud, const std::vector<StageOperator>& operators, std::uint64_t memory_bytes,
+                             const PhaseProgress& progress) {
+  std::size_t done = 0;
+  for (; done < operators.size(); ++done) {
+    if (!drops_rows(operators[done])) break;
+    const Mask kept = kept_by(operators[done], cloud, memory_bytes, progress);
+    cloud.select(selection_of(cloud, kept));
+  }
+  return done;
+}
+
+}  // namespace pointsweep

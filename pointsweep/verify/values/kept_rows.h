@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+/// The rows of an input that a run has kept, found without the engine.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
+#include "pointsweep/verify/rows/row_source.h"
+
+namespace pointsweep {
+
+/// Selects in `cloud` what the selecting operators at the beginning of `operators` keep, and returns how many operators
+/// that are. Conditions are evaluated row by row; equal points and voxels are found by sorting in memory, in as many
+/// turns as `memory_bytes` asks for. A bit of memory for each row.
+std::size_t select_kept_rows(InputCloud& cloud, const std::vector<StageOperator>& operators, std::uint64_t memory_bytes,
+                             const PhaseProgress& progress);
+
+}  // namespace pointsweep

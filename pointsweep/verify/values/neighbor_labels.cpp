@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/values/neighbor_labels.h"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "pointsweep/verify/search/nearest_of_cloud.h"
+
+namespace pointsweep {
+
+using formulas::Estimate;
+
+std::vector<ColumnSource> label_columns(const CloudInput& in, std::span<const ColumnSource> more) {
+  if (!in.makes[0]) throw NotTold("its numbers are not in the output");
+  std::vector<ColumnSource> columns = {*in.makes[0]};
+  columns.insert(columns.end(), more.begin(), more.end());
+  in.rows.require(columns);
+  return columns;
+}
+
+std::vector<std::vector<Estimate>> labels_of_neighbors(std::span<const CloudPoint> points, const CloudInput& in,
+                                                       std::span<const ColumnSource> more, const JoiningRule& rule) {
+  std::vector<Vec3> places;
+  for (const CloudPoint& p : points) places.push_back(p.at.position);
+  const NeighborRule& list = in.neighborhood;
+  const PointsOfCloud all = [&](const auto& take) {
+    for_each_position(in.rows.input(), "searching", in.rows.progress(), take);
+  };
+  const auto near = nearest_of_cloud(
+      places, all, in.rows.count(),
+      {.most = list.k == NeighborRule::kUnlimited ? list.k : list.k + 1, .reach2 = list.radius * list.radius});
+
+  std::unordered_map<std::uint64_t, std::vector<double>> values;  // by row: of the points and their neighbours
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    values[points[i].at.row];
+    for (const NearPoint& n : near[i]) values[n.row];
+  }
+  const std::vector<ColumnSource> columns = label_columns(in, more);
+  in.rows.for_each(columns, [&](std::uint64_t row, Vec3, std::span<const double> read) {
+    if (const auto known = values.find(row); known != values.end()) known->second.assign(read.begin(), read.end());
+  });
+  std::unordered_map<double, std::uint64_t> sizes;  // by number
+  for (const auto& [row, read] : values) sizes[read[0]];
+  in.rows.for_each(std::span(columns).first(1), [&](std::uint64_t, Vec3, std::span<const double> read) {
+    if (const auto known = sizes.find(read[0]); known != sizes.end()) ++known->second;
+  });
+
+  std::vector<std::vector<Estimate>> made;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::vector<double>& own = values.at(points[i].at.row);
+    const std::span here = std::span(own).subspan(1);
+    Estimate number = rule.alone(here);
+    std::size_t left = list.k;
+    for (const NearPoint& n : near[i]) {
+      if (n.row == points[i].at.row || left == 0) continue;
+      --left;
+      const std::vector<double>& other = values.at(n.row);
+      const JoiningRule::Join join = rule.joined(here, std::span(other).subspan(1), n.distance2);
+      if (join == JoiningRule::Join::no) continue;
+      number = {.value = {other[0], 0, 0}};
+      if (join == JoiningRule::Join::as_first || other[0] != own[0]) break;
+    }
+    const std::uint64_t size = own[0] < 0 ? 0 : sizes.at(own[0]);
+    made.push_back({number, {.value = {static_cast<formulas::Real>(size), 0, 0}}});
+  }
+  return made;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+/// Components of graphs too large for the memory: whether chosen points have the labels of their neighbours.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "pointsweep/verify/values/cloud_formula.h"
+
+namespace pointsweep {
+
+/// A rule that says which neighbours have the same label. Points are given by their values of more columns.
+class JoiningRule {
+ public:
+  enum class Join { no, yes, as_first /**< the first neighbour of which this is said decides alone */ };
+  virtual ~JoiningRule() = default;
+  virtual Join joined(std::span<const double> point, std::span<const double> neighbor, double distance2) const = 0;
+  /// The number of a point that is joined with none.
+  virtual formulas::Estimate alone(std::span<const double> point) const = 0;
+};
+
+/// Returns for each point the number that its neighbours have in the output, and how many points of the output have
+/// the number of the point.
+/// `more`: columns that the rule reads.
+std::vector<std::vector<formulas::Estimate>> labels_of_neighbors(std::span<const CloudPoint> points,
+                                                                 const CloudInput& in,
+                                                                 std::span<const ColumnSource> more,
+                                                                 const JoiningRule& rule);
+
+/// The column of the number, then `more`. Throws NotTold where it is not in the output, or does not fit the memory.
+std::vector<ColumnSource> label_columns(const CloudInput& in, std::span<const ColumnSource> more);
+
+}  // namespace pointsweep

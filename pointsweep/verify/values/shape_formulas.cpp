@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/values/shape_formulas.h"
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "pointsweep/verify/formulas/curvature.h"
+#include "pointsweep/verify/formulas/fairing.h"
+#include "pointsweep/verify/formulas/features.h"
+#include "pointsweep/verify/formulas/normal.h"
+#include "pointsweep/verify/formulas/splat.h"
+
+namespace pointsweep {
+namespace {
+
+using formulas::Estimate;
+using ShapeEstimates = std::vector<Estimate>;
+
+/// Place of an attribute in a list of a contract that has it.
+std::size_t place_in(const std::vector<Attribute>& list, std::string_view name) {
+  return static_cast<std::size_t>(std::ranges::find(list, name, &Attribute::name) - list.begin());
+}
+
+class NormalFormula final : public StageFormula {
+ public:
+  explicit NormalFormula(const FormulaSetup& stage) {
+    const std::string& orient = stage.options.word("orient");
+    if (orient == "up") facing_.side = Side::up;
+    if (orient == "input") facing_.side = Side::like;
+    if (orient != "viewpoint") return;
+    const Vec3 viewpoint = stage.options.point("viewpoint");
+    facing_.side = Side::viewpoint;
+    facing_.viewpoint = {viewpoint.x, viewpoint.y, viewpoint.z};
+  }
+  ShapeEstimates evaluate(const FormulaInput& in) const override {
+    formulas::Facing facing = facing_;
+    if (facing.side == Side::like) facing.like = in.reads[0];
+    return {formulas::normal(in.place, in.neighbors, facing)};
+  }
+
+ private:
+  using Side = formulas::Facing::Side;
+  formulas::Facing facing_;
+};
+
+class CurvatureFormula final : public StageFormula {
+ public:
+  explicit CurvatureFormula(const FormulaSetup& stage)
+      : own_(place_in(stage.contract.reads, "normal")), near_(place_in(stage.contract.reads_neighbors, "normal")) {}
+  ShapeEstimates evaluate(const FormulaInput& in) const override {
+    const formulas::Curvatures c = formulas::curvature(in.place, in.reads[own_], in.neighbors, in.of_neighbors[near_]);
+    return {
+        c.k1, c.k2, c.k1_direction, c.mean, c.gaussian, c.rms, c.absolute, c.surface_variation, c.normal_eigenvalues};
+  }
+
+ private:
+  std::size_t own_, near_;
+};
+
+class SplatFormula final : public StageFormula {
+ public:
+  explicit SplatFormula(const FormulaSetup& stage)
+      : normal_(place_in(stage.contract.reads, "normal")),
+        k1_(place_in(stage.contract.reads, "k1")),
+        k2_(place_in(stage.contract.reads, "k2")),
+        direction_(place_in(stage.contract.reads, "k1_direction")),
+        curved_(direction_ < stage.contract.reads.size()) {}
+  ShapeEstimates evaluate(const FormulaInput& in) const override {
+    formulas::CurvatureHere here;
+    if (curved_) here = {in.reads[k1_], in.reads[k2_], in.reads[direction_]};
+    const formulas::Splat s = formulas::splat(in.place, in.reads[normal_], in.neighbors, curved_ ? &here : nullptr);
+    return {s.axis, s.length, s.ratio};
+  }
+
+ private:
+  std::size_t normal_, k1_, k2_, direction_;
+  bool curved_;  ///< the axes come from the curvature
+};
+
+class FairFormula final : public StageFormula {
+ public:
+  explicit FairFormula(const FormulaSetup& stage)
+      : f_(stage.options.number("f_length")),
+        g_(stage.options.number("g_length")),
+        own_length_(place_in(stage.contract.reads, "splat_length")),
+        own_ratio_(place_in(stage.contract.reads, "splat_ratio")),
+        normal_(place_in(stage.contract.reads_neighbors, "normal")),
+        length_(place_in(stage.contract.reads_neighbors, "splat_length")),
+        ratio_(place_in(stage.contract.reads_neighbors, "splat_ratio")) {}
+  ShapeEstimates evaluate(const FormulaInput& in) const override {
+    std::vector<formulas::Surfel> neighbors;
+    for (std::size_t j = 0; j < in.neighbors.size(); ++j)
+      neighbors.push_back(
+          {in.neighbors[j], in.of_neighbors[normal_][j], in.of_neighbors[length_][j], in.of_neighbors[ratio_][j]});
+    const formulas::Surfel own{in.place, {}, in.reads[own_length_], in.reads[own_ratio_]};
+    return {formulas::faired(own, neighbors, f_, g_)};
+  }
+
+ private:
+  double f_, g_;
+  std::size_t own_length_, own_ratio_, normal_, length_, ratio_;
+};
+
+class FeaturesFormula final : public StageFormula {
+ public:
+  explicit FeaturesFormula(const FormulaSetup& stage) : with_point_(stage.options.word("with_point") == "yes") {
+    for (const Attribute& a : stage.contract.makes) names_.push_back(a.name);
+    const std::string& scale = stage.options.word("eigenvalues");
+    lambda_ = scale == "raw" ? Lambda::raw : scale == "sqrt" ? Lambda::root : Lambda::normalized;
+  }
+  ShapeEstimates evaluate(const FormulaInput& in) const override {
+    const formulas::Features f = formulas::features(in.place, in.neighbors, lambda_, with_point_);
+    ShapeEstimates made;
+    for (const std::string& name : names_) made.push_back(f.*std::ranges::find(kMembers, name, &Member::first)->second);
+    return made;
+  }
+
+ private:
+  using Lambda = formulas::Lambda;
+  using Member = std::pair<std::string_view, Estimate formulas::Features::*>;
+  static constexpr Member kMembers[] = {{"linearity", &formulas::Features::linearity},
+                                        {"planarity", &formulas::Features::planarity},
+                                        {"sphericity", &formulas::Features::sphericity},
+                                        {"omnivariance", &formulas::Features::omnivariance},
+                                        {"anisotropy", &formulas::Features::anisotropy},
+                                        {"eigenentropy", &formulas::Features::eigenentropy},
+                                        {"eigenvalue_sum", &formulas::Features::eigenvalue_sum},
+                                        {"surface_variation", &formulas::Features::surface_variation},
+                                        {"verticality", &formulas::Features::verticality},
+                                        {"moment1_axis1", &formulas::Features::moment1_axis1},
+                                        {"moment1_axis2", &formulas::Features::moment1_axis2},
+                                        {"moment2_axis1", &formulas::Features::moment2_axis1},
+                                        {"moment2_axis2", &formulas::Features::moment2_axis2},
+                                        {"height_range", &formulas::Features::height_range},
+                                        {"number_of_neighbors", &formulas::Features::number_of_neighbors}};
+  std::vector<std::string> names_;
+  bool with_point_;
+  Lambda lambda_;
+};
+
+/// The normal that orient() makes of a normal.
+class TurnedFormula final : public StageFormula {
+ public:
+  ShapeEstimates evaluate(const FormulaInput& in) const override {
+    Estimate normal = in.reads[0];
+    if (in.reads[1].is_open())
+      normal.either_sign = true;
+    else if (in.reads[1].value.x != 0)
+      normal.value = formulas::Vector{} - normal.value;  // 0 for 0 and for -0
+    return {normal};
+  }
+};
+
+}  // namespace
+
+std::vector<NamedFormula> shape_formulas() {
+  return {{"normals", formula_made<NormalFormula>},    {"curvature", formula_made<CurvatureFormula>},
+          {"splats", formula_made<SplatFormula>},      {"fair", formula_made<FairFormula>},
+          {"features", formula_made<FeaturesFormula>}, {"turned_normals", formula_made<TurnedFormula>}};
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+/// All finite points of a cloud in memory, with a search among them: the base of graphs over the whole cloud.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pointsweep/verify/formulas/place_tree.h"
+#include "pointsweep/verify/values/cloud_formula.h"
+
+namespace pointsweep {
+
+/// A cloud sorted in memory. Points are numbered by x, y, z, then row, so that points of one place follow one another.
+class SortedCloud {
+ public:
+  static constexpr std::uint32_t kNone = 0xffffffff;
+
+  /// Holds the components of `columns` as well. Throws NotTold where the cloud does not fit the memory beside
+  /// `more_bytes` a point.
+  SortedCloud(const CloudInput& in, std::span<const ColumnSource> columns, std::uint64_t more_bytes);
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(place_of_.size()); }
+  std::uint32_t places() const { return static_cast<std::uint32_t>(places_.size()); }
+  std::uint32_t place_of(std::uint32_t point) const { return place_of_[point]; }
+  std::uint32_t points_at(std::uint32_t place) const { return points_at_[place]; }
+  Vec3 position(std::uint32_t point) const {
+    const auto& p = places_[place_of_[point]];
+    return {p[0], p[1], p[2]};
+  }
+  const double* values(std::uint32_t point) const { return values_.data() + std::size_t{point} * components_; }
+  const formulas::PlaceTree& tree() const { return *tree_; }
+  std::uint64_t row_of(std::uint32_t point) const { return row_of_[point]; }
+  /// The point of a row of the input; kNone where it is not finite.
+  std::uint32_t point_of(std::uint64_t row) const { return point_of_row_[row]; }
+
+  /// Calls use(i, j, squared distance) for each neighbour j of each point i.
+  void for_each_neighbor(const NeighborRule& rule,
+                         const std::function<void(std::uint32_t i, std::uint32_t j, double distance2)>& use) const;
+
+ private:
+  std::vector<formulas::PlaceTree::Place> places_;
+  std::vector<std::uint32_t> points_at_, first_at_, place_of_, point_of_row_, row_of_;
+  std::size_t components_ = 0;
+  std::vector<double> values_;
+  std::unique_ptr<formulas::PlaceTree> tree_;
+};
+
+}  // namespace pointsweep

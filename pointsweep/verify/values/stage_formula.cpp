@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/values/stage_formula.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "pointsweep/verify/formulas/colors.h"
+#include "pointsweep/verify/formulas/crowding.h"
+#include "pointsweep/verify/formulas/distances.h"
+#include "pointsweep/verify/values/read_value.h"
+#include "pointsweep/verify/values/set_formula.h"
+#include "pointsweep/verify/values/shape_formulas.h"
+
+namespace pointsweep {
+namespace {
+
+using formulas::Estimate;
+using formulas::Real;
+using Estimates = std::vector<Estimate>;
+
+Estimate exact_number(Real value) { return {.value = {value, 0, 0}}; }
+
+class SizeFormula final : public StageFormula {
+ public:
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {exact_number(static_cast<Real>(in.neighbors.size())), formulas::farthest(in.place, in.neighbors)};
+  }
+};
+
+class MeanDistanceFormula final : public StageFormula {
+ public:
+  explicit MeanDistanceFormula(const FormulaSetup& stage) : of_open3d_(stage.options.word("counts_point") == "yes") {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {formulas::mean_distance(in.place, in.neighbors, of_open3d_)};
+  }
+
+ private:
+  bool of_open3d_;
+};
+
+formulas::OutlierProgram program_of(std::string_view definition) {
+  using Program = formulas::OutlierProgram;
+  if (definition == "pdal") return Program::pdal;
+  if (definition == "pcl") return Program::pcl;
+  if (definition == "open3d") return Program::open3d;
+  if (definition == "cloudcompare") return Program::cloudcompare;
+  return Program::pointsweep;
+}
+
+class OutlierFormula final : public StageFormula {
+ public:
+  explicit OutlierFormula(const FormulaSetup& stage)
+      : threshold_(stage.threshold), program_(program_of(stage.options.word("definition"))) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {formulas::outlier(in.reads[0], threshold_.value, threshold_.error, program_)};
+  }
+
+ private:
+  CloudThreshold threshold_;
+  formulas::OutlierProgram program_;
+};
+
+class RadiusOutlierFormula final : public StageFormula {
+ public:
+  explicit RadiusOutlierFormula(const FormulaSetup& stage)
+      : radius_(stage.options.number("radius")), least_(stage.options.whole("min_neighbors")) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {formulas::radius_outlier(in.place, in.neighbors, radius_, least_)};
+  }
+
+ private:
+  double radius_;
+  std::size_t least_;
+};
+
+class DensityFormula final : public StageFormula {
+ public:
+  explicit DensityFormula(const FormulaSetup& stage) : radius_(stage.options.number_if_given("radius")) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    const formulas::Densities d = formulas::densities(in.place, in.neighbors, radius_);
+    return {d.surface, d.volume};
+  }
+
+ private:
+  std::optional<double> radius_;
+};
+
+class CoreFormula final : public StageFormula {
+ public:
+  explicit CoreFormula(const FormulaSetup& stage)
+      : eps_(stage.options.number("eps")), least_(static_cast<std::size_t>(stage.options.whole("min_points"))) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {formulas::core_point(in.place, in.neighbors, eps_, least_)};
+  }
+
+ private:
+  double eps_;
+  std::size_t least_;
+};
+
+class KDistanceFormula final : public StageFormula {
+ public:
+  Estimates evaluate(const FormulaInput& in) const override { return {formulas::k_distance(in.place, in.neighbors)}; }
+};
+
+class ReachabilityFormula final : public StageFormula {
+ public:
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {formulas::reachability_density(in.place, in.neighbors, in.of_neighbors[0])};
+  }
+};
+
+class DensityRatioFormula final : public StageFormula {
+ public:
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {formulas::local_outlier_factor(in.reads[0], in.of_neighbors[0])};
+  }
+};
+
+class ColorFormula final : public StageFormula {
+ public:
+  explicit ColorFormula(const FormulaSetup& stage)
+      : source_(read_of(stage.options.word("by"), stage.contract.reads)),
+        scale_(scale_of(stage.options.word("map"))),
+        widen_(stage.contract.makes.front().type == Type::u16 ? 257 : 1) {
+    if (scale_ == formulas::ColorScale::classes) return;
+    if (!stage.options.has("range")) return;
+    const std::vector<double> range = stage.options.numbers("range");
+    lo_ = range.at(0), hi_ = range.at(1);
+  }
+  Estimates evaluate(const FormulaInput& in) const override {
+    const Estimate e = estimate_of(source_, in);
+    const bool known = scale_ == formulas::ColorScale::classes || lo_;
+    if (!known || source_.component > 2 || e.is_open() || e.either_sign || e.may_be_undefined)
+      return {formulas::open()};
+    const Real v = component_of(e, source_);
+    const auto color = color_at(v), low = color_at(v - e.error), high = color_at(v + e.error);
+    if (low != color || high != color) return {formulas::open()};
+    return {Estimate{.value = {Real(widen_ * color[0]), Real(widen_ * color[1]), Real(widen_ * color[2])}}};
+  }
+
+ private:
+  static formulas::ColorScale scale_of(std::string_view map) {
+    return map == "turbo"     ? formulas::ColorScale::turbo
+           : map == "gray"    ? formulas::ColorScale::gray
+           : map == "classes" ? formulas::ColorScale::classes
+                              : formulas::ColorScale::viridis;
+  }
+  std::array<int, 3> color_at(Real v) const {
+    return formulas::color_of(static_cast<double>(v), scale_, lo_.value_or(0), hi_.value_or(0));
+  }
+
+  ReadValue source_;
+  formulas::ColorScale scale_;
+  std::optional<double> lo_ = {}, hi_ = {};  ///< absent until the values of the cloud are known
+  int widen_;
+};
+
+class GraphFormula final : public StageFormula {
+ public:
+  explicit GraphFormula(const FormulaSetup& stage)
+      : k_(stage.contract.makes.front().fields.size()),
+        distances_(stage.contract.makes.size() > 1),
+        type_(stage.contract.makes.front().type) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    const formulas::GraphRow row = formulas::graph_row(in.place, in.neighbors, in.rows);
+    const Real none = type_ == Type::u64 ? static_cast<Real>(std::numeric_limits<std::uint64_t>::max())
+                                         : static_cast<Real>(std::numeric_limits<std::uint32_t>::max());
+    Estimates rows(wide(), exact_number(none)), lengths(wide(), exact_number(std::numeric_limits<Real>::quiet_NaN()));
+    for (std::size_t j = 0; j < std::min(k_, row.neighbors.size()); ++j) {
+      rows[j] = row.certain ? exact_number(static_cast<Real>(in.rows[row.neighbors[j].index])) : formulas::open();
+      lengths[j] = row.neighbors[j].distance;
+    }
+    Estimates all = as_attribute(rows);
+    if (distances_)
+      for (const Estimate& e : as_attribute(lengths)) all.push_back(e);
+    return all;
+  }
+
+ private:
+  std::size_t wide() const { return std::max<std::size_t>(k_, 3); }
+  /// Up to three numbers are one estimate.
+  Estimates as_attribute(const Estimates& numbers) const {
+    if (k_ > 3) return numbers;
+    Estimate one{.value = {numbers[0].value.x, numbers[1].value.x, numbers[2].value.x}};
+    for (std::size_t j = 0; j < k_; ++j) one.error += numbers[j].error;
+    return {one};
+  }
+
+  std::size_t k_;
+  bool distances_;
+  Type type_;
+};
+
+const std::vector<NamedFormula>& all_formulas() {
+  static const std::vector<NamedFormula> all = [] {
+    std::vector<NamedFormula> list = {{"neighborhood_size", formula_made<SizeFormula>},
+                                      {"ror", formula_made<RadiusOutlierFormula>},
+                                      {"density", formula_made<DensityFormula>},
+                                      {"k_distance", formula_made<KDistanceFormula>},
+                                      {"reachability_density", formula_made<ReachabilityFormula>},
+                                      {"density_ratio", formula_made<DensityRatioFormula>},
+                                      {"mean_distance", formula_made<MeanDistanceFormula>},
+                                      {"outlier", formula_made<OutlierFormula>},
+                                      {"core", formula_made<CoreFormula>},
+                                      {"color", formula_made<ColorFormula>},
+                                      {"neighbors", formula_made<GraphFormula>}};
+    for (const auto& more : {shape_formulas(), assignment_formulas()})
+      list.insert(list.end(), more.begin(), more.end());
+    return list;
+  }();
+  return all;
+}
+
+}  // namespace
+
+FormulaSetup setup_of(const Operator& op) { return {{op.name(), op.declared_options()}, op.contract()}; }
+
+std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold) {
+  const auto found = std::ranges::find(all_formulas(), op.name(), &NamedFormula::name);
+  if (found == all_formulas().end()) return nullptr;
+  FormulaSetup stage = setup_of(op);
+  stage.threshold = threshold;
+  return found->make(stage);
+}
+
+RuleFormula formula_of(const NeighborhoodRule& rule) {
+  const NamedOptions options("knn", rule.options());
+  if (options.has("adaptive") && options.word("adaptive") == "eigenentropy") {
+    const std::size_t least = options.whole("k_min");
+    return [least](const formulas::Place& p, std::span<const formulas::Place> neighbors, std::span<const double>) {
+      return formulas::of_least_eigenentropy(p, neighbors, least);
+    };
+  }
+  const bool k = options.has("k_from"), radius = options.has("radius_from");
+  if (!k && !radius) return {};
+  return [k, radius](const formulas::Place& p, std::span<const formulas::Place> neighbors,
+                     std::span<const double> values) {
+    return formulas::within_limits(p, neighbors, k ? std::optional(values[0]) : std::nullopt,
+                                   radius ? std::optional(values[k ? 1 : 0]) : std::nullopt);
+  };
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+/// The independent evaluation of an operator's formula, found by the operator's name and options.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "pointsweep/neighborhood.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/verify/formulas/estimate.h"
+#include "pointsweep/verify/formulas/neighborhood_rules.h"
+#include "pointsweep/verify/values/named_options.h"
+
+namespace pointsweep {
+
+/// A point, its neighbours in the order of their list, and what a stage reads of them, in the order of its contract.
+struct FormulaInput {
+  formulas::Place place;
+  std::span<const formulas::Place> neighbors;
+  std::span<const std::uint64_t> rows;                        ///< of the neighbours, in the input
+  std::vector<formulas::Estimate> reads;                      ///< by attribute
+  std::vector<std::vector<formulas::Estimate>> of_neighbors;  ///< by attribute, then neighbour
+};
+
+/// A pure function of a point and its neighbourhood, like the operator, but in formulas/ alone.
+class StageFormula {
+ public:
+  virtual ~StageFormula() = default;
+  /// Returns estimates of the made attributes: one estimate for an attribute of up to three components, else one for
+  /// each component.
+  virtual std::vector<formulas::Estimate> evaluate(const FormulaInput& in) const = 0;
+};
+
+/// Estimates that an attribute takes.
+inline std::size_t estimates_of(const Attribute& a) { return a.fields.size() <= 3 ? 1 : a.fields.size(); }
+
+/// A value of the whole cloud that a stage needs, as the user's own check found it; NaN: not found.
+struct CloudThreshold {
+  formulas::Real value = std::numeric_limits<formulas::Real>::quiet_NaN();
+  formulas::Real error = 0;
+};
+
+/// The facts that a formula knows of its stage.
+struct FormulaSetup {
+  NamedOptions options;
+  Contract contract;
+  CloudThreshold threshold = {};                 ///< of "outlier", the only one that needs it
+  std::span<const Operator* const> makers = {};  ///< of the attributes of contract.reads; null: the input has it
+};
+FormulaSetup setup_of(const Operator& op);
+
+/// The formula of the operators of one name.
+struct NamedFormula {
+  std::string_view name;
+  std::unique_ptr<StageFormula> (*make)(const FormulaSetup& stage);
+};
+
+template <class Formula>
+std::unique_ptr<StageFormula> formula_made(const FormulaSetup& stage) {
+  if constexpr (std::is_default_constructible_v<Formula>)
+    return std::make_unique<Formula>();
+  else
+    return std::make_unique<Formula>(stage);
+}
+
+/// Null where no formula has the name of the operator.
+std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold = {});
+
+/// Returns how many of the neighbours found a rule keeps; `values` are the rule's reads() of the point.
+using RuleFormula = std::function<formulas::Kept(const formulas::Place&, std::span<const formulas::Place> neighbors,
+                                                 std::span<const double> values)>;
+/// Empty for rules that are not of this library.
+RuleFormula formula_of(const NeighborhoodRule& rule);
+
+}  // namespace pointsweep
