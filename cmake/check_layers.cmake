@@ -1,6 +1,7 @@
 # cmake -D ROOT=<tree> -P check_layers.cmake: fails when an include of the library, of cli/ or of python/ points up.
-# A layer is a folder with sources, named by its path without `pointsweep/`; a folder that is not named here is refused. A file may
-# include its own folder, the layers named for it, and pointsweep/fail.h, cancellation.h, leftovers.h, free_memory.h, threads.h, prefetch.h.
+# A layer is a folder with sources, named by its path without `pointsweep/`; a folder that is not named here is refused, and so is one
+# of more than MOST_PAIRS pairs of files. A file may include its own folder, the layers named for it, and pointsweep/fail.h, cancellation.h,
+# leftovers.h, free_memory.h, threads.h, prefetch.h.
 # A header of include/pointsweep/ belongs to the layer named for it here, and includes other public headers alone.
 # The tool is to be built on public headers: includes of other headers of pointsweep/ in cli/ are counted, and their limit may only fall.
 cmake_minimum_required(VERSION 3.25)
@@ -30,16 +31,16 @@ set(may_include_raster points math)
 set(may_include_polygons math)
 set(may_include_colors "")
 # inside(LAYER FOLDERS...): each folder of a layer may include what the layer may include and the folders before it. `.` is the folder
-# of the layer itself.
+# of the layer itself. all_of_LAYER names all of them.
 function(inside layer)
-  set(before ${may_include_${layer}})
+  set(before "")
   foreach(folder ${ARGN})
     if(folder STREQUAL ".")
       set(name ${layer})
     else()
       set(name ${layer}/${folder})
     endif()
-    set(may_include_${name} ${before} PARENT_SCOPE)
+    set(may_include_${name} ${may_include_${layer}} ${before} PARENT_SCOPE)
     list(APPEND before ${name})
   endforeach()
   set(all_of_${layer} ${before} PARENT_SCOPE)
@@ -50,27 +51,27 @@ inside(operators interface kinds declare lanes expressions nearest statistics su
 set(may_include_formats points math)
 inside(formats files . records cloud)
 foreach(format e57 kitti las mesh npy pcd ply ptx qsplat text vtk)
-  set(may_include_formats/${format} ${all_of_formats})
+  set(may_include_formats/${format} points math ${all_of_formats})
 endforeach()
-set(may_include_shapes ${all_of_formats})
-set(may_include_sweep points math order search connect operators operators/kinds)
-set(may_include_render order ${all_of_formats} colors)
-set(may_include_pipeline order search connect ${all_of_operators} ${all_of_formats} sweep)
+set(may_include_shapes points math ${all_of_formats})
+set(may_include_sweep points math order search connect operators/interface operators/kinds operators)
+set(may_include_render points math order ${all_of_formats} colors)
+set(may_include_pipeline points math order search connect ${all_of_operators} ${all_of_formats} sweep)
 inside(pipeline plan . language rows checkpoint output memory run)
-set(may_include_reference sweep ${all_of_pipeline})
-set(may_include_info ${all_of_formats})
-set(may_include_report render ${all_of_pipeline})
-set(may_include_verify points math polygons ${all_of_operators} ${all_of_formats} pipeline pipeline/plan pipeline/language
-  pipeline/rows)  # not search, not sweep: it checks them
+set(may_include_reference points math order ${all_of_operators} sweep ${all_of_pipeline})
+set(may_include_info points math ${all_of_formats})
+set(may_include_report points math ${all_of_formats} render ${all_of_pipeline})
+# Not search, not sweep: verify checks them.
+set(may_include_verify points math polygons ${all_of_operators} ${all_of_formats} pipeline pipeline/plan pipeline/language pipeline/rows)
 inside(verify interface rows search values .)
 # verify/formulas evaluates what operators should give: it shares no code with them, nor with math, search or sweep.
 set(may_include_verify/formulas nothing_at_all)
 foreach(layer verify/rows verify/search verify/values verify)
   list(APPEND may_include_${layer} verify/formulas)
 endforeach()
-set(may_include_cli points math order ${all_of_formats} shapes render info ${all_of_verify} reference ${all_of_pipeline} report)
+set(may_include_cli points math order ${all_of_operators} ${all_of_formats} shapes render info ${all_of_verify} reference ${all_of_pipeline} report)
 inside(cli console text verbs .)
-set(may_include_python/binding shapes info ${all_of_verify} ${all_of_pipeline})
+set(may_include_python/binding points math order ${all_of_operators} ${all_of_formats} shapes ${all_of_pipeline} info ${all_of_verify})
 # The one file that knows all formats.
 set(pointsweep/formats/registry.cpp_may_include formats/e57 formats/kitti formats/las formats/mesh formats/npy
   formats/pcd formats/ply formats/ptx formats/qsplat formats/text formats/vtk)
@@ -149,7 +150,9 @@ elseif(inner_includes LESS INNER_INCLUDES_OF_CLI)
 endif()
 
 # A folder with more pairs of files than this is a hall in which nobody finds anything.
-set(most_pairs 25)
+if(NOT DEFINED MOST_PAIRS)
+  set(MOST_PAIRS 25)
+endif()
 set(stems ${files})
 list(TRANSFORM stems REPLACE "(-inl)?\\.(h|cpp)$" "")
 list(REMOVE_DUPLICATES stems)
@@ -161,8 +164,8 @@ endforeach()
 list(REMOVE_DUPLICATES folders)
 foreach(folder ${folders})
   list(LENGTH pairs_of_${folder} pairs)
-  if(pairs GREATER most_pairs)
-    string(APPEND wrong "${folder} holds ${pairs} pairs of files, but must not hold more than ${most_pairs}\n")
+  if(pairs GREATER MOST_PAIRS)
+    string(APPEND wrong "${folder} holds ${pairs} pairs of files, but must not hold more than ${MOST_PAIRS}\n")
   endif()
 endforeach()
 

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "bench/formats/measured.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/formats/parallel_rows.h"
+#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/pipeline/rows/cloud_source.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/threads.h"
 
@@ -25,11 +27,12 @@ using namespace pointsweep;
 template <class Look>
 std::uint64_t read_all(const std::string& path, Look look) {
   InputCloud cloud({path});
-  ParallelRows rows;
+  ParallelRows rows(source_of(cloud, [](std::size_t) {}));
   const std::size_t stride = cloud.schema().stride;
   std::vector<std::byte> records(std::max<std::size_t>(1, kBlock / stride) * stride);
   for (std::uint64_t row = 0; row < cloud.count();) {
-    const std::size_t n = rows.read(cloud, row, records);
+    const std::size_t n = std::min<std::uint64_t>(records.size() / stride, cloud.count() - row);
+    rows.read(row, std::span(records).first(n * stride));
     look(cloud.schema(), records, n);
     row += n;
   }

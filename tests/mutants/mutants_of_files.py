@@ -7,9 +7,9 @@ FORMATS = "pointsweep/formats/"
 MUTANTS = [
     Mutant("a scan angle of a hundredth of a degree", "formats", FORMATS + "las/las_point_formats.cpp",
            "kScanAngleScale = 0.006;", "kScanAngleScale = 0.01;", ("formats",)),
-    Mutant("big-endian PLY is not byte-swapped", "formats", FORMATS + "fixed_records.cpp",
+    Mutant("big-endian PLY is not byte-swapped", "formats", FORMATS + "records/fixed_records.cpp",
            "reverse_values(big_endian_, stride, bytes);", "reverse_values(std::vector<Field>(), stride, bytes);", ("formats",)),
-    Mutant("columns of the other byte order stay so", "formats", FORMATS + "columns_reader.cpp",
+    Mutant("columns of the other byte order stay so", "formats", FORMATS + "records/columns_reader.cpp",
            "reverse_values(reader_.big_endian_, stride, records.first(rows * stride));",
            "reverse_values(reader_.big_endian_, stride, records.first(0));", ("formats",)),
     Mutant("PTX points are not moved to their scanner's place", "formats", FORMATS + "ptx/ptx_reader.cpp",
@@ -35,7 +35,7 @@ MUTANTS = [
            "::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0",
            "::rename(from.c_str(), to.c_str()) == 0", ("formats", "cli")),
     # Several inputs
-    Mutant("different coordinate reference systems are merged", "inputs", FORMATS + "common_crs.cpp",
+    Mutant("different coordinate reference systems are merged", "inputs", FORMATS + "cloud/common_crs.cpp",
            "if (agreement == CrsAgreement::different && !ignore) refuse_different(first, info);",
            "if (agreement == CrsAgreement::different && ignore && !info.crs) refuse_different(first, info);",
            ("formats:CrsOfSeveralInputs.*", "cli:LasInputs.*")),
@@ -45,10 +45,10 @@ MUTANTS = [
     Mutant("systems of different heights are the same", "inputs", FORMATS + "crs.cpp",
            "? CrsAgreement::different : CrsAgreement::undecided;\n  // A GeoTIFF",
            "? CrsAgreement::same : CrsAgreement::undecided;\n  // A GeoTIFF", ("formats:Crs*",)),
-    Mutant("an attribute of several inputs has the type of the first", "inputs", FORMATS + "common_schema.cpp",
+    Mutant("an attribute of several inputs has the type of the first", "inputs", FORMATS + "cloud/common_schema.cpp",
            "into.type = common_type(into, other);",
            "if (into.count > 9999) into.type = common_type(into, other);", ("formats:Cloud.*", "formats:LasMerge.*")),
-    Mutant("the axes' offsets of merged LAS inputs are those of the first alone", "inputs", FORMATS + "common_schema.cpp",
+    Mutant("the axes' offsets of merged LAS inputs are those of the first alone", "inputs", FORMATS + "cloud/common_schema.cpp",
            "field.bias = grid.offset[axis];", "", ("formats:LasMerge.*",)),
 
     # LAS outputs
@@ -70,12 +70,12 @@ MUTANTS = [
            "kSixteenOfEight = 257", "kSixteenOfEight = 1", ("cli:Layout.*", "verify:FieldPair.*")),
 
     # Points that are not finite
-    Mutant("the row before a nonfinite one is dropped", "nonfinite", FORMATS + "finite_rows.cpp",
+    Mutant("the row before a nonfinite one is dropped", "nonfinite", FORMATS + "cloud/finite_rows.cpp",
            "if (gap < gaps_.size() && gaps_[gap] == i) {", "if (gap < gaps_.size() && gaps_[gap] == i + 1) {",
            ("formats:FiniteRows.*", "cli:NonfinitePoints.*")),
-    Mutant("rows named by statistics are one off behind a dropped one", "nonfinite", FORMATS + "finite_rows.cpp",
+    Mutant("rows named by statistics are one off behind a dropped one", "nonfinite", FORMATS + "cloud/finite_rows.cpp",
            "at += gap <= at ? 1 : 0;", "at += gap < at ? 1 : 0;", ("formats:FiniteRows.*", "cli:NonfinitePoints.*")),
-    Mutant("reading goes on from whole blocks into those with gaps", "nonfinite", FORMATS + "finite_rows.cpp",
+    Mutant("reading goes on from whole blocks into those with gaps", "nonfinite", FORMATS + "cloud/finite_rows.cpp",
            "gives() < wanted - done && index_.is_whole(end)) ++end;", "gives() < wanted - done) ++end;",
            ("formats:FiniteRows.*",)),
 
