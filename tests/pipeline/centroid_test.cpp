@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 #include <map>
 
 #include "tests/pipeline/attribute_cloud.h"
@@ -166,6 +168,24 @@ TEST(VoxelCentroid, AveragesWhatIsMadeByItsKind) {
     ASSERT_EQ(count[o], made.value(expected.rows[o], "neighbor_count"));
     ASSERT_EQ(radius[o], mean_of(radii));
   }
+}
+
+TEST(VoxelCentroid, LargestIntegersStayWhatTheyAre) {
+  Records input;
+  for (const char* axis : {"x", "y", "z"}) input.schema.append(axis, Type::f64);
+  input.schema.append("intensity", Type::u64);
+  const std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
+  input.bytes.resize(4 * input.schema.stride);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double x = 0.1 * static_cast<double>(i);
+    std::memcpy(input.bytes.data() + i * input.schema.stride, &x, sizeof x);
+    std::memcpy(input.bytes.data() + i * input.schema.stride + 3 * sizeof x, &largest, sizeof largest);
+  }
+  const Records got = records_of(run_text(input, "voxel(1, keep=centroid)", tiny(100)));
+  ASSERT_EQ(got.size(), 1U);
+  std::uint64_t mean = 0;
+  std::memcpy(&mean, got.at(0) + got.schema.fields.at(*got.schema.find("intensity")).offset, sizeof mean);
+  EXPECT_EQ(mean, largest);
 }
 
 }  // namespace

@@ -20,6 +20,19 @@ constexpr std::string_view kMeasured[] = {"intensity", "red", "green", "blue", "
 
 bool is_floating(Type type) { return type == Type::f32 || type == Type::f64; }
 
+/// Returns the value of type T nearest to a mean, halves to even. The float64 next to the largest integers of 64 bits
+/// lies above all of them.
+template <class T>
+T nearest_of_type(double mean) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return static_cast<T>(mean);
+  } else {
+    const double whole = std::nearbyint(mean);
+    const bool is_above = whole >= std::ldexp(1.0, std::numeric_limits<T>::digits);
+    return is_above ? std::numeric_limits<T>::max() : static_cast<T>(whole);
+  }
+}
+
 /// Unit vectors; 0 where the mean is 0, or not a number.
 void make_directions(double* v) {
   const double most = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
@@ -95,8 +108,7 @@ class MeansOfVoxels final : public InOrderWork {
       if (a.is_direction) make_directions(means.data() + next);
       with_type(a.made.type, [&]<class T>() {
         for (std::size_t c = 0; c < a.made.fields.size(); ++c, ++next)
-          append(static_cast<T>(std::is_floating_point_v<T> ? means[next] : std::nearbyint(means[next])),
-                 findings.values);
+          append(nearest_of_type<T>(means[next]), findings.values);
       });
     }
     terms_.assign(terms_.size(), Term());
