@@ -274,7 +274,7 @@ MUTANTS = [
     Mutant("the box of a slanted cylinder is too small", "change", OPS + "change/m3c2.cpp",
            "half[a] = (depth_ * std::abs(axis_[a]) + radius_ * across)", "half[a] = std::max(depth_ * std::abs(axis_[a]), radius_ * across)",
            ("pipeline:Change.*",)),
-    Mutant("a resumed run does not know the other cloud", "resume", "pointsweep/pipeline/run/run_checkpoints.cpp",
+    Mutant("a resumed run does not know the other cloud", "resume", "pointsweep/pipeline/run/request.cpp",
            "if (other) identity += other->identity();", "if (other && false) identity += other->identity();", ("cli:ChangeOfFiles.*",)),
     Mutant("normals face away from the sensor", "change", OPS + "surface/facing_normals.cpp", "- in.position(i)) < 0)", "- in.position(i)) > 0)",
            ("cli:OrientByTrajectory.*",)),

@@ -7,7 +7,7 @@ PIPELINE = "pointsweep/pipeline/"
 
 MUTANTS = [
     Mutant("the reference engine's stream is in no order", "order", PIPELINE + "run/order_phase.cpp",
-           "whole || run.other_engine() != nullptr;", "whole;", ("reference:Reference.*",)),
+           "whole || engine_of(context.options.engine) != nullptr;", "whole;", ("reference:Reference.*",)),
     Mutant("rows carried between sweeps begin at 0", "spills", PIPELINE + "rows/updated_cloud.cpp",
            "carried->read(first + at + row, own);", "carried->read(at + row, own);", ("pipeline:Reneighbor.*",)),
     Mutant("points of infinite position are lost in sweep order", "order", PIPELINE + "rows/ordered_output.cpp",
@@ -165,7 +165,7 @@ MUTANTS = [
     Mutant("a row that the output cannot hold is named by its thread", "runs", "pointsweep/row_error.h",
            "if (!first_ || error < *first_) first_.emplace(error);", "if (!first_) first_.emplace(error);", ("cli:Layout.*",)),
     Mutant("errors name the row among those that are left", "runs", PIPELINE + "run/run.cpp",
-           "run.rows_of_cloud({error.row()}).front()", "error.row()", ("cli:Layout.*",)),
+           "context.rows_of_cloud({error.row()}).front()", "error.row()", ("cli:Layout.*",)),
     Mutant("a value that a stage cannot hold is cut off", "runs", "pointsweep/points/promised_type.cpp",
            "if (holds_all_ || holds(promised_, value)) return;", "return;", ("cli:Layout.*",)),
     Mutant("all threads work where the budget has no room for them", "memory", PIPELINE + "memory/run_memory.cpp",

@@ -14,8 +14,8 @@
 namespace pointsweep {
 
 /// The state of a run at a checkpoint. During a pass, `stream` is set first, when the points are in order. While the
-/// sweep goes on, `stream` and `results` are both set. After the sweep only `results` is set. At last the results have
-/// become the rows that the next sweep begins with, or the output.
+/// sweep goes on, `results` and `progress` are set, too. After the sweep only `results` is set. At last the results
+/// have become the rows that the next sweep begins with, or the output.
 struct Checkpoint {
   std::string identity;                     ///< run_identity()
   std::uint64_t memory_bytes = 0;           ///< the budget, for a run that goes on and names none
@@ -23,8 +23,8 @@ struct Checkpoint {
   std::uint64_t sweep = 0;                  ///< pass to begin, or to go on with; rows carried into it are complete
   std::uint64_t slab_points = 0;            ///< the aim of the slabs of `stream`
   std::vector<std::byte> stream;            ///< packed Stream; empty before it is in order, and when it has been swept
-  std::vector<Vec3> bucket_places;          ///< RunState::bucket_places of the pass
-  std::vector<std::byte> results;           ///< packed RowStore; empty before the stream is in order
+  std::vector<Vec3> bucket_places;          ///< between buckets of edges of the pass
+  std::vector<std::byte> results;           ///< packed RowStore; empty before the first slab
   std::vector<std::byte> progress;          ///< packed SweepProgress; empty before the first slab
   std::uint64_t mask = 0;                   ///< the pass whose select decided which rows are left; 0: all are
   std::vector<std::vector<double>> values;  ///< of the whole cloud that are known, by number; empty: not known

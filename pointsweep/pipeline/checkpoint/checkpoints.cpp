@@ -55,14 +55,12 @@ void Checkpoints::surveyed(const Survey& survey, std::uint64_t memory_bytes) {
   last_.memory_bytes = memory_bytes;
 }
 
-void Checkpoints::in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places,
-                           RowStore* results) {
+void Checkpoints::in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places) {
   if (last_.is_in_order()) return;
   const auto begun = Clock::now();
   last_.slab_points = slab_points;
   last_.stream = packed(stream);
   last_.bucket_places = bucket_places;
-  if (results != nullptr) last_.results = packed(*results);
   save(begun);
 }
 

@@ -33,9 +33,8 @@ class Checkpoints {
 
   /// `memory_bytes`: the budget that the plan is made for.
   void surveyed(const Survey& survey, std::uint64_t memory_bytes);
-  /// `bucket_places`: RunState::bucket_places. `results` may be null where there will be none.
-  void in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places,
-                RowStore* results);
+  /// `bucket_places`: between buckets of edges, if the pass connects points.
+  void in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places);
   void swept(RowStore& results, const Statistics& counts);
   /// The rows for the next pass are complete, and the mask of its number if `selects`.
   void updated(bool selects, const CloudValues& values, const Statistics& counts);

@@ -54,7 +54,7 @@ void PassValues::finish(CloudValues& into) const {
   }
 }
 
-void give_values(PlannedPass& pass, const CloudValues& values) {
+PlannedPass ready_pass(PlannedPass pass, const CloudValues& values, const Schema& records) {
   for (std::size_t s = 0; s < pass.values_of_stages.size(); ++s) {
     if (pass.values_of_stages[s].empty()) continue;
     std::vector<std::vector<double>> given;
@@ -62,6 +62,8 @@ void give_values(PlannedPass& pass, const CloudValues& values) {
     Stage& stage = pass.plan.stages[s];
     stage.op = std::get<std::shared_ptr<const LocalOperator>>(stage.op)->with_values(given);
   }
+  pass.bind(records);
+  return pass;
 }
 
 }  // namespace pointsweep

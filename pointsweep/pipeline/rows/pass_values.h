@@ -44,7 +44,7 @@ class PassValues {
   bool needs_input_ = false;
 };
 
-/// Gives the stages of a pass the values they wait for.
-void give_values(PlannedPass& pass, const CloudValues& values);
+/// Returns the pass with the values that its stages wait for, bound to the records that it will get.
+PlannedPass ready_pass(PlannedPass pass, const CloudValues& values, const Schema& records);
 
 }  // namespace pointsweep

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/run/connect_points.h"
-
+/// A sweep in which one stage emits edges, and what the components of the graph tell of each point.
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -12,7 +11,7 @@
 #include "pointsweep/free_memory.h"
 #include "pointsweep/order/row_file.h"
 #include "pointsweep/pipeline/output/result_sinks.h"
-#include "pointsweep/pipeline/run/run_scratch.h"
+#include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/sweep/edge_emitter.h"
 
 namespace pointsweep {
@@ -101,11 +100,11 @@ void put_values(const Components& components, const ConnectOperator& op, const R
 
 /// Puts the results of the sweep and the results of the connecting stage together, row by row.
 void put_both(RowStore& swept, const ResultPart& swept_part, RowStore& connected, const ResultPart& connected_part,
-              const SpillPlace& spill, RunState& run, std::size_t bytes) {
-  RowFile by_row(run.cloud.count(), connected_part.bytes, spill);
+              const SpillPlace& spill, std::uint64_t count, RowStore& results, std::size_t bytes) {
+  RowFile by_row(count, connected_part.bytes, spill);
   connected.drain([&](std::uint64_t, std::span<const std::byte> records) { by_row.append(records); });
   std::vector<std::byte> told;
-  BatchedRows rows(*run.results, bytes);
+  BatchedRows rows(results, bytes);
   swept.drain([&](std::uint64_t first, std::span<const std::byte> records) {
     const std::size_t n = records.size() / swept_part.bytes;
     told.resize(n * connected_part.bytes);
@@ -121,45 +120,46 @@ void put_both(RowStore& swept, const ResultPart& swept_part, RowStore& connected
 
 }  // namespace
 
-SweepStatistics sweep_and_connect(RunState& run, std::size_t p, SweepOptions options) {
-  const PlannedPass& pass = run.plan.passes[p];
+SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pass, const Ordered& points,
+                                  SweepOptions options, RowStore& results) {
   const Stage& stage = *pass.connecting_stage();
   const ConnectOperator& op = *stage.connects();
-  RunScratch scratch(run);
-  EdgeBuckets edges(bucket_begins(*run.stream, run.bucket_places), run.stream->axis(), op.weighted(),
-                    op.votes() != nullptr ? op.votes()->ballot_bytes() : 0, scratch.make());
+  RunPlaces& places = context.places;
+  EdgeBuckets edges(bucket_begins(points.stream, points.bucket_places), points.stream.axis(), op.weighted(),
+                    op.votes() != nullptr ? op.votes()->ballot_bytes() : 0, places.scratch());
   SweepPlan plan = pass.plan;
   const ResultPart swept_part = take_swept_part(plan, stage), told_part = connected_part(pass.plan, stage);
-  const SpillPlace spill = &scratch.folder();
-  const MemoryPlan& memory = run.memory.passes[p];
+  const SpillPlace spill = &places.folder();
+  const MemoryPlan& memory = points.memory;
+  const std::uint64_t count = context.cloud.count();
   // Both hold records at once, and while the second is made, the results do not.
   const std::size_t buffer = std::max<std::size_t>(memory.result_buffer_bytes / 2, 1 << 20);
   std::optional<RowStore> swept;
   std::unique_ptr<Sink> sink = std::make_unique<NoSink>();
   if (swept_part.bytes > 0) {
-    swept.emplace(run.cloud.count(), std::vector<std::byte>(swept_part.bytes), spill, buffer);
+    swept.emplace(count, std::vector<std::byte>(swept_part.bytes), spill, buffer);
     sink = std::make_unique<InputOrderSink>(*swept, swept_part.bytes);
   }
   options.edges = &edges;
-  SweepStatistics done = sweep(*run.stream, plan, *sink, options);
+  SweepStatistics done = sweep(points.stream, plan, *sink, options);
   return_free_memory();
   const auto start = std::chrono::steady_clock::now();
   const ComponentsSetup setup{.votes = op.votes(),
-                              .make_scratch = scratch.make(),
+                              .make_scratch = places.scratch(),
                               .memory_bytes = memory.recall_bytes / 2,
-                              .progress = [&run](std::uint64_t points) { run.report("connecting", points, 0); }};
+                              .progress = context.progress_of("connecting")};
   const Components components(edges, setup);
   const std::size_t bytes = pass.plan.result_bytes;
   if (swept) {
-    RowStore told(run.cloud.count(), std::vector<std::byte>(told_part.bytes), spill, buffer);
+    RowStore told(count, std::vector<std::byte>(told_part.bytes), spill, buffer);
     ResultPart whole{{{0, 0, told_part.bytes}}, told_part.bytes};
     put_values(components, op, whole, told, told_part.bytes);
-    put_both(*swept, swept_part, told, told_part, spill, run, bytes);
-    run.statistics.bytes_spilled += swept->spilled_bytes() + 2 * told.spilled_bytes();
+    put_both(*swept, swept_part, told, told_part, spill, count, results, bytes);
+    context.statistics().bytes_spilled += swept->spilled_bytes() + 2 * told.spilled_bytes();
   } else {
-    put_values(components, op, told_part, *run.results, bytes);
+    put_values(components, op, told_part, results, bytes);
   }
-  run.statistics.bytes_spilled += edges.bytes() + components.log_bytes();
+  context.statistics().bytes_spilled += edges.bytes() + components.log_bytes();
   done.stage_seconds[static_cast<std::size_t>(&stage - pass.plan.stages.data())] += seconds_since(start);
   return done;
 }

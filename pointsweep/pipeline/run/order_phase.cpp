@@ -5,138 +5,164 @@
 #include "pointsweep/pipeline/memory/forest_estimate.h"
 #include "pointsweep/pipeline/rows/in_order_pass.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
-#include "pointsweep/pipeline/run/made_rows.h"
+#include "pointsweep/pipeline/rows/ordered_output.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
-#include "pointsweep/pipeline/run/survey_input.h"
+#include "pointsweep/pipeline/sweep_engine.h"
 
 namespace pointsweep {
 namespace {
 
-/// A request to put the points in order.
+/// A request to put points in order.
 struct PointsInOrder {
   const PointSource& source;
-  Survey& survey;  ///< of the source; its sample is needed no more when the stream is made
+  Surveyed points;  ///< of the source
+  std::size_t pass;
   const MemoryPlan& memory;
   bool canonical = false;  ///< ties, too
   bool whole = false;      ///< whole records travel, not only what the stages read
   std::vector<std::size_t> payload = {};
 };
 
-bool is_in_order(const RunState& run) { return run.checkpoints && run.checkpoints->last().is_in_order(); }
+bool is_in_order(const Context& context) {
+  Checkpoints* const checkpoints = context.places.checkpoints();
+  return checkpoints != nullptr && checkpoints->last().is_in_order();
+}
 
-StreamOptions stream_options(const RunState& run, const PointsInOrder& how) {
+StreamOptions stream_options(const Context& context, const PointsInOrder& how, const MemoryPlan& memory) {
   // The reorder of the output has no checkpoints, so its file may have the name of the first stream.
-  const std::size_t number = *run.pass == run.plan.passes.size() ? 0 : *run.pass;
-  return {.axis = how.survey.axis,
-          .slab_points = how.memory.slab_points,
+  const std::size_t number = how.pass == context.plan.passes.size() ? 0 : how.pass;
+  return {.axis = how.points.survey.axis,
+          .slab_points = memory.slab_points,
           .max_slab_points = 0,
           .canonical = how.canonical,
           .whole_records = how.whole,
           .payload = how.payload,
-          .spill = run.place("stream", number, how.memory.spill_stream),
-          .buffer_bytes = how.memory.stream_buffer_bytes,
-          .progress = [&run](std::uint64_t rows) { run.report("ordering", rows, 0); }};
+          .spill = context.places.place("stream", number, memory.spill_stream),
+          .buffer_bytes = memory.stream_buffer_bytes,
+          .progress = context.progress_of("ordering")};
 }
 
-void note_nonfinite(RunState& run) {
-  const std::uint64_t count = run.stream->nonfinite_count();
-  if (run.statistics.nonfinite_rows.empty() && count > 0)
-    run.statistics.nonfinite_rows = run.rows_of_cloud(first_nonfinite_rows(*run.stream, NonfiniteRows::kMostListed));
-  run.statistics.nonfinite = std::max(run.statistics.nonfinite, run.statistics.dropped + count);
+void note_nonfinite(const Context& context, const Stream& stream) {
+  const std::uint64_t count = stream.nonfinite_count();
+  Statistics& statistics = context.statistics();
+  if (statistics.nonfinite_rows.empty() && count > 0)
+    statistics.nonfinite_rows = context.rows_of_cloud(first_nonfinite_rows(stream, NonfiniteRows::kMostListed));
+  statistics.nonfinite = std::max(statistics.nonfinite, context.dropped.count + count);
 }
 
-/// Slabs on demand. False where the points do not lie as the inputs say, or as the plan has estimated: then the plan is
-/// that of a distribution pass.
-bool make_on_demand(RunState& run, const PointsInOrder& how) {
-  OnDemandOptions on_demand{.boxes = std::move(run.on_demand.boxes),
-                            .block_rows = run.options.block_rows,
-                            .read_ahead = run.statistics.threads,
+/// Slabs on demand, if the plan has them. Null also where the points do not lie as the inputs say, or as the plan has
+/// estimated; then `why_not` says why.
+std::optional<Stream> stream_on_demand(const Context& context, const WorkPlan& work, PointsInOrder& how,
+                                       std::string& why_not) {
+  if (!how.memory.on_demand) return std::nullopt;
+  OnDemandOptions on_demand{.boxes = std::move(how.points.boxes),
+                            .block_rows = context.options.block_rows,
+                            .read_ahead = work.memory.threads,
                             .most_waiting = how.memory.most_waiting};
-  std::string why_not;
-  std::optional<Stream> stream =
-      Stream::on_demand(how.source, how.survey, stream_options(run, how), on_demand, why_not);
-  if (stream) {
-    run.stream.emplace(std::move(*stream));
-    return true;
-  }
-  run.memory.passes[*run.pass] = *run.memory.by_distribution;
-  run.memory.order_text = "by distribution: " + why_not;
-  run.results = results_of_pass(run, *run.pass);
-  return false;
+  return Stream::on_demand(how.source, how.points.survey, stream_options(context, how, how.memory), on_demand, why_not);
 }
 
 /// Returns whether the pass connects points.
-bool needs_buckets(const RunState& run) {
-  return *run.pass < run.plan.passes.size() && run.plan.passes[*run.pass].connecting_stage() != nullptr;
+bool needs_buckets(const ChainPlan& plan, std::size_t p) {
+  return p < plan.passes.size() && plan.passes[p].connecting_stage() != nullptr;
 }
 
-/// The stream of a checkpoint, or a new one.
-void make_stream(RunState& run, const PointsInOrder& how) {
+/// The stream of a checkpoint.
+Ordered restored(const Context& context, PointsInOrder how, const MemoryPlan& memory) {
+  const Checkpoints& checkpoints = *context.places.checkpoints();
+  checkpoints.require_slabs_of(memory.slab_points);
+  Unpacker packed(checkpoints.last().stream);
+  return {Stream(packed, how.source, stream_options(context, how, memory)), checkpoints.last().bucket_places,
+          std::move(how.points.survey), memory};
+}
+
+/// A new stream. Where slabs on demand were planned and cannot be made, it follows the plan of a distribution pass.
+Ordered distributed(const Context& context, const WorkPlan& work, PointsInOrder how) {
+  std::string why_not;
+  std::optional<Stream> stream = stream_on_demand(context, work, how, why_not);
+  const MemoryPlan& memory = how.memory.on_demand && !stream ? *work.memory.by_distribution : how.memory;
+  if (!stream) stream.emplace(how.source, how.points.survey, stream_options(context, how, memory));
+  std::vector<Vec3> buckets;
+  if (needs_buckets(context.plan, how.pass)) buckets = places_between_buckets(how.points.survey, how.source.count);
+  if (!why_not.empty() && context.statistics().ordering.empty())
+    context.statistics().ordering = "by distribution: " + why_not;
+  return {std::move(*stream), std::move(buckets), std::move(how.points.survey), memory};
+}
+
+Ordered put_in_order(const Context& context, const WorkPlan& work, PointsInOrder how) {
   const auto start = std::chrono::steady_clock::now();
-  const bool on_demand = how.memory.on_demand && make_on_demand(run, how);
-  const StreamOptions options = stream_options(run, how);
-  if (is_in_order(run)) {
-    run.checkpoints->require_slabs_of(how.memory.slab_points);
-    Unpacker packed(run.checkpoints->last().stream);
-    run.stream.emplace(packed, how.source, options);
-    run.bucket_places = run.checkpoints->last().bucket_places;
-  } else {
-    if (!on_demand) run.stream.emplace(how.source, how.survey, options);
-    run.bucket_places = needs_buckets(run) ? places_between_buckets(how.survey, run.source.count) : std::vector<Vec3>();
-  }
-  how.survey.sample = {};
-  note_nonfinite(run);
-  if (run.statistics.ordering.empty()) run.statistics.ordering = run.memory.order_text;
-  run.statistics.order_seconds += seconds_since(start);
+  const MemoryPlan& memory = how.memory;
+  Ordered made =
+      is_in_order(context) ? restored(context, std::move(how), memory) : distributed(context, work, std::move(how));
+  made.survey.sample = {};
+  note_nonfinite(context, made.stream);
+  if (context.statistics().ordering.empty()) context.statistics().ordering = work.memory.order_text;
+  context.statistics().order_seconds += seconds_since(start);
+  return made;
 }
 
 /// The records of the output, which go by positions that no sweep went by; or those of the input.
-void order_output(RunState& run) {
-  if (run.rows) {
-    run.reordered.emplace(run.cloud, *run.rows, *run.layout, run.plan.by_moved_positions);
-    run.source = run.reordered->positions();
-    survey_source(run, true);
-    if (!run.files) open_late(run);
-    run.source = run.reordered->records();
-  }
-  make_stream(
-      run,
-      {.source = run.source, .survey = run.survey, .memory = run.memory.reordering, .canonical = true, .whole = true});
+Ordered order_output(const Context& context, const WorkPlan& work, const Rows& rows, Surveyed points,
+                     OutputFiles& files) {
+  const auto whole = [&](const PointSource& source) {
+    return put_in_order(context, work,
+                        {.source = source,
+                         .points = std::move(points),
+                         .pass = context.plan.passes.size(),
+                         .memory = work.memory.reordering,
+                         .canonical = true,
+                         .whole = true});
+  };
+  if (!rows.carried) return whole(context.cloud_source());
+  const Reordering reordering(context.cloud, *rows.carried, *work.layout, context.plan.by_moved_positions);
+  points.survey = survey_points(context, reordering.positions(), true);
+  if (!files.are_open()) files.open_late(context, work, points.survey, rows);
+  return whole(reordering.records());
 }
 
-/// Puts the points in order by the places that an operator gives them. `run.survey` stays that of their positions.
-void order_places(RunState& run, std::size_t p) {
-  const PlannedPass& pass = run.plan.passes[p];
-  const PlacedSource placed(run.source, pass.payload(), *pass.in_order());
-  Survey of_places;
+/// Puts the points in order by the places that an operator gives them. The survey stays that of their positions.
+Ordered order_places(const Context& context, const WorkPlan& work, std::size_t p, const PointSource& source,
+                     Survey of_positions) {
+  const PlannedPass& pass = context.plan.passes[p];
+  const PlacedSource placed(source, pass.payload(), *pass.in_order());
+  Surveyed of_places;
   const bool in_plane = pass.in_order()->in_order_contract().places == Places::in_plane;
-  const std::optional<int> axis = in_plane && run.options.axis == 2 ? std::nullopt : run.options.axis;
-  if (!is_in_order(run)) of_places = survey(placed.source, axis, false);
-  make_stream(run, {.source = placed.source,
-                    .survey = of_places,
-                    .memory = run.memory.passes[p],
-                    .canonical = true,
-                    .payload = placed.payload});
+  const std::optional<int> axis = in_plane && context.options.axis == 2 ? std::nullopt : context.options.axis;
+  if (!is_in_order(context)) of_places.survey = survey(placed.source, axis, false);
+  Ordered made = put_in_order(context, work,
+                              {.source = placed.source,
+                               .points = std::move(of_places),
+                               .pass = p,
+                               .memory = work.memory.passes[p],
+                               .canonical = true,
+                               .payload = placed.payload});
+  made.survey = std::move(of_positions);
+  made.survey.sample = {};
+  return made;
 }
 
 }  // namespace
 
 /// The reference reads points in canonical order, whatever order the output has: its search depends on it, and where it
 /// is not exact, its results depend on the axis, too.
-void order_phase(RunState& run, std::size_t p) {
-  if (p == run.plan.passes.size()) return order_output(run);
-  const PlannedPass& pass = run.plan.passes[p];
-  if (pass.has_places()) return order_places(run, p);
-  const bool whole = run.makes_output(p);
-  const bool canonical = pass.kind == PassKind::order || whole || run.other_engine() != nullptr;
-  if (p > 0 && !is_in_order(run)) survey_source(run, canonical);
-  make_stream(run, {.source = run.source,
-                    .survey = run.survey,
-                    .memory = run.memory.passes[p],
-                    .canonical = canonical,
-                    .whole = whole,
-                    .payload = pass.payload()});
+Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, Surveyed points,
+                   OutputFiles& files) {
+  if (p == context.plan.passes.size()) return order_output(context, work, rows, std::move(points), files);
+  const PlannedPass& pass = context.plan.passes[p];
+  const PointSource source = source_of_pass(context, p, rows);
+  if (pass.has_places()) return order_places(context, work, p, source, std::move(points.survey));
+  const bool whole = context.makes_output(p);
+  const bool canonical = pass.kind == PassKind::order || whole || engine_of(context.options.engine) != nullptr;
+  if (p > 0 && !is_in_order(context)) points.survey = survey_points(context, source, canonical);
+  return put_in_order(context, work,
+                      {.source = source,
+                       .points = std::move(points),
+                       .pass = p,
+                       .memory = work.memory.passes[p],
+                       .canonical = canonical,
+                       .whole = whole,
+                       .payload = pass.payload()});
 }
 
 }  // namespace pointsweep

@@ -8,10 +8,10 @@
 
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/operators/kinds/moved_bounds.h"
 #include "pointsweep/pipeline/language/canonical_text.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/output/provenance_record.h"
-#include "pointsweep/pipeline/run/survey_input.h"
 
 namespace pointsweep {
 namespace {
@@ -40,99 +40,87 @@ std::vector<std::string> recorded_stages(const ChainPlan& plan) {
 }
 
 /// Returns the record of the run for its outputs.
-RunRecord said_of(const RunState& run) {
-  return {.stages = recorded_stages(run.plan),
-          .keep = leaves_out(run.plan) ? run.plan.chain.keep : std::vector<std::string>{},
-          .options = run.options,
-          .axis = run.survey.axis,
-          .drops_nonfinite = run.statistics.dropped > 0};
+RunRecord said_of(const Context& context, int axis) {
+  return {.stages = recorded_stages(context.plan),
+          .keep = leaves_out(context.plan) ? context.plan.chain.keep : std::vector<std::string>{},
+          .options = context.options,
+          .axis = axis,
+          .drops_nonfinite = context.dropped.count > 0};
 }
 
 /// Returns the facts about all values that the format of an output needs before the first record; null if it needs
 /// none.
-std::shared_ptr<const KnownValues> values_if_needed(RunState& run, const Format* format) {
+std::shared_ptr<const KnownValues> values_if_needed(const Context& context, const Format* format) {
   if (format == nullptr || format->values == nullptr) return nullptr;
-  const auto report = [&run](std::uint64_t rows) { run.report("ordering", rows, 0); };
-  return std::make_shared<KnownValues>(format->values(run.cloud, report));
+  return std::make_shared<KnownValues>(format->values(context.cloud, context.progress_of("ordering")));
 }
 
-std::optional<Box> bounds_if_known(const RunState& run) {
-  if (run.plan.graph.moved_bounds && !run.is_empty()) return run.moved_bounds();
-  if (const Box& box = run.input.dropped().bounds; !box.empty() && !run.cloud.selection()) return box;
-  if (run.is_empty()) return Box{Vec3{}, Vec3{}};
-  return run.survey.exact && !run.survey.bounds.empty() ? std::optional(run.survey.bounds) : std::nullopt;
+/// The box of the moved points; absent where no stage moves points, or the output needs no box.
+std::optional<Box> moved_bounds(const Context& context, const CloudValues& values) {
+  const auto& value = context.plan.graph.moved_bounds;
+  return value && !context.is_empty() ? std::optional(box_of(values.at(*value))) : std::nullopt;
+}
+
+std::optional<Box> bounds_if_known(const Context& context, const Survey& survey, const CloudValues& values) {
+  if (const std::optional<Box> moved = moved_bounds(context, values)) return moved;
+  if (const Box& box = context.dropped.bounds; !box.empty() && !context.cloud.selection()) return box;
+  if (context.is_empty()) return Box{Vec3{}, Vec3{}};
+  return survey.exact && !survey.bounds.empty() ? std::optional(survey.bounds) : std::nullopt;
 }
 
 /// Returns the positions of the points of tiles after the last stage, from the rows that the last pass leaves; none if
 /// no stage moves points.
-std::optional<MovedPoints> moved_points(RunState& run) {
-  const std::optional<Box> bounds = run.moved_bounds();
+std::optional<MovedPoints> moved_points(const Context& context, const Rows& rows) {
+  const std::optional<Box> bounds = moved_bounds(context, rows.values);
   if (!bounds) return std::nullopt;
-  const std::vector<OutputFormat> written = output_formats(run.outputs);
+  const std::vector<OutputFormat> written = output_formats(context.outputs);
   const auto on_grid = std::ranges::find_if(written, [](const OutputFormat& o) { return o.format->needs_bounds; });
-  const auto values = values_if_needed(run, on_grid->format);
+  const auto values = values_if_needed(context, on_grid->format);
   const std::string position = position_attribute().name;
   std::size_t at = 0;
-  for (const Attribute& a : run.plan.passes.back().carried) {
+  for (const Attribute& a : context.plan.passes.back().carried) {
     if (a.name == position) break;
     at += a.bytes();
   }
-  return MovedPoints{*bounds, values ? values->grid : std::nullopt, run.rows.get(), at};
+  return MovedPoints{*bounds, values ? values->grid : std::nullopt, rows.carried.get(), at};
 }
 
-TileRequest tiles_of(RunState& run) {
-  const auto provenance = [&run](const InputCloud& input, std::size_t tile) {
-    return provenance_of_tile(input, {tile, run.outputs.tiles.size()}, said_of(run));
+/// The context must outlive the request.
+TileRequest tiles_of(const Context& context, int axis) {
+  const auto provenance = [&context, axis](const InputCloud& input, std::size_t tile) {
+    return provenance_of_tile(input, {tile, context.outputs.tiles.size()}, said_of(context, axis));
   };
-  return {run.cloud, run.names, run.outputs, run.options, provenance};
+  return {context.cloud, context.names, context.outputs, context.options, provenance};
 }
 
-std::uint64_t record_bytes(const RunState& run) {
-  return run.layout ? run.layout->schema().stride : run.cloud.schema().stride;
-}
-
-/// Returns the memory that the plan leaves free.
-std::uint64_t spare_bytes(const RunState& run) {
-  const std::uint64_t codecs = codec_bytes(run.cloud, run.outputs, record_bytes(run), run.statistics.threads);
-  const std::uint64_t budget = run.statistics.memory_budget_bytes;
-  return budget - std::min(budget, std::max(run.memory.expected_bytes, kFixedBytes + codecs));
-}
-
-/// Returns the memory that encoding one output may take.
-std::uint64_t encoder_bytes(const RunState& run) {
-  return encoder_bytes(run.outputs, record_bytes(run), run.statistics.threads) + spare_bytes(run);
-}
-
-/// Returns how many tiles can be completed beside the one that gets its rows.
-std::size_t tiles_completing(const RunState& run) {
-  constexpr std::uint64_t kChunksOfTile = 16 << 20;  // records on their way to its file
-  const std::uint64_t of_tile = kChunksOfTile + encoder_bytes(run.outputs, record_bytes(run), run.statistics.threads);
-  return std::min<std::uint64_t>(run.statistics.threads - 1, spare_bytes(run) / of_tile);
-}
-
-void open_files(RunState& run) {
-  if (!run.outputs.tiles.empty()) {
-    TileRequest request = tiles_of(run);
-    request.moved = moved_points(run);
-    request.completing = tiles_completing(run);
-    return void(run.tiles.emplace(std::move(request), FinishedTiles(run.options.resume_folder)));
+/// The memory for encoding outputs.
+struct EncoderMemory {
+  EncoderMemory(const Context& context, const WorkPlan& work) : threads(work.memory.threads) {
+    const std::uint64_t record = work.layout ? work.layout->schema().stride : context.cloud.schema().stride;
+    const std::uint64_t codecs = codec_bytes(context.cloud, context.outputs, record, threads);
+    one_output = encoder_bytes(context.outputs, record, threads);
+    spare = work.budget - std::min(work.budget, std::max(work.memory.expected_bytes, kFixedBytes + codecs));
   }
-  OutputPlace place{bounds_if_known(run), values_if_needed(run, format_of_output(run.outputs.points)),
-                    encoder_bytes(run)};
-  run.files.emplace(run.cloud, run.names.made, run.names.kept, run.outputs, run.options, std::move(place),
-                    provenance_of(run.cloud, said_of(run)));
-}
+  /// Returns how many tiles can be completed beside the one that gets its rows.
+  std::size_t tiles_completing() const {
+    constexpr std::uint64_t kChunksOfTile = 16 << 20;  // records on their way to its file
+    return std::min<std::uint64_t>(threads - 1, spare / (kChunksOfTile + one_output));
+  }
+
+  unsigned threads;
+  std::uint64_t one_output;  ///< bytes for encoding one output
+  std::uint64_t spare;       ///< bytes that the plan leaves free
+};
 
 std::string text_of(const Box& box) {
   return fmt::format("x {:.9g} .. {:.9g}, y {:.9g} .. {:.9g}", box.lo.x, box.hi.x, box.lo.y, box.hi.y);
 }
 
 /// Polygons of another coordinate system are a frequent reason why no point is left.
-std::string boxes_of_crop(const RunState& run) {
-  Box cloud = run.survey.bounds;
-  for (const auto& reader : run.cloud.readers())
+std::string boxes_of_crop(const Context& context, Box cloud) {
+  for (const auto& reader : context.cloud.readers())
     if (const std::optional<Box>& stated = reader->info().bounds) cloud.include(*stated);
-  for (const GraphNode& node : run.plan.graph.nodes) {
+  for (const GraphNode& node : context.plan.graph.nodes) {
     const auto* const select =
         node.op() == nullptr ? nullptr : std::get_if<std::shared_ptr<const SelectOperator>>(node.op());
     const std::optional<Box> extent = select == nullptr ? std::nullopt : (*select)->extent();
@@ -145,37 +133,60 @@ std::string boxes_of_crop(const RunState& run) {
 
 }  // namespace
 
-void require_writable(RunState& run) {
-  if (!run.outputs.tiles.empty())
-    return require_writable_tiles(tiles_of(run), FinishedTiles(run.options.resume_folder), run.folders);
-  Box somewhere = run.survey.bounds;
+bool needs_bounds(const Context& context) {
+  const Format* const format = format_of_output(context.outputs.points);
+  return format != nullptr && format->needs_bounds != nullptr && !context.plan.graph.moved_bounds &&
+         (context.dropped.bounds.empty() || context.cloud.selection()) && format->needs_bounds(context.cloud.schema());
+}
+
+void OutputFiles::require_writable(const Context& context, const Box& bounds) {
+  const FinishedTiles finished(context.options.resume_folder);
+  if (!context.outputs.tiles.empty()) return require_writable_tiles(tiles_of(context, 0), finished, folders_);
+  Box somewhere = bounds;
   if (somewhere.empty()) somewhere.include(Vec3{});
-  OutputSet(run.cloud, run.names.made, run.names.kept, run.outputs, run.options, {somewhere, nullptr});
+  OutputSet(context.cloud, context.names.made, context.names.kept, context.outputs, context.options,
+            {somewhere, nullptr});
 }
 
-bool needs_bounds(const RunState& run) {
-  const Format* const format = format_of_output(run.outputs.points);
-  return format != nullptr && format->needs_bounds != nullptr && !run.plan.graph.moved_bounds &&
-         (run.input.dropped().bounds.empty() || run.cloud.selection()) && format->needs_bounds(run.cloud.schema());
+void OutputFiles::open(const Context& context, const WorkPlan& work, const Survey& survey, const Rows& rows) {
+  const bool late = context.plan.opens_late();
+  if (late || !context.outputs.tiles.empty()) require_writable(context, survey.bounds);
+  if (!late) open_files(context, work, survey, rows);
 }
 
-void open_outputs(RunState& run) {
-  const bool late = run.plan.opens_late();
-  if (late || !run.outputs.tiles.empty()) require_writable(run);
-  if (!late) open_files(run);
-}
-
-void open_late(RunState& run) {
-  if (needs_bounds(run) && !run.is_empty()) {
-    run.source = run.cloud_source();
-    const int axis = run.survey.axis;
-    survey_source(run, true);
-    run.survey.axis = axis;
+void OutputFiles::open_late(const Context& context, const WorkPlan& work, Survey survey, const Rows& rows) {
+  if (needs_bounds(context) && !context.is_empty()) {
+    const int axis = survey.axis;
+    survey = survey_points(context, context.cloud_source(), true);
+    survey.axis = axis;
   }
-  run.statistics.points_written = run.cloud.count();
-  if (run.is_empty() && run.outputs.tiles.empty())
-    run.warn(fmt::format("no point passed; {} is empty{}.", name_of_output(run.outputs), boxes_of_crop(run)));
-  open_files(run);
+  context.statistics().points_written = context.cloud.count();
+  if (context.is_empty() && context.outputs.tiles.empty())
+    context.report.warn(fmt::format("no point passed; {} is empty{}.", name_of_output(context.outputs),
+                                    boxes_of_crop(context, survey.bounds)));
+  open_files(context, work, survey, rows);
 }
+
+void OutputFiles::open_files(const Context& context, const WorkPlan& work, const Survey& survey, const Rows& rows) {
+  const EncoderMemory memory(context, work);
+  if (!context.outputs.tiles.empty()) {
+    TileRequest request = tiles_of(context, survey.axis);
+    request.moved = moved_points(context, rows);
+    request.completing = memory.tiles_completing();
+    tiles_.emplace(request, FinishedTiles(context.options.resume_folder));
+    return;
+  }
+  OutputPlace place{bounds_if_known(context, survey, rows.values),
+                    values_if_needed(context, format_of_output(context.outputs.points)),
+                    memory.one_output + memory.spare};
+  files_.emplace(context.cloud, context.names.made, context.names.kept, context.outputs, context.options,
+                 std::move(place), provenance_of(context.cloud, said_of(context, survey.axis)));
+}
+
+void OutputFiles::write_results(InputCloud& cloud, std::uint64_t first, std::span<const std::byte> results) {
+  tiles_ ? tiles_->write_results(first, results) : files_->write_results(cloud, first, results);
+}
+
+void OutputFiles::finish(const InputCloud& cloud) { tiles_ ? tiles_->finish() : files_->finish(cloud); }
 
 }  // namespace pointsweep

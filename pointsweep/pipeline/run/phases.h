@@ -1,20 +1,35 @@
 // SPDX-License-Identifier: MIT
-/// A run is a list of phases. Each takes what the one before has left in the RunState; checkpoints stand between them
-/// (run_checkpoints.h).
+/// A run is a list of phases, each a function of values that earlier phases have returned. Checkpoints stand between
+/// them.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
-#include "pointsweep/pipeline/run/run_state.h"
+#include "pointsweep/order/row_file.h"
+#include "pointsweep/order/row_store.h"
+#include "pointsweep/order/stream.h"
+#include "pointsweep/order/survey.h"
+#include "pointsweep/pipeline/memory/run_memory.h"
+#include "pointsweep/pipeline/plan/output_layout.h"
+#include "pointsweep/pipeline/rows/other_cloud.h"
+#include "pointsweep/pipeline/rows/pass_values.h"
+#include "pointsweep/pipeline/rows/updated_cloud.h"
+#include "pointsweep/pipeline/run/context.h"
+#include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
 
+class DecodedInput;
+class OutputFiles;
+
 enum class PhaseKind : std::uint8_t {
-  survey,  ///< looks at the input, plans the memory and opens the outputs
-  order,   ///< puts the points in order: RunState::stream
-  sweep,   ///< goes through them, which makes RunState::results
+  survey,  ///< looks at the input and plans the memory; then the outputs are opened
+  order,   ///< puts the points in order
+  sweep,   ///< takes the points in their order through the stages
   update,  ///< makes of the results the rows and values that the next pass begins with
   write,   ///< makes of the results, or of the rows, the output
 };
@@ -29,13 +44,74 @@ struct Phase {
 /// Returns the phases of a run. A plan without passes only puts the input in order.
 std::vector<Phase> phases_of(const ChainPlan& plan);
 
-/// Surveys the input and plans the memory.
-void survey_phase(RunState& run);
-/// Opens the outputs. On the threads that RunMemory::threads allows, as all that follows.
-void open_run(RunState& run);
-void order_phase(RunState& run, std::size_t pass);
-void sweep_phase(RunState& run, std::size_t pass);
-void update_phase(RunState& run, std::size_t pass);
-void write_phase(RunState& run, std::size_t pass);
+/// The decisions about a run that need the survey of its input.
+struct WorkPlan {
+  std::optional<OutputLayout> layout;  ///< of the output's records; absent in a sort
+  std::uint64_t budget;                ///< bytes
+  RunMemory memory;
+};
+
+/// Points before they are put in order.
+struct Surveyed {
+  Survey survey;
+  std::vector<RowBox> boxes;  ///< of the first pass that puts points in order, if it does so on demand
+};
+
+struct Ordered {
+  Stream stream;
+  std::vector<Vec3> bucket_places;  ///< between buckets of edges, if the pass connects points
+  Survey survey;                    ///< of the cloud's points in that order, without its sample
+  MemoryPlan memory;                ///< of the sweep
+};
+
+/// What the passes before leave to a pass, beside the selection of the cloud.
+struct Rows {
+  std::unique_ptr<RowFile> carried;  ///< null before the first pass
+  CloudValues values;                ///< of the whole cloud, as far as they are known
+};
+
+/// Decodes inputs that are decoded once, which `decoded` then holds. Refuses before that work what can be refused.
+void decode_input(const Context& context, OutputFiles& files, std::optional<DecodedInput>& decoded);
+/// Looks at the points of the input; at all of them where the plan asks for that.
+Survey survey_input(const Context& context);
+/// Plans the memory from the survey, and fills the boxes.
+WorkPlan plan_work(const Context& context, Surveyed& input);
+/// Looks at points before they are put in order. `exact`: at all of them.
+Survey survey_points(const Context& context, const PointSource& source, bool exact);
+
+/// Puts the points of a pass in order. If `p` is the number of passes, puts the records of the output in order, before
+/// which it opens the files that are not open yet.
+Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, Surveyed points,
+                   OutputFiles& files);
+
+/// Returns a place for the results of pass `p`, with those that a checkpoint has kept.
+std::unique_ptr<RowStore> results_of_pass(const Context& context, const WorkPlan& work, const MemoryPlan& memory,
+                                          std::size_t p);
+
+/// Makes the results of a pass from its points in order. `other`: the other cloud that the pass reads; null if none.
+std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& work, std::size_t p,
+                                     std::unique_ptr<Ordered> points, const CloudValues& values, OtherCloud* other);
+
+/// The sweep of a pass in which one stage emits edges, and what the components of their graph tell of each point. Fills
+/// `results` for all points that are in slabs. A sweep that is interrupted begins again.
+SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pass, const Ordered& points,
+                                  SweepOptions options, RowStore& results);
+
+/// Ends a pass: its results become the rows that the next pass begins with. The cloud then has those rows alone.
+/// `results` is null for a pass over rows, which makes them now.
+Rows update_pass(const Context& context, const WorkPlan& work, std::size_t p, Rows before,
+                 std::unique_ptr<RowStore> results);
+
+/// Writes the output, in this order: the records of `ordered` if it is there; the rows, where all passes are over or no
+/// row is left; else the results of pass `p`, as update_pass() takes them.
+void write_output(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, const Ordered* ordered,
+                  RowStore* results, OutputFiles& files);
+
+/// Gives the results of pass `p` by row, in the order of the rows. The arguments must outlive the function.
+MadeRows made_by_pass(const Context& context, std::size_t p, const Rows& before, RowStore* results);
+/// Returns how the rows that came into pass `p` become the rows that it leaves.
+RowUpdate update_after(const ChainPlan& plan, std::size_t p);
+/// Returns the cloud as pass `p` sees it. `before` must outlive the source.
+PointSource source_of_pass(const Context& context, std::size_t p, const Rows& before);
 
 }  // namespace pointsweep

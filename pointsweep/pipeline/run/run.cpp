@@ -1,126 +1,70 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <memory>
-#include <set>
-#include <thread>
 #include <utility>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/fail.h"
-#include "pointsweep/formats/files/same_file.h"
 #include "pointsweep/free_memory.h"
 #include "pointsweep/pipeline/engine_run.h"
-#include "pointsweep/pipeline/language/length_units.h"
-#include "pointsweep/pipeline/output/kept_system.h"
+#include "pointsweep/pipeline/memory/radius_estimate.h"
 #include "pointsweep/pipeline/output/output_formats.h"
-#include "pointsweep/pipeline/run/made_rows.h"
+#include "pointsweep/pipeline/rows/decoded_input.h"
+#include "pointsweep/pipeline/rows/finite_input.h"
+#include "pointsweep/pipeline/rows/row_mask.h"
+#include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
-#include "pointsweep/pipeline/run/run_checkpoints.h"
+#include "pointsweep/pipeline/run/request.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
 
-OutputNames names_of_output(const RunState& run) {
-  const bool is_sort = run.plan.passes.empty();
-  if (is_sort || (run.outputs.points.empty() && run.outputs.tiles.empty() && !run.outputs.writer))
-    return {run.plan.made, run.plan.kept, {}};
-  return names_in_outputs(run.cloud, run.plan, run.outputs, run.options);
+/// Takes over the counts of an earlier process, if there was one.
+void take_over(RunPlaces& places, const EngineOptions& options, const RunReport& report) {
+  const Checkpoints* const checkpoints = places.checkpoints();
+  if (checkpoints == nullptr || !checkpoints->found()) return;
+  take_counts(report.statistics, checkpoints->last().counts);
+  if (options.resources.memory_bytes == 0) report.statistics.memory_budget_bytes = checkpoints->last().memory_bytes;
+  report.note("Went on where an earlier process had ended: times and series are of this one alone.");
 }
 
-/// Warns of neighbourhoods that ask for more points than there are.
-void note_neighborhoods(RunState& run) {
-  std::set<std::size_t> noted;
-  for (const PlannedPass& pass : run.plan.passes) {
-    if (pass.kind != PassKind::sweep) continue;
-    const std::size_t k = pass.plan.neighborhood.k;
-    const bool limited = k != Neighborhood::kUnlimited;
-    if (noted.empty()) run.statistics.k = limited ? k : 0;
-    if (!noted.insert(k).second || !limited || k < run.cloud.count()) continue;
-    run.warn(fmt::format("k = {} is more than the {} other points there are: neighbourhoods hold all of them.", k,
-                         run.cloud.count() - 1));
-  }
+/// Returns the rows and values that an earlier process has left to the pass to go on with, and selects these rows.
+Rows restored_rows(const Context& context) {
+  Rows rows;
+  Checkpoints* const checkpoints = context.places.checkpoints();
+  if (checkpoints == nullptr || checkpoints->last().sweep == 0) return rows;
+  const Checkpoint& last = checkpoints->last();
+  InputCloud& cloud = context.cloud;
+  if (last.mask > 0) cloud.select(RowMask::kept(cloud.count(), checkpoints->place("mask", last.mask)));
+  for (std::size_t v = 0; v < last.values.size(); ++v)
+    if (!last.values[v].empty()) rows.values[v] = last.values[v];
+  const std::size_t bytes = update_after(context.plan, last.sweep - 1).record_bytes();
+  rows.carried = std::make_unique<RowFile>(RowFile::kept(cloud.count(), bytes, checkpoints->place("rows", last.sweep)));
+  return rows;
 }
 
-/// Other clouds that passes read are no outputs.
-void open_other_clouds(RunState& run) {
-  run.others = open_others(run.plan, run.cloud);
-  for (const std::optional<OtherCloud>& other : run.others) {
-    if (!other) continue;
-    require_separate_files(other->files(), written_files(run.outputs, run.options));
-    for (const std::string& warning : other->warnings()) run.warn(warning);
-  }
+/// Returns whether an earlier process has completed the phase.
+bool is_done(const Checkpoints* checkpoints, const Phase& phase) {
+  if (checkpoints == nullptr || phase.kind == PhaseKind::survey) return false;
+  const Checkpoint& last = checkpoints->last();
+  if (phase.pass != last.sweep) return phase.pass < last.sweep;
+  const bool before_results = phase.kind == PhaseKind::order || phase.kind == PhaseKind::sweep;
+  return before_results && last.is_swept();
 }
 
-/// Throws for a request that can be refused before the first point is read.
-void check_request(RunState& run) {
-  if (run.options.order == Order::sweep && !run.outputs.arrays.empty())
-    fail_usage("Arrays have their rows in input order: leave out --order sweep.");
-  require_outputs(run.outputs);
-  require_lengths(run.cloud, run.plan.chain);
-  for (const std::string& sentence : notes_on_defaults(run.cloud, run.plan.chain)) run.note(sentence);
-  require_tiles_possible(run.outputs, run.options);
-  run.names = names_of_output(run);
-  run.warn(run.names.warning());
-  run.warn(kept_system_warning(run.plan, run.cloud.crs(), run.outputs));
-  if (const SweepEngine* engine = run.other_engine()) engine->require_can(run.plan, run.options);
-  note_neighborhoods(run);
-  open_other_clouds(run);
+/// Says which pass takes longest where all of them take long.
+void give_notice(const RunMemory& memory, Observer* observer) {
+  double seconds = 0;
+  for (const Effort& effort : memory.efforts) seconds += effort.seconds;
+  if (seconds < kLongSeconds || observer == nullptr) return;
+  const Effort& most = *std::ranges::max_element(memory.efforts, {}, &Effort::seconds);
+  observer->on_note(fmt::format("{} means {}, {}; {}.", most.cause, most.text, about_time_text(seconds), most.remedy));
 }
 
-/// The cloud as the pass sees it, what its stages wait for, and a place for its results.
-void begin_pass(RunState& run, std::size_t p) {
-  run.pass = p;
-  if (p == run.plan.passes.size()) return;
-  PlannedPass& pass = run.plan.passes[p];
-  const bool nothing_carried = p == 0 || run.plan.passes[p - 1].carried.empty();
-  run.source = nothing_carried ? run.cloud_source() : updated_source(run.cloud_source(), *run.rows, pass);
-  give_values(pass, run.values);
-  if (pass.kind != PassKind::rows) run.results = results_of_pass(run, p);
-}
-
-void perform(RunState& run, const Phase& phase) {
-  if (phase.kind != PhaseKind::survey && !run.is_empty() && run.pass != phase.pass) begin_pass(run, phase.pass);
-  switch (phase.kind) {
-    case PhaseKind::survey:
-      open_run(run);
-      return restore_rows(run);
-    case PhaseKind::order:
-      return order_phase(run, phase.pass);
-    case PhaseKind::sweep:
-      return sweep_phase(run, phase.pass);
-    case PhaseKind::update:
-      return update_phase(run, phase.pass);
-    case PhaseKind::write:
-      return write_phase(run, phase.pass);
-  }
-}
-
-/// The outputs get their names.
-void finish(RunState& run) {
-  run.tiles ? run.tiles->finish() : run.files->finish(run.cloud);
-  for (const std::string& warning : run.tiles ? run.tiles->warnings() : run.files->warnings()) run.warn(warning);
-  if (run.checkpoints) run.checkpoints->finish();
-  run.decoded.reset();
-  // Rows are numbered as in the input, whose nonfinite points may have been dropped.
-  for (DegenerateResults& results : run.statistics.degenerate_results)
-    for (std::uint64_t& row : results.rows) row = run.cloud.input_row(row);
-  run.statistics.bytes_written = run.tiles ? run.tiles->bytes_written() : run.files->bytes_written();
-  run.statistics.total_seconds = seconds_since(run.started);
-  run.statistics.peak_rss_bytes = peak_resident_bytes();
-}
-
-/// Returns the error with the row of the input: a pass numbers the rows that are left.
-RowError in_input(RunState& run, const RowError& error) {
-  const auto [input, row] = run.cloud.place_of_row(run.rows_of_cloud({error.row()}).front());
-  if (run.cloud.readers().size() == 1) return error.numbered(row);
-  return error.named(fmt::format("{} of {}", row, run.cloud.readers()[input]->info().path.string()));
-}
-
-/// An error while tiles are written also says how many are complete.
+/// An error also says how many tiles are complete. A pass numbers the rows that are left, an error those of the input.
 template <class Work>
-void with_progress_of_tiles(RunState& run, Work work) {
+void with_progress_of_tiles(const Context& context, OutputFiles& files, Work work) {
   try {
     work();
   } catch (const UsageError&) {
@@ -128,46 +72,159 @@ void with_progress_of_tiles(RunState& run, Work work) {
   } catch (const Cancelled&) {
     throw;
   } catch (const RowError& error) {
-    throw Error(in_input(run, error).what() + (run.tiles ? run.tiles->progress() : ""));
+    InputCloud& cloud = context.cloud;
+    const auto [input, row] = cloud.place_of_row(context.rows_of_cloud({error.row()}).front());
+    const RowError named =
+        cloud.readers().size() == 1
+            ? error.numbered(row)
+            : error.named(fmt::format("{} of {}", row, cloud.readers()[input]->info().path.string()));
+    throw Error(named.what() + files.progress());
   } catch (const Error& error) {
-    throw Error(error.what() + (run.tiles ? run.tiles->progress() : ""));
+    throw Error(error.what() + files.progress());
   }
 }
 
-/// A run from the end of its survey to finished files.
-Statistics run_after_survey(RunState& run) {
-  for (const Phase& phase : phases_of(run.plan)) {
-    const bool nothing_left = run.is_empty() && phase.kind != PhaseKind::write;
-    if (nothing_left || is_done(run, phase)) continue;
-    with_progress_of_tiles(run, [&] { perform(run, phase); });
-    checkpoint_after(run, phase);
+/// Performs the phases after the survey, and holds the values that stand between two of them.
+class Phases {
+ public:
+  Phases(const Context& context, const WorkPlan& work, OtherClouds& others, OutputFiles& files, Surveyed points)
+      : context_(context), work_(work), others_(others), files_(files), points_(std::move(points)) {}
+
+  void perform(const Phase& phase) {
+    switch (phase.kind) {
+      case PhaseKind::survey:
+        return open();
+      case PhaseKind::order:
+        return order(phase.pass);
+      case PhaseKind::sweep:
+        return sweep(phase.pass);
+      case PhaseKind::update:
+        return update(phase.pass);
+      case PhaseKind::write:
+        return write(phase.pass);
+    }
+  }
+
+ private:
+  void open() {
+    files_.open(context_, work_, points_.survey, rows_);
+    give_notice(work_.memory, context_.report.observer);
+    rows_ = restored_rows(context_);
+    if (checkpoints_ != nullptr) checkpoints_->surveyed(points_.survey, work_.budget);
+  }
+
+  void order(std::size_t p) {
+    ordered_ = std::make_unique<Ordered>(order_pass(context_, work_, p, rows_, std::move(points_), files_));
+    points_ = {.survey = ordered_->survey, .boxes = {}};
+    const bool of_rows = p == context_.plan.passes.size() && p > 0;  // which has no checkpoints
+    if (checkpoints_ != nullptr && !of_rows)
+      checkpoints_->in_order(ordered_->stream, ordered_->memory.slab_points, ordered_->bucket_places);
+  }
+
+  void sweep(std::size_t p) {
+    OtherCloud* const other = others_[p] ? &*others_[p] : nullptr;
+    results_ = sweep_pass(context_, work_, p, std::move(ordered_), rows_.values, other);
+    if (checkpoints_ != nullptr) checkpoints_->swept(*results_, context_.statistics());
+  }
+
+  void update(std::size_t p) {
+    rows_ = update_pass(context_, work_, p, std::move(rows_), results(p));
+    if (checkpoints_ != nullptr)
+      checkpoints_->updated(context_.plan.passes[p].selects, rows_.values, context_.statistics());
+  }
+
+  void write(std::size_t p) {
+    if (!files_.are_open()) files_.open_late(context_, work_, points_.survey, rows_);
+    const std::unique_ptr<RowStore> made = results(p);
+    write_output(context_, work_, p, rows_, ordered_.get(), made.get(), files_);
+  }
+
+  /// Returns the results of a sweep, which an earlier process may have made; null for a pass over rows.
+  std::unique_ptr<RowStore> results(std::size_t p) {
+    const bool sweeps = p < context_.plan.passes.size() && context_.plan.passes[p].kind != PassKind::rows;
+    if (results_ == nullptr && sweeps && !context_.is_empty())
+      return results_of_pass(context_, work_, work_.memory.passes[p], p);
+    return std::move(results_);
+  }
+
+  const Context& context_;
+  const WorkPlan& work_;
+  OtherClouds& others_;
+  OutputFiles& files_;
+  Checkpoints* const checkpoints_ = context_.places.checkpoints();
+  Surveyed points_;                    ///< that are put in order next
+  Rows rows_;                          ///< that the passes before have left
+  std::unique_ptr<Ordered> ordered_;   ///< from the order of a pass to its sweep, or of the output to its end
+  std::unique_ptr<RowStore> results_;  ///< from a sweep to its update, or to the output
+};
+
+/// A run from the end of its survey to written files.
+void perform_phases(const Context& context, const WorkPlan& work, Surveyed points, OtherClouds& others,
+                    OutputFiles& files) {
+  Phases phases(context, work, others, files, std::move(points));
+  for (const Phase& phase : phases_of(context.plan)) {
+    const bool nothing_left = context.is_empty() && phase.kind != PhaseKind::write;
+    if (nothing_left || is_done(context.places.checkpoints(), phase)) continue;
+    with_progress_of_tiles(context, files, [&] { phases.perform(phase); });
     return_free_memory();
   }
-  with_progress_of_tiles(run, [&] { finish(run); });
-  return std::move(run.statistics);
+}
+
+/// The outputs get their names.
+void finish(const Context& context, OutputFiles& files) {
+  files.finish(context.cloud);
+  for (const std::string& warning : files.warnings()) context.report.warn(warning);
+  if (context.places.checkpoints() != nullptr) context.places.checkpoints()->finish();
 }
 
 /// The survey tells how many threads work from then on, on which all else is made and ends.
-Statistics run_phases(std::unique_ptr<RunState> surveyed) {
-  check_request(*surveyed);
-  open_checkpoints(*surveyed);
-  with_progress_of_tiles(*surveyed, [&] { survey_phase(*surveyed); });
-  Statistics statistics;
-  with_threads(surveyed->memory.threads, [&] {
-    const std::unique_ptr<RunState> run = std::move(surveyed);
-    statistics = run_after_survey(*run);
+void perform(const Context& context, OtherClouds& others) {
+  std::optional<DecodedInput> decoded;
+  auto files = std::make_unique<OutputFiles>();
+  Surveyed points;
+  std::optional<const WorkPlan> work;
+  with_progress_of_tiles(context, *files, [&] {
+    decode_input(context, *files, decoded);
+    points.survey = survey_input(context);
+    work.emplace(plan_work(context, points));
   });
+  with_threads(work->memory.threads, [&] {
+    const std::unique_ptr<OutputFiles> open = std::move(files);
+    perform_phases(context, *work, std::move(points), others, *open);
+    with_progress_of_tiles(context, *open, [&] { finish(context, *open); });
+    context.statistics().bytes_written = open->bytes_written();
+  });
+}
+
+Statistics run_request(const Request& request) {
+  const auto start = std::chrono::steady_clock::now();
+  require_own_files(request);
+  const FiniteInput input(request.cloud, request.outputs, request.options);
+  Statistics statistics = first_counts(request, input.dropped());
+  const RunReport report{statistics, request.options.observer};
+  require_work(request);
+  if (report.observer != nullptr)
+    for (const std::string& sentence : statistics.warnings) report.observer->on_warning(sentence);
+  report.warn(input.warning());
+  const OutputNames names = check_request(request, report);
+  OtherClouds others = open_other_clouds(request, report);
+  RunPlaces places(request.options, identity_of(request, others));
+  take_over(places, request.options, report);
+  perform({request.cloud, request.outputs, request.options, request.plan, names, input.dropped(), places, report},
+          others);
+  // Rows are numbered as in the input, whose nonfinite points may have been dropped.
+  for (DegenerateResults& results : statistics.degenerate_results)
+    for (std::uint64_t& row : results.rows) row = request.cloud.input_row(row);
+  statistics.total_seconds = seconds_since(start);
+  statistics.peak_rss_bytes = peak_resident_bytes();
   return statistics;
 }
 
 /// Runs on as many threads as asked for, however many the caller's arena has.
-Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options, ChainPlan plan) {
-  const unsigned threads =
-      options.resources.threads != 0 ? options.resources.threads : std::max(1u, std::thread::hardware_concurrency());
+Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options, const ChainPlan& plan) {
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
   Statistics statistics;
-  with_threads(threads,
-               [&] { statistics = run_phases(std::make_unique<RunState>(cloud, outputs, options, std::move(plan))); });
+  with_threads(threads_asked_for(options), [&] { statistics = run_request({cloud, outputs, options, plan}); });
   return statistics;
 }
 
@@ -181,6 +238,21 @@ ChainPlan plan_sort(const Schema& input, const std::vector<std::string>& keep) {
 }
 
 }  // namespace
+
+std::vector<Phase> phases_of(const ChainPlan& plan) {
+  std::vector<Phase> phases = {{PhaseKind::survey}};
+  const std::size_t passes = plan.passes.size();
+  for (std::size_t p = 0; p < passes; ++p) {
+    if (plan.passes[p].kind != PassKind::rows) {
+      phases.push_back({PhaseKind::order, p});
+      phases.push_back({PhaseKind::sweep, p});
+    }
+    phases.push_back({plan.leaves_rows(p) ? PhaseKind::update : PhaseKind::write, p});
+  }
+  if (plan.reorders) phases.push_back({PhaseKind::order, passes});
+  if (phases.back().kind != PhaseKind::write) phases.push_back({PhaseKind::write, passes});
+  return phases;
+}
 
 Statistics run(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
   return run_plan(cloud, outputs, options, plan_chain(chain, cloud.schema(), needs_of(outputs, options)));

@@ -1,85 +1,64 @@
 // SPDX-License-Identifier: MIT
 /// The first phase: the input is surveyed, and everything is decided that the work needs.
-#include <algorithm>
-
-#include "pointsweep/pipeline/memory/radius_estimate.h"
+#include "pointsweep/pipeline/output/output_formats.h"
+#include "pointsweep/pipeline/rows/decoded_input.h"
+#include "pointsweep/pipeline/rows/on_demand_order.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
-#include "pointsweep/pipeline/run/survey_input.h"
+#include "pointsweep/pipeline/sweep_engine.h"
 
 namespace pointsweep {
 namespace {
 
-/// Says which pass takes longest where all of them take long.
-void give_notice(const RunState& run) {
-  double seconds = 0;
-  for (const Effort& effort : run.memory.efforts) seconds += effort.seconds;
-  if (seconds < kLongSeconds || run.options.observer == nullptr) return;
-  const Effort& most = *std::ranges::max_element(run.memory.efforts, {}, &Effort::seconds);
-  run.options.observer->on_note(
-      fmt::format("{} means {}, {}; {}.", most.cause, most.text, about_time_text(seconds), most.remedy));
-}
-
-bool needs_exact_survey(const RunState& run) {
-  const std::vector<PlannedPass>& passes = run.plan.passes;
+bool needs_exact_survey(const Context& context) {
+  const std::vector<PlannedPass>& passes = context.plan.passes;
   const bool orders_first = passes.empty() || (passes.front().kind == PassKind::order && !passes.front().has_places());
-  return orders_first || run.options.order == Order::sweep || run.other_engine() != nullptr || needs_bounds(run);
-}
-
-/// Refuses first what can be refused without the work.
-void decode_input(RunState& run) {
-  if (decoded_input_bytes(run.cloud) == 0) return;
-  if (!run.outputs.writer) require_writable(run);
-  const auto start = std::chrono::steady_clock::now();
-  if (!run.checkpoints) run.folder.emplace(temp_parent(run.options.resources.temp_folder));
-  run.decoded.emplace(run.cloud, run.options, [&](std::size_t input) { return run.place("decoded", input, true); });
-  run.statistics.bytes_spilled += run.decoded->bytes();
-  run.statistics.bytes_spilled_decoding = run.decoded->bytes();
-  run.statistics.order_seconds += seconds_since(start);
-}
-
-void plan_memory_of(RunState& run) {
-  const Schema& input = run.cloud.schema();
-  run.on_demand = on_demand_order(run.cloud, run.plan, run.options);
-  if (!run.plan.passes.empty())
-    run.layout.emplace(input, run.names.made, run.names.kept,
-                       type_of_positions(run.names.made, run.outputs.points, run.options));
-  const std::uint64_t output = run.layout ? run.layout->schema().stride : input.stride;
-  const auto codecs = [&](unsigned threads) { return codec_bytes(run.cloud, run.outputs, output, threads); };
-  run.memory = plan_run_memory(run.statistics.memory_budget_bytes, run.plan, run.cloud.count(), run.survey, run.options,
-                               output, codecs, run.on_demand);
-  run.statistics.threads = run.memory.threads;
-  if (!run.memory.threads_note.empty()) run.note(run.memory.threads_note);
-}
-
-void make_folder(RunState& run) {
-  if (!run.memory.spills() || run.checkpoints || run.folder) return;
-  run.folder.emplace(temp_parent(run.options.resources.temp_folder));
+  return orders_first || context.options.order == Order::sweep || engine_of(context.options.engine) != nullptr ||
+         needs_bounds(context);
 }
 
 }  // namespace
 
-void survey_source(RunState& run, bool exact) {
+void decode_input(const Context& context, OutputFiles& files, std::optional<DecodedInput>& decoded) {
+  if (decoded_input_bytes(context.cloud) == 0) return;
+  if (!context.outputs.writer) files.require_writable(context, {});
   const auto start = std::chrono::steady_clock::now();
-  run.survey = survey(run.source, run.options.axis, exact);
-  run.statistics.order_seconds += seconds_since(start);
+  decoded.emplace(context.cloud, context.options,
+                  [&](std::size_t input) { return context.places.place("decoded", input, true); });
+  context.statistics().bytes_spilled += decoded->bytes();
+  context.statistics().bytes_spilled_decoding = decoded->bytes();
+  context.statistics().order_seconds += seconds_since(start);
 }
 
-void survey_phase(RunState& run) {
-  decode_input(run);
-  run.source = run.cloud_source();
-  if (run.checkpoints && run.checkpoints->found())
-    run.survey = run.checkpoints->last().survey;
-  else
-    survey_source(run, needs_exact_survey(run));
-  if (!run.plan.passes.empty()) require_distances(run.survey.bounds);
-  plan_memory_of(run);
+Survey survey_points(const Context& context, const PointSource& source, bool exact) {
+  const auto start = std::chrono::steady_clock::now();
+  Survey found = survey(source, context.options.axis, exact);
+  context.statistics().order_seconds += seconds_since(start);
+  return found;
 }
 
-void open_run(RunState& run) {
-  open_outputs(run);
-  give_notice(run);
-  make_folder(run);
+Survey survey_input(const Context& context) {
+  const Checkpoints* const checkpoints = context.places.checkpoints();
+  Survey found = checkpoints != nullptr && checkpoints->found()
+                     ? checkpoints->last().survey
+                     : survey_points(context, context.cloud_source(), needs_exact_survey(context));
+  if (!context.plan.passes.empty()) require_distances(found.bounds);
+  return found;
+}
+
+WorkPlan plan_work(const Context& context, Surveyed& input) {
+  const auto& [cloud, outputs, options, plan, names, dropped, places, report] = context;
+  WorkPlan work{.layout = {}, .budget = report.statistics.memory_budget_bytes, .memory = {}};
+  OnDemandOrder on_demand = on_demand_order(cloud, plan, options);
+  if (!plan.passes.empty())
+    work.layout.emplace(cloud.schema(), names.made, names.kept, type_of_positions(names.made, outputs.points, options));
+  const std::uint64_t record = work.layout ? work.layout->schema().stride : cloud.schema().stride;
+  const auto codecs = [&](unsigned threads) { return codec_bytes(context.cloud, context.outputs, record, threads); };
+  work.memory = plan_run_memory(work.budget, plan, cloud.count(), input.survey, options, record, codecs, on_demand);
+  input.boxes = std::move(on_demand.boxes);
+  report.statistics.threads = work.memory.threads;
+  if (!work.memory.threads_note.empty()) report.note(work.memory.threads_note);
+  return work;
 }
 
 }  // namespace pointsweep

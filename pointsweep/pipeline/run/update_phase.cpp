@@ -1,27 +1,86 @@
 // SPDX-License-Identifier: MIT
 /// Ends a pass: its results become the rows, and the values of the whole cloud, that the next pass begins with.
+#include <algorithm>
+
+#include "pointsweep/cancellation.h"
 #include "pointsweep/pipeline/rows/pass_update.h"
-#include "pointsweep/pipeline/run/made_rows.h"
+#include "pointsweep/pipeline/rows/row_pass.h"
 #include "pointsweep/pipeline/run/phases.h"
 
 namespace pointsweep {
+namespace {
 
-void update_phase(RunState& run, std::size_t p) {
+void note_rows_pass(const Context& context, const SweepPlan& plan, const StageTally& tally) {
+  Statistics& statistics = context.statistics();
+  const std::size_t before = statistics.degenerate_results.size();
+  for (std::size_t i = 0; i < plan.stages.size(); ++i) {
+    const std::string name = name_of(plan.stages[i].op);
+    statistics.operator_seconds.emplace_back(name, tally.seconds[i]);
+    statistics.degenerate_results.push_back({name, tally.degenerate[i].count(), tally.degenerate[i].lowest()});
+    statistics.degenerate += tally.degenerate[i].count();
+  }
+  context.number_degenerate_rows(before);
+}
+
+/// Returns the rows of a pass without stages, which only serves to find values of its rows.
+MadeRows nothing_made(std::uint64_t count) {
+  return [count](const auto& use) {
+    constexpr std::uint64_t kRows = 1 << 16;
+    for (std::uint64_t row = 0; row < count; row += kRows) {
+      stop_if_cancelled();
+      use(row, static_cast<std::size_t>(std::min(kRows, count - row)), nullptr);
+    }
+  };
+}
+
+}  // namespace
+
+PointSource source_of_pass(const Context& context, std::size_t p, const Rows& before) {
+  const bool nothing_carried = p == 0 || context.plan.passes[p - 1].carried.empty();
+  return nothing_carried ? context.cloud_source()
+                         : updated_source(context.cloud_source(), *before.carried, context.plan.passes[p]);
+}
+
+MadeRows made_by_pass(const Context& context, std::size_t p, const Rows& before, RowStore* results) {
+  const PlannedPass& planned = context.plan.passes[p];
+  if (planned.kind == PassKind::rows && planned.plan.stages.empty()) return nothing_made(context.cloud.count());
+  if (planned.kind == PassKind::rows)
+    return [&context, &planned, &before, p](const auto& use) {
+      const PlannedPass pass = ready_pass(planned, before.values, planned.input);
+      RowPass rows(pass);
+      rows.run(source_of_pass(context, p, before), use);
+      note_rows_pass(context, pass.plan, rows.tally());
+    };
+  return [results, bytes = planned.plan.result_bytes](const auto& use) {
+    results->drain(
+        [&](std::uint64_t first, std::span<const std::byte> made) { use(first, made.size() / bytes, made.data()); });
+  };
+}
+
+RowUpdate update_after(const ChainPlan& plan, std::size_t p) {
+  const std::vector<Attribute> none;
+  const PlannedPass& pass = plan.passes[p];
+  return {p == 0 ? none : plan.passes[p - 1].carried, pass.made, pass.carried};
+}
+
+Rows update_pass(const Context& context, const WorkPlan& work, std::size_t p, Rows before,
+                 std::unique_ptr<RowStore> results) {
   const auto start = std::chrono::steady_clock::now();
-  const PlannedPass& pass = run.plan.passes[p];
-  const RowUpdate after = update_after(run.plan, p);
-  const bool spills = run.memory.spill_rows;
-  PassUpdate to(pass, run.cloud, run.cloud_source(), after.record_bytes(), run.place("rows", p + 1, spills),
-                run.place("mask", p + 1, spills));
-  update_rows(made_by_pass(run, p), run.rows.get(), after, pass.plan.result_bytes, [&](const UpdatedRows& rows) {
-    to.add(rows);
-    run.report("updating", rows.first + rows.count, 0);
-  });
-  run.rows = to.finish(run.values);
-  run.statistics.bytes_spilled += to.spilled_bytes();
-  if (run.results) run.statistics.bytes_spilled += run.results->spilled_bytes();
-  run.results.reset();
-  run.statistics.write_seconds += seconds_since(start);
+  const PlannedPass& pass = context.plan.passes[p];
+  const RowUpdate after = update_after(context.plan, p);
+  const bool spills = work.memory.spill_rows;
+  PassUpdate to(pass, context.cloud, context.cloud_source(), after.record_bytes(),
+                context.places.place("rows", p + 1, spills), context.places.place("mask", p + 1, spills));
+  update_rows(made_by_pass(context, p, before, results.get()), before.carried.get(), after, pass.plan.result_bytes,
+              [&](const UpdatedRows& rows) {
+                to.add(rows);
+                context.progress("updating", rows.first + rows.count);
+              });
+  Rows left{.carried = nullptr, .values = std::move(before.values)};
+  left.carried = to.finish(left.values);
+  context.statistics().bytes_spilled += to.spilled_bytes() + (results ? results->spilled_bytes() : 0);
+  context.statistics().write_seconds += seconds_since(start);
+  return left;
 }
 
 }  // namespace pointsweep

@@ -4,7 +4,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/order/parallel_rows.h"
-#include "pointsweep/pipeline/run/made_rows.h"
+#include "pointsweep/pipeline/rows/ordered_output.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
 
@@ -12,85 +12,82 @@ namespace pointsweep {
 namespace {
 
 /// Whole output records, in the order of the stream of the last pass.
-void write_whole(RunState& run) {
-  const std::size_t stride = run.files->layout().schema().stride;
-  run.results->drain([&](std::uint64_t first, std::span<const std::byte> records) {
-    run.files->write_records(records);
-    run.report("writing", first + records.size() / stride, 0);
+void write_whole(const Context& context, RowStore& results, std::size_t stride, OutputFiles& files) {
+  results.drain([&](std::uint64_t first, std::span<const std::byte> records) {
+    files.write_records(records);
+    context.progress("writing", first + records.size() / stride);
   });
 }
 
-void write_results(RunState& run, std::uint64_t first, std::span<const std::byte> results) {
-  run.tiles ? run.tiles->write_results(first, results) : run.files->write_results(run.cloud, first, results);
-}
-
 /// Writes the results of the last pass by row, while they are made or afterwards.
-void write_made(RunState& run, std::size_t p) {
-  const auto use = [&run](std::uint64_t first, std::size_t n, const std::byte* records, std::size_t bytes) {
-    write_results(run, first, {records, n * bytes});
-    run.report("writing", first + n, 0);
+void write_made(const Context& context, std::size_t p, const Rows& rows, RowStore* results, OutputFiles& files) {
+  const auto use = [&](std::uint64_t first, std::size_t n, const std::byte* records, std::size_t bytes) {
+    files.write_results(context.cloud, first, {records, n * bytes});
+    context.progress("writing", first + n);
   };
-  const std::size_t bytes = run.plan.passes[p].plan.result_bytes;
-  const MadeRows made = made_by_pass(run, p);
+  const std::size_t bytes = context.plan.passes[p].plan.result_bytes;
+  const MadeRows made = made_by_pass(context, p, rows, results);
   if (p == 0)
     return made([&](std::uint64_t first, std::size_t n, const std::byte* records) { use(first, n, records, bytes); });
-  const RowUpdate after = update_after(run.plan, p);
-  update_rows(made, run.rows.get(), after, bytes,
-              [&](const UpdatedRows& rows) { use(rows.first, rows.count, rows.after, after.record_bytes()); });
+  const RowUpdate after = update_after(context.plan, p);
+  update_rows(made, rows.carried.get(), after, bytes, [&](const UpdatedRows& updated) {
+    use(updated.first, updated.count, updated.after, after.record_bytes());
+  });
 }
 
 /// The rows that the last pass has left.
-void write_rows(RunState& run) {
+void write_rows(const Context& context, const Rows& rows, OutputFiles& files) {
   std::size_t bytes = 0;
-  for (const Attribute& a : run.plan.made) bytes += a.bytes();
-  const std::size_t stride = bytes != 0 ? bytes : run.cloud.schema().stride;
-  const std::uint64_t chunk = std::max<std::size_t>(1, (std::size_t{4} << 20) / stride);
-  ParallelRows inputs(run.cloud_source());
+  for (const Attribute& a : context.plan.made) bytes += a.bytes();
+  const std::size_t stride = bytes != 0 ? bytes : context.cloud.schema().stride;
+  const std::uint64_t chunk = std::max<std::size_t>(1, (std::size_t{4} << 20) / stride), count = context.cloud.count();
+  ParallelRows inputs(context.cloud_source());
   std::vector<std::byte> records;
-  for (std::uint64_t first = 0; first < run.cloud.count(); first += chunk) {
+  for (std::uint64_t first = 0; first < count; first += chunk) {
     stop_if_cancelled();
-    records.resize(std::min(chunk, run.cloud.count() - first) * stride);
+    records.resize(std::min(chunk, count - first) * stride);
     if (bytes != 0) {
-      run.rows->read(first, records);
-      write_results(run, first, records);
-    } else if (run.tiles) {
-      run.tiles->write_inputs(first, records.size() / stride);
+      rows.carried->read(first, records);
+      files.write_results(context.cloud, first, records);
+    } else if (files.are_tiles()) {
+      files.write_tiled_inputs(first, records.size() / stride);
     } else {
       inputs.read(first, records);
-      run.files->write_inputs(first, records);
+      files.write_inputs(first, records);
     }
-    run.report("writing", first + records.size() / stride, 0);
+    context.progress("writing", first + records.size() / stride);
   }
 }
 
 /// Writes the records of the stream: records of the output after passes, records of the input in a sort.
-void write_ordered(RunState& run) {
-  const std::size_t bytes = run.layout ? run.layout->schema().stride : run.cloud.schema().stride;
+void write_ordered(const Context& context, const WorkPlan& work, const Stream& stream, OutputFiles& files) {
+  const std::size_t bytes = work.layout ? work.layout->schema().stride : context.cloud.schema().stride;
   std::uint64_t first = 0;
   const auto write = [&](std::span<const std::byte> records) {
-    run.layout ? run.files->write_records(records) : run.files->write_inputs(first, records);
+    work.layout ? files.write_records(records) : files.write_inputs(first, records);
     first += records.size() / bytes;
   };
-  write_in_order(*run.stream, bytes, write, [&run](std::uint64_t done) { run.report("writing", done, 0); });
-  run.statistics.bytes_spilled += run.stream->spilled_bytes();
-  run.statistics.bytes_spilled_ordering += run.stream->spilled_bytes();
-}
-
-void write_output(RunState& run, std::size_t p) {
-  if (run.stream) return write_ordered(run);
-  if (run.is_empty() || p == run.plan.passes.size()) return write_rows(run);
-  run.makes_output(p) ? write_whole(run) : write_made(run, p);
+  write_in_order(stream, bytes, write, context.progress_of("writing"));
+  context.statistics().bytes_spilled += stream.spilled_bytes();
+  context.statistics().bytes_spilled_ordering += stream.spilled_bytes();
 }
 
 }  // namespace
 
-void write_phase(RunState& run, std::size_t p) {
+void write_output(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, const Ordered* ordered,
+                  RowStore* results, OutputFiles& files) {
   const auto start = std::chrono::steady_clock::now();
-  if (!run.files && !run.tiles) open_late(run);
-  if (run.tiles && run.checkpoints) run.checkpoints->writing_tiles();
-  write_output(run, p);
-  if (run.results) run.statistics.bytes_spilled += run.results->spilled_bytes();
-  run.statistics.write_seconds += seconds_since(start);
+  if (files.are_tiles() && context.places.checkpoints() != nullptr) context.places.checkpoints()->writing_tiles();
+  if (ordered != nullptr)
+    write_ordered(context, work, ordered->stream, files);
+  else if (context.is_empty() || p == context.plan.passes.size())
+    write_rows(context, rows, files);
+  else if (context.makes_output(p))
+    write_whole(context, *results, work.layout->schema().stride, files);
+  else
+    write_made(context, p, rows, results, files);
+  if (results != nullptr) context.statistics().bytes_spilled += results->spilled_bytes();
+  context.statistics().write_seconds += seconds_since(start);
 }
 
 }  // namespace pointsweep

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+/// What all phases of a run share: the request, its plan, the places for temporary data, and the report on the run.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointsweep/order/temp_folder.h"
+#include "pointsweep/pipeline/checkpoint/checkpoints.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/output/output_names.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/points/scratch.h"
+
+namespace pointsweep {
+
+/// The places for the temporary data of a run: the folder of its checkpoints, or a temporary folder that the first call
+/// that needs one makes. Not thread-safe.
+class RunPlaces {
+ public:
+  /// `identity`: of a run that can be resumed; absent for any other run. Throws as Checkpoints().
+  RunPlaces(const EngineOptions& options, const std::optional<std::string>& identity);
+  /// Null for a run that cannot be resumed.
+  Checkpoints* checkpoints() { return checkpoints_ ? &*checkpoints_ : nullptr; }
+  /// Returns the place for the "decoded" records of an input, or for a spilled "stream", "results", "rows" or "mask" of
+  /// pass `number`.
+  SpillPlace place(const char* kind, std::size_t number, bool spills);
+  /// The temporary folder, for data that no later pass needs and a resumed run does not look for.
+  const TempFolder& folder();
+  /// Makes files in folder(). *this must outlive the function.
+  MakeScratch scratch();
+
+ private:
+  std::filesystem::path temp_folder_;
+  std::optional<Checkpoints> checkpoints_;
+  std::optional<TempFolder> folder_;
+};
+
+/// Tells the observer and the statistics of a run what happens.
+struct RunReport {
+  Statistics& statistics;
+  Observer* observer;  ///< null: nobody watches
+
+  /// Adds the sentence to Statistics::warnings, unless it is empty, and tells the observer of it as a warning.
+  void warn(const std::string& sentence) const;
+  /// Adds the sentence to Statistics::warnings and tells the observer of it as a note.
+  void note(const std::string& sentence) const;
+};
+
+struct Context {
+  InputCloud& cloud;  ///< its selection is the rows that the passes have left so far
+  const Outputs& outputs;
+  const EngineOptions& options;
+  const ChainPlan& plan;
+  const OutputNames& names;
+  const NonfiniteRows& dropped;  ///< the rows that the run does not see
+  RunPlaces& places;
+  const RunReport& report;
+
+  Statistics& statistics() const { return report.statistics; }
+  bool is_empty() const { return cloud.count() == 0; }  ///< a select has left no row
+  /// Returns whether pass `p` makes whole output records in the order of its stream.
+  bool makes_output(std::size_t p) const;
+  /// The rows of the cloud that are left, as a source that counts the bytes read.
+  PointSource cloud_source() const;
+  /// Tells the observer how many points of the phase are done, and how many are in memory.
+  void progress(const char* phase, std::uint64_t done, std::uint64_t active = 0) const;
+  /// Returns the function that tells the observer how many points of the phase are done. *this must outlive it.
+  std::function<void(std::uint64_t)> progress_of(const char* phase) const;
+  /// Numbers of rows of the cloud before any select.
+  std::vector<std::uint64_t> rows_of_cloud(std::vector<std::uint64_t> of_rows) const;
+  /// Gives the rows of the degenerate results from `first` on these numbers.
+  void number_degenerate_rows(std::size_t first) const;
+};
+
+/// Seconds of wall time since `start`.
+double seconds_since(std::chrono::steady_clock::time_point start);
+
+}  // namespace pointsweep

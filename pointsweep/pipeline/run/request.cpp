@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/run/request.h"
+
+#include <algorithm>
+#include <set>
+#include <thread>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/files/same_file.h"
+#include "pointsweep/pipeline/checkpoint/run_identity.h"
+#include "pointsweep/pipeline/language/length_units.h"
+#include "pointsweep/pipeline/memory_plan.h"
+#include "pointsweep/pipeline/output/kept_system.h"
+#include "pointsweep/pipeline/output/output_formats.h"
+#include "pointsweep/pipeline/statistics.h"
+#include "pointsweep/pipeline/sweep_engine.h"
+
+namespace pointsweep {
+namespace {
+
+/// Returns all files that a run writes under names of their own.
+std::vector<std::filesystem::path> written_files(const Outputs& outputs, const EngineOptions& options) {
+  std::vector<std::filesystem::path> written = {outputs.points, options.half_way_states};
+  for (const auto& [name, path] : outputs.arrays) written.push_back(path);
+  written.insert(written.end(), outputs.tiles.begin(), outputs.tiles.end());
+  return written;
+}
+
+/// Returns whether a stage reads attributes of the input.
+bool reads_attributes(const ChainPlan& plan) {
+  return std::ranges::any_of(plan.passes, [](const PlannedPass& pass) { return !pass.payload().empty(); });
+}
+
+OutputNames names_of_output(const Request& request) {
+  const auto& [cloud, outputs, options, plan] = request;
+  const bool is_sort = plan.passes.empty();
+  if (is_sort || (outputs.points.empty() && outputs.tiles.empty() && !outputs.writer))
+    return {plan.made, plan.kept, {}};
+  return names_in_outputs(cloud, plan, outputs, options);
+}
+
+/// Warns of neighbourhoods that ask for more points than there are.
+void note_neighborhoods(const Request& request, const RunReport& report) {
+  std::set<std::size_t> noted;
+  for (const PlannedPass& pass : request.plan.passes) {
+    if (pass.kind != PassKind::sweep) continue;
+    const std::size_t k = pass.plan.neighborhood.k;
+    const bool limited = k != Neighborhood::kUnlimited;
+    if (noted.empty()) report.statistics.k = limited ? k : 0;
+    if (!noted.insert(k).second || !limited || k < request.cloud.count()) continue;
+    report.warn(fmt::format("k = {} is more than the {} other points there are: neighbourhoods hold all of them.", k,
+                            request.cloud.count() - 1));
+  }
+}
+
+}  // namespace
+
+unsigned threads_asked_for(const EngineOptions& options) {
+  return options.resources.threads != 0 ? options.resources.threads : std::max(1u, std::thread::hardware_concurrency());
+}
+
+void require_own_files(const Request& request) {
+  std::vector<std::filesystem::path> read;
+  for (std::size_t i = 0; i < request.cloud.readers().size(); ++i)
+    if (request.cloud.states()[i].is_known()) read.push_back(request.cloud.readers()[i]->info().path);
+  require_separate_files(read, written_files(request.outputs, request.options));
+}
+
+void require_work(const Request& request) {
+  const std::filesystem::path& temp_folder = request.options.resources.temp_folder;
+  if (!temp_folder.empty()) require_temp_parent(temp_folder);
+  const auto& readers = request.cloud.readers();
+  if (request.cloud.count() == 0)
+    fail("{}: has no points, so there is nothing to do.",
+         readers.empty() ? "The input" : readers.front()->info().path.string());
+}
+
+Statistics first_counts(const Request& request, const NonfiniteRows& dropped) {
+  const InputCloud& cloud = request.cloud;
+  Statistics counts;
+  counts.points = counts.points_written = cloud.count();
+  counts.threads = threads_asked_for(request.options);
+  counts.memory_budget_bytes =
+      request.options.resources.memory_bytes != 0 ? request.options.resources.memory_bytes : default_memory_budget();
+  counts.machine = machine_description();
+  for (const auto& reader : cloud.readers()) {
+    const auto& warnings = reader->info().warnings;
+    counts.warnings.insert(counts.warnings.end(), warnings.begin(), warnings.end());
+  }
+  // A tile has no more attributes than its input.
+  const bool fills = request.outputs.tiles.empty() || reads_attributes(request.plan);
+  for (const std::string& warning : cloud.warnings())
+    if (fills || std::ranges::find(cloud.missing_attributes(), warning) == cloud.missing_attributes().end())
+      counts.warnings.push_back(warning);
+  counts.dropped = counts.nonfinite = dropped.count;
+  counts.nonfinite_rows = dropped.rows;
+  return counts;
+}
+
+OutputNames check_request(const Request& request, const RunReport& report) {
+  const auto& [cloud, outputs, options, plan] = request;
+  if (options.order == Order::sweep && !outputs.arrays.empty())
+    fail_usage("Arrays have their rows in input order: leave out --order sweep.");
+  require_outputs(outputs);
+  require_lengths(cloud, plan.chain);
+  for (const std::string& sentence : notes_on_defaults(cloud, plan.chain)) report.note(sentence);
+  require_tiles_possible(outputs, options);
+  OutputNames names = names_of_output(request);
+  report.warn(names.warning());
+  report.warn(kept_system_warning(plan, cloud.crs(), outputs));
+  if (const SweepEngine* engine = engine_of(options.engine)) engine->require_can(plan, options);
+  note_neighborhoods(request, report);
+  return names;
+}
+
+OtherClouds open_other_clouds(const Request& request, const RunReport& report) {
+  OtherClouds others = open_others(request.plan, request.cloud);
+  for (const std::optional<OtherCloud>& other : others) {
+    if (!other) continue;
+    require_separate_files(other->files(), written_files(request.outputs, request.options));
+    for (const std::string& warning : other->warnings()) report.warn(warning);
+  }
+  return others;
+}
+
+std::optional<std::string> identity_of(const Request& request, const OtherClouds& others) {
+  const auto& [cloud, outputs, options, plan] = request;
+  if (options.resume_folder.empty()) return std::nullopt;
+  if (engine_of(options.engine) != nullptr || !options.half_way_states.empty())
+    fail_usage("A run of the reference engine, or one that notes half-way states, cannot be resumed.");
+  std::string identity = run_identity(cloud, plan, outputs, options);
+  for (const std::optional<OtherCloud>& other : others)
+    if (other) identity += other->identity();
+  return identity;
+}
+
+}  // namespace pointsweep
