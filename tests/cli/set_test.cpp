@@ -44,6 +44,11 @@ TEST_F(SetStage, VerifyEvaluatesAssignmentsByItsOwnCode) {
     }
 }
 
+TEST_F(SetStage, ReadsWhatAnEarlierPassMadeOfTheRowsThatASelectHasLeft) {
+  for (const char* out : {"out.las", "out.ply"})
+    expect_verified("all.txt", out, "knn(k=9) | normals | where(nz > 0) | set(w = nz * 2, as=float32)");
+}
+
 TEST_F(SetStage, VerifyFindsAWrongAssignment) {
   made("run all.txt out.txt -f -q --pipeline 'set(level = level * 2 where intensity < 300)'");
   const std::string other = "verify all.txt out.txt --pipeline 'set(level = ";
