@@ -66,6 +66,9 @@ MUTANTS = [
     Mutant("moved points get the grid of the input wherever they are", "formats", FORMATS + "las_scale.cpp",
            "if (reaches(lo, hi, scale, offset)) q.offset[axis] = offset;", "if (lo > hi) q.offset[axis] = offset;",
            ("cli:MovedGrid.*",)),
+    Mutant("a later value with more digits leaves the common step as it is", "formats", "pointsweep/points/decimals.cpp",
+           "common_ *= static_cast<std::int64_t>(kPowers[static_cast<std::size_t>(*decimals - decimals_)]);", "",
+           ("points:Decimals.*", "cli:Layout.*")),
     Mutant("colours of 8 bits come into LAS as they are", "formats", "pointsweep/points/color_depth.cpp",
            "kSixteenOfEight = 257", "kSixteenOfEight = 1", ("cli:Layout.*", "verify:FieldPair.*")),
 

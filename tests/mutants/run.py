@@ -115,6 +115,7 @@ def arguments():
     parser.add_argument("--list", action="store_true", help="print the mutants, whether each still applies, and its last result")
     parser.add_argument("--continue", action="store_true", dest="go_on",
                         help="only what has no result yet, survived unexplained, or whose file has changed since")
+    parser.add_argument("--new", action="store_true", help="only what has no result yet")
     parser.add_argument("--jobs", metavar="N", type=int, default=os.cpu_count(),
                         help="processes of a build, and parts of a test program that run at once (default: the cores)")
     parser.add_argument("--minutes", metavar="N", type=float, default=float("inf"), help="begin no mutant after N minutes")
@@ -143,8 +144,10 @@ def main():
     if options.list:
         return show(chosen, last)
     # A run of all mutants begins with an empty result; another one changes the rows of what it tries.
-    known = dict(last) if options.go_on or options.only else {}
+    known = dict(last) if options.go_on or options.new or options.only else {}
     wanted = [m for m in chosen if not options.go_on or not is_settled(m, last.get(m.name))]
+    if options.new:
+        wanted = [m for m in wanted if m.name not in last]
     # Headers last, since they cost many compilations; neighbours in this order share them.
     wanted.sort(key=lambda m: (not m.file.endswith(".cpp"), m.file))
     copy = Copy(ROOT, {m.file for m in MUTANTS}, options.jobs, options.wait_while)
