@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace pointsweep {
 namespace {
 
 constexpr std::array<double, kMostDecimals + 1> kPowers{1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
+
+constexpr std::uint64_t kFewValues = 100;  ///< that may have a common divisor by chance
 
 /// A quotient of two whole numbers below 2^53 is rounded once, so it is the float64 nearest to the fraction.
 double nearest(double value, int decimals) {
@@ -22,6 +25,25 @@ std::optional<int> decimals_of(double value) {
   for (int decimals = 0; decimals <= kMostDecimals; ++decimals)
     if (nearest(value, decimals) == value) return decimals;
   return std::nullopt;
+}
+
+bool CommonStep::take(double value) {
+  ++values_;
+  if (nearest(value, decimals_) != value) {
+    const std::optional<int> decimals = decimals_of(value);
+    if (!decimals) return false;
+    common_ *= static_cast<std::int64_t>(kPowers[static_cast<std::size_t>(*decimals - decimals_)]);
+    decimals_ = *decimals;
+  }
+  if (common_ == 1) return true;
+  const double steps = std::nearbyint(value * kPowers[static_cast<std::size_t>(decimals_)]);
+  common_ = std::abs(steps) < 0x1p53 ? std::gcd(common_, static_cast<std::int64_t>(steps)) : 1;
+  return true;
+}
+
+double CommonStep::size() const {
+  const auto common = static_cast<double>(values_ < kFewValues ? 1 : common_);
+  return common / kPowers[static_cast<std::size_t>(decimals_)];
 }
 
 GridDecimals::GridDecimals(const Field& field) : bias_(std::abs(field.bias)) {

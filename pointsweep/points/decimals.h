@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 
 #include "pointsweep/points/schema.h"
@@ -15,6 +16,23 @@ inline constexpr int kMostDecimals = 9;
 /// Returns the smallest number of digits after the decimal point, up to kMostDecimals, with which `value` is the
 /// float64 nearest to a decimal fraction; nullopt if there is no such number.
 std::optional<int> decimals_of(double value);
+
+/// The coarsest decimal grid on which all values of a cloud lie: multiples of 0.01, or of 0.00025, which text shows
+/// with five digits.
+class CommonStep {
+ public:
+  /// Returns false if `value`, which is finite, is no decimal fraction of up to kMostDecimals digits.
+  bool take(double value);
+  bool empty() const { return values_ == 0; }
+  /// Returns the step: a power of ten, at most 1, or what divides one if so many values cannot
+  /// be multiples of it by chance.
+  double size() const;
+
+ private:
+  std::uint64_t values_ = 0;
+  int decimals_ = 0;         ///< the most that a value has
+  std::int64_t common_ = 1;  ///< greatest common divisor of 10^decimals_ and of all values times 10^decimals_
+};
 
 /// Decimal numbers of a field whose scale and bias are decimal fractions: raw * scale + bias in float64 differs from
 /// them in the last digits.

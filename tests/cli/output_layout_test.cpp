@@ -49,6 +49,18 @@ TEST_F(Layout, TextBecomesLasWithItsDecimalsAndTheSameTextAgain) {
   }
 }
 
+TEST_F(Layout, TextOfAGridThatIsNoPowerOfTenKeepsItsScale) {
+  std::string text = "x,y,z\n";
+  for (int i = 0; i < 300; ++i)
+    text += fmt::format("{},{},{}\n", (27396800 + i * 57) / 4000.0, (i * 31 - 5000) / 4000.0, i % 17);
+  write("a.csv", text);
+  ASSERT_NE(text.find("6849.21425,"), std::string::npos);
+  made("run a.csv a.laz -q --pipeline 'decimate(1)'");
+  EXPECT_EQ(open_reader(folder_ / "a.laz")->info().las->grid.scale, (Vec3{0.00025, 0.00025, 0.00025}));
+  made("run a.laz b.csv -q --keep x,y,z --pipeline 'decimate(1)'");
+  EXPECT_EQ(contents(folder_ / "b.csv"), text);
+}
+
 TEST_F(Layout, PositionsGetTheTypeAskedForInEveryOutputThatHasOne) {
   write("a.txt", "x y z\n0.5 1.25 2\n3 4 5\n");
   made("run a.txt a.las -q --pipeline 'decimate(1)'");

@@ -48,8 +48,8 @@ class Look {
   /// After run(): the grid on which all coordinates lie.
   std::optional<LasQuantization> grid() const {
     if (coordinates_ == For::grid) return cloud_.las()->grid;
-    if (coordinates_ == For::nothing || !any_) return std::nullopt;
-    const double scale = 1 / std::pow(10.0, decimals_);
+    if (coordinates_ == For::nothing || common_.empty()) return std::nullopt;
+    const double scale = common_.size();
     return LasQuantization{{scale, scale, scale}, {0, 0, 0}};
   }
 
@@ -71,22 +71,16 @@ class Look {
   }
 
   bool take_coordinate(int axis, double value) {
-    any_ = true;
-    if (coordinates_ == For::grid) {
-      const LasQuantization& grid = cloud_.las()->grid;
-      return is_on_las_grid(value, grid.scale[axis], grid.offset[axis]);
-    }
-    const std::optional<int> decimals = decimals_of(value);
-    if (decimals) decimals_ = std::max(decimals_, *decimals);
-    return decimals.has_value();
+    if (coordinates_ == For::decimals) return common_.take(value);
+    const LasQuantization& grid = cloud_.las()->grid;
+    return is_on_las_grid(value, grid.scale[axis], grid.offset[axis]);
   }
 
   InputCloud& cloud_;
   KnownValues& values_;
   std::vector<std::size_t> fields_;
   For coordinates_;
-  int decimals_ = 0;  ///< the most that a coordinate has
-  bool any_ = false;  ///< a finite coordinate was met
+  CommonStep common_;  ///< of the coordinates met, where decimals are looked for
   PositionFields positions_ = position_fields(cloud_.schema(), "the input");
   std::array<std::vector<double>, 3> xyz_;
 };
