@@ -10,13 +10,11 @@
 
 #include "cli/console/console.h"
 #include "cli/console/interrupt.h"
-#include "cli/console/version.h"
-#include "cli/text/command_line.h"
+#include "cli/console/program.h"
 #include "cli/text/help.h"
 #include "cli/text/operator_listing.h"
 #include "cli/text/usage_errors.h"
 #include "cli/verbs/commands.h"
-#include "cli/verbs/not_checked.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 #include "pointsweep/formats/files/output_file.h"
@@ -89,7 +87,7 @@ int run_tool(int argc, char** argv) {
       "\nExample:\n"
       "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G");
   add_commands(app);
-  keep_command_line(argc, argv, version_number());
+  keep_command_line(argc, argv);
 
   catch_interrupts();
   if (argc <= 1) return fail_with(2, "name a verb, as in the example below.\n\n" + app.help());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The tool `pointsweep`: one verb per file. Status 0: done; 1: a file or the machine is at fault; 2: the command line
+/// The tool `pointsweep`. Status 0: done; 1: a file or the machine is at fault; 2: the command line
 /// is wrong or names no verb; 3: `verify` could not check everything; 128 + number: stopped by a signal.
 #pragma once
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "reference/kd_heap.h"
-#include "reference/reference_heap.h"
 #include "reference/shortening.h"
 #include "reference/stream_operator.h"
 

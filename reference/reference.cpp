@@ -9,11 +9,9 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "reference/audit.h"
+#include "reference/buffers.h"
 #include "reference/nearest_operator.h"
-#include "reference/pre_post_buffer.h"
-#include "reference/read_operator.h"
-#include "reference/through_buffer.h"
-#include "reference/write_operator.h"
+#include "reference/read_write_operators.h"
 
 namespace pointsweep::reference {
 namespace {

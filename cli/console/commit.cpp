@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Compiled alone, since it changes with every commit.
-#include "cli/console/commit.h"
+#include "cli/console/program.h"
 
 namespace pointsweep {
 

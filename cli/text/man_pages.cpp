@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "cli/text/command_line.h"
+#include "cli/console/program.h"
 #include "cli/text/declared_options.h"
 #include "cli/text/help.h"
 
@@ -40,7 +40,7 @@ std::string upper_case(std::string text) {
 
 std::string page_head(const std::string& name, const std::string& meaning) {
   return fmt::format(".TH {} 1 \"\" \"pointsweep {}\" \"pointsweep\"\n.SH NAME\n{} \\- {}\n", upper_case(name),
-                     kept_version(), roff(name), roff(meaning));
+                     version_number(), roff(name), roff(meaning));
 }
 
 /// "-q, --quiet", "--order input|sweep"

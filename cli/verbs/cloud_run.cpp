@@ -11,18 +11,18 @@
 #include <vector>
 
 #include "cli/console/interrupt.h"
+#include "cli/console/program.h"
 #include "cli/console/quantities.h"
-#include "cli/text/command_line.h"
 #include "cli/verbs/progress.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/crs_unit.h"
+#include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/files/standard_streams.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/language/registry.h"
-#include "pointsweep/render/attribute_unit.h"
+#include "pointsweep/render/legend.h"
 #include "pointsweep/report/pictured_attribute.h"
 #include "pointsweep/report/run_report.h"
 
@@ -92,7 +92,7 @@ RunSummary summary_of(const ResolvedFiles& files, const InputCloud& input, const
   summary.title = (files.tiles.empty() ? files.output : (files.output / "").parent_path()).filename().string();
   summary.output = files.output.string();
   summary.command = command_line();
-  summary.version = kept_version();
+  summary.version = version_number();
   summary.statistics = statistics;
   if (input.crs()) {
     summary.crs = short_text(*input.crs());

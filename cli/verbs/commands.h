@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// The verbs of the tool. A new one is a file, its line here and its line in commands.cpp.
+/// The verbs of the tool. A new one is a function in a file, its line here and its line in commands.cpp.
 #pragma once
 
 #include <CLI/App.hpp>
+
+#include "pointsweep/error.h"
 
 namespace pointsweep {
 
@@ -24,5 +26,11 @@ void add_help_command(CLI::App& app);
 
 /// Adds all verbs, in the order of the help.
 void add_commands(CLI::App& app);
+
+/// Error that `verify` throws if it found nothing wrong but could not check everything. Its exit status is 3.
+class NotChecked : public Error {
+ public:
+  using Error::Error;
+};
 
 }  // namespace pointsweep

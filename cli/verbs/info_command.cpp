@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "cli/console/console.h"
-#include "cli/text/file_table.h"
 #include "cli/text/file_text.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep normals|curvature|splats|features|fair IN... OUT`: pipelines by one word each, most of them the paper's
 /// (its Section 4.3).
+/// `pointsweep run IN... OUT --pipeline ...`: any chain of operators in one sweep.
+/// `pointsweep ground IN... OUT`: which points are ground, and how high the others are above it.
 #include <fmt/core.h>
 
 #include <memory>
@@ -9,11 +11,18 @@
 #include "cli/verbs/commands.h"
 #include "cli/verbs/pipeline_run.h"
 #include "cli/verbs/stage_options.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/default_neighborhood.h"
 
 namespace pointsweep {
+
 namespace {
+
+struct RunCommand {
+  PipelineRun run;
+  std::string pipeline;
+};
 
 struct ShortForm {
   const char* verb;
@@ -87,10 +96,63 @@ void add_short_form(CLI::App& app, const ShortForm& form) {
   verb.callback([&form, command] { run_stages(stages_of(form, *command), command->run); });
 }
 
+struct GroundCommand {
+  PipelineRun run;
+  std::vector<OptionText> options;
+  bool height = false;
+};
+
+std::vector<StageText> ground_stages(const GroundCommand& command) {
+  std::vector<StageText> stages = {{"ground", command.options, "ground"}};
+  if (command.height) stages.push_back({"height", {}, "ground"});
+  return stages;
+}
+
 }  // namespace
+
+void add_run_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("run", "Run a pipeline of operators over the points");
+  auto command = std::make_shared<RunCommand>();
+  add_inputs_and_output(verb, command->run.paths,
+                        "with the attributes of the input, and the computed ones (in a folder, one for each input)");
+  add_output_option(verb, command->run.paths.named_output);
+  verb.add_option("--pipeline", command->pipeline, "Stages such as 'knn(k=12) | normals', or a .json file of them")
+      ->type_name("TEXT|FILE");
+  add_pipeline_options(verb, command->run);
+  verb.footer(
+      "'pointsweep operators' lists the operators and their options. As JSON, a pipeline is an array of stages:\n"
+      "  [{\"type\": \"knn\", \"k\": 12}, {\"type\": \"normals\", \"orient\": \"viewpoint\", \"viewpoint\": [0, 0, "
+      "1.7]}]\n"
+      "\nExamples:\n"
+      "  pointsweep run scan.ply out.ply --pipeline 'knn(k=12) | normals(orient=up)' --memory 2G\n"
+      "  pointsweep run scan.ply out.ply --pipeline 'normals(orient=viewpoint, viewpoint=[0,0,1.7])'");
+  verb.callback([command] {
+    if (command->pipeline.empty())
+      fail_usage("run: --pipeline is missing; to copy or merge files write --pipeline 'decimate(1)'.");
+    if (command->pipeline.ends_with(".json")) command->run.paths.other_inputs.emplace_back(command->pipeline);
+    run_stages(parse_pipeline_or_file(command->pipeline), command->run);
+  });
+}
 
 void add_pipeline_commands(CLI::App& app) {
   for (const ShortForm& form : kShortForms) add_short_form(app, form);
+}
+
+void add_ground_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("ground", "Find the points of the ground by a morphological filter (SMRF)");
+  auto command = std::make_shared<GroundCommand>();
+  add_inputs_and_output(verb, command->run.paths,
+                        "with the attributes of the input, and classification (in a folder, one for each input)");
+  add_output_option(verb, command->run.paths.named_output);
+  add_stage_options(verb, declaration_of("ground")->options, command->options);
+  verb.add_flag("--height", command->height, "Also make height, above the nearest point of the ground in the plane");
+  add_output_options(verb, command->run);
+  verb.footer(
+      "Same as 'pointsweep run' with the pipeline 'ground' or 'ground | height'. Lengths are in the unit of the cloud; "
+      "the defaults are in metres, and converted where the coordinate system says that the unit is feet.\n"
+      "\nExample: ground of a folder of tiles, without seams, and heights above it:\n"
+      "  pointsweep ground tiles/ out/ --cell 0.5 --window 15 --height");
+  verb.callback([command] { run_stages(ground_stages(*command), command->run); });
 }
 
 }  // namespace pointsweep

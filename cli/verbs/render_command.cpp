@@ -10,10 +10,10 @@
 #include "cli/verbs/progress.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/crs_unit.h"
+#include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/output_file.h"
-#include "pointsweep/render/png.h"
+#include "pointsweep/render/canvas.h"
 #include "pointsweep/render/render.h"
 
 namespace pointsweep {

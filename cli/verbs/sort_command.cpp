@@ -3,7 +3,7 @@
 #include "cli/console/console.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
-#include "pointsweep/pipeline/run/sort_preview.h"
+#include "pointsweep/pipeline/run/preview.h"
 
 namespace pointsweep {
 namespace {

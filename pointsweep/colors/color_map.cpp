@@ -5,6 +5,7 @@
 #include <array>
 
 namespace pointsweep {
+
 namespace {
 
 constexpr std::array<Rgb, 10> kViridis = {{{68, 1, 84},
@@ -29,6 +30,33 @@ constexpr double kTurbo[3][6] = {{0.13572138, 4.61539260, -42.66032258, 132.1310
                                  {0.10667330, 12.64194608, -60.58204836, 110.36276771, -89.90310912, 27.34824973}};
 
 std::uint8_t byte_of_share(double share) { return static_cast<std::uint8_t>(255 * std::clamp(share, 0.0, 1.0) + 0.5); }
+
+constexpr std::array<Rgb, 23> kColors = {{{150, 150, 150},    // never classified
+                                          {190, 190, 190},    // unclassified
+                                          {168, 112, 56},     // ground
+                                          {170, 215, 110},    // low vegetation
+                                          {85, 180, 70},      // medium vegetation
+                                          {20, 125, 50},      // high vegetation
+                                          {225, 75, 60},      // building
+                                          {220, 40, 220},     // low point (noise)
+                                          {120, 120, 120},    // reserved
+                                          {60, 130, 230},     // water
+                                          {120, 70, 160},     // rail
+                                          {75, 80, 95},       // road surface
+                                          {120, 120, 120},    // reserved
+                                          {250, 225, 90},     // wire, guard
+                                          {245, 190, 30},     // wire, conductor
+                                          {240, 135, 20},     // transmission tower
+                                          {200, 160, 20},     // wire connector
+                                          {0, 170, 185},      // bridge deck
+                                          {255, 110, 255},    // high noise
+                                          {255, 160, 140},    // overhead structure
+                                          {215, 175, 130},    // ignored ground
+                                          {205, 235, 255},    // snow
+                                          {235, 205, 235}}};  // temporal exclusion
+/// For reserved and user-definable classes: neighbours differ.
+constexpr std::array<Rgb, 6> kOthers = {
+    {{66, 105, 208}, {239, 177, 24}, {108, 197, 176}, {164, 99, 242}, {156, 107, 78}, {255, 138, 183}}};
 
 }  // namespace
 
@@ -62,6 +90,10 @@ Rgb shaded(Rgb color, double light) {
   const double l = std::clamp(light, 0.0, 1.0);
   const auto part = [l](std::uint8_t c) { return static_cast<std::uint8_t>(c * l + 0.5); };
   return {part(color.red), part(color.green), part(color.blue)};
+}
+
+Rgb color_of_las_class(std::uint8_t code) {
+  return code < kColors.size() ? kColors[code] : kOthers[code % kOthers.size()];
 }
 
 }  // namespace pointsweep

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: MIT
-/// Numbers as colours.
+/// Numbers and the classes of airborne scans as colours.
 #pragma once
 
-#include "pointsweep/colors/rgb.h"
+#include <cstdint>
 
 namespace pointsweep {
+
+/// A colour of 8 bits for each channel.
+struct Rgb {
+  std::uint8_t red = 0, green = 0, blue = 0;
+  friend bool operator==(const Rgb&, const Rgb&) = default;
+};
 
 /// Viridis (van der Walt and Smith 2015, CC0): equal steps of the value look equally far apart, also in grey and to the
 /// colour-blind. 0 is dark violet, 1 yellow; outside of it the ends, NaN is grey.
@@ -18,5 +24,9 @@ Rgb no_value_color();
 
 /// `color` times `light`, 0 to 1.
 Rgb shaded(Rgb color, double light);
+
+/// The colour of a class of LAS 1.4. ASPRS names the classes and leaves their colours to programs; these follow common
+/// viewers: ground brown, vegetation green, buildings red, water blue, noise magenta.
+Rgb color_of_las_class(std::uint8_t code);
 
 }  // namespace pointsweep

@@ -23,4 +23,10 @@ enum class CrsAgreement : std::uint8_t { same, different, undecided };
 /// two statements defines.
 CrsAgreement compare(const Crs& a, const Crs& b);
 
+/// "m", "ft" or "US survey ft", as the system's WKT or GeoTIFF keys state it; empty for degrees and for what they do
+/// not state.
+std::string length_unit_of(const Crs& crs);
+/// The metres in that unit; absent where it is not known.
+std::optional<double> metres_of_unit(const Crs& crs);
+
 }  // namespace pointsweep

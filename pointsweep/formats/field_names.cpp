@@ -3,10 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <initializer_list>
 #include <string_view>
 #include <unordered_set>
 
 namespace pointsweep {
+
 namespace {
 
 std::string without_separators(std::string name) {
@@ -15,6 +20,23 @@ std::string without_separators(std::string name) {
     if (separates || static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '_';
   }
   return name.empty() ? "unnamed" : name;
+}
+
+bool is_color(const std::vector<double>& row, std::size_t first) {
+  return std::all_of(row.begin() + static_cast<std::ptrdiff_t>(first),
+                     row.begin() + static_cast<std::ptrdiff_t>(first + 3),
+                     [](double v) { return v >= 0 && v <= 255 && v == std::floor(v); });
+}
+
+bool is_normal(const std::vector<double>& row, std::size_t first) {
+  const double x = row[first], y = row[first + 1], z = row[first + 2];
+  const double length = std::sqrt((x * x + y * y) + z * z);
+  return length == 0 || std::abs(length - 1) < 0.01;
+}
+
+template <class Predicate>
+bool in_all(const std::vector<std::vector<double>>& rows, std::size_t first, Predicate holds) {
+  return std::all_of(rows.begin(), rows.end(), [&](const auto& row) { return holds(row, first); });
 }
 
 }  // namespace
@@ -32,6 +54,25 @@ std::vector<std::string> column_names(const Schema& schema) {
     if (field.count == 1) give(name);
     for (std::uint32_t c = 0; field.count > 1 && c < field.count; ++c) give(fmt::format("{}_{}", name, c));
   }
+  return names;
+}
+
+std::vector<std::string> default_column_names(const std::vector<std::vector<double>>& rows) {
+  const std::size_t columns = rows.empty() ? 3 : rows[0].size();
+  std::vector<std::string> names{"x", "y", "z"};
+  const auto add = [&](std::initializer_list<std::string> more) { names.insert(names.end(), more); };
+  if (columns == 4) {
+    add({"intensity"});
+  } else if (columns == 6 && in_all(rows, 3, is_normal)) {
+    add({"nx", "ny", "nz"});
+  } else if (columns == 6 && in_all(rows, 3, is_color)) {
+    add({"red", "green", "blue"});
+  } else if (columns == 7 && in_all(rows, 4, is_color)) {
+    add({"intensity", "red", "green", "blue"});
+  } else if (columns == 9 && in_all(rows, 3, is_color) && in_all(rows, 6, is_normal)) {
+    add({"red", "green", "blue", "nx", "ny", "nz"});
+  }
+  while (names.size() < columns) names.push_back(fmt::format("column_{}", names.size() + 1));
   return names;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Names of fields as text headers can hold them.
+/// Names of fields as text headers can hold them, and names for columns that have none.
 #pragma once
 
 #include <string>
@@ -12,5 +12,12 @@ namespace pointsweep {
 /// Returns one name for each component of each field. The components of a field with several become NAME_0, NAME_1,
 /// ...; spaces, commas, semicolons, quotes and control characters become '_'; a repeated name gets _2, _3, ... added.
 std::vector<std::string> column_names(const Schema& schema);
+
+/// Names for columns without names, from the number of columns, which are at least three, and the values of the first
+/// rows, each of so many values:
+/// 3: x y z;  4: x y z intensity;  6: x y z and a normal or colour;  7: x y z intensity and a colour;
+/// 9: x y z, a colour and a normal;  else x y z column_4 column_5 ...
+/// A normal has length 1 or 0, a colour integers in 0..255.
+std::vector<std::string> default_column_names(const std::vector<std::vector<double>>& rows);
 
 }  // namespace pointsweep

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The description of a format and of what its files can hold. Each format declares it once, beside its code
-/// (FOLDER/FORMAT_format.h); registry.cpp lists all of them. Other layers ask a Format and never compare names or
-/// extensions.
+/// The description of a format and of what its files can hold. Each format defines it once, beside its code;
+/// registry.cpp lists all of them. Other layers ask a Format and never compare names or extensions.
 #pragma once
 
 #include <cstddef>
@@ -80,5 +79,20 @@ struct Format {
   /// Returns whether this build reads and writes the format, as far as `open` and `create` are given.
   bool is_built_in() const { return has_codec == nullptr || has_codec(); }
 };
+
+// The formats, each defined in its folder.
+extern const Format kPlyFormat, kLasFormat, kLazFormat, kPcdFormat, kE57Format, kPtxFormat, kVtkFormat, kOffFormat,
+    kObjFormat, kQsplatFormat, kTextFormat, kPtsFormat;
+/// Text with commas and a line of names, which most programs read only if it has no comments.
+extern const Format kCsvFormat;
+extern const Format kNpyPointsFormat;               ///< points, as input only
+extern const Format kNpyFormat;                     ///< neighbours and distances
+extern const Format kKittiFormat, kFloatXyzFormat;  ///< files without a signature
+
+/// Returns null for extras of another format than Extras::kFormat, and where there are none.
+template <class Extras>
+const Extras* extras_as(const std::shared_ptr<const FormatExtras>& extras) {
+  return extras && extras->format() == Extras::kFormat ? static_cast<const Extras*>(extras.get()) : nullptr;
+}
 
 }  // namespace pointsweep

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/las_scale.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
 
+#include "pointsweep/reader.h"
+
 namespace pointsweep {
+
 namespace {
 
 constexpr double kUsableSteps = 2147483646;  // one below the largest integer: rounding may add one
@@ -60,6 +65,18 @@ bool reaches(double lo, double hi, double scale, double offset) {
   return las_grid_reaches(lo, scale, offset) && las_grid_reaches(hi, scale, offset);
 }
 
+void take_finer_grid(LasQuantization& grid, const LasQuantization& other) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(other.scale[axis] < grid.scale[axis])) continue;
+    grid.scale[axis] = other.scale[axis];
+    grid.offset[axis] = other.offset[axis];
+  }
+}
+
+const char* name_of_time(const LasOrigin& origin) {
+  return origin.standard_time ? "adjusted standard GPS time" : "seconds of the GPS week";
+}
+
 }  // namespace
 
 bool las_grid_reaches(double value, double scale, double offset) {
@@ -107,6 +124,31 @@ LasQuantization las_grid_for_moved(const LasQuantization& grid, const Box& bound
     if (reaches(lo, hi, scale, offset)) q.offset[axis] = offset;
   }
   return q;
+}
+
+std::optional<LasOrigin> common_las_origin(const std::vector<std::unique_ptr<Reader>>& readers,
+                                           std::vector<std::string>& warnings) {
+  std::optional<LasOrigin> common;
+  const FileInfo* timed = nullptr;
+  bool warned = false;
+  for (const auto& reader : readers) {
+    const FileInfo& info = reader->info();
+    if (!info.las) continue;
+    if (!common) common = LasOrigin{.grid = info.las->grid};
+    take_finer_grid(common->grid, info.las->grid);
+    if (!info.las->has_time) continue;
+    if (timed == nullptr) {
+      timed = &info;
+      common->has_time = true;
+      common->standard_time = info.las->standard_time;
+    } else if (!warned && info.las->standard_time != common->standard_time) {
+      warned = true;
+      warnings.push_back(fmt::format("GPS times of {} are {}, those of {} {}; they are merged unchanged.",
+                                     timed->path.string(), name_of_time(*timed->las), info.path.string(),
+                                     name_of_time(*info.las)));
+    }
+  }
+  return common;
 }
 
 }  // namespace pointsweep

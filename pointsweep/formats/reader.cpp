@@ -2,6 +2,9 @@
 #include "pointsweep/reader.h"
 
 #include <cassert>
+#include <stdexcept>
+
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 
@@ -17,6 +20,10 @@ std::size_t Reader::read(std::uint64_t row, std::span<std::byte> records) {
   // The buffers of a decoder are not needed after the last row, as when the next of many files is read.
   if (row + rows == info_.count) own_decoder_.reset();
   return rows;
+}
+
+void Writer::write_at(std::uint64_t, std::span<const std::byte>) {
+  throw std::logic_error("write_at() was called on a writer whose can_write_at() is false");
 }
 
 }  // namespace pointsweep

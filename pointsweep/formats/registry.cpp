@@ -1,29 +1,78 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/registry.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <string_view>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/e57/e57_format.h"
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/standard_streams.h"
-#include "pointsweep/formats/foreign_formats.h"
-#include "pointsweep/formats/kitti/kitti_format.h"
-#include "pointsweep/formats/las/las_format.h"
-#include "pointsweep/formats/mesh/mesh_formats.h"
-#include "pointsweep/formats/npy/npy_format.h"
-#include "pointsweep/formats/pcd/pcd_format.h"
-#include "pointsweep/formats/ply/ply_format.h"
-#include "pointsweep/formats/ptx/ptx_format.h"
-#include "pointsweep/formats/qsplat/qsplat_format.h"
-#include "pointsweep/formats/text/text_format.h"
-#include "pointsweep/formats/vtk/vtk_format.h"
 #include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
+
 namespace {
+
+using namespace std::string_view_literals;
+
+constexpr std::string_view kWithMeshTool = "export its points as PLY, e.g. with MeshLab or CloudCompare";
+constexpr std::string_view kUnpack = "unpack it first";
+
+struct Magic {
+  std::string_view bytes;
+  std::string_view what;
+  std::string_view remedy;
+};
+constexpr Magic kMagics[] = {
+    {"\x1f\x8b"sv, "a gzip archive", kUnpack},
+    {"PK\x03\x04"sv, "a zip archive", kUnpack},
+    {"BZh"sv, "a bzip2 archive", kUnpack},
+    {"\xfd\x37zXZ\0"sv, "an xz archive", kUnpack},
+    {"\x28\xb5\x2f\xfd"sv, "a zstd archive", kUnpack},
+    {"\x89HDF"sv, "an HDF5 file", "export its points as PLY or LAS"},
+    {"glTF"sv, "a glTF file", kWithMeshTool},
+    {"<VTKFile"sv, "a VTK XML file", "save it as legacy VTK or PLY"},
+    {"solid "sv, "an STL file", kWithMeshTool},
+    {"<?xml"sv, "an XML file", "give the file that holds the points"},
+    {"{"sv, "a JSON file", "give the file that holds the points"},
+    {"\xff\xfe"sv, "text in UTF-16", "save it as UTF-8"},
+    {"\xfe\xff"sv, "text in UTF-16", "save it as UTF-8"},
+};
+
+/// Text formats without a magic number go by their extension.
+constexpr Magic kExtensions[] = {
+    {".ptx"sv, "a PTX file that does not begin with the ten lines of its header", "export it again"},
+    {".stl"sv, "an STL file", kWithMeshTool},
+};
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const Magic& magic) {
+  fail("{}: is {}, which pointsweep does not read; {}.", path.string(), magic.what, magic.remedy);
+}
+
+/// Throws Error for a file that starts with `head` and is of a known format that is not read: what it is, and what to
+/// do. Refuses other binary files, too, since they have none of the signatures of `known`, as in "A, B nor C", and are
+/// none of `asked_for` ("a or b", Format::asked_for_as), unless the user says so. Returns for anything else.
+void refuse_foreign_format(const std::filesystem::path& path, std::string_view head, std::string_view known,
+                           std::string_view asked_for) {
+  for (const Magic& magic : kMagics) {
+    if (head.starts_with(magic.bytes)) refuse(path, magic);
+  }
+  for (const Magic& magic : kExtensions) {
+    if (extension_of(path) == magic.bytes) refuse(path, magic);
+  }
+  const std::size_t zero = head.find('\0');
+  if (zero != head.npos) {
+    fail(
+        "{}: is binary (byte {} is 0) but neither {}; convert it to one of these, or, if it is nothing but float32 "
+        "records, name their format with --format {}.",
+        path.string(), zero, known, asked_for);
+  }
+}
 
 constexpr std::array kFormats{&kPlyFormat, &kLasFormat,       &kLazFormat, &kPcdFormat,    &kE57Format,     &kPtxFormat,
                               &kVtkFormat, &kOffFormat,       &kObjFormat, &kQsplatFormat, &kTextFormat,    &kPtsFormat,
@@ -110,6 +159,19 @@ void warn_of_lost_crs(const Format& format, const OutputPlan& plan, Writer& writ
   };
   writer.add_warning(fmt::format("{}: {} cannot hold the coordinate reference system, {}; {} keep it.",
                                  plan.path.string(), format.name, short_text(*plan.crs), names_of(keeps, " and ")));
+}
+
+std::string row_of(const Format& format) {
+  std::string extensions;
+  for (const std::string_view extension : format.extensions)
+    extensions += fmt::format("{}{}", extensions.empty() ? "" : " ", extension);
+  const bool points = format.content == Format::Content::points;
+  const auto answer = [&](bool yes) { return points ? (yes ? "yes" : "no") : ""; };
+  if (!extensions.empty()) extensions = fmt::format("`{}`", extensions);
+  return fmt::format("| {}{} | {} | {} | {} | {} | {} | {} |\n", format.title,
+                     format.details.empty() ? "" : fmt::format(" ([details]({}))", format.details), format.reads,
+                     format.writes, extensions, answer(format.holds_crs), answer(format.holds_provenance),
+                     points ? (format.real_coordinates ? "float64, NaN" : "integers on a grid") : "");
 }
 
 }  // namespace
@@ -218,6 +280,13 @@ std::vector<std::string_view> writable_extensions() {
     if (is_written_as_points(*format))
       extensions.insert(extensions.end(), format->extensions.begin(), format->extensions.end());
   return extensions;
+}
+
+std::string formats_table() {
+  std::string table =
+      "| format | read | write | extensions | CRS | how it was made | coordinates |\n|---|---|---|---|---|---|---|\n";
+  for (const Format* format : formats()) table += row_of(*format);
+  return table;
 }
 
 }  // namespace pointsweep

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "pointsweep/formats/las_origin.h"
+#include "pointsweep/formats/las_scale.h"
 #include "pointsweep/info.h"
 
 namespace pointsweep {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/las_origin.h"
+#include "pointsweep/formats/las_scale.h"
 #include "pointsweep/info.h"
 #include "pointsweep/points/schema.h"
 

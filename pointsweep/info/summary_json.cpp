@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pointsweep/formats/crs_unit.h"
+#include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/points/schema.h"
 

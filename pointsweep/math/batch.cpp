@@ -12,9 +12,8 @@
 #include <hwy/foreach_target.h>
 // The lanes follow the inclusion of the targets.
 #include "pointsweep/math/eigen3_lanes-inl.h"
+#include "pointsweep/math/exp.h"
 #include "pointsweep/math/exp_lanes-inl.h"
-#include "pointsweep/math/natural_logarithm.h"
-#include "pointsweep/math/natural_logarithm_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
@@ -78,6 +77,8 @@ void NaturalLogarithmOf(std::span<const double> x, std::span<double> out) {
   for (; i < x.size(); ++i) out[i] = natural_logarithm(x[i]);
 }
 
+const char* NameOfTarget() { return hwy::TargetName(HWY_TARGET); }
+
 }  // namespace pointsweep::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -87,6 +88,7 @@ namespace pointsweep {
 HWY_EXPORT(EigenSymmetric3Of);
 HWY_EXPORT(ExpNegativeOf);
 HWY_EXPORT(NaturalLogarithmOf);
+HWY_EXPORT(NameOfTarget);
 
 void batch_eigen_symmetric3(std::span<const Symmetric3> matrices, std::span<Eigen3> out) {
   assert(matrices.size() == out.size());
@@ -102,6 +104,8 @@ void batch_natural_logarithm(std::span<const double> x, std::span<double> out) {
   assert(x.size() == out.size());
   HWY_DYNAMIC_DISPATCH(NaturalLogarithmOf)(x, out);
 }
+
+std::string_view instruction_set_in_use() { return HWY_DYNAMIC_DISPATCH(NameOfTarget)(); }
 
 }  // namespace pointsweep
 #endif

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Distances from boxes: exact lower bounds of the distances from their points.
+/// Distances from boxes, which are exact lower bounds of the distances from their points, and the box of a cloud
+/// without its outliers.
 #pragma once
 
 #include <algorithm>
+#include <span>
 
 #include "pointsweep/geometry.h"
 
@@ -24,5 +26,8 @@ inline double distance2(const Box& a, const Box& b) {
   const double dz = std::max({a.lo.z - b.hi.z, 0.0, b.lo.z - a.hi.z});
   return (dx * dx + dy * dy) + dz * dz;
 }
+
+/// Returns the box of the middle 98 % of each coordinate of a sample. The sample must not be empty.
+Box middle_box(std::span<const Vec3> sample);
 
 }  // namespace pointsweep

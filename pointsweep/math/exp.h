@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// exp(-x) made of plain IEEE operations, so that it has the same bits on every machine; std::exp does not promise
-/// that.
+/// exp(-x), the logarithm and powers of two, made of plain IEEE operations, so that they have the same bits on every
+/// machine. The C library does not promise that: its last bit may differ from one processor to the next.
 ///
-/// With n = round(x / ln 2) and y = n ln 2 - x, |y| <= ln 2 / 2: exp(-x) = 2^-n exp(y). exp(y) = 1 + (y + y² q(y)),
-/// with q of degree 9 interpolated at Chebyshev nodes on |y| <= 0.3467 (error of the polynomial below 2^-57) and summed
-/// by Estrin's scheme. Error at most 1 ulp. In single precision q is of degree 4 (error below 2^-26). exp_lanes-inl.h
-/// does the same operations in the same order, one argument per lane.
+/// Of exp(-x): with n = round(x / ln 2) and y = n ln 2 - x, |y| <= ln 2 / 2: exp(-x) = 2^-n exp(y). exp(y) = 1 + (y +
+/// y² q(y)), with q of degree 9 interpolated at Chebyshev nodes on |y| <= 0.3467 (error of the polynomial below 2^-57)
+/// and summed by Estrin's scheme. Error at most 1 ulp. In single precision q is of degree 4 (error below 2^-26).
+/// exp_lanes-inl.h does the same operations in the same order, one argument per lane, and those of the logarithm.
 #pragma once
 
 #include <algorithm>
 #include <bit>
 #include <concepts>
 #include <cstdint>
+#include <initializer_list>
 #include <iterator>
 
 namespace pointsweep {
@@ -66,6 +67,32 @@ Real exp_negative(Real x) {
   const Real power =
       std::bit_cast<Real>((C::kExponentOfOne << C::kMantissaBits) - (std::bit_cast<Bits>(shifted) << C::kMantissaBits));
   return x > C::kLargest ? 0 : mantissa * power;
+}
+
+/// ln(x) for normal x > 0, off by less than 1e-13 relative: x = m 2^e with m in [1/sqrt(2), sqrt(2)), and
+/// ln(m) = 2 artanh((m-1)/(m+1)).
+inline double natural_logarithm(double x) {
+  auto bits = std::bit_cast<std::uint64_t>(x);
+  auto exponent = static_cast<int>(bits >> 52) - 1023;
+  double m = std::bit_cast<double>((bits & 0xfffffffffffff) | 0x3ff0000000000000);
+  if (m > 1.4142135623730951) {
+    m *= 0.5;
+    ++exponent;
+  }
+  const double z = (m - 1) / (m + 1), z2 = z * z;
+  double sum = 1.0 / 19;
+  for (const double odd : {17, 15, 13, 11, 9, 7, 5, 3, 1}) sum = sum * z2 + 1.0 / odd;
+  return 2 * z * sum + 0.69314718055994530942 * exponent;
+}
+
+/// Powers of two serve as scales, because multiplying by one rounds nothing: 2^e for x in [2^e, 2^(e+1)), 0 below the
+/// normal numbers; infinity for what is not finite.
+inline double power_of_two_below(double x) {
+  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & std::uint64_t{0x7ff} << 52);
+}
+/// 1 / power, for a power of two under 2^1023, or 0 (then 2^1023).
+inline double reciprocal_of_power(double power) {
+  return std::bit_cast<double>((std::uint64_t{2046} << 52) - std::bit_cast<std::uint64_t>(power));
 }
 
 }  // namespace pointsweep

@@ -2,7 +2,10 @@
 /// Numbers that look random and are the same in every run.
 #pragma once
 
+#include <bit>
 #include <cstdint>
+
+#include "pointsweep/geometry.h"
 
 namespace pointsweep {
 
@@ -12,6 +15,14 @@ inline std::uint64_t mix(std::uint64_t i) {
   i = (i ^ i >> 30) * 0xbf58476d1ce4e5b9u;
   i = (i ^ i >> 27) * 0x94d049bb133111ebu;
   return i ^ i >> 31;
+}
+
+/// m(m(m(seed ^ x) ^ y) ^ z) of the bits of the coordinates in float64, with 0 for -0; m is mix(). Equal places have
+/// equal hashes, in every file, tile and order of points.
+inline std::uint64_t coordinate_hash(Vec3 p, std::uint64_t seed) {
+  std::uint64_t hash = seed;
+  for (const double c : {p.x, p.y, p.z}) hash = mix(hash ^ std::bit_cast<std::uint64_t>(c + 0.0));
+  return hash;
 }
 
 }  // namespace pointsweep

@@ -17,7 +17,7 @@
 #include <cmath>
 
 #include "pointsweep/geometry.h"
-#include "pointsweep/math/power_of_two.h"
+#include "pointsweep/math/exp.h"
 
 namespace pointsweep {
 
@@ -114,6 +114,13 @@ inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   }
   const double value = dot(v, times(v)) * size;
   return {{value_less < value ? value_less : value, value_less, value_greater}, {v, less, greater}};
+}
+
+/// m += weight v v^T
+inline void add_outer_product(Symmetric3& m, double weight, Vec3 v) {
+  const Vec3 t = weight * v;
+  m.xx += t.x * v.x, m.xy += t.x * v.y, m.xz += t.x * v.z;
+  m.yy += t.y * v.y, m.yz += t.y * v.z, m.zz += t.z * v.z;
 }
 
 }  // namespace pointsweep

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <vector>
 
-#include "pointsweep/math/middle_box.h"
+#include "pointsweep/math/box.h"
 #include "pointsweep/math/sort.h"
 #include "pointsweep/order/survey.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <ranges>
 
-#include "pointsweep/math/middle_box.h"
+#include "pointsweep/math/box.h"
 #include "pointsweep/math/sort.h"
 #include "pointsweep/threads.h"
 

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// Adds to the statistics of a run, and describes the machine for them.
+/// Adds to the statistics of a run, describes the machine for them, and records observations of a run that were
+/// requested for plots and pictures.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "pointsweep/statistics.h"
+#include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
 
 struct SweepPlan;
-struct SweepStatistics;
 
 /// Adds a sweep that is over to those before it.
 void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep);
@@ -19,5 +22,11 @@ void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& swe
 std::string machine_description();
 /// Largest resident set of this process so far, in bytes.
 std::uint64_t peak_resident_bytes();
+
+/// Returns all bins from the first to the last that is not empty, after the bin of distance 0 if that is not empty.
+std::vector<DistanceBin> bins_of(const NeighborDistances& distances);
+
+/// The states by input row as a .npy file of uint8.
+void write_states(const std::vector<PointState>& states, const std::filesystem::path& path, bool overwrite);
 
 }  // namespace pointsweep

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// The picture while it is drawn: colour and depth of every sample, and ellipses on it.
+/// The picture while it is drawn: colour and depth of every sample, and ellipses on it; the picture as PNG.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "pointsweep/colors/rgb.h"
+#include "pointsweep/colors/color_map.h"
 #include "pointsweep/geometry.h"
 
 namespace pointsweep {
@@ -54,5 +55,8 @@ class Canvas {
   double longest_;                      ///< semi-axis, in samples
   std::vector<Sample> samples_;
 };
+
+/// A whole PNG file, 8 bits per channel, sRGB. Throws Error if the machine has no memory for it.
+std::vector<std::byte> to_png(const Picture& picture);
 
 }  // namespace pointsweep

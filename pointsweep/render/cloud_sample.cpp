@@ -2,12 +2,55 @@
 #include "pointsweep/render/cloud_sample.h"
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/math/mix.h"
 
 namespace pointsweep {
+
 namespace {
+
+constexpr std::uint64_t kShortStretch = 256, kLongStretch = 8192, kTrials = 16;
+constexpr double kDrawSeconds = 500e-9;  ///< time to draw a point, about
+constexpr double kTrialShare = 0.1;      ///< of the time
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+RowStretches every_nth(const InputCloud& cloud, std::uint64_t n) {
+  const bool seeks = cloud.decoder() != nullptr;  // else a jump may read all that lies between
+  RowStretches rows;
+  std::uint64_t i = 0;
+  for (std::uint64_t row = 0; row < cloud.count(); ++i) {
+    const std::uint64_t chunk = seeks ? cloud.chunk_end(row) : row;
+    const std::uint64_t end =
+        chunk > row ? chunk : std::min(row + (seeks ? kShortStretch : kLongStretch), cloud.count());
+    if (i % n == 0) {
+      rows.stretches.push_back({row, end});
+      rows.count += end - row;
+    }
+    row = end;
+  }
+  return rows;
+}
+
+/// Seconds to read a row, from stretches all over the cloud.
+double seconds_per_row(InputCloud& cloud, const RowStretches& rows, double seconds) {
+  std::vector<std::byte> records(kLongStretch * cloud.schema().stride);
+  const auto start = Clock::now();
+  const std::size_t step = std::max<std::size_t>(1, rows.stretches.size() / kTrials);
+  std::uint64_t read = 0;
+  for (std::size_t s = 0; s < rows.stretches.size() && (s == 0 || seconds_since(start) < seconds); s += step)
+    for (std::uint64_t row = rows.stretches[s].begin; row < rows.stretches[s].end;) {
+      const std::uint64_t n = std::min(kLongStretch, rows.stretches[s].end - row);
+      row += cloud.read(row, std::span(records).first(n * cloud.schema().stride));
+      read += n;
+    }
+  return seconds_since(start) / static_cast<double>(std::max<std::uint64_t>(read, 1));
+}
 
 constexpr std::uint64_t kSample = 65536;
 constexpr std::size_t kBlock = 8192;
@@ -20,6 +63,46 @@ std::uint64_t sampled_row(std::uint64_t i, std::uint64_t stretches, std::uint64_
 }
 
 }  // namespace
+
+RowStretches all_rows(const InputCloud& cloud) { return {{{0, cloud.count()}}, cloud.count()}; }
+
+RowStretches rows_within(InputCloud& cloud, double seconds) {
+  RowStretches rows = every_nth(cloud, 1);
+  const double per_row = 2 * seconds_per_row(cloud, rows, kTrialShare * seconds) + kDrawSeconds;
+  const double n = std::ceil(per_row * static_cast<double>(cloud.count()) / std::max(seconds, 1e-3));
+  const auto most = static_cast<double>(std::max<std::size_t>(rows.stretches.size(), 1));
+  return n <= 1 ? all_rows(cloud) : every_nth(cloud, static_cast<std::uint64_t>(std::min(n, most)));
+}
+
+PossibleViews::PossibleViews(std::optional<Angles> angles, std::optional<Up> up) {
+  std::vector<Up> ups;
+  for (const int axis : {0, 1, 2})
+    for (const int sign : {1, -1}) ups.push_back({axis, sign});
+  if (up) ups = {*up};
+  for (const Up& u : ups) {
+    for (const Angles& a : angles ? std::vector{*angles} : std::vector{kTop, kThreeQuarter})
+      views_.push_back({{a, u}, camera_of({a, u}, {}, 0, 0), {}});
+  }
+}
+
+void PossibleViews::include(Vec3 p) {
+  if (!origin_) origin_ = p;
+  const Vec3 d = p - *origin_;
+  for (Possible& v : views_) {
+    const double x = dot(d, v.camera.right), y = dot(d, v.camera.up);
+    v.extents.lo_x = std::min(v.extents.lo_x, x), v.extents.hi_x = std::max(v.extents.hi_x, x);
+    v.extents.lo_y = std::min(v.extents.lo_y, y), v.extents.hi_y = std::max(v.extents.hi_y, y);
+  }
+}
+
+Extents PossibleViews::extents(const View& view, const Camera& camera) const {
+  const auto found = std::ranges::find(views_, view, &Possible::view);
+  Extents extents = found->extents;
+  const Vec3 moved = *origin_ - camera.origin;
+  const double x = dot(moved, camera.right), y = dot(moved, camera.up);
+  extents.lo_x += x, extents.hi_x += x, extents.lo_y += y, extents.hi_y += y;
+  return extents;
+}
 
 void for_each_block(InputCloud& cloud, const RowStretches& rows, const std::function<void(const PointBlock&)>& visit) {
   const std::size_t stride = cloud.schema().stride;

@@ -4,15 +4,57 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/render/extents.h"
+#include "pointsweep/math/box.h"
 #include "pointsweep/render/point_color.h"
-#include "pointsweep/render/row_stretches.h"
+#include "pointsweep/render/view.h"
 
 namespace pointsweep {
+
+/// Rows that are read one after another.
+struct RowStretch {
+  std::uint64_t begin, end;
+};
+
+struct RowStretches {
+  std::vector<RowStretch> stretches;  ///< ascending
+  std::uint64_t count = 0;            ///< rows in all of them
+};
+
+RowStretches all_rows(const InputCloud& cloud);
+
+/// Returns the rows that can be read and drawn in about `seconds`: all rows, or every n-th stretch of rows. A stretch
+/// is a chunk of the file, or 256 rows if the file has no chunks. Reads a few stretches to measure the time of one.
+RowStretches rows_within(InputCloud& cloud, double seconds);
+
+/// Extents of a cloud along the axes of a camera, relative to the origin of the camera.
+struct Extents {
+  double lo_x = Box::kInf, hi_x = -Box::kInf, lo_y = Box::kInf, hi_y = -Box::kInf;
+};
+
+/// Takes the points while it is not known yet from where they will be seen: of each view that can be chosen, it finds
+/// the extents of all points, not of a sample. Cost: two dot products a point and view, of which there are at most 12.
+class PossibleViews {
+ public:
+  /// `angles`, `up`: those that are given; else any that is chosen from the shape.
+  PossibleViews(std::optional<Angles> angles, std::optional<Up> up);
+  void include(Vec3 p);
+  /// Returns the extents for one of the possible views and a camera of that view.
+  Extents extents(const View& view, const Camera& camera) const;
+
+ private:
+  struct Possible {
+    View view;
+    Camera camera;
+    Extents extents;
+  };
+  std::optional<Vec3> origin_;  ///< the first point, so that map coordinates lose nothing
+  std::vector<Possible> views_;
+};
 
 /// A block of the cloud's points: records and positions.
 struct PointBlock {

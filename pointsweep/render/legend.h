@@ -3,12 +3,18 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pointsweep/render/canvas.h"
 #include "pointsweep/render/lettering.h"
 
 namespace pointsweep {
+
+/// Returns the unit of an attribute whose name says what it is: "1/m" for a curvature, "s" for gps_time, empty for what
+/// has no unit or is not known. `length` is the unit of the cloud's coordinates, e.g. "m"; empty: not known, then "file
+/// unit" stands for it.
+std::string unit_of_attribute(std::string_view name, std::string_view length);
 
 /// A bar of colours with numbers beside it, or a list of colours with names.
 struct Legend {

@@ -7,9 +7,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "pointsweep/fail.h"
-#include "pointsweep/colors/class_colors.h"
 #include "pointsweep/colors/color_map.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/points/lower_case.h"
 #include "pointsweep/points/schema.h"
 

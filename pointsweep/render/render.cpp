@@ -7,11 +7,9 @@
 #include <cmath>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/colors/class_colors.h"
 #include "pointsweep/colors/color_map.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/las_classes.h"
-#include "pointsweep/render/attribute_unit.h"
 #include "pointsweep/render/cloud_sample.h"
 #include "pointsweep/render/legend.h"
 #include "pointsweep/render/point_color.h"

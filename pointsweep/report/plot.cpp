@@ -7,10 +7,17 @@
 #include <cmath>
 #include <iterator>
 
-#include "pointsweep/report/scale.h"
-
 namespace pointsweep {
+
 namespace {
+
+double nice_step(double span, int wanted) {
+  const double rough = span / wanted, power = std::pow(10.0, std::floor(std::log10(rough)));
+  for (const double step : {1.0, 2.0, 5.0}) {
+    if (step * power >= rough) return step * power;
+  }
+  return 10 * power;
+}
 
 constexpr double kWidth = 720, kHeight = 300, kLeft = 64, kRight = 16, kTop = 34, kBottom = 46;
 constexpr const char* kColors[] = {"#4269d0", "#efb118", "#ff725c", "#6cc5b0", "#3ca951", "#ff8ab7", "#a463f2"};
@@ -61,6 +68,51 @@ std::string legend(const std::vector<std::string>& names) {
 }
 
 }  // namespace
+
+std::string short_number(double value) {
+  const double size = std::abs(value);
+  if (size >= 1e12 || (size > 0 && size < 1e-3)) return fmt::format("{:.3g}", value);
+  for (const auto& [unit, letter] : {std::pair(1e9, 'G'), std::pair(1e6, 'M'), std::pair(1e3, 'k')}) {
+    if (size >= unit) return fmt::format("{:.4g}{}", value / unit, letter);
+  }
+  return fmt::format("{:.4g}", value);
+}
+
+Scale::Scale(double lo, double hi, double begin, double end, bool logarithmic)
+    : lo_(logarithmic ? std::log10(lo) : lo),
+      hi_(logarithmic ? std::log10(hi) : hi),
+      begin_(begin),
+      end_(end),
+      logarithmic_(logarithmic) {
+  if (!(hi_ > lo_)) hi_ = lo_ + 1;
+}
+
+double Scale::place(double value) const {
+  const double v = logarithmic_ ? std::log10(value) : value;
+  return begin_ + (v - lo_) / (hi_ - lo_) * (end_ - begin_);
+}
+
+std::vector<Tick> Scale::ticks(int wanted) const {
+  std::vector<Tick> ticks;
+  const double slack = 1e-9 * (hi_ - lo_);
+  if (!logarithmic_) {
+    const double step = nice_step(hi_ - lo_, wanted);
+    for (double i = std::ceil((lo_ - slack) / step) + 0.0; i * step <= hi_ + slack; ++i) {
+      ticks.push_back({i * step, short_number(i * step)});
+    }
+    return ticks;
+  }
+  const bool few = hi_ - lo_ < 2.5;
+  const double skip = std::max(1.0, std::ceil((hi_ - lo_) / wanted));
+  for (double power = std::floor(lo_); power <= hi_ + slack; power += few ? 1 : skip) {
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      const double value = factor * std::pow(10.0, power), place = std::log10(value);
+      if ((few || factor == 1) && place >= lo_ - slack && place <= hi_ + slack)
+        ticks.push_back({value, short_number(value)});
+    }
+  }
+  return ticks;
+}
 
 std::string escaped(std::string_view text) {
   std::string safe;
@@ -132,8 +184,7 @@ std::string value_plot(const std::string& title, const std::vector<double>& edge
     path += fmt::format("V{:.1f}H{:.1f}", y.place(counts[i]), x.place(edges[i + 1]));
   svg += fmt::format("<path class=\"area\" stroke=\"{0}\" fill=\"{0}\" d=\"{1}V{2:.1f}Z\"/>\n", color_of(0), path,
                      y.place(0));
-  for (const Tick& tick : x.ticks(5))
-    svg += text_at(x.place(tick.value), kSmallHeight - 6, "middle", tick.text);
+  for (const Tick& tick : x.ticks(5)) svg += text_at(x.place(tick.value), kSmallHeight - 6, "middle", tick.text);
   return svg + "</svg>\n";
 }
 

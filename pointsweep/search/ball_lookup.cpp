@@ -8,6 +8,67 @@
 
 namespace pointsweep {
 
+namespace {
+
+/// Numbers of the cells from one end of a ball to the other. The ball is less than two cells wide. If the grid is finer
+/// than doubles are apart, cells between two adjacent doubles hold no point and are left out.
+struct CellNumbers {
+  std::array<double, 4> number;
+  std::size_t count = 0;
+
+  CellNumbers(double first, double last) {
+    for (double n = first; n < last && count < number.size() - 1; n = std::max(n + 1, std::nextafter(n, last)))
+      number[count++] = n;
+    number[count++] = last;
+  }
+};
+
+}  // namespace
+
+BallCover::BallCover(std::span<const Ball> balls) : marked_(64) {
+  for (const auto& [c, reach2] : balls) {
+    const double r = safe_radius(reach2);
+    if (!(r < kLargestRadius)) {
+      is_unbounded_ = true;
+      return;
+    }
+    BallGrid& grid = grid_with(std::ilogb(2 * r), grids_);
+    const Box box{{c.x - r, c.y - r, c.z - r}, {c.x + r, c.y + r, c.z + r}};
+    grid.bounds.include(box);
+    const CellNumbers x(grid.cell_of(box.lo.x), grid.cell_of(box.hi.x));
+    const CellNumbers y(grid.cell_of(box.lo.y), grid.cell_of(box.hi.y));
+    const CellNumbers z(grid.cell_of(box.lo.z), grid.cell_of(box.hi.z));
+    for (std::size_t i = 0; i < x.count; ++i)
+      for (std::size_t j = 0; j < y.count; ++j)
+        for (std::size_t k = 0; k < z.count; ++k) mark(grid.key_of(x.number[i], y.number[j], z.number[k]));
+  }
+}
+
+bool BallCover::covers(Vec3 p) const {
+  if (is_unbounded_) return true;
+  return std::ranges::any_of(grids_, [&](const BallGrid& grid) {
+    return distance2(grid.bounds, p) == 0 && marked_[find(grid.key_at(p))] != 0;
+  });
+}
+
+std::size_t BallCover::find(std::uint64_t key) const {
+  const std::size_t mask = marked_.size() - 1;
+  std::size_t at = (key >> 1) & mask;
+  while (marked_[at] != key && marked_[at] != 0) at = (at + 1) & mask;
+  return at;
+}
+
+void BallCover::mark(std::uint64_t key) {
+  std::uint64_t& place = marked_[find(key)];
+  if (place == key) return;
+  place = key;
+  if (2 * ++count_ < marked_.size()) return;
+  std::vector<std::uint64_t> fewer(2 * marked_.size());
+  fewer.swap(marked_);
+  for (const std::uint64_t other : fewer)
+    if (other != 0) marked_[find(other)] = other;
+}
+
 std::size_t BallLookup::find(std::uint64_t key) const {
   const std::size_t mask = buckets_.size() - 1;
   std::size_t at = (key >> 1) & mask;

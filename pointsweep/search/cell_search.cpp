@@ -15,10 +15,7 @@
 #include <limits>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/math/power_of_two.h"
-#include "pointsweep/search/copies.h"
-#include "pointsweep/search/exact_order.h"
-#include "pointsweep/search/gathered_search.h"
+#include "pointsweep/math/exp.h"
 #include "pointsweep/search/leaf_query-inl.h"
 #include "pointsweep/search/near_leaves-inl.h"
 #include "pointsweep/search/plain_search.h"

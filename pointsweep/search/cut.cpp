@@ -7,7 +7,6 @@
 
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/search/cell.h"
-#include "pointsweep/search/leaf_cut.h"
 
 namespace pointsweep {
 

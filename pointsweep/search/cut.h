@@ -23,9 +23,14 @@ struct alignas(16) CutPoint {
 void cut_into_cells(std::span<CutPoint> points, std::uint32_t cell_points,
                     const std::function<std::uint64_t(std::uint32_t index)>& row_of, std::vector<std::uint32_t>& begin);
 
-/// Reorders points into cells as cut_into_cells() does, then cuts each cell into leaves (search/leaf_cut.h). About 60
-/// ns per point.
+/// Reorders points into cells as cut_into_cells() does, then cuts each cell into leaves with cut_into_leaves(). About
+/// 60 ns per point.
 void cut(std::span<CutPoint> points, std::uint32_t cell_points,
          const std::function<std::uint64_t(std::uint32_t index)>& row_of, std::vector<std::uint32_t>& begin);
+
+/// Reorders at most kCellCapacity points so that consecutive runs of 16 are compact: halves across the longest side,
+/// at a multiple of 16, again and again. Points at one and the same place are ordered by `row_of(index)`. The same
+/// order on every instruction set. About 30 ns per point.
+void cut_into_leaves(std::span<CutPoint> points, const std::function<std::uint64_t(std::uint32_t index)>& row_of);
 
 }  // namespace pointsweep

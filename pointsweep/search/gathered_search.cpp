@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/search/gathered_search.h"
+#include "pointsweep/search/cell_search.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/search/gathered_search.cpp"
@@ -19,8 +19,6 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/math/front_lanes-inl.h"
 #include "pointsweep/search/bin_search-inl.h"
-#include "pointsweep/search/copies.h"
-#include "pointsweep/search/exact_order.h"
 #include "pointsweep/search/near_leaves-inl.h"
 #include "pointsweep/search/plain_search.h"
 

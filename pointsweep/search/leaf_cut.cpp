@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/search/leaf_cut.h"
+#include "pointsweep/search/cut.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/search/leaf_cut.cpp"

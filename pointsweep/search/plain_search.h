@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 /// The neighbourhood operator point by point in double precision, for any k and radius. Used for points that the vector
-/// code cannot decide, and on machines without vectors.
+/// code cannot decide, for many copies of one point, and on machines without vectors.
 #pragma once
 
+#include <cstdint>
+
+#include "pointsweep/search/best_list.h"
 #include "pointsweep/search/cell_search.h"
+#include "pointsweep/search/directory.h"
 
 namespace pointsweep {
 
@@ -20,5 +24,26 @@ void append_best(const Neighborhood& what, SearchScratch& scratch, CellNeighbors
 /// The function search() for any k; appends to `out`.
 std::uint32_t search_plainly(const CellQuery& query, const CellSubset& points, std::uint64_t most,
                              SearchScratch& scratch, CellNeighbors& out);
+
+/// A point of some cell, seen from p.
+inline Candidate candidate_from(const CellDirectory& directory, NeighborRef ref, Vec3 p) {
+  const Cell& cell = directory.cell(slot_of(ref));
+  const Vec3 at = cell.position(index_of(ref));
+  return {distance2(at, p), at, cell.row[index_of(ref)], ref};
+}
+
+/// Puts runs of a list of at most 64 neighbours of p, which single precision could not tell apart, into exact order:
+/// bit i of `close_to_next` says that places i and i + 1 belong to one run.
+void order_runs(const CellDirectory& directory, Vec3 p, std::uint64_t close_to_next, NeighborRef* refs);
+
+/// Returns the end of the leaves of a cell, from this one on, that all lie at one place; the leaf itself if it does
+/// not.
+std::uint32_t end_of_copies(const Cell& cell, std::uint32_t leaf);
+
+/// Appends the neighbourhoods of points [first, end), all at one place, to `out`. One search is enough: the points have
+/// the same k + 1 nearest, and each leaves out itself, whereas searched one by one each would look at all others.
+/// scratch.near as in search_point_plainly().
+void search_copies(const CellQuery& query, std::uint32_t first, std::uint32_t end, SearchScratch& scratch,
+                   CellNeighbors& out);
 
 }  // namespace pointsweep

@@ -1,23 +1,41 @@
 // SPDX-License-Identifier: MIT
-/// The shapes that can be generated, by name. A new shape is a source file, its maker below and a line in registry.cpp.
+/// The shapes that can be generated, by name. A new shape is a class in registry.cpp, or a source file with its maker
+/// below, and a line in all_shapes().
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/shapes/shape.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/math/box.h"
+#include "pointsweep/shapes/rng.h"
 
 namespace pointsweep {
 
-std::unique_ptr<Shape> make_plane();
-std::unique_ptr<Shape> make_sphere();
-std::unique_ptr<Shape> make_cylinder();
-std::unique_ptr<Shape> make_torus();
+struct SurfacePoint {
+  Vec3 position;
+  Vec3 normal;  ///< unit, outward or upward; (0, 0, 0) for a shape without normals
+};
+
+/// The shape that a generated cloud samples: a surface or a solid of known geometry, in metres.
+class Shape {
+ public:
+  virtual ~Shape() = default;
+  virtual std::string name() const = 0;
+  /// One line for people: size and density.
+  virtual std::string meaning() const = 0;
+  virtual bool has_normals() const { return true; }
+  /// Holds every point of the shape; not necessarily tight.
+  virtual Box bounds() const = 0;
+  /// One random point of the shape. Called from many threads at once.
+  virtual SurfacePoint sample(Rng& rng) const = 0;
+};
+
 std::unique_ptr<Shape> make_statue();
 std::unique_ptr<Shape> make_terrain();
 std::unique_ptr<Shape> make_tls();
-std::unique_ptr<Shape> make_volume();
 
 /// Returns one shape of each kind, in the order of their presentation.
 std::vector<std::unique_ptr<Shape>> all_shapes();

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/shapes/distributions.h"
+#include "pointsweep/shapes/rng.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

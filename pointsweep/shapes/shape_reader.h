@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "pointsweep/reader.h"
-#include "pointsweep/shapes/shape.h"
+#include "pointsweep/shapes/registry.h"
 
 namespace pointsweep {
 

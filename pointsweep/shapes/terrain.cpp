@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "pointsweep/shapes/distributions.h"
 #include "pointsweep/shapes/registry.h"
+#include "pointsweep/shapes/rng.h"
 #include "pointsweep/shapes/wave.h"
 
 namespace pointsweep {

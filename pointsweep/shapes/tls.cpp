@@ -4,8 +4,8 @@
 #include <array>
 #include <limits>
 
-#include "pointsweep/shapes/distributions.h"
 #include "pointsweep/shapes/registry.h"
+#include "pointsweep/shapes/rng.h"
 
 namespace pointsweep {
 namespace {

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "pointsweep/sweep/stopwatch.h"
-
 namespace pointsweep {
 
 bool CellLists::find_reaches(std::uint32_t slot, Worker& worker) const {

@@ -4,12 +4,25 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 
 #include "pointsweep/sweep/cell_set.h"
 #include "pointsweep/sweep/worker.h"
 
 namespace pointsweep {
+
+/// Adds the time until its end to `seconds`.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  ~Stopwatch() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& seconds_;
+  Clock::time_point start_ = Clock::now();
+};
 
 struct ListMemory {
   /// Bytes for the cells of the window, lists included. Lists that later steps need and that do not fit are not kept; a

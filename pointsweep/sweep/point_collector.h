@@ -11,7 +11,6 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/search/ball_cover.h"
 #include "pointsweep/search/ball_lookup.h"
 #include "pointsweep/sweep/frontier.h"
 

@@ -8,7 +8,6 @@
 #include "pointsweep/order/fixed_copy.h"
 #include "pointsweep/points/promised_type.h"
 #include "pointsweep/search/cut.h"
-#include "pointsweep/search/leaf_cut.h"
 
 namespace pointsweep {
 

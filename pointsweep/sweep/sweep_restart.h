@@ -15,7 +15,6 @@
 
 #include "pointsweep/sweep/slab_loader.h"
 #include "pointsweep/sweep/sweep.h"
-#include "pointsweep/sweep/sweep_progress.h"
 #include "pointsweep/sweep/window.h"
 #include "pointsweep/sweep/worker.h"
 

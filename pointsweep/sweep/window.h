@@ -6,6 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "pointsweep/search/best_list.h"
+#include "pointsweep/search/cell.h"
 #include "pointsweep/sweep/cell_set.h"
 #include "pointsweep/sweep/frontier.h"
 #include "pointsweep/sweep/plan.h"
@@ -38,5 +40,9 @@ class Window : public CellSet {
   Frontier& frontier_;
   double lifespan_sum_ = 0, lifespan_max_ = 0;
 };
+
+/// Returns the expected reach of the neighbourhoods of the points of each leaf, by leaf, in units of the cloud. No
+/// result depends on it.
+std::vector<double> expected_reaches(const Cell& cell, const Neighborhood& what);
 
 }  // namespace pointsweep

@@ -6,13 +6,31 @@
 #include <cstdint>
 #include <vector>
 
+#include "pointsweep/geometry.h"
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/search/cell.h"
 #include "pointsweep/search/cell_search.h"
-#include "pointsweep/sweep/deferred_point.h"
 #include "pointsweep/sweep/plan.h"
 
 namespace pointsweep {
+
+/// A point that the sweep could not finish: its neighbourhood touches something already dropped or not read in time.
+struct DeferredPoint {
+  Vec3 position;
+  std::uint64_t row;
+  std::uint32_t slab;
+  std::uint32_t index_in_slab;
+  double reach2;       ///< its neighbourhood ends within it; infinite if unknown
+  std::uint32_t step;  ///< the first step it has not taken
+};
+
+/// A point that the stream cannot finish: its neighbourhood touches a box outside of the stream (Frontier), or a
+/// neighbour was unresolved in the step before.
+struct UnresolvedPoint {
+  std::uint64_t row;
+  std::uint32_t step;  ///< the first step it has not taken
+  double reach2;       ///< its neighbourhood ends within it; infinite if unknown
+};
 
 struct WindowCell {
   Cell cell;

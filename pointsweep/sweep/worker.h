@@ -2,16 +2,41 @@
 /// Memory and counters of one thread of a sweep or of a recall.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "pointsweep/row_error.h"
+#include "pointsweep/search/cell.h"
 #include "pointsweep/search/cell_search.h"
-#include "pointsweep/sweep/chosen_points.h"
-#include "pointsweep/sweep/deferred_point.h"
+#include "pointsweep/sweep/plan.h"
 #include "pointsweep/sweep/stage_runner.h"
+#include "pointsweep/sweep/window_cell.h"
 
 namespace pointsweep {
+
+/// Some points of a cell, copied together: for a rule or a step that not all points of the cell take.
+class ChosenPoints {
+ public:
+  /// Copies points of the cell, with the columns of the plan whose pointer in `columns` is not null.
+  void take(const SweepPlan& plan, const Cell& cell, const CellSubset& points, const std::byte* const* columns);
+  /// Gives every column that the step makes and that was not copied a place, filled with 0.
+  void make_columns(const SweepPlan& plan, std::size_t step);
+  /// Copies what the step has made to the columns that are not null.
+  void give_back(const SweepPlan& plan, std::size_t step, std::byte* const* columns) const;
+
+  std::size_t size() const { return chosen_.size(); }
+  PointColumns view() const { return {x_.data(), y_.data(), z_.data(), row_.data(), pointers_.data()}; }
+  std::byte* const* columns() const { return pointers_.data(); }
+  const std::uint64_t* rows() const { return row_.data(); }
+
+ private:
+  std::vector<std::uint32_t> chosen_;
+  std::vector<double> x_, y_, z_;
+  std::vector<std::uint64_t> row_;
+  std::vector<std::vector<std::byte>> columns_;
+  std::vector<std::byte*> pointers_;
+};
 
 struct Worker {
   SearchScratch search;

@@ -4,28 +4,52 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/files.h"
-#include "pointsweep/formats/cloud/cloud_reader.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/language/option_text.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/pipeline/rows/finite_input.h"
+#include "pointsweep/pipeline/rows/nonfinite_points.h"
+#include "pointsweep/reader.h"
 #include "pointsweep/verify/checked_stages.h"
 #include "pointsweep/verify/outlier_threshold.h"
 #include "pointsweep/verify/recorded_run.h"
 #include "pointsweep/verify/verify.h"
 
 namespace pointsweep {
+
 namespace {
+
+class CloudReader final : public Reader {
+ public:
+  /// `name`: what the files are called together in sentences.
+  CloudReader(InputCloud cloud, const std::filesystem::path& name) : cloud_(std::move(cloud)) {
+    info_.path = name;
+    info_.format = "several files";
+    info_.schema = cloud_.schema();
+    info_.count = cloud_.count();
+    info_.bytes = cloud_.bytes();
+    info_.crs = cloud_.crs();
+    info_.las = cloud_.las();
+  }
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override { return cloud_.read(row, records); }
+
+ private:
+  InputCloud cloud_;
+};
 
 namespace fs = std::filesystem;
 

@@ -12,7 +12,6 @@
 #include "pointsweep/verify/rows/made_value.h"
 #include "pointsweep/verify/rows/row_alignment.h"
 #include "pointsweep/verify/rows/sample_rows.h"
-#include "pointsweep/verify/rows/sweep_rows.h"
 
 namespace pointsweep {
 namespace {

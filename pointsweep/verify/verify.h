@@ -12,7 +12,7 @@
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/verify.h"
-#include "pointsweep/verify/rows/own_fields.h"
+#include "pointsweep/verify/rows/made_fields.h"
 #include "pointsweep/verify/rows/row_source.h"
 #include "pointsweep/verify/search/surroundings.h"
 #include "pointsweep/verify/values/stage_formula.h"

@@ -19,7 +19,6 @@
 #include "pointsweep/operators/declare/declaration.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/canonical_text.h"
 #include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/language/parse.h"
 #include "pointsweep/pipeline/language/run_words.h"

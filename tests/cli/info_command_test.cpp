@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "pointsweep/formats/crs_unit.h"
+#include "pointsweep/formats/crs.h"
 #include "pointsweep/info/nearest_distances.h"
 #include "pointsweep/info/plan_area.h"
 #include "tests/cli/tool.h"

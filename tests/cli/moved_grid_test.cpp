@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "pointsweep/formats/las_origin.h"
+#include "pointsweep/formats/las_scale.h"
 #include "tests/cli/tool.h"
 #include "tests/formats/point_files.h"
 
@@ -115,9 +115,8 @@ TEST_F(MovedGrid, TilesWhosePointsDidNotMoveKeepTheirGrid) {
 
 TEST_F(MovedGrid, WorksBehindSelectsAndInEveryOrder) {
   for (const char* order : {"input", "sweep"})
-    for (const char* pipeline :
-         {"set(x = x + 512000) | where(z > 0.1)", "where(z > 0.1) | set(x = x + 512000)",
-          "knn(k=6) | normals | set(x = x + 512000) | reneighbor | density | where(z > 0.1)"}) {
+    for (const char* pipeline : {"set(x = x + 512000) | where(z > 0.1)", "where(z > 0.1) | set(x = x + 512000)",
+                                 "knn(k=6) | normals | set(x = x + 512000) | reneighbor | density | where(z > 0.1)"}) {
       made(fmt::format("run scan.las out.las -q -f --order {} --pipeline '{}'", order, pipeline));
       made(fmt::format("run scan.las out.ply -q -f --order {} --pipeline '{}'", order, pipeline));
       const auto las = values("out.las", "x"), ply = values("out.ply", "x");

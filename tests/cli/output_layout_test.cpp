@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "pointsweep/formats/las_origin.h"
+#include "pointsweep/formats/las_scale.h"
 #include "tests/cli/tool.h"
 #include "tests/formats/point_files.h"
 

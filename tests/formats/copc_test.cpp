@@ -13,8 +13,8 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/las/las_reader.h"
+#include "pointsweep/formats/las/las_writer.h"
 #include "pointsweep/formats/las/laz_layout.h"
-#include "pointsweep/formats/las/laz_writer.h"
 #include "pointsweep/points/schema.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/temporary_folder.h"

@@ -14,7 +14,6 @@
 #include "pointsweep/formats/las/las_reader.h"
 #include "pointsweep/formats/las/las_writer.h"
 #include "pointsweep/formats/las/laz_layout.h"
-#include "pointsweep/formats/las/laz_writer.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/support/data_folder.h"

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "pointsweep/formats/las/las_reader.h"
-#include "pointsweep/formats/npy/npy_writer.h"
+#include "pointsweep/formats/npy/npy_array.h"
 #include "pointsweep/formats/ply/ply_reader.h"
 #include "pointsweep/formats/ply/ply_writer.h"
 #include "tests/formats/las_test_file.h"

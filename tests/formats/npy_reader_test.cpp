@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/npy/npy_reader.h"
-
 #include <gtest/gtest.h>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/npy/npy_writer.h"
+#include "pointsweep/formats/npy/npy_array.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 

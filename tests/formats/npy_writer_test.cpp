@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/npy/npy_writer.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/npy/npy_array.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/default_columns.h"
+#include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/text/text_layout.h"
 #include "pointsweep/formats/text/text_reader.h"
 #include "tests/formats/point_files.h"

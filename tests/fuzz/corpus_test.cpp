@@ -8,8 +8,8 @@
 
 #include "pointsweep/formats/e57/e57_reader.h"
 #include "pointsweep/formats/las/las_reader.h"
+#include "pointsweep/formats/npy/npy_array.h"
 #include "pointsweep/formats/npy/npy_points.h"
-#include "pointsweep/formats/npy/npy_reader.h"
 #include "pointsweep/formats/pcd/pcd_reader.h"
 #include "pointsweep/formats/ply/ply_reader.h"
 #include "pointsweep/formats/ptx/ptx_reader.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/math/natural_logarithm.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include <vector>
 
 #include "pointsweep/math/batch.h"
+#include "pointsweep/math/exp.h"
 #include "tests/support/instruction_sets.h"
 
 namespace pointsweep {

@@ -14,7 +14,6 @@
 
 #include "pointsweep/geometry.h"
 #include "pointsweep/math/exp.h"
-#include "pointsweep/math/power_of_two.h"
 #include "pointsweep/math/symmetric3.h"
 
 namespace pointsweep {

@@ -11,7 +11,6 @@
 
 #include "pointsweep/operators.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/canonical_text.h"
 #include "pointsweep/pipeline/language/registry.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/pipeline/refusal.h"

@@ -12,7 +12,6 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/run/preview.h"
-#include "pointsweep/pipeline/run/sort_preview.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"

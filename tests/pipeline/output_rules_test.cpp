@@ -10,7 +10,6 @@
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/canonical_text.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/writer.h"
 

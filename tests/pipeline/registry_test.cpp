@@ -15,7 +15,6 @@
 
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/canonical_text.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/run/preview.h"
 #include "pointsweep/points/nearest_names.h"

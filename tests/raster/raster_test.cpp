@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "pointsweep/error.h"
+#include "pointsweep/raster/cell_rows.h"
 #include "pointsweep/raster/filled_rows.h"
 #include "pointsweep/raster/ground_surface.h"
 #include "pointsweep/raster/opened_rows.h"
-#include "pointsweep/raster/surface_window.h"
 #include "pointsweep/threads.h"
 #include "tests/support/scratch_in_memory.h"
 
@@ -325,7 +325,8 @@ TEST(CellAxis, PlacesNumbersInAnyOrderAsInAscendingOrder) {
 TEST(BandedRows, BeginWithTheirMarginAfterAWideGap) {
   BandedRows rows({.margin = 4, .most = 9});
   EXPECT_EQ(rows.rows(), 0u);
-  const std::vector<std::array<double, 3>> expected = {{-7, 0, 4}, {-7, 0, 4}, {1, 0, 12}, {10, 1, 4}, {18, 1, 12}, {1e9, 2, 4}};
+  const std::vector<std::array<double, 3>> expected = {{-7, 0, 4}, {-7, 0, 4},  {1, 0, 12},
+                                                       {10, 1, 4}, {18, 1, 12}, {1e9, 2, 4}};
   for (const auto& [number, band, place] : expected) {
     EXPECT_EQ(static_cast<double>(rows.place_of(number)), place) << number;
     EXPECT_EQ(static_cast<double>(rows.band()), band) << number;

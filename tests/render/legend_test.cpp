@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pointsweep/render/attribute_unit.h"
 #include "pointsweep/colors/color_map.h"
 
 namespace pointsweep {

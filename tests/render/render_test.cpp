@@ -9,10 +9,10 @@
 #include <numbers>
 #include <random>
 
+#include "pointsweep/colors/color_map.h"
 #include "pointsweep/error.h"
 #include "pointsweep/reader.h"
-#include "pointsweep/colors/color_map.h"
-#include "pointsweep/render/png.h"
+#include "pointsweep/render/canvas.h"
 #include "pointsweep/writer.h"
 
 namespace pointsweep {

@@ -7,7 +7,6 @@
 #include <regex>
 
 #include "pointsweep/report/page.h"
-#include "pointsweep/report/scale.h"
 
 namespace pointsweep {
 namespace {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/search/ball_cover.h"
 #include "pointsweep/search/ball_lookup.h"
 
 #include <gtest/gtest.h>

@@ -11,7 +11,6 @@
 
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/search/cell.h"
-#include "pointsweep/search/leaf_cut.h"
 #include "tests/support/instruction_sets.h"
 
 namespace pointsweep {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/language/canonical_text.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/language/registry.h"
 
 namespace pointsweep {

@@ -7,8 +7,8 @@
 
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/search/expected_reach.h"
 #include "pointsweep/sweep/slab_loader.h"
+#include "pointsweep/sweep/window.h"
 #include "tests/support/memory_source.h"
 
 namespace pointsweep {

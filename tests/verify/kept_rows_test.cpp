@@ -8,7 +8,7 @@
 #include <limits>
 #include <memory>
 
-#include "pointsweep/verify/formulas/mean.h"
+#include "pointsweep/verify/formulas/thinning.h"
 #include "tests/pipeline/attribute_cloud.h"
 
 namespace pointsweep {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/rows/sweep_rows.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
 
 #include "pointsweep/reader.h"
+#include "pointsweep/verify/rows/sample_rows.h"
 #include "pointsweep/writer.h"
 #include "tests/pipeline/hostile_clouds.h"
 

@@ -8,10 +8,14 @@
 #include <optional>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/color_depth.h"
 
 namespace pointsweep {
+
 namespace {
+
+constexpr int kOverlapClass = 12;  ///< LAS 1.4 R15, Table 9
 
 using Readers = std::vector<std::unique_ptr<Reader>>;
 
@@ -193,6 +197,25 @@ std::vector<std::string> missing_fields(const Readers& readers, const std::vecto
 }
 
 }  // namespace
+
+MissingFields::MissingFields(const FileInfo& input, const Schema& common) {
+  const char* const kReturns[] = {"return_number", "number_of_returns"};
+  if (!input.schema.find(kReturns[0]) && !input.schema.find(kReturns[1])) {
+    for (const char* name : kReturns)
+      if (const auto at = common.find(name)) ones_.push_back(common.fields[*at]);
+  }
+  const auto overlap = common.find("overlap"), classification = common.find("classification");
+  if (overlap && classification && input.las && input.las->overlap_is_class_12)
+    overlap_.emplace(common.fields[*classification], common.fields[*overlap]);
+}
+
+void MissingFields::run(std::span<std::byte> records, std::size_t stride) const {
+  for (std::size_t at = 0; at + stride <= records.size(); at += stride) {
+    std::byte* const record = records.data() + at;
+    for (const Field& field : ones_) set_value(field, record, 1);
+    if (overlap_ && value_of(overlap_->first, record) == kOverlapClass) set_value(overlap_->second, record, 1);
+  }
+}
 
 CommonSchema common_schema(const Readers& readers) {
   for (const auto& reader : readers) position_fields(reader->info().schema, reader->info().path.string());

@@ -5,7 +5,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/cloud/common_crs.h"
-#include "pointsweep/formats/las_origin.h"
+#include "pointsweep/formats/las_scale.h"
 
 namespace pointsweep {
 namespace {

@@ -14,7 +14,6 @@
 #include <string_view>
 #include <utility>
 
-#include "pointsweep/formats/e57/e57_names.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/points/with_type.h"
 

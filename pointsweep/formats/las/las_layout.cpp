@@ -9,13 +9,11 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/format_extras.h"
+#include "pointsweep/formats/format.h"
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
-#include "pointsweep/formats/las/las_fields.h"
 #include "pointsweep/formats/las/las_pieces.h"
 #include "pointsweep/formats/las/las_point_formats.h"
-#include "pointsweep/formats/las_origin.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/color_depth.h"
 #include "pointsweep/points/schema.h"

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/las/las_crs.h"
 #include "pointsweep/formats/las/las_point_formats.h"
+#include "pointsweep/formats/las/las_vlrs.h"
 #include "pointsweep/formats/provenance.h"
 
 namespace pointsweep {

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// The contents of the point records of LAS: the fields of point formats 0 to 10.
+/// The contents of the point records of LAS: the fields of point formats 0 to 10, and the choice of the point format
+/// that holds the attributes of a cloud.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "pointsweep/formats/known_values.h"
 #include "pointsweep/geometry.h"
 #include "pointsweep/points/schema.h"
 
@@ -28,5 +32,20 @@ bool las_has_waveforms(int point_format);
 /// The place of the return number in a record: the low bits of byte 14, under this mask.
 inline constexpr std::uint32_t kLasReturnByte = 14;
 inline std::uint8_t las_return_mask(int point_format) { return point_format >= 6 ? 0x0F : 0x07; }
+
+/// Names of the fields of `schema` that point formats have, x, y and z left out. Colours count if red, green and blue
+/// are there, waveform packets if all of their fields are.
+std::vector<std::string> las_names_in(const Schema& schema);
+
+/// True if `target`, a field of a point format, holds every value of `source` in `range`: exactly, but for the scan
+/// angle, which is rounded to its steps of 0.006 degrees.
+bool las_field_holds(const Field& target, const Field& source, const ValueRange& range);
+
+/// The point format that holds most of las_names_in(schema), and among those the one with the shortest records.
+/// `ranges` has one entry for each field of `schema`. Formats 0 to 5 are considered only with `legacy`.
+int choose_las_point_format(const Schema& schema, const std::vector<ValueRange>& ranges, bool legacy);
+
+/// Indices of the fields whose types leave open whether the point formats to choose from hold them.
+std::vector<std::size_t> undecided_las_fields(const Schema& schema, const std::vector<ValueRange>& ranges, bool legacy);
 
 }  // namespace pointsweep

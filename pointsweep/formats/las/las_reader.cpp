@@ -12,11 +12,11 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/las/copc_hierarchy.h"
-#include "pointsweep/formats/las/las_crs.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_point_formats.h"
+#include "pointsweep/formats/las/las_vlrs.h"
 #include "pointsweep/formats/las/laz_points.h"
-#include "pointsweep/formats/las_origin.h"
+#include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/records/fixed_records.h"
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "pointsweep/formats/format_extras.h"
-#include "pointsweep/formats/las/las_fields.h"
+#include "pointsweep/formats/format.h"
 #include "pointsweep/formats/las/las_layout.h"
-#include "pointsweep/formats/las_origin.h"
+#include "pointsweep/formats/las/las_point_formats.h"
+#include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/decimals.h"
 
 namespace pointsweep {

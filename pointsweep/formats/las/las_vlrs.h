@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// The chain of (extended) variable length records of a LAS file: where it ends and where its extra-bytes record is.
+/// The chain of (extended) variable length records of a LAS file: where it ends, where its extra-bytes record is, and
+/// the coordinate reference system that VLRs of the user LASF_Projection state.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/las/las_header.h"
 
 namespace pointsweep {
 
@@ -39,7 +44,7 @@ struct LasVlrChain {
   std::uint32_t count = 0;                                      ///< of the records that are whole
   std::optional<LasVlr> extra_bytes;                            ///< the first one
   std::optional<LasVlr> laszip, copc;                           ///< of compressed files; the first of each
-  std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first of each: see las_crs.h
+  std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first of each: see read_las_crs()
   std::vector<LasVlr> provenance;                               ///< the first 256
 };
 
@@ -49,5 +54,24 @@ enum class LasVlrKind { vlr, evlr };
 /// warning: it and all bytes after it count as bytes of unknown meaning.
 LasVlrChain walk_las_vlrs(const InputFile& file, LasVlrKind kind, std::uint64_t start, std::uint64_t limit,
                           std::uint32_t promised, std::vector<std::string>& warnings);
+
+/// Returns the system that the VLRs, or else the extended VLRs, state; none if they state no system. WKT counts where
+/// the header says so or there are no GeoTIFF keys; the other statement is kept too. Texts over 1 MiB are not read.
+std::optional<Crs> read_las_crs(const InputFile& file, const LasHeader& header, const LasVlrChain& vlrs,
+                                const LasVlrChain& evlrs);
+
+/// A VLR: its header of 54 bytes and `content`, at most 65,535 bytes.
+std::vector<std::byte> las_vlr(std::string_view user, std::uint16_t record, std::string_view description,
+                               std::span<const std::byte> content);
+
+/// Bytes that a VLR can hold.
+inline constexpr std::size_t kLongestVlr = 65535;
+
+/// VLRs that state a system as it was read, one after another, and their number: the WKT, the GeoTIFF keys, or both.
+struct LasCrsVlrs {
+  std::vector<std::byte> bytes;
+  std::uint32_t count = 0;
+};
+LasCrsVlrs las_crs_vlrs(const Crs& crs);
 
 }  // namespace pointsweep

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// Writing LAS: a LAS input keeps all it has, anything else becomes LAS 1.4 (see las_layout.h).
+/// Writing LAS and LAZ: a LAS input keeps all it has, anything else becomes LAS 1.4 (see las_layout.h).
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "pointsweep/writer.h"
@@ -11,5 +12,13 @@ namespace pointsweep {
 /// Throws Error before anything is written when the points cannot be stored as LAS. Without a LAS input, plan.bounds
 /// has to be there unless the coordinates are integers of at most 32 bits.
 std::unique_ptr<Writer> create_las_writer(const OutputPlan& plan);
+
+/// Creates a writer like create_las_writer(), which writes the points in compressed chunks. Records come in order. All
+/// threads compress several chunks of kLazChunkPoints points at once. Throws Error where codecs are not built in.
+std::unique_ptr<Writer> create_laz_writer(const OutputPlan& plan);
+
+/// Returns the bytes that the writer takes for records of `record_bytes`: the chunks that are compressed at once,
+/// before and after compression, and the models of the coder.
+std::uint64_t laz_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
 
 }  // namespace pointsweep

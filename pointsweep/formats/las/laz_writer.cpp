@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/las/laz_writer.h"
-
 #include <algorithm>
 #include <cassert>
 #include <cstring>
@@ -11,6 +9,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/formats/las/las_encoder.h"
 #include "pointsweep/formats/las/las_frame.h"
+#include "pointsweep/formats/las/las_writer.h"
 #include "pointsweep/formats/las/laz_layout.h"
 #include "pointsweep/threads.h"
 

@@ -1,11 +1,211 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/mesh/mesh_formats.h"
+#include <fmt/format.h>
 
-#include "pointsweep/formats/mesh/obj_reader.h"
-#include "pointsweep/formats/mesh/off_reader.h"
+#include <charconv>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/files/number_text.h"
+#include "pointsweep/formats/format.h"
+#include "pointsweep/formats/mesh/vertex_lines.h"
+#include "pointsweep/reader.h"
 
 namespace pointsweep {
+
 namespace {
+
+bool is_vertex_line(std::string_view line) {
+  const std::size_t at = line.find_first_not_of(" \t");
+  return at != line.npos && line[at] != '#';
+}
+
+struct OffHeader {
+  bool texture = false, color = false, normal = false;
+  std::uint64_t vertices = 0, faces = 0;
+};
+
+/// The keyword at the begin of `line`, which is taken off it: letters up to and including OFF. Nothing if it is none.
+std::optional<OffHeader> take_keyword(std::string_view& line) {
+  OffHeader header;
+  const auto take = [&](std::string_view word) {
+    if (!line.starts_with(word)) return false;
+    line.remove_prefix(word.size());
+    return true;
+  };
+  header.texture = take("ST");
+  header.color = take("C");
+  header.normal = take("N");
+  if (!take("OFF") || (!line.empty() && line[0] != ' ' && line[0] != '\t' && line[0] != '\r' && line[0] != '\n'))
+    return std::nullopt;
+  return header;
+}
+
+std::optional<std::uint64_t> take_number(std::string_view& line) {
+  line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), number);
+  if (error != std::errc()) return std::nullopt;
+  line.remove_prefix(static_cast<std::size_t>(end - line.data()));
+  return number;
+}
+
+/// Leaves `lines` in front of the first vertex.
+OffHeader read_header(LineReader& lines) {
+  const std::string path = lines.file().path().string();
+  std::string_view line = lines.next().value_or("");
+  std::optional<OffHeader> header = take_keyword(line);
+  if (!header) fail("{}: is no OFF file, since it does not begin with OFF, COFF, NOFF or the like.", path);
+  if (line.find("BINARY") != line.npos)
+    fail("{}: is a binary OFF file, which pointsweep does not read; export its points as PLY.", path);
+  while (!is_vertex_line(line)) {
+    const auto next = lines.next();
+    if (!next) fail("{}: ends before the numbers of vertices and faces; get the whole file.", path);
+    line = *next;
+  }
+  const auto vertices = take_number(line), faces = take_number(line);
+  if (!vertices || !faces)
+    fail("{}: line {} should hold the numbers of vertices, faces and edges; correct it.", path, lines.line());
+  header->vertices = *vertices;
+  header->faces = *faces;
+  return *header;
+}
+
+class OffReader final : public VertexLineReader {
+ public:
+  OffReader(std::unique_ptr<InputFile> file, const LineReader& lines, const OffHeader& header)
+      : VertexLineReader(std::move(file), lines, is_vertex_line, header.vertices, false) {
+    const std::string path = info_.path.string();
+    info_.format = "OFF";
+    if (rows() < header.vertices)
+      fail("{}: the header says {} vertices, but the file ends after {}; get the whole file.", path, header.vertices,
+           rows());
+    VertexColumns columns{.normal = header.normal, .color = 0, .texture = header.texture, .ignored = 0};
+    const std::size_t known = 3 + (header.normal ? 3 : 0) + (header.texture ? 2 : 0);
+    const std::size_t found = rows() == 0 ? known : numbers(first_line()).size();
+    const std::size_t more = found < known ? 0 : found - known;
+    if (found < known || more > 4 || more == 1 || more == 2)
+      fail("{}: its first vertex has {} numbers, which cannot be coordinates{}{} and a colour; correct it.", path,
+           found, header.normal ? ", a normal" : "", header.texture ? ", texture coordinates" : "");
+    columns.color = more;
+    set_columns(columns);
+    if (header.faces != 0) info_.warnings.push_back(fmt::format("{}: its {} faces are left out.", path, header.faces));
+  }
+};
+
+/// Returns whether a file begins with OFF, or with ST, C and N (texture coordinates, colours, normals) before OFF.
+bool starts_as_off(std::string_view head) { return take_keyword(head).has_value(); }
+
+/// Reads normals of NOFF, colours of COFF, and colours that a plain OFF has after its coordinates; leaves faces out
+/// with a warning. Throws Error for a binary file, one of four dimensions, and one that has fewer vertices than its
+/// header says.
+std::unique_ptr<Reader> open_off(const std::filesystem::path& path) {
+  auto file = std::make_unique<InputFile>(path);
+  LineReader lines(*file);
+  const OffHeader header = read_header(lines);
+  return std::make_unique<OffReader>(std::move(file), lines, header);
+}
+
+bool has_keyword(std::string_view line, std::string_view word) {
+  const std::size_t at = line.find_first_not_of(" \t");
+  if (at == line.npos || !line.substr(at).starts_with(word)) return false;
+  line.remove_prefix(at + word.size());
+  return !line.empty() && (line[0] == ' ' || line[0] == '\t');
+}
+
+bool is_vertex(std::string_view line) { return has_keyword(line, "v"); }
+bool is_normal(std::string_view line) { return has_keyword(line, "vn"); }
+
+/// Normals, as a reader that gives them in place of coordinates.
+class NormalLines final : public VertexLineReader {
+ public:
+  explicit NormalLines(const std::filesystem::path& path, std::unique_ptr<InputFile> file, const LineReader& lines)
+      : VertexLineReader(std::move(file), lines, is_normal, std::numeric_limits<std::uint64_t>::max(), true) {
+    info_.path = path;
+    set_columns({});
+  }
+};
+
+class ObjReader final : public VertexLineReader {
+ public:
+  ObjReader(std::unique_ptr<InputFile> file, const LineReader& lines)
+      : VertexLineReader(std::move(file), lines, is_vertex, std::numeric_limits<std::uint64_t>::max(), true) {
+    info_.format = "OBJ";
+    const std::size_t found = rows() == 0 ? 3 : numbers(first_line()).size();
+    if (found != 3 && found != 4 && found != 6 && found != 7)
+      fail("{}: its first vertex has {} numbers instead of x y z, perhaps with a weight or a colour; correct it.",
+           info_.path.string(), found);
+    VertexColumns columns;
+    columns.color = found >= 6 ? found - 3 : 0;
+    columns.ignored = found == 4 ? 1 : 0;
+    set_columns(columns);
+    add_normals();
+    warn();
+  }
+
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
+    const std::size_t rows = VertexLineReader::read(row, records);
+    const std::size_t stride = info_.schema.stride;
+    if (normals_) normals_->fill(row, rows, records.data() + stride - kNormalBytes, stride);
+    return rows;
+  }
+
+ private:
+  static constexpr std::size_t kNormalBytes = 3 * sizeof(double);
+
+  void add_normals() {
+    auto file = std::make_unique<InputFile>(info_.path);
+    const LineReader lines(*file);
+    auto normals = std::make_unique<NormalLines>(info_.path, std::move(file), lines);
+    normal_count_ = normals->info().count;
+    if (normal_count_ == 0 || normal_count_ != info_.count) return;
+    for (const char* axis : {"nx", "ny", "nz"}) info_.schema.append(axis, Type::f64);
+    normals_ = std::move(normals);
+  }
+
+  void warn() {
+    if (normal_count_ != 0 && !normals_)
+      info_.warnings.push_back(fmt::format("{}: its {} normals are left out, since they are not one for each vertex.",
+                                           info_.path.string(), normal_count_));
+    LineReader lines(file());
+    std::uint64_t faces = 0;
+    while (const auto line = lines.next()) faces += has_keyword(*line, "f") ? 1 : 0;
+    if (faces != 0) info_.warnings.push_back(fmt::format("{}: its {} faces are left out.", info_.path.string(), faces));
+  }
+
+  std::unique_ptr<NormalLines> normals_;
+  std::uint64_t normal_count_ = 0;
+};
+
+/// Returns whether the first line that is no comment is a line of an OBJ file: v, vn, vt, mtllib, o, g, s or usemtl.
+bool starts_as_obj(std::string_view head) {
+  while (!head.empty()) {
+    const std::size_t end = std::min(head.find('\n'), head.size());
+    const std::string_view line = head.substr(0, end);
+    const std::size_t at = line.find_first_not_of(" \t\r");
+    if (at != line.npos && line[at] != '#') {
+      for (const char* word : {"v", "vn", "vt", "mtllib", "o", "g", "s", "usemtl"})
+        if (has_keyword(line, word)) return true;
+      return false;
+    }
+    head.remove_prefix(std::min(end + 1, head.size()));
+  }
+  return false;
+}
+
+/// The lines "v x y z", followed by a weight, which is left out, or a colour. Normals ("vn") are read where there are
+/// as many as vertices, the first for the first; otherwise faces say which belong together, and they are left out with
+/// a warning, as faces and other elements are.
+std::unique_ptr<Reader> open_obj(const std::filesystem::path& path) {
+  auto file = std::make_unique<InputFile>(path);
+  const LineReader lines(*file);
+  return std::make_unique<ObjReader>(std::move(file), lines);
+}
 
 constexpr std::string_view kOffExtensions[] = {".off"}, kObjExtensions[] = {".obj"};
 

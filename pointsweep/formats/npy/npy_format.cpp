@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/npy/npy_format.h"
-
+#include "pointsweep/formats/format.h"
+#include "pointsweep/formats/npy/npy_array.h"
 #include "pointsweep/formats/npy/npy_points.h"
-#include "pointsweep/formats/npy/npy_reader.h"
-#include "pointsweep/formats/npy/npy_writer.h"
 
 namespace pointsweep {
 namespace {

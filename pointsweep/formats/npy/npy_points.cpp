@@ -8,10 +8,9 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/default_columns.h"
+#include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/npy/npy_header.h"
 #include "pointsweep/formats/npy/npz_archive.h"
-#include "pointsweep/formats/records/array_fields.h"
 #include "pointsweep/formats/records/columns_reader.h"
 
 namespace pointsweep {

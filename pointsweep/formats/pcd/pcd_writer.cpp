@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pointsweep/formats/field_names.h"
-#include "pointsweep/formats/format_extras.h"
+#include "pointsweep/formats/format.h"
 #include "pointsweep/formats/pcd/pcd_header.h"
 #include "pointsweep/formats/records/record_writer.h"
 #include "pointsweep/points/schema.h"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/las_origin.h"
+#include "pointsweep/formats/las_scale.h"
 
 namespace pointsweep {
 

@@ -6,8 +6,8 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
-#include "pointsweep/formats/format_extras.h"
-#include "pointsweep/formats/las_origin.h"
+#include "pointsweep/formats/format.h"
+#include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/ply/ply_comments.h"
 #include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"

@@ -11,9 +11,11 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/files/words.h"
+#include "pointsweep/formats/format.h"
 #include "pointsweep/formats/ptx/ptx_layout.h"
 
 namespace pointsweep {
+
 namespace {
 
 /// The fields that get the values of a point in its record. The coordinates come first.
@@ -131,8 +133,19 @@ void PtxReader::Decoder::decode(std::string_view line, std::byte* record) {
          reader_.info().path.string(), points_.line(), scan.width);
 }
 
+constexpr std::string_view kPtxExtensions[] = {".ptx"};
+
 }  // namespace
 
 std::unique_ptr<Reader> open_ptx(const std::filesystem::path& path) { return std::make_unique<PtxReader>(path); }
+
+const Format kPtxFormat = {.name = "PTX",
+                           .title = "PTX",
+                           .details = "#ptx-and-pts",
+                           .reads = "all scans as one cloud, transformations applied",
+                           .writes = "no",
+                           .extensions = kPtxExtensions,
+                           .is = starts_as_ptx,
+                           .open = open_ptx};
 
 }  // namespace pointsweep

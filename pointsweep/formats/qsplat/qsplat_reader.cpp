@@ -7,9 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "pointsweep/formats/format.h"
 #include "pointsweep/formats/qsplat/qsplat_walk.h"
 
 namespace pointsweep {
+
 namespace {
 
 constexpr std::uint64_t kBetweenPlaces = 32768;
@@ -120,8 +122,22 @@ class QsplatReader final : public Reader {
   std::vector<QsplatWalk::Place> places_;  ///< of rows 0, kBetweenPlaces, ...
 };
 
+constexpr std::string_view kQsplatExtensions[] = {".qs"};
+
+bool is_qsplat(std::string_view head) { return head.starts_with("QSplat"); }
+
 }  // namespace
 
 std::unique_ptr<Reader> open_qsplat(const std::filesystem::path& path) { return std::make_unique<QsplatReader>(path); }
+
+const Format kQsplatFormat = {.name = "QSplat",
+                              .title = "QSplat",
+                              .details = "#qsplat",
+                              .reads = "version 11, leaves as points",
+                              .writes = "no",
+                              .extensions = kQsplatExtensions,
+                              .is = is_qsplat,
+                              .open = open_qsplat,
+                              .states_bounds = true};
 
 }  // namespace pointsweep

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/records/columns_reader.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
+#include <initializer_list>
+#include <string_view>
 #include <utility>
 
-#include "pointsweep/formats/records/byte_order.h"
+#include "pointsweep/formats/records/fixed_records.h"
+#include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
+
 namespace {
 
 /// Any number would do; so many are read in some milliseconds.
@@ -23,6 +29,29 @@ void scatter(const std::byte* from, std::size_t bytes, std::size_t rows, std::by
   } else {
     for (std::size_t i = 0; i < rows; ++i) std::memcpy(to + i * stride, from + i * bytes, bytes);
   }
+}
+
+bool is_word_of(std::string_view name, std::initializer_list<std::string_view> names) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+bool has_field_named(const Schema& schema, const std::string& name) {
+  return std::ranges::any_of(schema.fields,
+                             [&](const Field& f) { return in_lower_case(f.name) == in_lower_case(name); });
+}
+
+/// The names of the components that the library has names for; none for another array.
+std::vector<std::string> known_components(const std::string& name, Type type, std::uint32_t components) {
+  const std::string lower = in_lower_case(name);
+  const bool real = type == Type::f32 || type == Type::f64;
+  if (components == 3 && real && is_word_of(lower, {"normal", "normals"})) return {"nx", "ny", "nz"};
+  if (components == 3 && is_word_of(lower, {"xyz", "points", "position", "positions", "vertices", "coordinates"}))
+    return {"x", "y", "z"};
+  if (components != 3 && components != 4) return {};
+  if (type != Type::u8 || !is_word_of(lower, {"color", "colors", "colour", "colours", "rgb", "rgba"})) return {};
+  std::vector<std::string> names{"red", "green", "blue", "alpha"};
+  names.resize(components);
+  return names;
 }
 
 }  // namespace
@@ -80,6 +109,19 @@ Chunk ColumnsReader::chunk_of(std::uint64_t row) const {
 
 std::unique_ptr<RowDecoder> ColumnsReader::decoder(const WantedFields& wanted) const {
   return std::make_unique<Decoder>(*this, wanted);
+}
+
+std::size_t append_array(Schema& schema, const std::string& name, Type type, std::uint32_t components) {
+  const std::size_t first = schema.fields.size();
+  const std::vector<std::string> known = known_components(name, type, components);
+  if (!known.empty() && std::ranges::none_of(known, [&](const auto& n) { return has_field_named(schema, n); })) {
+    for (const std::string& component : known) schema.append(component, type);
+    return first;
+  }
+  std::string free = name;
+  for (int i = 2; has_field_named(schema, free); ++i) free = fmt::format("{}_{}", name, i);
+  schema.append(free, type, components);
+  return first;
 }
 
 }  // namespace pointsweep

@@ -4,15 +4,26 @@
 #include <algorithm>
 #include <utility>
 
-#include "pointsweep/formats/records/byte_order.h"
-
 namespace pointsweep {
+
 namespace {
 
 /// Any number would do; so many are read in some milliseconds.
 constexpr std::uint64_t kFixedChunkRows = 65536;
 
 }  // namespace
+
+void reverse_values(std::span<const Field> fields, std::size_t stride, std::span<std::byte> records) {
+  if (fields.empty()) return;
+  for (std::byte *record = records.data(), *end = record + records.size(); record != end; record += stride) {
+    for (const Field& field : fields) {
+      const std::size_t size = size_of(field.type);
+      if (size == 1) continue;
+      std::byte* value = record + field.offset;
+      for (std::uint32_t i = 0; i < field.count; ++i, value += size) std::reverse(value, value + size);
+    }
+  }
+}
 
 class FixedRecordReader::Decoder final : public RowDecoder {
  public:

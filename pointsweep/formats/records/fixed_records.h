@@ -9,9 +9,13 @@
 #include <vector>
 
 #include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/points/schema.h"
 #include "pointsweep/reader.h"
 
 namespace pointsweep {
+
+/// Reverses the bytes of every value of `fields` in records of `stride` bytes.
+void reverse_values(std::span<const Field> fields, std::size_t stride, std::span<std::byte> records);
 
 /// Any range of rows is a chunk. Records are the bytes of the file; big-endian numbers are byte-swapped.
 class FixedRecordReader : public Reader {

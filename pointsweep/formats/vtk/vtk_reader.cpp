@@ -11,13 +11,14 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
-#include "pointsweep/formats/records/array_fields.h"
+#include "pointsweep/formats/format.h"
 #include "pointsweep/formats/records/columns_reader.h"
 #include "pointsweep/formats/vtk/vtk_layout.h"
 #include "pointsweep/formats/vtk/vtk_scanner.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {
+
 namespace {
 
 constexpr std::uint32_t kMostRecordBytes = 1 << 20;
@@ -164,6 +165,8 @@ class TextVtkReader final : public Reader {
   VtkLayout layout_;
 };
 
+constexpr std::string_view kVtkExtensions[] = {".vtk"};
+
 }  // namespace
 
 std::unique_ptr<Reader> open_vtk(const std::filesystem::path& path) {
@@ -172,5 +175,14 @@ std::unique_ptr<Reader> open_vtk(const std::filesystem::path& path) {
   if (!layout.text) return std::make_unique<BinaryVtkReader>(std::move(file), layout);
   return std::make_unique<TextVtkReader>(std::move(file), std::move(layout));
 }
+
+const Format kVtkFormat = {.name = "VTK",
+                           .title = "VTK legacy",
+                           .details = "#vtk",
+                           .reads = "points of POLYDATA, UNSTRUCTURED_GRID, STRUCTURED_GRID; ascii, binary",
+                           .writes = "no",
+                           .extensions = kVtkExtensions,
+                           .is = starts_as_vtk,
+                           .open = open_vtk};
 
 }  // namespace pointsweep

@@ -7,8 +7,8 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/math/batch.h"
-#include "pointsweep/math/natural_logarithm.h"
-#include "pointsweep/math/outer_product.h"
+#include "pointsweep/math/exp.h"
+#include "pointsweep/math/symmetric3.h"
 
 namespace pointsweep {
 namespace {

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "pointsweep/operators/ground/ground.h"
+#include "pointsweep/raster/cell_rows.h"
 #include "pointsweep/raster/lowest_cells.h"
-#include "pointsweep/raster/surface_window.h"
 
 namespace pointsweep {
 

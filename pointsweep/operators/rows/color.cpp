@@ -7,7 +7,6 @@
 #include <limits>
 #include <utility>
 
-#include "pointsweep/colors/class_colors.h"
 #include "pointsweep/colors/color_map.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/declaration.h"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/math/coordinate_hash.h"
+#include "pointsweep/math/mix.h"
 #include "pointsweep/operators/declare/declaration.h"
 
 namespace pointsweep {

@@ -10,7 +10,7 @@
 #define HWY_TARGET_INCLUDE "pointsweep/operators/surface/features_kernel.cpp"
 #include <hwy/foreach_target.h>
 // The lanes follow the inclusion of the targets.
-#include "pointsweep/math/natural_logarithm_lanes-inl.h"
+#include "pointsweep/math/exp_lanes-inl.h"
 #include "pointsweep/operators/lanes/column_lanes-inl.h"
 #include "pointsweep/operators/lanes/neighborhood_lanes-inl.h"
 

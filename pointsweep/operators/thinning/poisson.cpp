@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/math/coordinate_hash.h"
+#include "pointsweep/math/mix.h"
 #include "pointsweep/operators/declare/declaration.h"
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/thinning/undecided_points.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/math/coordinate_hash.h"
+#include "pointsweep/math/mix.h"
 #include "pointsweep/operators/declare/declaration.h"
 #include "pointsweep/operators/thinning/voxel_candidate.h"
 

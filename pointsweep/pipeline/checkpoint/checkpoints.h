@@ -13,7 +13,7 @@
 #include "pointsweep/pipeline/checkpoint/resume_folder.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
-#include "pointsweep/sweep/sweep_progress.h"
+#include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
 

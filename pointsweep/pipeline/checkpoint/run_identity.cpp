@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/pipeline/language/canonical_text.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 
 namespace pointsweep {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/crs_unit.h"
+#include "pointsweep/formats/crs.h"
 #include "pointsweep/pipeline/language/registry.h"
 
 namespace pointsweep {

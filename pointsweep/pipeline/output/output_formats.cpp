@@ -1,12 +1,162 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/output/output_formats.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <array>
+#include <optional>
+#include <set>
+#include <vector>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/pipeline/language/parse.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/points/lower_case.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
+
+namespace {
+
+bool moves(const Attribute& a) {
+  return a.name == position_attribute().name || a.name == stream_position_attribute().name;
+}
+
+class Naming {
+ public:
+  Naming(const Schema& input, const std::string& input_name, const std::filesystem::path& output,
+         const NamingRules& rules)
+      : input_(input), input_name_(input_name), format_(format_of_output(output)), rules_(rules) {
+    if (!rules.prefix.empty() && !is_name(rules.prefix))
+      fail_usage("--prefix: '{}' is not made of letters, digits, _ . and -.", rules.prefix);
+    for (const std::string& column : column_names(input)) columns_.push_back(stored_name(column));
+    for (const std::string& name : rules.replace) unused_.insert(in_lower_case(name));
+  }
+
+  OutputNames run(const std::vector<Attribute>& made, const KeptFields& kept) {
+    out_.made = made;
+    out_.kept = kept;
+    out_.kept.left_out.clear();
+    for (Attribute& a : out_.made)
+      for (std::string& field : a.fields) {
+        if (kept.left_out.contains(field))
+          out_.kept.left_out.insert(field = (moves(a) ? "" : rules_.prefix) + field);
+        else if (!moves(a))
+          name(a, field);
+      }
+    if (!unused_.empty())
+      fail_usage("--replace: '{}' is no attribute of {} whose name a made attribute takes; leave it out.",
+                 *unused_.begin(), input_name_);
+    return std::move(out_);
+  }
+
+ private:
+  /// Returns the name of a field in the file, in lower case.
+  std::string stored_name(const std::string& name) const {
+    const bool has_own_names = format_ != nullptr && format_->stored_name != nullptr;
+    return in_lower_case(has_own_names ? format_->stored_name(name) : name);
+  }
+
+  void name(const Attribute& attribute, std::string& field) {
+    const std::string own = field;
+    field = rules_.prefix + field;
+    const std::string stored = stored_name(field);
+    const std::size_t most = format_ != nullptr ? format_->name_bytes : 0;
+    const bool too_long = most != 0 && !rules_.prefix.empty() && field.size() > most;
+    if (!taken_.insert(stored).second || too_long)
+      fail_usage("--prefix: '{}' is too long, since {} keeps {} bytes of a name; choose a shorter prefix.", field,
+                 format_ != nullptr ? format_->name : "the output", most);
+    if (const auto at = input_.find(field)) return meet(attribute, own, field, input_.fields[*at]);
+    const auto column = std::find(columns_.begin(), columns_.end(), stored);
+    if (column != columns_.end())
+      refuse(field, column_names(input_)[static_cast<std::size_t>(column - columns_.begin())], "");
+  }
+
+  /// The input has `old`, which the output would hold under the name of `field`.
+  void meet(const Attribute& attribute, const std::string& own, const std::string& field, const Field& old) {
+    if (old.count != 1) refuse(field, old.name, "");
+    if (asked_to_replace({attribute.name, own, old.name, library_name_of(old.name)})) return;
+    const bool is_color = attribute.kind == Kind::color;  // those of a camera cannot be made again
+    const bool is_asked_for = !is_color && means_only(old.name, own);
+    if (!rules_.prefix.empty() || !is_asked_for)
+      refuse(field, old.name, attribute.is_list() ? attribute.name : old.name);
+    out_.replaced.push_back(old.name);
+  }
+
+  bool asked_to_replace(std::initializer_list<std::string> names) {
+    bool asked = false;
+    for (const std::string& name : names)
+      for (const std::string& wanted : rules_.replace)
+        if (is_spelling_of(name, wanted)) asked = true, unused_.erase(in_lower_case(wanted));
+    return asked;
+  }
+
+  /// `replaceable`: what --replace may name to allow it; empty: nothing.
+  [[noreturn]] void refuse(const std::string& field, const std::string& old, const std::string& replaceable) const {
+    const std::string overwrite =
+        replaceable.empty() ? "" : fmt::format("allow it with --replace {}, or ", replaceable);
+    const std::string other =
+        rules_.prefix.empty() ? "rename the computed attributes with --prefix NAME" : "choose another prefix";
+    fail_usage("{}: the computed '{}' would overwrite its attribute '{}'; {}{}.", input_name_, field, old, overwrite,
+               other);
+  }
+
+  const Schema& input_;
+  const std::string& input_name_;
+  const Format* format_;  ///< of the output; null if it has none
+  const NamingRules& rules_;
+  std::vector<std::string> columns_;  ///< of the input as they are stored, in lower case
+  std::set<std::string> taken_;       ///< by made attributes
+  std::set<std::string> unused_;      ///< of what may be replaced
+  OutputNames out_;
+};
+
+struct Moves {
+  std::vector<std::string> stages;  ///< names, each once
+  std::array<bool, 3> axes{};       ///< x, y, z
+};
+
+/// Adds what the stage `op`, which makes positions, may take to another system.
+void add_moves(const LocalOperator& op, Moves& moves) {
+  const std::array<bool, 3> axes = op.changes_system();
+  if (axes == std::array<bool, 3>{}) return;
+  for (std::size_t axis = 0; axis < 3; ++axis) moves.axes[axis] |= axes[axis];
+  if (std::ranges::find(moves.stages, op.name()) == moves.stages.end()) moves.stages.push_back(op.name());
+}
+
+Moves moves_of(const ChainGraph& graph) {
+  Moves moves;
+  for (const GraphNode& node : graph.nodes)
+    for (const std::size_t v : node.makes)
+      if (const auto* op = std::get_if<std::shared_ptr<const LocalOperator>>(node.op());
+          op != nullptr && graph.versions[v].attribute.name == position_attribute().name)
+        add_moves(**op, moves);
+  return moves;
+}
+
+}  // namespace
+
+std::string OutputNames::warning() const {
+  if (replaced.empty()) return "";
+  std::string names;
+  for (const std::string& name : replaced) names += (names.empty() ? "" : ", ") + name;
+  return fmt::format("replacing {} of the input with computed values.", names);
+}
+
+OutputNames name_outputs(const Schema& input, const std::string& input_name, const std::vector<Attribute>& made,
+                         const KeptFields& named, const std::filesystem::path& output, const NamingRules& rules) {
+  const KeptFields kept = rules.prefix.empty() ? without_replaced(named, input) : named;
+  Schema written = input;  // that part of it
+  if (kept.input) {
+    written.fields.clear();
+    for (const std::size_t f : *kept.input) written.fields.push_back(input.fields[f]);
+  }
+  return Naming(written, input_name, output, rules).run(made, kept);
+}
 
 std::vector<OutputFormat> output_formats(const Outputs& outputs) {
   std::vector<std::filesystem::path> paths = outputs.tiles;
@@ -57,6 +207,20 @@ OutputNeeds needs_of(const Outputs& outputs, const EngineOptions& options) {
 std::string name_of_output(const Outputs& outputs) {
   if (!outputs.tiles.empty()) return outputs.tiles.front().parent_path().string();
   return outputs.points.empty() ? "the output" : outputs.points.string();
+}
+
+std::string kept_system_warning(const ChainPlan& plan, const std::optional<Crs>& crs, const Outputs& outputs) {
+  const auto holds_crs = [](const OutputFormat& output) { return output.format->holds_crs; };
+  if (!crs || std::ranges::none_of(output_formats(outputs), holds_crs)) return "";
+  const Moves moves = moves_of(plan.graph);
+  if (!moves.axes[0] && !moves.axes[1] && (!moves.axes[2] || crs->vertical_epsg == 0)) return "";
+  std::vector<std::string> axes;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (moves.axes[axis]) axes.push_back({"xyz"[axis]});
+  return fmt::format(
+      "{} changes {}, and the output states the coordinate system of the input, {}; if the new coordinates are in "
+      "another system, state that with another program, e.g. 'pdal translate OUT NEW --writers.las.a_srs=EPSG:...'.",
+      fmt::join(moves.stages, ", "), fmt::join(axes, ", "), short_text(*crs));
 }
 
 }  // namespace pointsweep

@@ -25,7 +25,7 @@ struct OutputPlace {
 class OutputSet {
  public:
   /// Refuses before any work: unknown formats, existing files, missing folders, names of attributes no operator makes.
-  /// `made` and `kept` under the names they have in outputs (output_names.h); `provenance` as in OutputPlan.
+  /// `made` and `kept` under the names they have in outputs (output_formats.h); `provenance` as in OutputPlan.
   OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept, const Outputs& outputs,
             const EngineOptions& options, OutputPlace place, std::vector<std::string> provenance = {});
 

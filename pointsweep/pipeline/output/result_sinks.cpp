@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "pointsweep/pipeline/slab_order.h"
+#include "pointsweep/pipeline/rows/ordered_output.h"
 
 namespace pointsweep {
 

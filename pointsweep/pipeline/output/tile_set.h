@@ -21,7 +21,7 @@
 #include "pointsweep/order/row_file.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output/finished_tiles.h"
-#include "pointsweep/pipeline/output/output_names.h"
+#include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/output/output_set.h"
 
 namespace pointsweep {

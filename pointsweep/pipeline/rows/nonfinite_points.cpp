@@ -2,10 +2,43 @@
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 
 #include <algorithm>
+#include <optional>
 
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/registry.h"
 #include "pointsweep/order/working_record.h"
 
 namespace pointsweep {
+
+namespace {
+
+bool holds_nonfinite(const std::filesystem::path& output) {
+  const Format* const format = format_of_output(output);
+  return format == nullptr || format->real_coordinates;
+}
+
+/// The output that cannot hold all coordinates that its input may have; none if all can.
+std::optional<std::filesystem::path> unfit_output(const InputCloud& cloud, const Outputs& outputs) {
+  if (outputs.tiles.empty()) return holds_nonfinite(outputs.points) ? std::nullopt : std::optional(outputs.points);
+  for (std::size_t t = 0; t < std::min(outputs.tiles.size(), cloud.readers().size()); ++t) {
+    const FileInfo& input = cloud.readers()[t]->info();
+    if (!holds_nonfinite(outputs.tiles[t]) && can_be_nonfinite(input.schema, input.path)) return outputs.tiles[t];
+  }
+  return std::nullopt;
+}
+
+void require_allowed(const NonfiniteRows& found, const std::optional<std::filesystem::path>& unfit, Nonfinite rule) {
+  if (rule == Nonfinite::refuse)
+    fail("{} has coordinates that are not finite, as have {} points in all; --nonfinite drop leaves such points out.",
+         found.first, found.count);
+  if (rule == Nonfinite::keep && unfit)
+    fail(
+        "{} has coordinates that are not finite, and the output {} cannot hold them; leave such points out with "
+        "--nonfinite drop, or write PLY.",
+        found.first, unfit->string());
+}
+
+}  // namespace
 
 void for_each_nonfinite(const Stream& stream,
                         const std::function<void(std::uint64_t first, std::span<const std::byte> records)>& use) {
@@ -31,6 +64,39 @@ std::vector<std::uint64_t> first_nonfinite_rows(const Stream& stream, std::size_
   std::vector<std::byte> records(n * stream.record_schema().stride);
   stream.read_nonfinite(0, records);
   return rows_of_records(stream, records);
+}
+
+Nonfinite nonfinite_rule(const InputCloud& cloud, const Outputs& outputs, Nonfinite asked) {
+  if (asked != Nonfinite::by_format) return asked;
+  return !unfit_output(cloud, outputs) ? Nonfinite::keep : Nonfinite::drop;
+}
+
+FiniteInput::FiniteInput(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options) : cloud_(cloud) {
+  const Nonfinite rule = nonfinite_rule(cloud, outputs, options.nonfinite);
+  const std::optional<std::filesystem::path> unfit = unfit_output(cloud, outputs);
+  if (rule == Nonfinite::keep && !unfit) return;
+  const std::uint64_t points = cloud.count();
+  try {
+    dropped_ = cloud.drop_nonfinite([&](std::uint64_t rows) {
+      if (options.observer != nullptr) options.observer->on_progress({"checking", rows, points, 0});
+    });
+    if (dropped_.count == 0) return;
+    require_allowed(dropped_, unfit, rule);
+    if (cloud.count() == 0)
+      fail("{}: none of the {} points has finite coordinates, so nothing is left to write.",
+           cloud.readers().front()->info().path.string(), dropped_.count);
+  } catch (...) {
+    cloud.keep_all();
+    throw;
+  }
+}
+
+FiniteInput::~FiniteInput() { cloud_.keep_all(); }
+
+std::string FiniteInput::warning() const {
+  if (dropped_.count == 0) return "";
+  return fmt::format("Dropped {} {} whose coordinates are not finite, the first {}; --stats FILE lists their rows.",
+                     dropped_.count, dropped_.count == 1 ? "point" : "points", dropped_.first);
 }
 
 }  // namespace pointsweep

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// Output in canonical order, slab by slab.
+/// Output in canonical order, slab by slab, and the places that the points of a slab take in that order.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/order/row_file.h"
@@ -13,6 +14,12 @@
 #include "pointsweep/pipeline/plan/output_layout.h"
 
 namespace pointsweep {
+
+/// Indices of the slab's working records in canonical order.
+std::vector<std::uint32_t> order_of(const Stream& stream, const std::vector<std::byte>& records);
+
+/// The inverse: by index, the place within the slab.
+std::vector<std::uint32_t> ranks(const Stream& stream, const std::vector<std::byte>& records);
 
 /// Gives the first `bytes` of every working record to `write`, points without a place last.
 /// `report(points_written)` after each slab.

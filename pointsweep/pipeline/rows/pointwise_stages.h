@@ -4,9 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
+#include "pointsweep/order/source.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/sweep/stage_runner.h"
 
@@ -34,6 +36,23 @@ class PointwiseStages {
   const Schema& records_;
   PositionFields position_;
   std::vector<StageTally> tallies_;  ///< by thread
+};
+
+/// Stages that look at nothing but their own point, applied to rows in their order, without a sweep.
+class RowPass {
+ public:
+  /// `pass`: of kind rows, bound to its own input (PlannedPass::bind). It must outlive this.
+  explicit RowPass(const PlannedPass& pass);
+
+  /// Reads `source`, records of pass.input, and gives the result records of its rows in their order, those of
+  /// rows_at_once() at once. Reads ahead where several threads can read the source. On all threads.
+  void run(const PointSource& source,
+           const std::function<void(std::uint64_t first_row, std::size_t count, const std::byte* results)>& use);
+  StageTally tally() const { return stages_.tally(); }
+
+ private:
+  const PlannedPass& pass_;
+  PointwiseStages stages_;
 };
 
 }  // namespace pointsweep

@@ -5,11 +5,27 @@
 #include <memory>
 #include <utility>
 
+#include "pointsweep/order/spill_file.h"
+#include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
-#include "pointsweep/pipeline/memory/spilled_scratch.h"
 #include "pointsweep/pipeline/rows/cloud_source.h"
+#include "pointsweep/points/scratch.h"
 
 namespace pointsweep {
+
+namespace {
+
+class SpilledScratch final : public Scratch {
+ public:
+  explicit SpilledScratch(const TempFolder& folder) : file_(&folder) {}
+  void append(std::span<const std::byte> bytes) override { file_.write(file_.reserve(bytes.size()), bytes); }
+  void read(std::uint64_t offset, std::span<std::byte> bytes) const override { file_.read(offset, bytes); }
+
+ private:
+  SpillFile file_;
+};
+
+}  // namespace
 
 RunPlaces::RunPlaces(const EngineOptions& options, const std::optional<std::string>& identity)
     : temp_folder_(options.resources.temp_folder) {

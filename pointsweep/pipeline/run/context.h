@@ -12,7 +12,7 @@
 #include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/checkpoint/checkpoints.h"
 #include "pointsweep/pipeline/engine_run.h"
-#include "pointsweep/pipeline/output/output_names.h"
+#include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/points/scratch.h"
 

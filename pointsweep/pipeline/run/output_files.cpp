@@ -1,20 +1,101 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/run/output_files.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/known_values.h"
+#include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/kinds/moved_bounds.h"
-#include "pointsweep/pipeline/language/canonical_text.h"
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/language/run_words.h"
 #include "pointsweep/pipeline/output/output_formats.h"
-#include "pointsweep/pipeline/output/provenance_record.h"
+#include "pointsweep/pipeline/sweep_engine.h"
 
 namespace pointsweep {
+
 namespace {
+
+/// The facts that determine the result of a run, for its processing record.
+struct RunRecord {
+  std::vector<std::string> stages;  ///< canonical_stages() with presets left out, or {"sort"}
+  std::vector<std::string> keep;    ///< Chain::keep if it leaves anything out
+  const EngineOptions& options;
+  int axis = 0;  ///< of the sweep
+  bool drops_nonfinite = false;
+};
+
+struct TileNumber {
+  std::size_t tile = 0, tiles = 0;  ///< the first is 0
+};
+
+std::string sorted_list(std::vector<std::string> names) {
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return fmt::format("{}", fmt::join(names, ","));
+}
+
+ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
+  const EngineOptions& options = run.options;
+  ProvenanceRecord record{.version = POINTSWEEP_VERSION, .stages = run.stages, .settings = {}, .inputs = {}};
+  const auto set = [&](const char* name, const std::string& value) {
+    if (!value.empty()) record.settings.emplace_back(name, value);
+  };
+  const auto set_current = [&](const char* name) { set(name, run_words(name).current(options)); };
+  const bool sorted = run.stages == std::vector<std::string>{"sort"};
+  set("keep", sorted_list(run.keep));
+  set_current("order");
+  set("axis", sorted || options.order == Order::sweep ? std::string(1, "xyz"[run.axis]) : "");
+  const SweepEngine* const engine = engine_of(options.engine);
+  set("engine", engine != nullptr ? engine->name() : "");
+  set("replace", sorted_list(options.replace));
+  set("prefix", options.prefix);
+  set_current("positions");
+  set("nonfinite", run.drops_nonfinite ? "drop" : "");
+  const auto asked_for =
+      std::ranges::find_if(cloud.readers(), [](const auto& r) { return !r->info().asked_for_as.empty(); });
+  if (asked_for != cloud.readers().end()) set("format", (*asked_for)->info().asked_for_as);
+  for (std::size_t i = 0; i < cloud.readers().size(); ++i) {
+    if (!cloud.states()[i].is_known()) continue;
+    const FileInfo& info = cloud.readers()[i]->info();
+    const auto name =
+        options.input_paths ? std::filesystem::absolute(info.path).lexically_normal() : info.path.filename();
+    record.inputs.push_back({name.string(), info.count + info.left_out, info.bytes});
+  }
+  return record;
+}
+
+/// The records of the inputs, then this one.
+std::vector<std::string> lines_with(const InputCloud& cloud, const ProvenanceRecord& record, const RunRecord& run) {
+  std::vector<std::string> lines;
+  for (const auto& reader : cloud.readers()) add_provenance(lines, reader->info().provenance);
+  if (!run.options.provenance) return lines;
+  // Not by add_provenance(): what the run itself says is never left out, nor is a record that an input has already.
+  const std::vector<std::string> own = lines_of(record);
+  lines.insert(lines.end(), own.begin(), own.end());
+  return lines;
+}
+
+/// All that an output of this run is to say: the records of the inputs, and with RunOptions::provenance that of the
+/// run.
+std::vector<std::string> provenance_of(const InputCloud& cloud, const RunRecord& run) {
+  return lines_with(cloud, record_of(cloud, run), run);
+}
+
+/// Returns the record for a tile, the output for one input of a run. It names that input and counts the others.
+std::vector<std::string> provenance_of_tile(const InputCloud& input, TileNumber number, const RunRecord& run) {
+  ProvenanceRecord record = record_of(input, run);
+  record.settings.emplace_back("tile", fmt::format("{} of {}", number.tile + 1, number.tiles));
+  record.more_inputs = number.tiles - 1;
+  return lines_with(input, record, run);
+}
 
 /// Returns whether an attribute is not written because of Chain::keep.
 bool leaves_out(const ChainPlan& plan) {

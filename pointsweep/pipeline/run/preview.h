@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
-#include "pointsweep/pipeline/output/output_names.h"
+#include "pointsweep/pipeline/memory_plan.h"
+#include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
@@ -35,5 +37,23 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
 /// Pass by pass the stages with their steps and buffers, the columns, what is carried on and the slabs; then the
 /// record of results and memory, as a text of lines.
 std::string to_text(const Preview& preview);
+
+/// A description of a sort(), made without running it.
+struct SortPreview {
+  std::uint64_t points = 0;
+  std::uint64_t budget = 0;  ///< bytes
+  int axis = 0;
+  std::uint32_t record_bytes = 0, output_bytes = 0;  ///< of a point: of the input, of the output before its format
+  std::uint64_t decoded_bytes = 0;                   ///< decoded_input_bytes()
+  MemoryPlan memory;
+  std::string note;  ///< where fewer threads work than were asked for
+};
+
+/// Looks at a sample of the cloud and writes nothing. Throws what sort() to `output` would throw before the work.
+SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options,
+                         const std::vector<std::string>& keep = {});
+
+/// Several lines: points, order, slabs, records, memory.
+std::string to_text(const SortPreview& preview);
 
 }  // namespace pointsweep

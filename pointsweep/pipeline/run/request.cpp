@@ -10,7 +10,6 @@
 #include "pointsweep/pipeline/checkpoint/run_identity.h"
 #include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/memory_plan.h"
-#include "pointsweep/pipeline/output/kept_system.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/pipeline/sweep_engine.h"

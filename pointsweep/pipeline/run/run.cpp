@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "pointsweep/run.h"
+
 #include <algorithm>
 #include <memory>
 #include <utility>
@@ -9,7 +11,7 @@
 #include "pointsweep/pipeline/memory/radius_estimate.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
-#include "pointsweep/pipeline/rows/finite_input.h"
+#include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/pipeline/rows/row_mask.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
@@ -18,6 +20,7 @@
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
+
 namespace {
 
 /// Takes over the counts of an earlier process, if there was one.
@@ -271,5 +274,11 @@ Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOpti
                 const std::vector<std::string>& keep) {
   return sort(cloud.inputs(), output, EngineOptions(options), keep);
 }
+
+Observer::~Observer() = default;
+void Observer::on_progress(const Progress&) {}
+void Observer::on_warning(const std::string&) {}
+void Observer::on_note(const std::string& sentence) { on_warning(sentence); }
+const CancellationToken& Observer::token() const noexcept { return own_; }
 
 }  // namespace pointsweep

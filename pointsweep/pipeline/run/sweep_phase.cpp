@@ -5,12 +5,12 @@
 #include <optional>
 #include <vector>
 
-#include "pointsweep/pipeline/observation.h"
 #include "pointsweep/pipeline/output/result_sinks.h"
 #include "pointsweep/pipeline/rows/in_order_pass.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/pipeline/rows/pointwise_stages.h"
 #include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/pipeline/sweep_engine.h"
 #include "pointsweep/row_error.h"
 

@@ -4,7 +4,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/pipeline/rows/pass_update.h"
-#include "pointsweep/pipeline/rows/row_pass.h"
+#include "pointsweep/pipeline/rows/pointwise_stages.h"
 #include "pointsweep/pipeline/run/phases.h"
 
 namespace pointsweep {

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "pointsweep/verify/formulas/tangent.h"
 #include "pointsweep/verify/formulas/weighted_neighbors.h"
 
 namespace pointsweep::formulas {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace pointsweep::formulas {
 
@@ -39,6 +40,48 @@ double distance2_to_center(const Coordinates& p, double size) {
     square[a] = off * off;
   }
   return (square[0] + square[1]) + square[2];
+}
+
+void Mean::add(double value) {
+  if (!std::isfinite(value)) return;
+  sum_ += value, magnitudes_ += std::fabs(static_cast<Real>(value)), count_ += 1;
+  are_whole_ = are_whole_ && value == std::trunc(value);
+  least_ = std::fmin(least_, value), most_ = std::fmax(most_, value);
+}
+
+Estimate Mean::real() const {
+  if (count_ == 0) return {.value = {std::numeric_limits<Real>::quiet_NaN(), 0, 0}};
+  if (least_ == most_) return {.value = {least_, 0, 0}};
+  const Real mean = sum_ / count_;
+  return {.value = {mean, 0, 0}, .error = 0x1p-63L * magnitudes_ + 2 * kDouble * std::fabs(mean) + 0x1p-1074L};
+}
+
+Estimate Mean::single() const {
+  Estimate e = real();
+  if (e.error > 0) e.error += kSingle * (std::fabs(e.value.x) + e.error) + 0x1p-149L;
+  return e;
+}
+
+Estimate Mean::whole() const {
+  // Sums of whole numbers below 2^53 are exact, and so is a mean that lies halfway between two whole numbers.
+  if (are_whole_ && count_ > 0 && magnitudes_ < 0x1p53L && std::fmod(2 * sum_, count_) == 0)
+    return {.value = {std::nearbyint(sum_ / count_), 0, 0}};
+  const Estimate e = real();
+  const Real low = std::nearbyint(e.value.x - e.error), high = std::nearbyint(e.value.x + e.error);
+  return low == high ? Estimate{.value = {low, 0, 0}} : open();
+}
+
+Estimate mean_vector(const std::array<Mean, 3>& components) {
+  const Estimate x = components[0].real(), y = components[1].real(), z = components[2].real();
+  return {.value = {x.value.x, y.value.x, z.value.x}, .error = x.error + y.error + z.error};
+}
+
+Estimate mean_direction(const std::array<Mean, 3>& components) {
+  const Estimate e = mean_vector(components);
+  const Real size = norm(e.value);
+  if (!std::isfinite(size) || (size == 0 && e.error == 0)) return undefined();
+  if (!(size > 2 * e.error)) return open();
+  return single_direction(unit(e.value), 2 * e.error / size + 16 * kDouble);
 }
 
 }  // namespace pointsweep::formulas

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pointsweep/verify/formulas/eigen.h"
+#include "pointsweep/verify/formulas/estimate.h"
 
 namespace pointsweep::formulas {
 
@@ -31,5 +32,10 @@ WeightedNeighbors weigh(const Place& p, std::span<const Place> neighbors);
 
 /// M_i of Equation 1 over theta_of_nearest, and its eigenvectors.
 Spectrum equation1(const WeightedNeighbors& neighbors);
+
+/// `along` of two orthogonal unit vectors, brought into the plane with unit normal n: it is projected where it is
+/// nearer to the plane than `across` is, else it is the direction in the plane that is perpendicular to `across`.
+/// `error` bounds the angle by which each of the two and n may be off.
+Estimate tangent(Vector n, Vector along, Vector across, Real error);
 
 }  // namespace pointsweep::formulas

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "pointsweep/verify/rows/checksum.h"
+#include "pointsweep/math/mix.h"
 #include "pointsweep/verify/rows/field_pair.h"
 
 namespace pointsweep {
@@ -90,7 +90,7 @@ class Comparison {
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
       words[p] = (pairs_[p].*word)(record);
       sums[p].add(words[p]);
-      whole = scramble(whole ^ words[p]);
+      whole = mix(whole ^ words[p]);
     }
     points.add(whole);
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/math/mix.h"
 #include "pointsweep/points/decimals.h"
 #include "pointsweep/points/schema.h"
 
@@ -49,5 +50,16 @@ class FieldPair {
 /// if a component is nowhere. Writers change characters and lengths of names, number components, use the spelling of
 /// their format, and add an exact copy NAME_TYPE of what their format rounds: then the copy counts.
 std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to);
+
+/// The sum of mixed values modulo 2^64, in any order: equal for equal multisets, and for different ones with
+/// probability 2^-64.
+class MultisetSum {
+ public:
+  void add(std::uint64_t value) { sum_ += mix(value); }
+  std::uint64_t sum() const { return sum_; }
+
+ private:
+  std::uint64_t sum_ = 0;
+};
 
 }  // namespace pointsweep

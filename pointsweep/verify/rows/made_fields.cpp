@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/points/schema.h"
@@ -24,6 +25,22 @@ bool is_field_of(const Schema& schema, const std::string& name) {
   return schema.find(name) || schema.find(library_name_of(name)) ||
          std::find(columns.begin(), columns.end(), name) != columns.end() ||
          std::any_of(schema.fields.begin(), schema.fields.end(), copy);
+}
+
+std::vector<std::string> unfilled_fields(RowSource& out, const std::vector<std::string>& names, OwnField own_field) {
+  std::vector<std::pair<Field, double>> own;
+  for (const Field& field : out.schema().fields)
+    if (const auto value = own_field != nullptr ? own_field(field.name) : std::nullopt)
+      if (std::ranges::find(names, field.name) != names.end()) own.emplace_back(field, *value);
+  for (std::uint64_t first = 0; first < out.count() && !own.empty(); first += out.block_rows()) {
+    const std::uint64_t rows = std::min<std::uint64_t>(out.block_rows(), out.count() - first);
+    const std::byte* record = out.read(first, rows).data();
+    for (std::uint64_t i = 0; i < rows; ++i, record += out.schema().stride)
+      std::erase_if(own, [&](const auto& one) { return value_of(one.first, record) != one.second; });
+  }
+  std::vector<std::string> unfilled;
+  for (const auto& [field, value] : own) unfilled.push_back(field.name);
+  return unfilled;
 }
 
 }  // namespace pointsweep

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
-/// Under which names outputs hold what a chain makes.
+/// The names under which outputs hold what a chain makes, and fields that an output has because of its format, to which
+/// neither an input nor a stage gives a value.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pointsweep/attribute.h"
+#include "pointsweep/verify/rows/row_source.h"
 
 namespace pointsweep {
 
@@ -14,5 +18,11 @@ Schema schema_of_made(const std::vector<Attribute>& made, const std::string& pre
 
 /// Returns whether a field of an output comes from a field of `schema`.
 bool is_field_of(const Schema& schema, const std::string& name);
+
+/// Format::own_field of a format; null where it has no such fields.
+using OwnField = std::optional<double> (*)(std::string_view name);
+
+/// Returns the fields among `names` that belong to the format of `out` and hold its default value in all rows.
+std::vector<std::string> unfilled_fields(RowSource& out, const std::vector<std::string>& names, OwnField own_field);
 
 }  // namespace pointsweep

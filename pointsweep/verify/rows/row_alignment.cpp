@@ -7,7 +7,7 @@
 #include <unordered_map>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/verify/rows/checksum.h"
+#include "pointsweep/math/mix.h"
 #include "pointsweep/verify/rows/sample_rows.h"
 
 namespace pointsweep {
@@ -17,7 +17,7 @@ using Word = std::uint64_t (FieldPair::*)(const std::byte*) const;
 
 std::uint64_t word_of(std::span<const FieldPair> pairs, const std::byte* record, Word word) {
   std::uint64_t all = 0;
-  for (const FieldPair& pair : pairs) all = scramble(all ^ (pair.*word)(record));
+  for (const FieldPair& pair : pairs) all = mix(all ^ (pair.*word)(record));
   return all;
 }
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/values/change_formulas.h"
-
 #include <cmath>
 #include <limits>
 
 #include "pointsweep/files.h"
 #include "pointsweep/verify/formulas/cylinder.h"
 #include "pointsweep/verify/search/ball_index.h"
-#include "pointsweep/verify/search/nearest_of_cloud.h"
+#include "pointsweep/verify/search/nearest_in_stream.h"
+#include "pointsweep/verify/values/cloud_formula.h"
 
 namespace pointsweep {
 namespace {

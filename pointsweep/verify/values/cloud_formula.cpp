@@ -4,12 +4,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "pointsweep/verify/values/change_formulas.h"
-#include "pointsweep/verify/values/graph_formulas.h"
-#include "pointsweep/verify/values/ground_formula.h"
-#include "pointsweep/verify/values/height_formula.h"
-#include "pointsweep/verify/values/voxel_formula.h"
-
 namespace pointsweep {
 namespace {
 

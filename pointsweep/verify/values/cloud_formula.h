@@ -71,4 +71,19 @@ bool has_cloud_formula(const Operator& op);
 /// contract().reads, or null where the input has it.
 std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers);
 
+/// The formula of the classes that the ground filter gives.
+NamedCloudFormula ground_formula();
+
+/// The formula of heights above the ground.
+NamedCloudFormula height_formula();
+
+/// Returns the formula of the means of voxel(keep=centroid). A voxel that only keeps rows has nothing to evaluate.
+NamedCloudFormula voxel_formula();
+
+/// Formulas of the operators that compare with another cloud.
+std::vector<NamedCloudFormula> change_formulas();
+
+/// Formulas of the operators that connect points: whole graphs in memory.
+std::vector<NamedCloudFormula> graph_formulas();
+
 }  // namespace pointsweep

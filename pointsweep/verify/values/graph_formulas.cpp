@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/values/graph_formulas.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +12,7 @@
 #include "pointsweep/verify/formulas/flatness.h"
 #include "pointsweep/verify/formulas/joined_sets.h"
 #include "pointsweep/verify/formulas/turning.h"
+#include "pointsweep/verify/values/cloud_formula.h"
 #include "pointsweep/verify/values/neighbor_labels.h"
 #include "pointsweep/verify/values/sorted_cloud.h"
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/values/ground_formula.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <string>
 
 #include "pointsweep/verify/formulas/ground_raster.h"
+#include "pointsweep/verify/values/cloud_formula.h"
 
 namespace pointsweep {
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/values/height_formula.h"
-
 #include <array>
 
 #include "pointsweep/verify/formulas/interpolation.h"
-#include "pointsweep/verify/search/nearest_of_cloud.h"
+#include "pointsweep/verify/search/nearest_in_stream.h"
+#include "pointsweep/verify/values/cloud_formula.h"
 
 namespace pointsweep {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "pointsweep/verify/search/nearest_of_cloud.h"
+#include "pointsweep/verify/search/nearest_in_stream.h"
 
 namespace pointsweep {
 

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/values/set_formula.h"
-
 #include <algorithm>
 #include <optional>
 
 #include "pointsweep/operators/rows/set.h"
 #include "pointsweep/verify/formulas/assignment.h"
-#include "pointsweep/verify/values/read_value.h"
+#include "pointsweep/verify/values/stage_formula.h"
 
 namespace pointsweep {
 namespace {

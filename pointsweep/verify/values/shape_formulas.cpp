@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/values/shape_formulas.h"
-
 #include <algorithm>
 #include <string>
 #include <string_view>
@@ -11,6 +9,7 @@
 #include "pointsweep/verify/formulas/features.h"
 #include "pointsweep/verify/formulas/normal.h"
 #include "pointsweep/verify/formulas/splat.h"
+#include "pointsweep/verify/values/stage_formula.h"
 
 namespace pointsweep {
 namespace {

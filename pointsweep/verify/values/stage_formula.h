@@ -2,15 +2,18 @@
 /// The independent evaluation of an operator's formula, found by the operator's name and options.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
 
+#include "pointsweep/attribute.h"
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operator.h"
 #include "pointsweep/verify/formulas/estimate.h"
@@ -77,5 +80,25 @@ using RuleFormula = std::function<formulas::Kept(const formulas::Place&, std::sp
                                                  std::span<const double> values)>;
 /// Empty for rules that are not of this library.
 RuleFormula formula_of(const NeighborhoodRule& rule);
+
+/// Formulas of the operators on surfaces, their shape and their normals.
+std::vector<NamedFormula> shape_formulas();
+
+/// The formulas of set() and of `where`, which makes selection_attribute().
+std::vector<NamedFormula> assignment_formulas();
+
+/// The value that a name in an expression stands for: a component of an attribute that a stage reads, by number in its
+/// contract, or of the position.
+struct ReadValue {
+  int attribute = -1;  ///< negative: the position
+  std::size_t component = 0;
+};
+
+/// Finds what `name` means, in any spelling. `reads`: of a stage that reads it.
+ReadValue read_of(const std::string& name, const std::vector<Attribute>& reads);
+
+formulas::Estimate estimate_of(const ReadValue& value, const FormulaInput& in);
+/// Returns the component of an estimate. An estimate has three at most; a wider attribute has an estimate for each.
+formulas::Real component_of(const formulas::Estimate& estimate, const ReadValue& value);
 
 }  // namespace pointsweep

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/values/voxel_formula.h"
-
 #include <array>
 #include <cstring>
 #include <unordered_map>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/verify/formulas/mean.h"
 #include "pointsweep/verify/formulas/thinning.h"
+#include "pointsweep/verify/values/cloud_formula.h"
 
 namespace pointsweep {
 namespace {

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+/// `pointsweep help [VERB]`: the same as `pointsweep [VERB] --help`; of an operator its listing.
+/// `pointsweep completion SHELL`: a script for the shell.
+/// `pointsweep man [VERB]`: manual pages.
+/// `pointsweep operators [NAME...]`: what a pipeline can be made of, as the declarations say.
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/console/console.h"
+#include "cli/text/completion.h"
+#include "cli/text/declared_options.h"
+#include "cli/text/man_pages.h"
+#include "cli/text/operator_listing.h"
+#include "cli/text/usage_errors.h"
+#include "cli/verbs/commands.h"
+#include "cli/verbs/common_options.h"
+#include "pointsweep/fail.h"
+
+namespace pointsweep {
+
+namespace {
+
+std::string help_of(const CLI::App& app, const std::string& name) {
+  const CLI::App* const shown = name.empty() ? &app : find_verb(app, name);
+  const std::string title = app.get_name() + (name.empty() ? "" : " " + name);
+  if (shown != nullptr) return app.get_formatter()->make_help(shown, title, CLI::AppFormatMode::Normal);
+  const std::string text = help_of_operator(name);
+  if (text.empty()) fail_usage("{}\nRun 'pointsweep help' for the list of verbs.", unknown_verb_sentence(app, name));
+  return text;
+}
+
+std::string completion_for(const CLI::App& app, const std::string& shell) {
+  if (shell == "bash") return bash_completion(app);
+  if (shell == "zsh") return zsh_completion(app);
+  if (shell == "fish") return fish_completion(app);
+  fail_usage("completion: '{}' is not bash, zsh or fish.", shell);
+}
+
+struct ManCommand {
+  CommonOptions common;
+  std::string verb;
+  std::filesystem::path folder;
+};
+
+void write_page(const std::filesystem::path& path, const std::string& page, bool overwrite) {
+  if (!overwrite && std::filesystem::exists(path))
+    fail("{}: exists; name another folder, or overwrite it with --force.", path.string());
+  std::ofstream file(path, std::ios::binary);
+  file << page;
+  file.close();
+  if (!file) fail("{}: cannot be written; check that the folder exists and has space.", path.string());
+}
+
+void write_pages(const CLI::App& app, const ManCommand& command) {
+  write_page(command.folder / "pointsweep.1", man_page_of_tool(app), command.common.overwrite);
+  for (const DeclaredVerb& verb : declared_verbs(app))
+    write_page(command.folder / ("pointsweep-" + verb.name + ".1"), man_page_of_verb(app, verb.name),
+               command.common.overwrite);
+}
+
+void print_page(const CLI::App& app, const std::string& verb) {
+  const std::string page = verb.empty() ? man_page_of_tool(app) : man_page_of_verb(app, verb);
+  if (page.empty()) fail_usage("{}\nRun 'pointsweep help' for the list of verbs.", unknown_verb_sentence(app, verb));
+  print(page);
+}
+
+struct OperatorsCommand {
+  std::vector<std::string> names;
+  bool json = false, markdown = false, attributes = false;
+};
+
+void list_operators(const OperatorsCommand& command) {
+  if (command.attributes) return print(attributes_markdown());
+  const std::vector<ListedOperator> operators = listed_operators(command.names);
+  print(command.json ? to_json(operators) : command.markdown ? to_markdown(operators) : to_text(operators));
+}
+
+}  // namespace
+
+void add_help_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("help", "Show this help, or the help of a verb or an operator");
+  auto name = std::make_shared<std::string>();
+  verb.add_option("VERB", *name, "Verb or operator to explain (default: list all verbs)")->type_name("");
+  verb.footer("Example:\n  pointsweep help normals");
+  verb.callback([&app, name] { print(help_of(app, *name)); });
+}
+
+void add_completion_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("completion", "Print a script that completes commands in a shell");
+  auto shell = std::make_shared<std::string>();
+  verb.add_option("SHELL", *shell, "bash, zsh or fish")->required()->type_name("");
+  verb.footer(
+      "An installed pointsweep has these scripts where the shells look for them. Otherwise source the script, e.g. in\n"
+      "~/.bashrc:\n"
+      "  source <(pointsweep completion bash)\n"
+      "\nExample:\n"
+      "  pointsweep completion bash > pointsweep.bash");
+  verb.callback([&app, shell] { print(completion_for(app, *shell)); });
+}
+
+void add_man_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("man", "Print a manual page, or write all of them");
+  auto command = std::make_shared<ManCommand>();
+  verb.add_option("VERB", command->verb, "Verb of the page (default: the page of the tool)")->type_name("");
+  verb.add_option("--folder", command->folder, "Write the pages of the tool and of all verbs into this existing folder")
+      ->type_name("DIR");
+  add_force_option(verb, command->common);
+  verb.footer(
+      "Pages are roff with the macros of man(7).\n"
+      "\nExample:\n"
+      "  pointsweep man normals > pointsweep-normals.1");
+  verb.callback([&app, command] {
+    if (command->folder.empty()) return print_page(app, command->verb);
+    if (!command->verb.empty()) fail_usage("man: --folder writes all pages; leave out '{}'.", command->verb);
+    write_pages(app, *command);
+  });
+}
+
+void add_operators_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("operators", "List the operators, their options, inputs and outputs");
+  auto command = std::make_shared<OperatorsCommand>();
+  verb.add_option("NAME", command->names, "Operators to list (default: all)")->type_name("");
+  CLI::Option* json = verb.add_flag("--json", command->json, "Print a JSON array");
+  CLI::Option* markdown = verb.add_flag("--markdown", command->markdown, "Print docs/operators.md");
+  verb.add_flag("--attributes", command->attributes, "Print the table of docs/attributes.md")
+      ->excludes(json)
+      ->excludes(markdown);
+  json->excludes(markdown);
+  verb.footer(
+      "'needs' and 'makes' are those of an operator without options. The examples are stages for 'pointsweep run'.\n"
+      "\nExample:\n"
+      "  pointsweep operators knn normals");
+  verb.callback([command] { list_operators(*command); });
+}
+
+}  // namespace pointsweep

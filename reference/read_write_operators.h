@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+/// The read operator Φ_R and the deferred-write operator Φ_W (paper Section 4.2.1).
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <utility>
+
+#include "pointsweep/order/stream.h"
+#include "reference/fields.h"
+#include "reference/sorted_slab.h"
+#include "reference/stream_operator.h"
+
+namespace pointsweep::reference {
+
+/// Reads and buffers one point at a time, in canonical order. Ordering itself is shared with the engine (order/): its
+/// slabs are read one by one and sorted.
+class ReadOperator final : public StreamOperator {
+ public:
+  /// The slabs of `stream` must be in canonical order (StreamOptions::canonical): the search takes every unread point
+  /// to lie at or after the plane.
+  ReadOperator(const Stream& stream, const Fields& fields, Reach reach, ActiveSet& active);
+
+  void pull_push() override;
+  StreamPoint* front() override { return waiting_; }
+  void pop_front() override { waiting_ = nullptr; }
+  std::uint64_t smallest_element() override;
+  std::uint64_t smallest_reference() override { return kNoIndex; }
+  std::size_t size() const override { return waiting_ == nullptr ? 0 : 1; }
+
+  std::uint64_t position() const { return position_; }  ///< points read
+  std::uint64_t total() const { return total_; }
+  /// Returns the error of the lowest row read that has a value which an operator cannot read.
+  const FirstRowError& refused() const { return refused_; }
+
+ private:
+  const Stream& stream_;
+  const Fields& fields_;
+  Reach reach_;
+  ActiveSet& active_;
+  StreamPoint* waiting_ = nullptr;
+  std::uint64_t position_ = 0, total_ = 0;
+
+  SortedSlab slab_;  ///< being read
+  std::size_t next_slab_ = 0;
+  std::size_t next_ = 0;  ///< place in slab_
+  FirstRowError refused_;
+};
+
+/// A point is written, and leaves the active set, when no neighbourhood in the operators before refers to it any more.
+class WriteOperator final : public StreamOperator {
+ public:
+  WriteOperator(ActiveSet& active, std::function<void(StreamPoint&)> write)
+      : active_(active), write_(std::move(write)) {}
+
+  void pull_push() override;
+  StreamPoint* front() override { return nullptr; }
+  void pop_front() override {}
+  std::uint64_t smallest_element() override { return fifo_.empty() ? prev_->smallest_element() : fifo_.front()->index; }
+  std::uint64_t smallest_reference() override { return prev_->smallest_reference(); }
+  std::size_t size() const override { return fifo_.size(); }
+
+  std::uint64_t position() const { return position_; }  ///< points written
+
+ private:
+  ActiveSet& active_;
+  std::function<void(StreamPoint&)> write_;
+  std::deque<StreamPoint*> fifo_;
+  std::uint64_t position_ = 0;
+};
+
+}  // namespace pointsweep::reference
