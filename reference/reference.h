@@ -18,7 +18,7 @@
 #include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/points/degenerate_rows.h"
-#include "reference/nearest_set.h"
+#include "reference/stream_point.h"
 
 namespace pointsweep::reference {
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "cli/text/completion.h"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Verbs with their options and arguments as the command line declares them: the source of completions and man pages.
+/// Verbs with their options and arguments as the command line declares them, and what is made of that: scripts that
+/// complete verbs, options, values, operators and files in a shell, and manual pages in roff.
 #pragma once
 
 #include <CLI/App.hpp>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pointsweep {
@@ -40,5 +42,17 @@ std::vector<DeclaredOption> options_of_tool(const CLI::App& app);
 
 /// `text` up to the first parenthesis, semicolon or end of a sentence.
 std::string first_clause(const std::string& text);
+
+/// Needs no bash-completion package; bash 4 or later.
+std::string bash_completion(const CLI::App& app);
+/// A zsh script to be sourced after compinit, or kept as `_pointsweep` in a folder of $fpath.
+std::string zsh_completion(const CLI::App& app);
+/// fish 3 or later.
+std::string fish_completion(const CLI::App& app);
+
+/// pointsweep(1): what the tool is, its verbs, its exit status.
+std::string man_page_of_tool(const CLI::App& app);
+/// pointsweep-VERB(1). Empty if there is no such verb.
+std::string man_page_of_verb(const CLI::App& app, std::string_view verb);
 
 }  // namespace pointsweep

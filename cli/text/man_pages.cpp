@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "cli/text/man_pages.h"
 
 #include <fmt/format.h>
 

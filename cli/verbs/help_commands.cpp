@@ -10,9 +10,7 @@
 #include <vector>
 
 #include "cli/console/console.h"
-#include "cli/text/completion.h"
 #include "cli/text/declared_options.h"
-#include "cli/text/man_pages.h"
 #include "cli/text/operator_listing.h"
 #include "cli/text/usage_errors.h"
 #include "cli/verbs/commands.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The legend that explains the colours of a picture, at its right edge.
+/// The legend that explains the colours of a picture, at its right edge, and its text: letters made of strokes, of any
+/// size, with smooth edges.
 #pragma once
 
 #include <string>
@@ -7,9 +8,29 @@
 #include <vector>
 
 #include "pointsweep/render/canvas.h"
-#include "pointsweep/render/lettering.h"
 
 namespace pointsweep {
+
+/// Printable ASCII; any other byte is drawn as '?'.
+class Lettering {
+ public:
+  /// `capital` is the height of a capital letter in pixels.
+  Lettering(double capital, Rgb color) : unit_(capital / 6), color_(color) {}
+
+  /// Pixels from the left edge of the first letter to the right edge of the last.
+  double width(std::string_view text) const;
+  /// Pixels from one baseline to the next.
+  double line_height() const { return 11 * unit_; }
+  double capital() const { return 6 * unit_; }
+
+  /// Draws the text with its left end at `x` and its baseline at `baseline`, in pixels from the upper left corner. What
+  /// falls outside of the picture is cut off.
+  void draw(Picture& picture, double x, double baseline, std::string_view text) const;
+
+ private:
+  double unit_;  ///< pixels: a sixth of a capital letter
+  Rgb color_;
+};
 
 /// Returns the unit of an attribute whose name says what it is: "1/m" for a curvature, "s" for gps_time, empty for what
 /// has no unit or is not known. `length` is the unit of the cloud's coordinates, e.g. "m"; empty: not known, then "file

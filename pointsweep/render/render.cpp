@@ -15,7 +15,7 @@
 #include "pointsweep/render/point_color.h"
 #include "pointsweep/render/point_shape.h"
 #include "pointsweep/render/spacing_tree.h"
-#include "pointsweep/render/upright.h"
+#include "pointsweep/render/view.h"
 
 namespace pointsweep {
 namespace {

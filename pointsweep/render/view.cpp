@@ -2,13 +2,17 @@
 #include "pointsweep/render/view.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
+
 namespace {
 
 constexpr double kMargin = 0.03;
@@ -36,6 +40,80 @@ Vec3 with_up(Vec3 v, Up up) {
 bool parse_number(std::string_view text, double& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+}
+
+constexpr double kOutliers = 0.001;  // of the points, at either end
+constexpr double kFlatness = 0.25;
+constexpr double kFootHeight = 0.02;  // of the extent
+constexpr double kPreferenceForZ = 1.25, kLeastFooting = 0.25;
+
+struct Range {
+  double lo = 0, hi = 0;
+  double extent() const { return hi - lo; }
+};
+
+Range range_along(std::span<const Vec3> sample, int axis) {
+  std::vector<double> values;
+  values.reserve(sample.size());
+  for (const Vec3 p : sample) values.push_back(p[axis]);
+  std::sort(values.begin(), values.end());
+  if (values.empty()) return {};
+  const auto cut = static_cast<std::size_t>(kOutliers * static_cast<double>(values.size()));
+  return {values[cut], values[values.size() - 1 - cut]};
+}
+
+std::array<Range, 3> ranges_of(std::span<const Vec3> sample) {
+  return {range_along(sample, 0), range_along(sample, 1), range_along(sample, 2)};
+}
+
+std::pair<int, int> axes_across(int axis) { return {(axis + 1) % 3, (axis + 2) % 3}; }
+
+bool is_flat(const std::array<Range, 3>& ranges, int axis) {
+  const auto extent = [&](int a) { return ranges[static_cast<std::size_t>(a)].extent(); };
+  const auto [a, b] = axes_across(axis);
+  const double across = std::sqrt(extent(a) * extent(b));
+  return across > 0 && extent(axis) <= kFlatness * across;
+}
+
+using Point2 = std::pair<double, double>;
+
+/// Twice the area of the triangle a, b, c; positive if it turns to the left.
+double turn(Point2 a, Point2 b, Point2 c) {
+  return (b.first - a.first) * (c.second - a.second) - (b.second - a.second) * (c.first - a.first);
+}
+
+/// The area of the convex hull (monotone chain, Andrew 1979).
+double hull_area(std::vector<Point2> points) {
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return 0;
+  std::vector<Point2> hull;
+  const auto add = [&hull](Point2 p, std::size_t kept) {
+    while (hull.size() >= kept + 2 && turn(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
+    hull.push_back(p);
+  };
+  for (const Point2& p : points) add(p, 0);
+  const std::size_t lower = hull.size() - 1;
+  for (std::size_t i = points.size() - 1; i-- > 0;) add(points[i], lower);
+  double area = 0;
+  for (std::size_t i = 1; i + 1 < hull.size(); ++i) area += turn(hull[0], hull[i], hull[i + 1]);
+  return 0.5 * area;
+}
+
+/// Returns the share of the side below `up` that the lowest points cover, in [0, 1].
+double footing(std::span<const Vec3> sample, const std::array<Range, 3>& ranges, Up up) {
+  const auto [a, b] = axes_across(up.axis);
+  const Range across_a = ranges[static_cast<std::size_t>(a)], across_b = ranges[static_cast<std::size_t>(b)];
+  const Range along = ranges[static_cast<std::size_t>(up.axis)];
+  const double bottom = up.sign > 0 ? along.lo : -along.hi, top = bottom + kFootHeight * along.extent();
+  std::vector<Point2> feet;
+  for (const Vec3 p : sample) {
+    const double height = up.height(p);
+    if (height < bottom || height > top) continue;
+    feet.emplace_back(std::clamp(p[a], across_a.lo, across_a.hi), std::clamp(p[b], across_b.lo, across_b.hi));
+  }
+  const double side = across_a.extent() * across_b.extent();
+  return side > 0 ? hull_area(std::move(feet)) / side : 0;
 }
 
 }  // namespace
@@ -89,6 +167,25 @@ void frame(Camera& camera, double lo_x, double hi_x, double lo_y, double hi_y, d
   const double along = hi_y > lo_y ? room(camera.height) / (hi_y - lo_y) : Box::kInf;
   const double scale = std::min(across, along);
   camera.scale = std::isfinite(scale) ? scale : 1;
+}
+
+bool is_flat(std::span<const Vec3> sample, Up up) { return is_flat(ranges_of(sample), up.axis); }
+
+Up find_up(std::span<const Vec3> sample) {
+  const std::array<Range, 3> ranges = ranges_of(sample);
+  int thinnest = 2;
+  for (const int axis : {1, 0}) {
+    if (ranges[static_cast<std::size_t>(axis)].extent() < ranges[static_cast<std::size_t>(thinnest)].extent())
+      thinnest = axis;
+  }
+  if (is_flat(ranges, thinnest)) return {thinnest, 1};
+  Up best;
+  double most = std::max(kLeastFooting, kPreferenceForZ * footing(sample, ranges, best));
+  for (const Up up : {Up{1, 1}, Up{0, 1}, Up{2, -1}, Up{1, -1}, Up{0, -1}}) {
+    const double here = footing(sample, ranges, up);
+    if (here > most) most = here, best = up;
+  }
+  return best;
 }
 
 }  // namespace pointsweep

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// The direction from which a cloud is looked at, and the places of its points on the picture.
+/// The direction from which a cloud is looked at, chosen by the user or from the shape of the cloud, and the places of
+/// its points on the picture.
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "pointsweep/geometry.h"
@@ -66,5 +68,16 @@ Camera camera_of(const View& view, Vec3 origin, unsigned width, unsigned height)
 /// Chooses center and scale so that the box [lo, hi] along right and up fills the picture up to a margin of 3 %, at
 /// least `margin` pixels.
 void frame(Camera& camera, double lo_x, double hi_x, double lo_y, double hi_y, double margin = 0);
+
+/// True if the cloud's extent along `up` is at most a quarter of the geometric mean of the two others, as in airborne
+/// scans and reliefs. Extents leave out 0.1 % of the points at either end.
+bool is_flat(std::span<const Vec3> sample, Up up);
+
+/// The direction that points up in a cloud of unknown origin. A flat cloud: the positive axis across it. Else the cloud
+/// stands on the side where the outermost 2 % of its extent cover most of that side (the area of their convex hull over
+/// the area of the bounding rectangle): objects stand on a base or on feet, rooms and streets on a floor. z counts 1.25
+/// times, so that it wins where sides are alike, and it wins where no side reaches a quarter. Cost: a sort of the
+/// sample along each axis.
+Up find_up(std::span<const Vec3> sample);
 
 }  // namespace pointsweep

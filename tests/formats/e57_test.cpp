@@ -11,7 +11,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/e57/e57_file.h"
-#include "pointsweep/formats/e57/e57_reader.h"
+#include "pointsweep/formats/e57/e57_format.h"
 #include "tests/formats/e57_test_file.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/support/data_folder.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// E57 files that are written. tests/readers compares them with what libE57Format reads; here stands what needs schemas
 /// that no real file has, and what must be refused.
-#include "pointsweep/formats/e57/e57_writer.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,6 +14,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/e57/e57_columns.h"
+#include "pointsweep/formats/e57/e57_format.h"
 #include "pointsweep/formats/provenance.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_layout.h"
 #include "pointsweep/formats/las/las_reader.h"
-#include "pointsweep/formats/las/las_writer.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/temporary_folder.h"
 

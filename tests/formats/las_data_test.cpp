@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_reader.h"
-#include "pointsweep/formats/las/las_writer.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/support/data_folder.h"
 

@@ -12,7 +12,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/formats/las/las_values.h"
+#include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/pipeline/output/output_set.h"
 #include "tests/formats/las_decode.h"
 #include "tests/formats/point_files.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/las/las_writer.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_reader.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/point_files.h"

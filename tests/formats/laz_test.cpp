@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_reader.h"
-#include "pointsweep/formats/las/las_writer.h"
 #include "pointsweep/formats/las/laz_layout.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/temporary_folder.h"

@@ -8,8 +8,7 @@
 
 #include "pointsweep/formats/las/las_reader.h"
 #include "pointsweep/formats/npy/npy_array.h"
-#include "pointsweep/formats/ply/ply_reader.h"
-#include "pointsweep/formats/ply/ply_writer.h"
+#include "pointsweep/formats/ply/ply_format.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"

@@ -11,7 +11,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/pcd/lzf_stream.h"
-#include "pointsweep/formats/pcd/pcd_reader.h"
+#include "pointsweep/formats/pcd/pcd_format.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/support/data_folder.h"

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/pcd/pcd_reader.h"
+#include "pointsweep/formats/pcd/pcd_format.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 

@@ -9,8 +9,7 @@
 #include <cstring>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/ply/ply_reader.h"
-#include "pointsweep/formats/ply/ply_writer.h"
+#include "pointsweep/formats/ply/ply_format.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/support/fixed_seed.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/qsplat/qsplat_codes.h"
-#include "pointsweep/formats/qsplat/qsplat_reader.h"
+#include "pointsweep/formats/format.h"
+#include "pointsweep/formats/qsplat/qsplat_walk.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/qsplat_test_file.h"
 #include "tests/formats/temporary_folder.h"
@@ -79,7 +79,7 @@ TEST(Qsplat, GivesTheLeavesOfATreeAsRecursionFindsThem) {
     for (const unsigned size : {2u, 5u, 100u, 200000u}) {
       const Tree tree = random_tree(size, has_color);
       const auto expected = leaves_in(tree);
-      const auto reader = open_qsplat(folder.write("a.qs", tree.bytes()));
+      const auto reader = kQsplatFormat.open(folder.write("a.qs", tree.bytes()));
       const Schema& schema = reader->info().schema;
       ASSERT_EQ(reader->info().count, expected.size());
       ASSERT_EQ(schema.fields.size(), has_color ? 10u : 7u);
@@ -94,7 +94,7 @@ TEST(Qsplat, GivesTheLeavesOfATreeAsRecursionFindsThem) {
 TEST(Qsplat, ReadsFromAnyRow) {
   const TemporaryFolder folder;
   const Tree tree = random_tree(400000, false);
-  const auto reader = open_qsplat(folder.write("a.qs", tree.bytes()));
+  const auto reader = kQsplatFormat.open(folder.write("a.qs", tree.bytes()));
   const std::uint64_t count = reader->info().count;
   ASSERT_GT(count, 70000u);
   const auto all = all_records(*reader);
@@ -129,7 +129,7 @@ TEST(Qsplat, PartsFollowEachOtherAndCommentsAreSkipped) {
 
 TEST(Qsplat, ATreeThatIsNothingButItsRootIsOnePoint) {
   const TemporaryFolder folder;
-  const auto reader = open_qsplat(folder.write("a.qs", Tree{}.bytes()));
+  const auto reader = kQsplatFormat.open(folder.write("a.qs", Tree{}.bytes()));
   ASSERT_EQ(reader->info().count, 1u);
   EXPECT_EQ(row_of(reader->info().schema, all_records(*reader), 0), (std::vector<double>{10, 20, 30, 0, 0, 0, 2}));
 }
@@ -149,7 +149,7 @@ std::string complaint_about(std::string whole, std::size_t at, std::string_view 
   const TemporaryFolder folder;
   whole.replace(at, bytes.size(), bytes);
   const auto path = folder.write("a.qs", whole);
-  return sentence_of<Error>([&] { open_qsplat(path); });
+  return sentence_of<Error>([&] { kQsplatFormat.open(path); });
 }
 
 TEST(Qsplat, LyingFilesAreRefusedWithThePlace) {
@@ -188,7 +188,7 @@ TEST(Qsplat, AChainDeeperThanAnyModelIsRefused) {
   Tree tree;
   tree.root = node;
   const auto path = folder.write("a.qs", tree.bytes());
-  const auto sentence = sentence_of<Error>([&] { open_qsplat(path); });
+  const auto sentence = sentence_of<Error>([&] { kQsplatFormat.open(path); });
   EXPECT_NE(sentence.find("deeper than 256 levels"), sentence.npos) << sentence;
 }
 

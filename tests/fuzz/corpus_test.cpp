@@ -6,16 +6,14 @@
 #include <iterator>
 #include <string>
 
-#include "pointsweep/formats/e57/e57_reader.h"
+#include "pointsweep/formats/e57/e57_format.h"
+#include "pointsweep/formats/format.h"
 #include "pointsweep/formats/las/las_reader.h"
 #include "pointsweep/formats/npy/npy_array.h"
 #include "pointsweep/formats/npy/npy_points.h"
-#include "pointsweep/formats/pcd/pcd_reader.h"
-#include "pointsweep/formats/ply/ply_reader.h"
-#include "pointsweep/formats/ptx/ptx_reader.h"
-#include "pointsweep/formats/qsplat/qsplat_reader.h"
-#include "pointsweep/formats/text/text_reader.h"
-#include "pointsweep/formats/vtk/vtk_reader.h"
+#include "pointsweep/formats/pcd/pcd_format.h"
+#include "pointsweep/formats/ply/ply_format.h"
+#include "pointsweep/formats/text/text_format.h"
 #include "pointsweep/pipeline/language/parse.h"
 #include "tests/fuzz/read_everything.h"
 
@@ -39,8 +37,9 @@ void for_each_kept(const std::string& fuzzer, Use use) {
 TEST(FuzzCorpus, EveryFileIsReadWholeOrRefused) {
   using Open = std::unique_ptr<Reader> (*)(const std::filesystem::path&);
   const std::pair<const char*, Open> readers[] = {
-      {"ply", open_ply}, {"las", open_las}, {"text", open_text}, {"qsplat", open_qsplat}, {"pcd", open_pcd},
-      {"e57", open_e57}, {"npy", open_npy}, {"ptx", open_ptx},   {"vtk", open_vtk},       {"numpy", open_npy_points}};
+      {"ply", open_ply},        {"las", open_las},         {"text", open_text}, {"qsplat", kQsplatFormat.open},
+      {"pcd", open_pcd},        {"e57", open_e57},         {"npy", open_npy},   {"ptx", kPtxFormat.open},
+      {"vtk", kVtkFormat.open}, {"numpy", open_npy_points}};
   for (const auto& [name, open] : readers) {
     for_each_kept(name, [open = open](const std::string& bytes) {
       read_everything(open, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());

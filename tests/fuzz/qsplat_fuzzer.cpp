@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/qsplat/qsplat_reader.h"
+#include "pointsweep/formats/format.h"
 #include "tests/fuzz/read_everything.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  pointsweep::read_everything(pointsweep::open_qsplat, bytes, size);
+  pointsweep::read_everything(pointsweep::kQsplatFormat.open, bytes, size);
   return 0;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/vtk/vtk_reader.h"
+#include "pointsweep/formats/format.h"
 #include "tests/fuzz/read_everything.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  pointsweep::read_everything(pointsweep::open_vtk, bytes, size);
+  pointsweep::read_everything(pointsweep::kVtkFormat.open, bytes, size);
   return 0;
 }

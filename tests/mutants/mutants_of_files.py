@@ -99,7 +99,7 @@ MUTANTS = [
            "leftover_.emplace(path_);", "", ("cli:Interrupt.*", "order:TempFolders.*")),
 
     # Other formats
-    Mutant("sides of a face of a QSplat normal exchanged", "formats", FORMATS + "qsplat/qsplat_codes.cpp",
+    Mutant("sides of a face of a QSplat normal exchanged", "formats", FORMATS + "qsplat/qsplat_walk.cpp",
            "normal[(axis + 1) % 3] = u;\n  normal[(axis + 2) % 3] = v;",
            "normal[(axis + 1) % 3] = v;\n  normal[(axis + 2) % 3] = u;",
            ("formats:Qsplat.*",)),

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "pointsweep/connect/forest_edge.h"
-#include "pointsweep/sweep/edge_emitter.h"
+#include "pointsweep/sweep/stage_runner.h"
 
 namespace pointsweep {
 namespace {

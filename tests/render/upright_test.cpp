@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/render/upright.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 #include <vector>
+
+#include "pointsweep/render/view.h"
 
 namespace pointsweep {
 namespace {

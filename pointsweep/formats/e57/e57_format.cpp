@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include "pointsweep/formats/e57/e57_format.h"
+
 #include "pointsweep/formats/e57/e57_columns.h"
 #include "pointsweep/formats/e57/e57_file.h"
-#include "pointsweep/formats/e57/e57_reader.h"
-#include "pointsweep/formats/e57/e57_writer.h"
 #include "pointsweep/formats/format.h"
 
 namespace pointsweep {

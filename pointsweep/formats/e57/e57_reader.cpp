@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/e57/e57_reader.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,6 +17,7 @@
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/e57/e57_columns.h"
 #include "pointsweep/formats/e57/e57_file.h"
+#include "pointsweep/formats/e57/e57_format.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/points/with_type.h"
 

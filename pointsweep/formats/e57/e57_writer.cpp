@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/e57/e57_writer.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/e57/e57_columns.h"
+#include "pointsweep/formats/e57/e57_format.h"
 #include "pointsweep/formats/files/output_file.h"
 
 #if POINTSWEEP_CODECS

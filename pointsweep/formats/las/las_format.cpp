@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include "pointsweep/formats/las/las_format.h"
+
 #include "pointsweep/formats/format.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_layout.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las/las_reader.h"
-#include "pointsweep/formats/las/las_values.h"
-#include "pointsweep/formats/las/las_writer.h"
 #include "pointsweep/formats/las/laz_layout.h"
 
 namespace pointsweep {

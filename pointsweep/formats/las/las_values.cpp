@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/las/las_values.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include "pointsweep/formats/format.h"
+#include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_layout.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las_scale.h"

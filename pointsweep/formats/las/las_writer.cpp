@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/las/las_writer.h"
-
 #include <algorithm>
 #include <cassert>
 #include <string>
@@ -9,6 +7,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/las/las_encoder.h"
+#include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_frame.h"
 #include "pointsweep/threads.h"
 

@@ -8,8 +8,8 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/formats/las/las_encoder.h"
+#include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_frame.h"
-#include "pointsweep/formats/las/las_writer.h"
 #include "pointsweep/formats/las/laz_layout.h"
 #include "pointsweep/threads.h"
 

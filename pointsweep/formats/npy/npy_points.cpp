@@ -9,11 +9,14 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
+#include "pointsweep/formats/format.h"
+#include "pointsweep/formats/npy/npy_array.h"
 #include "pointsweep/formats/npy/npy_header.h"
 #include "pointsweep/formats/npy/npz_archive.h"
 #include "pointsweep/formats/records/columns_reader.h"
 
 namespace pointsweep {
+
 namespace {
 
 constexpr std::uint64_t kMostColumns = 65536;
@@ -183,6 +186,10 @@ class NpyPointsReader final : public ColumnsReader {
   bool has_default_names_ = false;  ///< those of the first fields
 };
 
+constexpr std::string_view kNpyExtensions[] = {".npy"}, kNpzExtensions[] = {".npz"};
+
+std::unique_ptr<Writer> create_npy_writer(const OutputPlan& plan) { return std::make_unique<NpyWriter>(plan); }
+
 }  // namespace
 
 bool starts_as_npy_points(std::string_view head) { return head.starts_with("\x93NUMPY") || starts_as_npz(head); }
@@ -190,5 +197,25 @@ bool starts_as_npy_points(std::string_view head) { return head.starts_with("\x93
 std::unique_ptr<Reader> open_npy_points(const std::filesystem::path& path) {
   return std::make_unique<NpyPointsReader>(path);
 }
+
+const Format kNpyFormat = {.name = "NumPy array",
+                           .title = "NumPy array",
+                           .details = "#numpy",
+                           .reads = "by `verify`: neighbours, distances",
+                           .writes = "one attribute: neighbours, distances",
+                           .extensions = kNpyExtensions,
+                           .open = open_npy,
+                           .create = create_npy_writer,
+                           .content = Format::Content::array};
+
+const Format kNpyPointsFormat = {
+    .name = "NumPy array",
+    .title = "NumPy points",
+    .details = "#numpy",
+    .reads = "`.npy` of three columns or more, or of a structured type; `.npz` that is stored",
+    .writes = "no",
+    .extensions = kNpzExtensions,
+    .is = starts_as_npy_points,
+    .open = open_npy_points};
 
 }  // namespace pointsweep

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include "pointsweep/formats/pcd/pcd_format.h"
+
 #include "pointsweep/formats/format.h"
-#include "pointsweep/formats/pcd/pcd_reader.h"
-#include "pointsweep/formats/pcd/pcd_writer.h"
 
 namespace pointsweep {
 namespace {

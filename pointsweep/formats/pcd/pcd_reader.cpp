@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/pcd/pcd_reader.h"
-
 #include <algorithm>
 #include <cstring>
 
@@ -10,6 +8,7 @@
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/files/words.h"
 #include "pointsweep/formats/pcd/lzf_stream.h"
+#include "pointsweep/formats/pcd/pcd_format.h"
 #include "pointsweep/formats/pcd/pcd_header.h"
 #include "pointsweep/formats/records/fixed_records.h"
 #include "pointsweep/formats/records/row_text_reader.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/pcd/pcd_writer.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/format.h"
+#include "pointsweep/formats/pcd/pcd_format.h"
 #include "pointsweep/formats/pcd/pcd_header.h"
 #include "pointsweep/formats/records/record_writer.h"
 #include "pointsweep/points/schema.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include "pointsweep/formats/ply/ply_format.h"
+
 #include "pointsweep/formats/format.h"
-#include "pointsweep/formats/ply/ply_reader.h"
-#include "pointsweep/formats/ply/ply_writer.h"
 
 namespace pointsweep {
 namespace {

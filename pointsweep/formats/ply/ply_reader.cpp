@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/ply/ply_reader.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -15,6 +13,7 @@
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/ply/ply_comments.h"
+#include "pointsweep/formats/ply/ply_format.h"
 #include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/records/fixed_records.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/ply/ply_writer.h"
-
 #include <cstring>
 #include <limits>
 
@@ -9,6 +7,7 @@
 #include "pointsweep/formats/format.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/ply/ply_comments.h"
+#include "pointsweep/formats/ply/ply_format.h"
 #include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/records/record_writer.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/ptx/ptx_reader.h"
-
+/// Reading PTX files (Leica Geosystems): all scans as one cloud.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -135,9 +134,12 @@ void PtxReader::Decoder::decode(std::string_view line, std::byte* record) {
 
 constexpr std::string_view kPtxExtensions[] = {".ptx"};
 
-}  // namespace
-
+/// x, y, z as float64 with the transformation of their scan applied; `scan`, `row` and `column` from 0; `intensity` as
+/// float64 and red, green, blue as uint8 if any scan has them, 0 in those that lack them. Empty cells are left out; a
+/// warning counts them. Opening reads the file once. Throws Error for a damaged or truncated file.
 std::unique_ptr<Reader> open_ptx(const std::filesystem::path& path) { return std::make_unique<PtxReader>(path); }
+
+}  // namespace
 
 const Format kPtxFormat = {.name = "PTX",
                            .title = "PTX",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include "pointsweep/formats/text/text_format.h"
+
 #include "pointsweep/formats/format.h"
-#include "pointsweep/formats/text/text_reader.h"
-#include "pointsweep/formats/text/text_writer.h"
 
 namespace pointsweep {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/text/text_reader.h"
-
 #include <algorithm>
 #include <limits>
 
@@ -8,6 +6,7 @@
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/records/row_text_reader.h"
+#include "pointsweep/formats/text/text_format.h"
 #include "pointsweep/formats/text/text_layout.h"
 
 namespace pointsweep {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/text/text_writer.h"
-
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
@@ -12,6 +10,7 @@
 #include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/formats/text/text_format.h"
 #include "pointsweep/points/decimals.h"
 #include "pointsweep/points/with_type.h"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/vtk/vtk_reader.h"
-
+/// Reading legacy VTK files: the points of POLYDATA, UNSTRUCTURED_GRID and STRUCTURED_GRID.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -167,14 +166,17 @@ class TextVtkReader final : public Reader {
 
 constexpr std::string_view kVtkExtensions[] = {".vtk"};
 
-}  // namespace
-
+/// Points with all their attributes: scalars, vectors, normals (nx ny nz), colours (red green blue alpha), texture
+/// coordinates, tensors and arrays of fields, in the types of the file. Cells and their attributes are left out; a
+/// warning counts them. Opening a text file reads it once. Throws Error for a damaged or truncated file.
 std::unique_ptr<Reader> open_vtk(const std::filesystem::path& path) {
   auto file = std::make_shared<const InputFile>(path);
   VtkLayout layout = read_vtk_layout(*file);
   if (!layout.text) return std::make_unique<BinaryVtkReader>(std::move(file), layout);
   return std::make_unique<TextVtkReader>(std::move(file), std::move(layout));
 }
+
+}  // namespace
 
 const Format kVtkFormat = {.name = "VTK",
                            .title = "VTK legacy",

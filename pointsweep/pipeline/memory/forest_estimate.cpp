@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "pointsweep/connect/forest_edge.h"
-#include "pointsweep/sweep/edge_emitter.h"
+#include "pointsweep/sweep/stage_runner.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

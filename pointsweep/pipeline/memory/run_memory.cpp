@@ -15,7 +15,7 @@
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/rows/row_mask.h"
-#include "pointsweep/sweep/edge_emitter.h"
+#include "pointsweep/sweep/stage_runner.h"
 
 namespace pointsweep {
 namespace {

@@ -12,7 +12,7 @@
 #include "pointsweep/order/row_file.h"
 #include "pointsweep/pipeline/output/result_sinks.h"
 #include "pointsweep/pipeline/run/phases.h"
-#include "pointsweep/sweep/edge_emitter.h"
+#include "pointsweep/sweep/stage_runner.h"
 
 namespace pointsweep {
 namespace {

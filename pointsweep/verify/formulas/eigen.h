@@ -4,7 +4,6 @@
 #pragma once
 
 #include "pointsweep/verify/formulas/estimate.h"
-#include "pointsweep/verify/formulas/vector.h"
 
 namespace pointsweep::formulas {
 

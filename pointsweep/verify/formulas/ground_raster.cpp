@@ -7,6 +7,7 @@
 #include <utility>
 
 namespace pointsweep::formulas {
+
 namespace {
 
 constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
@@ -192,6 +193,21 @@ std::optional<bool> GroundRaster::is_ground(double x, double y, double z) const 
   const double rounding = 0x1p-48 * (largest + std::fabs(height) + most + parameters_.scalar * largest / cell);
   if (off != most && std::fabs(off - most) <= rounding) return std::nullopt;
   return off <= most;
+}
+
+Estimate height_above(double z, std::span<const GroundPoint> nearest) {
+  if (nearest.empty()) return {.value = {std::numeric_limits<Real>::quiet_NaN(), 0, 0}};
+  if (nearest.front().distance2 == 0) return {.value = {z - nearest.front().z, 0, 0}};
+  Real sum = 0, weights = 0, largest = 0;
+  for (const GroundPoint& g : nearest) {
+    const Real weight = 1 / static_cast<Real>(g.distance2);
+    if (weight > 0x1p900L) return open();  // its products leave float64
+    sum += weight * g.z, weights += weight;
+    largest = std::max(largest, std::fabs(static_cast<Real>(g.z)));
+  }
+  const Real height = z - sum / weights;
+  const Real error = rounding_of_sum(nearest.size()) * 2 * (largest + std::fabs(static_cast<Real>(z)));
+  return {.value = {height, 0, 0}, .error = error};
 }
 
 }  // namespace pointsweep::formulas

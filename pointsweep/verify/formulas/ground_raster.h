@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
-/// The ground of a cloud by SMRF (Pingel, Clarke and McBride 2013) on a whole raster, as docs/operators.md has it.
+/// Heights above points of the ground, and the ground of a cloud by SMRF (Pingel, Clarke and McBride 2013) on a whole
+/// raster, as docs/operators.md has it.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
+
+#include "pointsweep/verify/formulas/estimate.h"
 
 namespace pointsweep::formulas {
 
@@ -58,5 +62,14 @@ class GroundRaster {
   CellNumbers columns_, rows_;
   Cells lowest_, surface_;
 };
+
+/// Height above points of the ground.
+struct GroundPoint {
+  double distance2;  ///< in the plane
+  double z;
+};
+
+/// z - Σ w_j z_j / Σ w_j, w_j = 1 / d_j², of `nearest`, the nearest first; z - z_1 where d_1 = 0; NaN without any.
+Estimate height_above(double z, std::span<const GroundPoint> nearest);
 
 }  // namespace pointsweep::formulas

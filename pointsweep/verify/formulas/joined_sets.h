@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
-/// Sets of connected points, and the signs of the points in them.
+/// Sets of connected points: the signs of the points in them, their distance from a plane, and the side to which their
+/// normals face.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
+
+#include "pointsweep/verify/formulas/estimate.h"
 
 namespace pointsweep::formulas {
 
@@ -67,5 +71,39 @@ SetLabels labels_of(JoinedSets& sets, std::size_t count, PointsAt points_at, Cou
   }
   return labels;
 }
+
+/// Takes some points twice: first for their centroid, then for their covariance around it.
+class Flatness {
+ public:
+  void measure(Vector p);
+  void add(Vector p);
+
+  /// The root mean square distance to the plane for which it is least, as float32; 0 for fewer than four points. The
+  /// operator takes positions to 2^-40, and knows eigenvalues to some roundings of the largest.
+  Estimate residual() const;
+
+ private:
+  Real points_ = 0;
+  Vector first_, sum_;  ///< sums are of offsets from the first point
+  Matrix covariance_;   ///< times the points
+};
+
+/// Takes the points of a component twice: first for centroid and extent, then with their signs for the votes.
+class TurningVotes {
+ public:
+  void measure(Vector p);
+  void vote(Vector p, Vector signed_normal, const std::optional<Vector>& viewpoint);
+
+  /// Returns whether all signs are to be turned: where the larger in absolute value of Σ s n_z and Σ s n . (p - c) / e
+  /// is negative, c the centroid and e the mean extent; with a viewpoint v, where Σ sign(s n . (v - p)) is. Nothing
+  /// where the data do not tell: the operator's normals in sums are whole multiples of 2^-20.
+  std::optional<bool> turns(bool has_viewpoint) const;
+
+ private:
+  Real points_ = 0;
+  Vector sum_, low_{kInfinity, kInfinity, kInfinity}, high_{-kInfinity, -kInfinity, -kInfinity};
+  Real up_ = 0, out_ = 0, offsets_ = 0;  ///< offsets_: Σ |p - c|, all components
+  Real facing_ = 0, in_doubt_ = 0;
+};
 
 }  // namespace pointsweep::formulas

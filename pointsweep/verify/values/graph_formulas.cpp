@@ -9,9 +9,7 @@
 #include <string>
 #include <tuple>
 
-#include "pointsweep/verify/formulas/flatness.h"
 #include "pointsweep/verify/formulas/joined_sets.h"
-#include "pointsweep/verify/formulas/turning.h"
 #include "pointsweep/verify/values/cloud_formula.h"
 #include "pointsweep/verify/values/neighbor_labels.h"
 #include "pointsweep/verify/values/sorted_cloud.h"

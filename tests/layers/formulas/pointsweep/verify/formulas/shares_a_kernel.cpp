@@ -1,3 +1,3 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/math/symmetric3.h"
-#include "pointsweep/verify/formulas/vector.h"
+#include "pointsweep/verify/formulas/estimate.h"

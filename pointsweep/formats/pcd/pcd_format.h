@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// Reading PCD files (Point Cloud Library): ascii, binary and binary_compressed.
+/// Reading PCD files (Point Cloud Library), and writing them, version 0.7, binary.
 #pragma once
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "pointsweep/reader.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 
@@ -20,5 +22,13 @@ bool starts_as_pcd(std::string_view head);
 /// 8 KB of each field for every 16 MB of the widest. Opening a compressed file decompresses it once. Throws Error for a
 /// damaged or truncated file.
 std::unique_ptr<Reader> open_pcd(const std::filesystem::path& path);
+
+/// All fields with their types; scaled ones as float64. 8-bit red, green and blue are packed into `rgb`, with alpha
+/// into `rgba`, as PCL has them; wider colours stay fields of their own. Normals are normal_x, normal_y, normal_z.
+/// VIEWPOINT is that of the inputs if they are PCD files and agree, and the identity otherwise.
+std::unique_ptr<Writer> create_pcd_writer(const OutputPlan& plan);
+
+/// The name under which a PCD file of ours holds a field: "normal_x" for nx.
+std::string pcd_field_name(const std::string& name);
 
 }  // namespace pointsweep

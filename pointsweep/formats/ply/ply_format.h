@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: MIT
-/// Writing PLY files, binary little-endian.
+/// Reading PLY files, ascii and binary of either byte order, and writing them, binary little-endian.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 
+#include "pointsweep/reader.h"
 #include "pointsweep/writer.h"
 
 namespace pointsweep {
+
+/// The points are the entries of the element `vertex`, with all of their properties. Other elements are walked past and
+/// named in FileInfo::warnings, since an output does not keep them. Records of a binary file are its bytes (of a
+/// big-endian one turned around). Throws Error for lists on vertices, missing x, y or z, and fewer vertices than the
+/// header says.
+std::unique_ptr<Reader> open_ply(const std::filesystem::path& path);
 
 /// One element `vertex` with a property for each component of each field, in the order of the plan, under its own name
 /// and type. Scaled fields become `double`, bit fields the smallest unsigned type that holds them. PLY has no 64-bit

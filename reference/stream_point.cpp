@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "reference/nearest_set.h"
+#include "reference/stream_point.h"
 
 #include <algorithm>
 
-#include "reference/stream_point.h"
-
 namespace pointsweep::reference {
+
 namespace {
 
 constexpr std::size_t kReserved = 512;  ///< at once; larger sets grow

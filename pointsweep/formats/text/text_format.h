@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Reading points from text: .xyz, .txt, .csv, .asc, .pts and the like.
+/// Reading points from text, and writing them: .csv with commas, .xyz, .txt, .asc and .pts with spaces.
 #pragma once
 
 #include <filesystem>
 #include <memory>
 
 #include "pointsweep/reader.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 
@@ -15,5 +16,10 @@ std::unique_ptr<Reader> open_text(const std::filesystem::path& path);
 
 /// Returns whether the first lines of the file are such rows, or a header and rows.
 bool fits_text(const std::filesystem::path& path);
+
+/// Every value in the fewest digits that give the same value of its type again. The names of the columns stand in the
+/// first line: plain in a .csv, after `# ` otherwise, so that programs that know no header take it for a comment.
+/// A .pts starts with the number of points instead, and names its columns only where they are not the usual ones.
+std::unique_ptr<Writer> create_text_writer(const OutputPlan& plan);
 
 }  // namespace pointsweep

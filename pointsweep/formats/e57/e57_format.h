@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: MIT
-/// Writing E57 (ASTM E2807): one scan without a pose.
+/// Reading E57 files (ASTM E2807), and writing them: one scan without a pose.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 
+#include "pointsweep/reader.h"
 #include "pointsweep/writer.h"
 
 namespace pointsweep {
+
+/// Cartesian coordinates, or those of spherical ones, with the pose of the scan applied to them and to normals, as
+/// float64; all other attributes under the library's names, those that only some scans have 0 in the others; the number
+/// of the scan, from 0, as `scan`, unless a single scan has an attribute of that name. A point that the file calls
+/// invalid has NaN coordinates. Images are left out with a warning. Throws Error for a damaged file, and where codecs
+/// are not built in.
+std::unique_ptr<Reader> open_e57(const std::filesystem::path& path);
 
 /// Coordinates in the type of the input, integers of a LAS grid as scaled integers. A point whose coordinates are not
 /// all finite is marked as invalid, and reads as NaN. Attributes that the standard names are stored under its names,
