@@ -13,6 +13,7 @@
 namespace pointsweep {
 namespace {
 
+constexpr Encoding kSpacingEncoding{"local spacing", 1};
 constexpr int kLevels = 21;          ///< three coordinates of so many bits fit 64
 constexpr int kTableLevels = 4;      ///< levels of the table that finds a run
 constexpr std::size_t kFew = 16;     ///< a leaf has fewer sample points
@@ -55,20 +56,25 @@ LocalSpacing::LocalSpacing(std::span<const Vec3> sample, std::uint64_t points, d
   find_sparse_places(levels, leaves);
 }
 
-LocalSpacing::LocalSpacing(Unpacker& packed)
-    : lo_(packed.get<Vec3>()),
-      side_(packed.get<double>()),
-      sparse_level_(packed.get<int>()),
-      begin_(packed.get_vector<std::uint64_t>()),
-      first_(packed.get_vector<std::uint32_t>()),
-      inverse_side_(1 / side_) {}
+void LocalSpacing::encode(Encoder& out) const {
+  out.begin(kSpacingEncoding);
+  out.put_point(lo_);
+  out.put<double>(side_);
+  out.put<std::int32_t>(sparse_level_);
+  out.put_numbers<std::uint64_t>(begin_);
+  out.put_numbers<std::uint32_t>(first_);
+}
 
-void LocalSpacing::pack(Packer& out) const {
-  out.put(lo_);
-  out.put(side_);
-  out.put(sparse_level_);
-  out.put(begin_);
-  out.put(first_);
+LocalSpacing LocalSpacing::decode(Decoder& in) {
+  in.begin(kSpacingEncoding);
+  LocalSpacing spacing;
+  spacing.lo_ = in.get_point();
+  spacing.side_ = in.get<double>();
+  spacing.inverse_side_ = 1 / spacing.side_;
+  spacing.sparse_level_ = in.get<std::int32_t>();
+  spacing.begin_ = in.get_numbers<std::uint64_t>();
+  spacing.first_ = in.get_numbers<std::uint32_t>();
+  return spacing;
 }
 
 void LocalSpacing::grow(std::span<const std::uint64_t> codes, std::uint64_t begin, int level,

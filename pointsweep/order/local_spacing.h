@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pointsweep/math/box.h"
-#include "pointsweep/order/packed.h"
+#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 
@@ -26,9 +26,9 @@ class LocalSpacing {
   /// Takes about 13 ms for 65,536 sample points.
   LocalSpacing(std::span<const Vec3> sample, std::uint64_t points, double dimension);
 
-  /// Restores a packed object, except at_sample(), which is empty.
-  explicit LocalSpacing(Unpacker& packed);
-  void pack(Packer& out) const;
+  /// Encodes everything but at_sample(), which is empty in a decoded object.
+  void encode(Encoder& out) const;
+  static LocalSpacing decode(Decoder& in);
 
   /// Estimates of the distance between neighbouring points at each sample point, in length units, within a factor of
   /// about two; empty if nothing is known.
@@ -53,9 +53,9 @@ class LocalSpacing {
   int level_outside(Vec3 p) const;
 
   std::vector<double> at_sample_;
-  Vec3 lo_;               ///< corner of the root cube
-  double side_ = 0;       ///< length of the side of the root cube
-  int sparse_level_ = 0;  ///< this level and those below it are sparse
+  Vec3 lo_;                        ///< corner of the root cube
+  double side_ = 0;                ///< length of the side of the root cube
+  std::int32_t sparse_level_ = 0;  ///< this level and those below it are sparse
   std::vector<std::uint64_t>
       begin_;  ///< runs of leaves along the Z-curve, ascending: not sparse, sparse, not sparse...
   std::vector<std::uint32_t> first_;  ///< by leading bits of a code: the run it falls into; one more at the end

@@ -19,6 +19,8 @@
 namespace pointsweep {
 namespace {
 
+constexpr Encoding kRowStoreEncoding{"row store", 1};
+
 using Consume = std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>;
 
 constexpr std::size_t kRunBytes = std::size_t{4} << 20;      ///< most bytes that one call of `consume` gets
@@ -103,12 +105,13 @@ class RowBuckets {
     window_rows_ = std::min(window_rows_, std::uint64_t{1} << shift_);
     store_ = std::make_unique<SlabStore>(buckets(), kOffsetBytes + record_bytes_, block_bytes(buffer_bytes), spill);
   }
-  RowBuckets(Unpacker& packed, std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& kept,
+  RowBuckets(Decoder& in, std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& kept,
              std::size_t buffer_bytes)
       : RowBuckets(rows, std::move(fill), buffer_bytes) {
-    shift_ = packed.get<int>();
+    in.begin(kRowStoreEncoding);
+    shift_ = in.get<std::int32_t>();
     window_rows_ = std::min(window_rows_, std::uint64_t{1} << shift_);
-    store_ = std::make_unique<SlabStore>(packed, kOffsetBytes + record_bytes_, block_bytes(buffer_bytes), kept);
+    store_ = std::make_unique<SlabStore>(in, kOffsetBytes + record_bytes_, block_bytes(buffer_bytes), kept);
   }
 
   void put(std::span<const std::uint64_t> rows, const std::byte* records) {
@@ -138,10 +141,11 @@ class RowBuckets {
 
   std::uint64_t spilled_bytes() const { return store_->spilled_bytes(); }
 
-  void pack(Packer& out) {
+  void encode(Encoder& out) {
     store_->flush();
-    out.put(shift_);
-    store_->pack(out);
+    out.begin(kRowStoreEncoding);
+    out.put<std::int32_t>(shift_);
+    store_->encode(out);
   }
 
  private:
@@ -228,10 +232,10 @@ RowStore::RowStore(std::uint64_t rows, std::vector<std::byte> fill, const SpillP
     state_->array = std::make_unique<RowArray>(rows, fill);
 }
 
-RowStore::RowStore(Unpacker& packed, std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& kept,
+RowStore::RowStore(Decoder& in, std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& kept,
                    std::size_t buffer_bytes)
     : state_(std::make_unique<State>()) {
-  state_->buckets = std::make_unique<RowBuckets>(packed, rows, std::move(fill), kept, buffer_bytes);
+  state_->buckets = std::make_unique<RowBuckets>(in, rows, std::move(fill), kept, buffer_bytes);
 }
 
 RowStore::~RowStore() = default;
@@ -245,7 +249,7 @@ void RowStore::drain(const Consume& consume) {
   state_->array ? state_->array->drain(consume) : state_->buckets->drain(consume);
 }
 
-void RowStore::pack(Packer& out) { state_->buckets->pack(out); }
+void RowStore::encode(Encoder& out) { state_->buckets->encode(out); }
 
 std::uint64_t RowStore::spilled_bytes() const { return state_->buckets ? state_->buckets->spilled_bytes() : 0; }
 

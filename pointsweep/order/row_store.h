@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/order/packed.h"
 #include "pointsweep/order/spill_file.h"
+#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 
@@ -21,8 +21,8 @@ class RowStore {
  public:
   /// Without a spill place, all records are held in memory. With one, memory stays under `buffer_bytes`.
   RowStore(std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& spill, std::size_t buffer_bytes);
-  /// Restores a packed store from the file `kept`. `buffer_bytes` may differ from the packed store's.
-  RowStore(Unpacker& packed, std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& kept,
+  /// Decodes a store whose records are in the file `kept`. `buffer_bytes` may differ from that of the encoded store.
+  RowStore(Decoder& in, std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& kept,
            std::size_t buffer_bytes);
   ~RowStore();
 
@@ -32,9 +32,9 @@ class RowStore {
   /// After the last put(): calls `consume(first_row, records)` for consecutive runs that cover all rows in order.
   void drain(const std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>& consume);
   std::uint64_t spilled_bytes() const;
-  /// Writes all records that were put to the kept file, and packs their places in it. Only for a store in a kept file.
-  /// No thread may call put() meanwhile.
-  void pack(Packer& out);
+  /// Writes all records that were put to the kept file, and encodes their places in it. Only for a store in a kept
+  /// file. No thread may call put() meanwhile.
+  void encode(Encoder& out);
 
  private:
   struct State;

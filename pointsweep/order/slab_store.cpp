@@ -14,6 +14,8 @@
 namespace pointsweep {
 namespace {
 
+constexpr Encoding kStoreEncoding{"record lists", 1};
+
 /// A run of records of one slab: in memory, or at `offset` of the spill file.
 struct Block {
   std::uint64_t first = 0;  ///< index in the slab of its first record
@@ -113,13 +115,14 @@ SlabStore::SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t bl
   add_slabs(slabs);
 }
 
-SlabStore::SlabStore(Unpacker& packed, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& kept)
+SlabStore::SlabStore(Decoder& in, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& kept)
     : state_(std::make_unique<State>(record_bytes, block_bytes)) {
-  state_->file.emplace(kept, packed.get<std::uint64_t>()).expect_scattered_reads();
-  add_slabs(packed.get<std::uint64_t>());
+  in.begin(kStoreEncoding);
+  state_->file.emplace(kept, in.get<std::uint64_t>()).expect_scattered_reads();
+  add_slabs(in.get_count());
   for (SlabList& list : state_->lists) {
-    list.count = packed.get<std::uint64_t>();
-    list.blocks = packed.get_vector<Block>();
+    list.count = in.get<std::uint64_t>();
+    list.blocks = in.get_list<Block>([&] { return Block{in.get<std::uint64_t>(), nullptr, in.get<std::uint64_t>()}; });
   }
 }
 
@@ -162,13 +165,16 @@ void SlabStore::flush() {
     if (s.file && list.open != nullptr) s.write(s.close_block(list));
 }
 
-void SlabStore::pack(Packer& out) const {
-  out.put(state_->file->end());
-  out.put<std::uint64_t>(state_->lists.size());
-  for (const SlabList& list : state_->lists) {
-    out.put(list.count);
-    out.put(list.blocks);
-  }
+void SlabStore::encode(Encoder& out) const {
+  out.begin(kStoreEncoding);
+  out.put<std::uint64_t>(state_->file->end());
+  out.put_list(state_->lists, [&](const SlabList& list) {
+    out.put<std::uint64_t>(list.count);
+    out.put_list(list.blocks, [&](const Block& block) {
+      out.put<std::uint64_t>(block.first);
+      out.put<std::uint64_t>(block.offset);
+    });
+  });
 }
 
 void SlabStore::finish() {

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/order/packed.h"
 #include "pointsweep/order/spill_file.h"
+#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 
@@ -21,8 +21,8 @@ class SlabStore {
   /// Spilling, memory is slabs * block_bytes while filling, none after finish(). `block_bytes` is rounded down to whole
   /// records, but never below one.
   SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& spill);
-  /// Restores a packed store from the file `kept`.
-  SlabStore(Unpacker& packed, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& kept);
+  /// Decodes a store whose records are in the file `kept`.
+  SlabStore(Decoder& in, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& kept);
   ~SlabStore();
 
   /// Adds `slabs` empty slabs and returns the number of the first. No other function may run meanwhile.
@@ -31,10 +31,11 @@ class SlabStore {
   void append(std::size_t slab, std::span<const std::byte> records);
   /// Flushes the buffers. After it, append() may be called only for slabs that add_slabs() makes later.
   void finish();
-  /// Writes everything that was appended, and that pack() refers to, to the kept file. No thread may call append()
+  /// Writes everything that was appended, and that encode() refers to, to the kept file. No thread may call append()
   /// meanwhile.
   void flush();
-  void pack(Packer& out) const;
+  /// Encodes the places of the records in the kept file.
+  void encode(Encoder& out) const;
   /// Gives the space of blocks of a finished slab that end before `record` to blocks that will be filled, in memory as
   /// in the file; no thread may be reading it, or ever read records before that one again. Others may append to other
   /// slabs.

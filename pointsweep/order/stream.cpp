@@ -19,6 +19,7 @@
 namespace pointsweep {
 namespace {
 
+constexpr Encoding kStreamEncoding{"stream", 1};
 constexpr std::size_t kMostPieces = 4096;                           ///< most pieces of one pass
 constexpr std::size_t kFewPieces = 64;                              ///< block sizes allow at least this many pieces
 constexpr std::size_t kSamplesPerSlab = 16;                         ///< with fewer samples, slabs are uneven
@@ -91,6 +92,24 @@ std::uint64_t block_rows(const PointSource& source, const OnDemandOptions& how) 
 struct PiecedSlab {
   Slab slab;
   std::vector<StreamPiece> pieces;
+
+  void encode(Encoder& out) const {
+    out.put<std::uint64_t>(slab.first);
+    out.put<std::uint64_t>(slab.count);
+    out.put_box(slab.box);
+    out.put<std::uint64_t>(slab.least_row);
+    out.put_list(pieces, [&](const StreamPiece& piece) {
+      out.put<std::uint64_t>(piece.list);
+      out.put<std::uint64_t>(piece.count);
+      out.put_box(piece.box);
+      out.put<std::uint64_t>(piece.least_row);
+    });
+  }
+  static PiecedSlab decode(Decoder& in) {
+    const auto get = [&in] { return in.get<std::uint64_t>(); };
+    const Slab slab{get(), get(), in.get_box(), get()};
+    return {slab, in.get_list<StreamPiece>([&] { return StreamPiece{get(), get(), in.get_box(), get()}; })};
+  }
 };
 
 /// Returns the indices of the source fields that working records carry; empty for all fields.
@@ -325,32 +344,29 @@ std::optional<Stream> Stream::on_demand(const PointSource& source, const Survey&
   return stream;
 }
 
-Stream::Stream(Unpacker& packed, const PointSource& source, const StreamOptions& options)
-    : axis_(packed.get<int>()), spacing_(packed), state_(std::make_unique<State>(source, options)) {
+Stream::Stream(Decoder& in, const PointSource& source, const StreamOptions& options)
+    : state_(std::make_unique<State>(source, options)) {
   State& s = *state_;
+  in.begin(kStreamEncoding);
+  axis_ = in.get<std::uint8_t>();
   record_schema_ = s.record.schema();
-  s.slabs.resize(packed.get<std::uint64_t>());
-  for (PiecedSlab& slab : s.slabs) {
-    slab = {packed.get<Slab>(), packed.get_vector<StreamPiece>()};
-    slabs_.push_back(slab.slab);
-  }
-  s.nonfinite_list = packed.get<std::uint64_t>();
-  s.store.emplace(packed, record_schema_.stride, kLeastBlock, options.spill);
+  spacing_ = LocalSpacing::decode(in);
+  s.slabs = in.get_list<PiecedSlab>([&] { return PiecedSlab::decode(in); });
+  for (const PiecedSlab& slab : s.slabs) slabs_.push_back(slab.slab);
+  s.nonfinite_list = in.get<std::uint64_t>();
+  s.store.emplace(in, record_schema_.stride, kLeastBlock, options.spill);
   nonfinite_count_ = s.store->count(s.nonfinite_list);
 }
 
 Stream::~Stream() = default;
 
-void Stream::pack(Packer& out) const {
-  out.put(axis_);
-  spacing_.pack(out);
-  out.put<std::uint64_t>(state_->slabs.size());
-  for (const PiecedSlab& slab : state_->slabs) {
-    out.put(slab.slab);
-    out.put(slab.pieces);
-  }
+void Stream::encode(Encoder& out) const {
+  out.begin(kStreamEncoding);
+  out.put<std::uint8_t>(static_cast<std::uint8_t>(axis_));
+  spacing_.encode(out);
+  out.put_list(state_->slabs, [&](const PiecedSlab& slab) { slab.encode(out); });
   out.put<std::uint64_t>(state_->nonfinite_list);
-  state_->store->pack(out);
+  state_->store->encode(out);
 }
 
 std::uint64_t Stream::spilled_bytes() const { return state_->store ? state_->store->spilled_bytes() : 0; }

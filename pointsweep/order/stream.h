@@ -14,12 +14,12 @@
 #include "pointsweep/math/box.h"
 #include "pointsweep/order/canonical_order.h"
 #include "pointsweep/order/local_spacing.h"
-#include "pointsweep/order/packed.h"
 #include "pointsweep/order/source.h"
 #include "pointsweep/order/spill_file.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/points/row_box.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 
@@ -62,9 +62,9 @@ class Stream {
   /// The distribution pass: reads the source once, and once more what a slab that turned out too big needs.
   /// Works on all threads; throws Error from the source or the temporary folder.
   Stream(const PointSource& source, const Survey& survey, const StreamOptions& options);
-  /// Restores a packed stream from its kept file, without reading the source. The schema and number of points of the
-  /// source, and the options for records, must equal those of the packed stream.
-  Stream(Unpacker& packed, const PointSource& source, const StreamOptions& options);
+  /// Decodes a stream whose records are in a kept file, without reading the source. The schema and number of points of
+  /// the source, and the options for records, must equal those of the encoded stream.
+  Stream(Decoder& in, const PointSource& source, const StreamOptions& options);
   /// Makes a stream without a distribution pass. The source is read once to count, and decoded again when slabs are
   /// read in their order; a slab that is read twice is decoded twice. Nothing is spilled. The source, whose functions
   /// are copied, must have for_thread(). Returns an empty optional if this is not possible: then `why_not` holds the
@@ -73,8 +73,8 @@ class Stream {
                                          const OnDemandOptions& how, std::string& why_not);
   Stream(Stream&&) noexcept;
   ~Stream();
-  /// Packs the stream. Only for a stream in a kept file, which is not on demand.
-  void pack(Packer& out) const;
+  /// Encodes the slabs and their places in the kept file. Only for a stream in a kept file, which is not on demand.
+  void encode(Encoder& out) const;
 
   int axis() const { return axis_; }
   const std::vector<Slab>& slabs() const { return slabs_; }

@@ -14,6 +14,8 @@
 namespace pointsweep {
 namespace {
 
+constexpr Encoding kSurveyEncoding{"survey", 1};
+
 constexpr std::uint64_t kSample = 65536;
 constexpr std::uint64_t kRuns = 1024;              ///< jumps a reader has to make
 constexpr std::uint64_t kInRun = kSample / kRuns;  ///< rows sampled in each run
@@ -139,6 +141,24 @@ Survey survey(const PointSource& source, std::optional<int> axis, bool exact) {
   result.axis = axis ? *axis : result.bounds.longest_axis();
   result.dimension = box_counting_dimension(result.sample);
   return result;
+}
+
+void Survey::encode(Encoder& out) const {
+  out.begin(kSurveyEncoding);
+  out.put_list(sample, [&](Vec3 p) { out.put_point(p); });
+  out.put_box(bounds);
+  out.put_bool(exact);
+  out.put<std::uint8_t>(static_cast<std::uint8_t>(axis));
+  out.put<double>(dimension);
+}
+
+Survey Survey::decode(Decoder& in) {
+  in.begin(kSurveyEncoding);
+  return {.sample = in.get_list<Vec3>([&] { return in.get_point(); }),
+          .bounds = in.get_box(),
+          .exact = in.get_bool(),
+          .axis = in.get<std::uint8_t>(),
+          .dimension = in.get<double>()};
 }
 
 std::uint64_t recommended_slab_points(std::uint64_t points, double dimension) {

@@ -9,6 +9,7 @@
 
 #include "pointsweep/math/box.h"
 #include "pointsweep/order/source.h"
+#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 
@@ -20,6 +21,9 @@ struct Survey {
   bool exact = false;
   int axis = 0;          ///< sweep axis: largest extent of `bounds` unless chosen
   double dimension = 2;  ///< estimate of the intrinsic dimension, in [1, 3], by counting occupied boxes
+
+  void encode(Encoder& out) const;
+  static Survey decode(Decoder& in);
 };
 
 /// `exact` reads the whole cloud, so that the axis does not depend on the order of its points.

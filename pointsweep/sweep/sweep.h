@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "pointsweep/connect/edge_buckets.h"
-#include "pointsweep/order/packed.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/points/degenerate_rows.h"
+#include "pointsweep/storage/encoding.h"
 #include "pointsweep/sweep/distance_histogram.h"
 #include "pointsweep/sweep/frontier.h"
 #include "pointsweep/sweep/plan.h"
@@ -59,8 +59,8 @@ struct SweepProgress {
   std::uint64_t certified = 0, recalled = 0, recalled_slabs = 0, peak_points = 0;
   std::vector<DegenerateRows> degenerate;  ///< by stage; may be shorter than the chain
 
-  void pack(Packer& out) const;
-  static SweepProgress unpacked(Unpacker& packed);
+  void encode(Encoder& out) const;
+  static SweepProgress decode(Decoder& in);
 };
 
 /// Keeps the progress of a sweep. Called by the thread of the sweep, while no points are handed to the sink.

@@ -9,6 +9,8 @@
 namespace pointsweep {
 namespace {
 
+constexpr Encoding kProgressEncoding{"sweep progress", 1};
+
 /// At most one in this many unfinished points may lie before the slabs that are read again. Such points are sparse and
 /// have waited for long.
 constexpr std::uint64_t kLeftBehind = 64;
@@ -124,6 +126,59 @@ void SweepRestart::tell(std::uint32_t slab, std::vector<std::byte> records, std:
   }
   if (const std::uint64_t finished = stream_.slabs()[slab].count - left; finished > 0)
     sink.were_finished(slab, finished);
+}
+
+void SweepProgress::encode(Encoder& out) const {
+  out.begin(kProgressEncoding);
+  out.put<std::uint32_t>(slabs_read);
+  out.put_list(window, [&](const WindowedCell& cell) {
+    for (const std::uint32_t number : {cell.slab, cell.number, cell.points, cell.finished})
+      out.put<std::uint32_t>(number);
+    out.put<double>(cell.reach);
+  });
+  out.put_list(dropped, [&](const DroppedCellOfSlab& dropped_cell) {
+    out.put<std::uint64_t>(dropped_cell.slab);
+    out.put_box(dropped_cell.cell.box);
+    out.put<std::uint32_t>(dropped_cell.cell.number);
+    out.put<std::uint32_t>(dropped_cell.cell.points);
+  });
+  out.put_list(saturated_locations, [&](const SaturatedLocation& location) {
+    out.put_point(location.place);
+    out.put<std::uint64_t>(location.row);
+  });
+  out.put_list(deferred, [&](const DeferredPoint& point) {
+    out.put_point(point.position);
+    out.put<std::uint64_t>(point.row);
+    out.put<std::uint32_t>(point.slab);
+    out.put<std::uint32_t>(point.index_in_slab);
+    out.put<double>(point.reach2);
+    out.put<std::uint32_t>(point.step);
+  });
+  for (const std::uint64_t count : {certified, recalled, recalled_slabs, peak_points}) out.put<std::uint64_t>(count);
+  out.put_list(degenerate, [&](const DegenerateRows& rows) {
+    out.put<std::uint64_t>(rows.count());
+    out.put_numbers<std::uint64_t>(rows.lowest());
+  });
+}
+
+SweepProgress SweepProgress::decode(Decoder& in) {
+  const auto u32 = [&in] { return in.get<std::uint32_t>(); };
+  const auto u64 = [&in] { return in.get<std::uint64_t>(); };
+  const auto f64 = [&in] { return in.get<double>(); };
+  in.begin(kProgressEncoding);
+  SweepProgress p;
+  p.slabs_read = u32();
+  p.window = in.get_list<WindowedCell>([&] { return WindowedCell{u32(), u32(), u32(), u32(), f64()}; });
+  p.dropped = in.get_list<DroppedCellOfSlab>([&] { return DroppedCellOfSlab{u64(), {in.get_box(), u32(), u32()}}; });
+  p.saturated_locations = in.get_list<SaturatedLocation>([&] { return SaturatedLocation{in.get_point(), u64()}; });
+  p.deferred =
+      in.get_list<DeferredPoint>([&] { return DeferredPoint{in.get_point(), u64(), u32(), u32(), f64(), u32()}; });
+  for (std::uint64_t* count : {&p.certified, &p.recalled, &p.recalled_slabs, &p.peak_points}) *count = u64();
+  p.degenerate = in.get_list<DegenerateRows>([&] {
+    const std::uint64_t count = u64();
+    return DegenerateRows(count, in.get_numbers<std::uint64_t>());
+  });
+  return p;
 }
 
 }  // namespace pointsweep

@@ -122,7 +122,7 @@ TEST(RowStore, HasRowsPastFourBillion) {
   EXPECT_EQ(found, expected);
 }
 
-TEST(RowStore, GoesOnFromWhereItWasPacked) {
+TEST(RowStore, GoesOnFromWhereItWasEncoded) {
   const TempFolder folder(std::filesystem::temp_directory_path());
   const SpillPlace kept = SpillPlace::kept(folder.path() / "rows");
   constexpr std::size_t kRows = 5000;
@@ -132,19 +132,18 @@ TEST(RowStore, GoesOnFromWhereItWasPacked) {
       store.put({&row, 1}, std::as_bytes(std::span(&value, 1)));
     }
   };
-  Packer packed;
+  std::vector<std::byte> bytes;
   {
     RowStore store(kRows, std::vector<std::byte>(8), kept, 1 << 16);
     put(store, 0, 1000, 7);
-    store.pack(packed);  // what is put between two of them is in the second
+    bytes = encoded(store);  // what is put between two of them is in the second
     put(store, 1000, 2500, 7);
-    packed = {};
-    store.pack(packed);
+    bytes = encoded(store);
     put(store, 2500, 4000, 99);  // lost
   }
-  Unpacker saved(packed.bytes());
+  Decoder saved(bytes);
   RowStore store(saved, kRows, std::vector<std::byte>(8), kept, 1 << 20);
-  EXPECT_TRUE(saved.at_end());
+  saved.finish();
   put(store, 2500, kRows, 7);
   std::vector<std::byte> all;
   store.drain([&](std::uint64_t, std::span<const std::byte> records) {

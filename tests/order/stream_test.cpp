@@ -419,15 +419,14 @@ void expect_the_same_from_its_kept_file(bool canonical) {
   options.slab_points = 900;
   options.canonical = canonical;
   options.spill = SpillPlace::kept(folder.path() / "stream");
-  Packer packed;
   std::optional<Stream> first(std::in_place, cloud.source, survey(cloud.source, std::nullopt, false), options);
   const Streamed before = streamed(*first);
   const LocalSpacing spacing = first->spacing_in_slabs();
-  first->pack(packed);
+  const std::vector<std::byte> bytes = encoded(*first);
   first.reset();
-  Unpacker saved(packed.bytes());
+  Decoder saved(bytes);
   const Stream again(saved, cloud.source, options);
-  EXPECT_TRUE(saved.at_end());
+  saved.finish();
   EXPECT_TRUE(same(before, streamed(again)));
   EXPECT_GT(before.nonfinite.size(), 0u);
   EXPECT_EQ(spacing.has_sparse_places(), canonical);  // elsewhere they have slabs of their own

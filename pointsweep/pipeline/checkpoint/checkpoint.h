@@ -4,12 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/statistics.h"
+#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 
@@ -17,15 +16,14 @@ namespace pointsweep {
 /// sweep goes on, `results` and `progress` are set, too. After the sweep only `results` is set. At last the results
 /// have become the rows that the next sweep begins with, or the output.
 struct Checkpoint {
-  std::string identity;                     ///< run_identity()
   std::uint64_t memory_bytes = 0;           ///< the budget, for a run that goes on and names none
   Survey survey;                            ///< of the input: a run that goes on plans its memory from it, too
   std::uint64_t sweep = 0;                  ///< pass to begin, or to go on with; rows carried into it are complete
   std::uint64_t slab_points = 0;            ///< the aim of the slabs of `stream`
-  std::vector<std::byte> stream;            ///< packed Stream; empty before it is in order, and when it has been swept
+  std::vector<std::byte> stream;            ///< encoded Stream; empty before it is in order, and when it has been swept
   std::vector<Vec3> bucket_places;          ///< between buckets of edges of the pass
-  std::vector<std::byte> results;           ///< packed RowStore; empty before the first slab
-  std::vector<std::byte> progress;          ///< packed SweepProgress; empty before the first slab
+  std::vector<std::byte> results;           ///< encoded RowStore; empty before the first slab
+  std::vector<std::byte> progress;          ///< encoded SweepProgress; empty before the first slab
   std::uint64_t mask = 0;                   ///< the pass whose select decided which rows are left; 0: all are
   std::vector<std::vector<double>> values;  ///< of the whole cloud that are known, by number; empty: not known
   Statistics counts;                        ///< of the sweeps that are over: as take_counts()
@@ -33,8 +31,8 @@ struct Checkpoint {
   bool is_in_order() const { return !stream.empty(); }
   bool is_swept() const { return stream.empty() && !results.empty(); }
 
-  std::vector<std::byte> packed() const;
-  static Checkpoint unpacked(std::span<const std::byte> bytes);
+  void encode(Encoder& out) const;
+  static Checkpoint decode(Decoder& in);
 };
 
 /// Copies the counts of sweeps and of points of all kinds; copies neither times nor bytes nor series.

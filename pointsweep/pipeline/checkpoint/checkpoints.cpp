@@ -14,21 +14,20 @@ using Clock = std::chrono::steady_clock;
 /// A checkpoint takes at most this share of the time until the next.
 constexpr double kShare = 0.01;
 
-template <class T>
-std::vector<std::byte> packed(T& value) {
-  Packer out;
-  value.pack(out);
-  return out.bytes();
-}
-
 }  // namespace
 
 Checkpoints::Checkpoints(const EngineOptions& options, const std::string& identity)
-    : folder_(options.resume_folder), least_interval_(options.checkpoint_seconds), interval_(least_interval_) {
+    : folder_(options.resume_folder),
+      identity_(identity),
+      least_interval_(options.checkpoint_seconds),
+      interval_(least_interval_) {
   found_ = !folder_.saved().empty();
-  if (found_) last_ = Checkpoint::unpacked(folder_.saved());
-  if (found_) require_same_run(last_.identity, identity, folder_.path());
-  last_.identity = identity;
+  if (found_) {
+    Decoder in(folder_.saved());
+    require_same_run(in.get_text(), identity, folder_.path());  // first: it names the format of all that follows
+    last_ = Checkpoint::decode(in);
+    in.finish();
+  }
   folder_.keep_only(files());
 }
 
@@ -38,8 +37,7 @@ SpillPlace Checkpoints::place(const char* kind, std::uint64_t sweep) const {
 
 std::optional<SweepProgress> Checkpoints::progress() const {
   if (last_.progress.empty()) return std::nullopt;
-  Unpacker packed(last_.progress);
-  return SweepProgress::unpacked(packed);
+  return decoded<SweepProgress>(last_.progress);
 }
 
 void Checkpoints::require_slabs_of(std::uint64_t slab_points) const {
@@ -59,7 +57,7 @@ void Checkpoints::in_order(const Stream& stream, std::uint64_t slab_points, cons
   if (last_.is_in_order()) return;
   const auto begun = Clock::now();
   last_.slab_points = slab_points;
-  last_.stream = packed(stream);
+  last_.stream = encoded(stream);
   last_.bucket_places = bucket_places;
   save(begun);
 }
@@ -70,14 +68,14 @@ bool Checkpoints::is_due() const {
 
 void Checkpoints::in_sweep(const SweepProgress& progress, RowStore& results) {
   const auto begun = Clock::now();
-  last_.progress = packed(progress);
-  last_.results = packed(results);
+  last_.progress = encoded(progress);
+  last_.results = encoded(results);
   save(begun);
 }
 
 void Checkpoints::swept(RowStore& results, const Statistics& counts) {
   const auto begun = Clock::now();
-  last_.results = packed(results);
+  last_.results = encoded(results);
   last_.stream = last_.progress = {};
   last_.bucket_places = {};
   take_counts(last_.counts, counts);
@@ -102,7 +100,10 @@ void Checkpoints::writing_tiles() {
 }
 
 void Checkpoints::save(Clock::time_point begun) {
-  folder_.save(last_.packed(), files());
+  Encoder out;
+  out.put_text(identity_);
+  last_.encode(out);
+  folder_.save(out.take(), files());
   saved_at_ = Clock::now();
   const std::chrono::duration<double> took = saved_at_ - begun;
   if (least_interval_.count() > 0) interval_ = std::max(least_interval_, took / kShare);

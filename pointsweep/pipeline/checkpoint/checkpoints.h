@@ -51,6 +51,7 @@ class Checkpoints {
   std::set<std::string> files() const;
 
   ResumeFolder folder_;
+  std::string identity_;  ///< of the run: run_identity()
   Checkpoint last_;
   bool found_ = false;
   std::chrono::duration<double> least_interval_, interval_;

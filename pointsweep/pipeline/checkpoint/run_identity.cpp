@@ -12,7 +12,7 @@ namespace pointsweep {
 namespace {
 
 /// To be raised with every change to what checkpoints hold or to how points are cut into slabs and cells.
-constexpr int kCheckpointFormat = 7;
+constexpr int kCheckpointFormat = 8;
 
 std::string whole_path(const std::filesystem::path& path) {
   return path.empty() ? "" : std::filesystem::absolute(path).lexically_normal().string();

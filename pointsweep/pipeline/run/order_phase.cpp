@@ -72,8 +72,8 @@ bool needs_buckets(const ChainPlan& plan, std::size_t p) {
 Ordered restored(const Context& context, PointsInOrder how, const MemoryPlan& memory) {
   const Checkpoints& checkpoints = *context.places.checkpoints();
   checkpoints.require_slabs_of(memory.slab_points);
-  Unpacker packed(checkpoints.last().stream);
-  return {Stream(packed, how.source, stream_options(context, how, memory)), checkpoints.last().bucket_places,
+  Decoder in(checkpoints.last().stream);
+  return {Stream(in, how.source, stream_options(context, how, memory)), checkpoints.last().bucket_places,
           std::move(how.points.survey), memory};
 }
 

@@ -146,8 +146,8 @@ std::unique_ptr<RowStore> results_of_pass(const Context& context, const WorkPlan
   const Checkpoints* const checkpoints = context.places.checkpoints();
   if (checkpoints == nullptr || checkpoints->last().results.empty())
     return std::make_unique<RowStore>(rows, fill, spill, buffer);
-  Unpacker packed(checkpoints->last().results);
-  return std::make_unique<RowStore>(packed, rows, fill, spill, buffer);
+  Decoder in(checkpoints->last().results);
+  return std::make_unique<RowStore>(in, rows, fill, spill, buffer);
 }
 
 std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& work, std::size_t p,
