@@ -105,6 +105,20 @@ TEST_F(Console, NoFateOfItChangesARun) {
   }
 }
 
+TEST_F(Console, NoFileGetsTheNumberOfAClosedDescriptor) {
+  for (const int closed : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    const pid_t child = fork();
+    if (child == 0) {
+      close(closed);
+      open_console();
+      _exit(open("/dev/null", O_RDONLY) > STDERR_FILENO ? 0 : 1);
+    }
+    int state = 0;
+    waitpid(child, &state, 0);
+    EXPECT_TRUE(WIFEXITED(state) && WEXITSTATUS(state) == 0) << closed;
+  }
+}
+
 TEST_F(Console, AFullStandardOutputIsAnErrorInOneSentence) {
   EXPECT_EQ(status({"operators"}, Fate::full, Fate::kept), 1);
   EXPECT_EQ(contents(folder_ / ".err"),
