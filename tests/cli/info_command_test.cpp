@@ -451,6 +451,13 @@ TEST(PlanArea, FewerPointsWithinTheSameBoundsNeverGetSmallerCells) {
     }
 }
 
+TEST(PlanArea, WithoutThePointsThatLieApartCellsAreNotSmaller) {
+  const Places all = some_clouds()[2];
+  const Places left = without(all, [](const auto& p) { return std::abs(p.second - 1.2 * p.first) > 3; });
+  ASSERT_GT(left.size(), 0.98 * static_cast<double>(all.size()));
+  EXPECT_GE(area_of(left).cell_side(), area_of(all).cell_side());
+}
+
 TEST(PlanArea, DensityNeverRisesWhereEveryOccupiedCellKeepsAPoint) {
   for (const Places& all : some_clouds()) {
     const double side = area_of(all).cell_side();
