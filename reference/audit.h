@@ -10,7 +10,7 @@
 
 #include "pointsweep/order/stream.h"
 #include "reference/kd_heap.h"
-#include "reference/shortening.h"
+#include "reference/nearest_operator.h"
 #include "reference/sorted_slab.h"
 
 namespace pointsweep::reference {

@@ -6,10 +6,7 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <map>
-#include <memory>
-#include <span>
 #include <string>
 #include <vector>
 

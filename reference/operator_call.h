@@ -3,7 +3,6 @@
 /// points.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>

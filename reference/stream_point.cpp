@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "reference/stream_point.h"
 
-#include <algorithm>
-
 namespace pointsweep::reference {
 
 namespace {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <string_view>
 
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/math/batch.h"

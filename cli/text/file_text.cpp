@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "pointsweep/formats/las_classes.h"
 #include "pointsweep/formats/provenance.h"

@@ -8,7 +8,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "cli/console/interrupt.h"
 #include "cli/console/program.h"

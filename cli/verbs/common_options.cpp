@@ -4,9 +4,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
-#include <string>
-#include <string_view>
-
 #include "cli/console/quantities.h"
 #include "cli/text/help.h"
 #include "pointsweep/fail.h"

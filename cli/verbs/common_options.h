@@ -3,9 +3,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
-#include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -14,7 +14,6 @@
 #include "cli/console/console.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/pipeline_run.h"
-#include "cli/verbs/stage_options.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/default_neighborhood.h"

@@ -2,7 +2,6 @@
 /// `pointsweep render IN... OUT.png`: a picture of a cloud of any size.
 #include <charconv>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "cli/verbs/cloud_run.h"

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <initializer_list>
 #include <map>
-#include <optional>
 #include <string_view>
 #include <utility>
 

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
-#include <string_view>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/extension.h"

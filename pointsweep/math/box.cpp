@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/math/box.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <vector>
 

@@ -12,7 +12,6 @@
 #include <bit>
 #include <concepts>
 #include <cstdint>
-#include <initializer_list>
 #include <iterator>
 
 namespace pointsweep {

@@ -12,7 +12,6 @@
 #include <thread>
 
 #include "pointsweep/formats/registry.h"
-#include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
 

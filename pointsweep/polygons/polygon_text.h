@@ -2,7 +2,6 @@
 /// Polygons as files have them: WKT and GeoJSON.
 #pragma once
 
-#include <string>
 #include <string_view>
 #include <vector>
 

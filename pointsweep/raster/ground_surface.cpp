@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/raster/ground_surface.h"
 
-#include <algorithm>
 #include <utility>
 #include <vector>
 

@@ -9,7 +9,6 @@
 #include <string>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/colors/color_map.h"
 #include "pointsweep/fail.h"
 
 namespace pointsweep {

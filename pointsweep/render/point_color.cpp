@@ -10,7 +10,6 @@
 #include "pointsweep/colors/color_map.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/points/lower_case.h"
-#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {

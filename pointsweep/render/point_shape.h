@@ -2,10 +2,7 @@
 /// The piece of surface that a point stands for: the best that its file allows.
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <optional>
-#include <string>
 
 #include "pointsweep/points/schema.h"
 #include "pointsweep/render/spacing_tree.h"

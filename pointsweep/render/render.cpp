@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/colors/color_map.h"
@@ -15,7 +14,6 @@
 #include "pointsweep/render/point_color.h"
 #include "pointsweep/render/point_shape.h"
 #include "pointsweep/render/spacing_tree.h"
-#include "pointsweep/render/view.h"
 
 namespace pointsweep {
 namespace {

@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "pointsweep/pipeline/language/registry.h"
-#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {

@@ -2,8 +2,6 @@
 #include "pointsweep/search/ball_lookup.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <utility>
 
 namespace pointsweep {

@@ -3,7 +3,6 @@
 /// grids of cells for balls of similar size. The sizes of cells are powers of two.
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/search/cell.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <limits>
 #include <new>
 
 namespace pointsweep {

@@ -2,7 +2,6 @@
 #include "pointsweep/search/cut.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 
 #include "pointsweep/neighborhood.h"

@@ -5,13 +5,10 @@
 #include <array>
 #include <bit>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/search/best_list.h"
-#include "pointsweep/search/directory.h"
 
 namespace pointsweep {
 

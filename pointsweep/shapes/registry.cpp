@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/shapes/registry.h"
 
-#include <string>
-
 #include "pointsweep/fail.h"
-#include "pointsweep/shapes/rng.h"
 
 namespace pointsweep {
 

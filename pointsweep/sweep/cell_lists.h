@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "pointsweep/sweep/cell_set.h"
+#include "pointsweep/sweep/window_cell.h"
 #include "pointsweep/sweep/worker.h"
 
 namespace pointsweep {

@@ -3,12 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <utility>
 
 #include "pointsweep/sweep/apply_step.h"
-#include "pointsweep/sweep/frontier.h"
-#include "pointsweep/sweep/window.h"
 #include "pointsweep/sweep/worker.h"
 
 namespace pointsweep {

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <memory>
 #include <numeric>
-#include <string>
 #include <vector>
 
 #include "pointsweep/operators/kinds/stage_operator.h"

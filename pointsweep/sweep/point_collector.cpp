@@ -2,8 +2,6 @@
 #include "pointsweep/sweep/point_collector.h"
 
 #include <algorithm>
-#include <atomic>
-#include <cstring>
 #include <iterator>
 
 #include "pointsweep/cancellation.h"

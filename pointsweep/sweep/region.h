@@ -3,12 +3,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
-#include "pointsweep/sweep/cell_set.h"
 #include "pointsweep/sweep/point_collector.h"
 #include "pointsweep/sweep/slab_loader.h"
+#include "pointsweep/sweep/window_cell.h"
 
 namespace pointsweep {
 

@@ -7,7 +7,6 @@
 
 #include "pointsweep/order/fixed_copy.h"
 #include "pointsweep/points/promised_type.h"
-#include "pointsweep/search/cut.h"
 
 namespace pointsweep {
 

@@ -2,8 +2,6 @@
 /// Applies the stages of a step to a batch of points whose neighbourhoods are known.
 #pragma once
 
-#include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>

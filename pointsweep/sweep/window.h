@@ -8,9 +8,9 @@
 
 #include "pointsweep/search/best_list.h"
 #include "pointsweep/search/cell.h"
-#include "pointsweep/sweep/cell_set.h"
 #include "pointsweep/sweep/frontier.h"
 #include "pointsweep/sweep/plan.h"
+#include "pointsweep/sweep/window_cell.h"
 
 namespace pointsweep {
 

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// A cell in the window, with all that is known of its points while they are active.
+/// A cell in the window, with all that is known of its points while they are active, and sets of such cells, as
+/// searches and stages look at them.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "pointsweep/geometry.h"
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/search/cell.h"
 #include "pointsweep/search/cell_search.h"
+#include "pointsweep/search/directory.h"
 #include "pointsweep/sweep/plan.h"
 
 namespace pointsweep {
@@ -90,5 +93,34 @@ inline std::uint64_t window_point_bytes(const SweepPlan& plan) {
   constexpr std::uint64_t kBytes = kOwnPointBytes + kShared;
   return kBytes + kBytes / kLostShare + plan.cell_lifetime_bytes();
 }
+
+/// Cells by slot. The window of a sweep and the region of a recall are such sets, so that the same functions search
+/// their cells and take them through the steps. Reading is thread-safe, changing is not.
+class CellSet {
+ public:
+  WindowCell& at(std::uint32_t slot) { return *cells_[slot]; }
+  const WindowCell& at(std::uint32_t slot) const { return *cells_[slot]; }
+  const CellDirectory& directory() const { return directory_; }
+  const PointColumns* slots() const { return views_.data(); }  ///< by slot
+  const std::vector<std::uint32_t>& occupied() const { return directory_.slots(); }
+  std::uint32_t slot_count() const { return static_cast<std::uint32_t>(cells_.size()); }  ///< occupied or not
+  std::uint64_t points() const { return points_; }
+
+ protected:
+  CellSet() = default;
+  ~CellSet() = default;
+  /// Puts the cell into a slot that a removed cell has left, or into the next new one.
+  void add(std::unique_ptr<WindowCell> cell);
+  void remove(std::uint32_t slot);
+
+ private:
+  std::uint32_t free_slot();
+
+  std::vector<std::unique_ptr<WindowCell>> cells_;  ///< by slot
+  std::vector<PointColumns> views_;                 ///< by slot
+  std::vector<std::uint32_t> free_;
+  CellDirectory directory_;
+  std::uint64_t points_ = 0;
+};
 
 }  // namespace pointsweep

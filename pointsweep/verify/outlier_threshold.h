@@ -2,7 +2,6 @@
 /// The mean distance from which on points of an output are outliers.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 

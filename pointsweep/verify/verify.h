@@ -2,9 +2,7 @@
 /// The check of one output of which it is known what the run was asked to make.
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <optional>
 #include <set>
 #include <string>
 #include <vector>

@@ -8,7 +8,7 @@ PIPELINE = "pointsweep/pipeline/"
 MUTANTS = [
     Mutant("the reference engine's stream is in no order", "order", PIPELINE + "run/order_phase.cpp",
            "whole || engine_of(context.options.engine) != nullptr;", "whole;", ("reference:Reference.*",)),
-    Mutant("rows carried between sweeps begin at 0", "spills", PIPELINE + "rows/updated_cloud.cpp",
+    Mutant("rows carried between sweeps begin at 0", "spills", PIPELINE + "rows/pass_update.cpp",
            "carried->read(first + at + row, own);", "carried->read(at + row, own);", ("pipeline:Reneighbor.*",)),
     Mutant("points of infinite position are lost in sweep order", "order", PIPELINE + "rows/ordered_output.cpp",
            "at < records.size(); at += stride) write(", "at + stride < records.size(); at += stride) write(",
@@ -91,7 +91,7 @@ MUTANTS = [
            "if (!rules_.prefix.empty() || !is_asked_for)", "if (!is_asked_for)", ("cli:Naming.*", "pipeline:OutputRules.*")),
 
     # Memory and time
-    Mutant("the radius estimate takes the sample for the cloud", "budget", PIPELINE + "memory/radius_estimate.cpp",
+    Mutant("the radius estimate takes the sample for the cloud", "budget", PIPELINE + "memory/sample_estimates.cpp",
            "return static_cast<double>(within) * points_per_sample;", "return static_cast<double>(within);",
            ("pipeline:Radius.*", "pipeline:MemoryPlan.*")),
     Mutant("the memory plan does not count what the radius keeps", "budget", PIPELINE + "memory/run_memory.cpp",

@@ -9,8 +9,8 @@
 #include "pointsweep/verify/formulas/distances.h"
 #include "pointsweep/verify/formulas/eigen.h"
 #include "pointsweep/verify/formulas/fairing.h"
-#include "pointsweep/verify/formulas/normal.h"
 #include "pointsweep/verify/formulas/splat.h"
+#include "pointsweep/verify/formulas/weighted_neighbors.h"
 
 namespace pointsweep::formulas {
 namespace {

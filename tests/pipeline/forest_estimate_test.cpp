@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/memory/forest_estimate.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <string>
 
 #include "pointsweep/connect/forest_edge.h"
+#include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/sweep/stage_runner.h"
 
 namespace pointsweep {

@@ -14,7 +14,7 @@
 #include "pointsweep/operators/surface/splats.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/language/parse.h"
-#include "pointsweep/pipeline/memory/radius_estimate.h"
+#include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/support/brute_force.h"

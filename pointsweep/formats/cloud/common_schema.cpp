@@ -2,10 +2,7 @@
 #include "pointsweep/formats/cloud/common_schema.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
-#include <optional>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/las_scale.h"

@@ -11,7 +11,6 @@
 #include <iterator>
 #include <limits>
 #include <set>
-#include <string_view>
 #include <utility>
 
 #include "pointsweep/formats/field_names.h"

@@ -8,14 +8,14 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/format.h"
-#include "pointsweep/formats/records/fixed_records.h"
+#include "pointsweep/formats/records/columns_reader.h"
 #include "pointsweep/reader.h"
 
 namespace pointsweep {
 
 namespace {
 
-class FloatRecords final : public FixedRecordReader {
+class FloatRecords final : public ColumnsReader {
  public:
   /// `other`: what the user may have meant where the size of the file is none of whole points.
   FloatRecords(const std::filesystem::path& path, const char* asked_for_as, const char* format,

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -16,7 +15,6 @@
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/color_depth.h"
-#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 namespace {

@@ -6,7 +6,6 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/las/las_point_formats.h"

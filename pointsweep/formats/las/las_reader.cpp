@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
 #include <span>
 #include <sstream>
 #include <string>
@@ -14,11 +13,10 @@
 #include "pointsweep/formats/las/copc_hierarchy.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_point_formats.h"
-#include "pointsweep/formats/las/las_vlrs.h"
 #include "pointsweep/formats/las/laz_points.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/provenance.h"
-#include "pointsweep/formats/records/fixed_records.h"
+#include "pointsweep/formats/records/columns_reader.h"
 
 namespace pointsweep {
 namespace {
@@ -145,7 +143,7 @@ FileInfo info_of(const std::shared_ptr<const LasExtras>& extras, std::vector<std
   return info;
 }
 
-class LasReader final : public FixedRecordReader {
+class LasReader final : public ColumnsReader {
  public:
   LasReader(const std::shared_ptr<const LasExtras>& extras, std::vector<std::string> warnings) {
     info_ = info_of(extras, std::move(warnings));

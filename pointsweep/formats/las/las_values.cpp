@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "pointsweep/formats/format.h"
 #include "pointsweep/formats/las/las_format.h"

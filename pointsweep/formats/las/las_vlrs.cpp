@@ -6,10 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cstddef>
 #include <cstring>
-#include <span>
-#include <string>
 #include <utility>
 
 #include "pointsweep/formats/las/laz_layout.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/las/laz_layout.h"
 
-#include <utility>
-
 #include "pointsweep/fail.h"
 
 #if POINTSWEEP_CODECS

@@ -10,7 +10,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/npy/npy_header.h"
-#include "pointsweep/formats/records/fixed_records.h"
+#include "pointsweep/formats/records/columns_reader.h"
 
 namespace pointsweep {
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::uint64_t kMostNeighborColumns = 1 << 16;
 
-class NpyReader final : public FixedRecordReader {
+class NpyReader final : public ColumnsReader {
  public:
   explicit NpyReader(const std::filesystem::path& path) {
     auto file = std::make_shared<const InputFile>(path);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/pcd/pcd_header.h"
 
-#include <limits>
 #include <optional>
 #include <utility>
 

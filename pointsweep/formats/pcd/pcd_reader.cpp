@@ -10,7 +10,7 @@
 #include "pointsweep/formats/pcd/lzf_stream.h"
 #include "pointsweep/formats/pcd/pcd_format.h"
 #include "pointsweep/formats/pcd/pcd_header.h"
-#include "pointsweep/formats/records/fixed_records.h"
+#include "pointsweep/formats/records/columns_reader.h"
 #include "pointsweep/formats/records/row_text_reader.h"
 #include "pointsweep/points/with_type.h"
 
@@ -73,7 +73,7 @@ FileInfo info_of(const InputFile& file, const PcdHeader& header) {
 }
 
 /// The file may be longer than its points: PCL fills it up to a page.
-class BinaryPcdReader final : public FixedRecordReader {
+class BinaryPcdReader final : public ColumnsReader {
  public:
   BinaryPcdReader(std::shared_ptr<const InputFile> file, const PcdHeader& header) {
     info_ = info_of(*file, header);

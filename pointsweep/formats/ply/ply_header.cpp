@@ -2,7 +2,6 @@
 #include "pointsweep/formats/ply/ply_header.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/line_reader.h"

@@ -3,8 +3,6 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <cstring>
-#include <limits>
 #include <vector>
 
 #include "pointsweep/fail.h"
@@ -16,7 +14,7 @@
 #include "pointsweep/formats/ply/ply_format.h"
 #include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"
-#include "pointsweep/formats/records/fixed_records.h"
+#include "pointsweep/formats/records/columns_reader.h"
 #include "pointsweep/formats/records/row_text_reader.h"
 #include "pointsweep/points/with_type.h"
 
@@ -145,7 +143,7 @@ FileInfo info_of(const InputFile& file, const PlyHeader& header, const PlyElemen
   return info;
 }
 
-class BinaryPlyReader final : public FixedRecordReader {
+class BinaryPlyReader final : public ColumnsReader {
  public:
   BinaryPlyReader(std::shared_ptr<const InputFile> file, const PlyHeader& header, const PlyElement& vertex) {
     info_ = info_of(*file, header, vertex);

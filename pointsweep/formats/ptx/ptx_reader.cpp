@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"

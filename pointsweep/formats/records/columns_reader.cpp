@@ -7,9 +7,7 @@
 #include <cstring>
 #include <initializer_list>
 #include <string_view>
-#include <utility>
 
-#include "pointsweep/formats/records/fixed_records.h"
 #include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
@@ -28,6 +26,19 @@ void scatter(const std::byte* from, std::size_t bytes, std::size_t rows, std::by
     for (std::size_t i = 0; i < rows; ++i) std::memcpy(to + i * stride, from + i * 8, 8);
   } else {
     for (std::size_t i = 0; i < rows; ++i) std::memcpy(to + i * stride, from + i * bytes, bytes);
+  }
+}
+
+/// Reverses the bytes of every value of `fields` in records of `stride` bytes.
+void reverse_values(std::span<const Field> fields, std::size_t stride, std::span<std::byte> records) {
+  if (fields.empty()) return;
+  for (std::byte *record = records.data(), *end = record + records.size(); record != end; record += stride) {
+    for (const Field& field : fields) {
+      const std::size_t size = size_of(field.type);
+      if (size == 1) continue;
+      std::byte* value = record + field.offset;
+      for (std::uint32_t i = 0; i < field.count; ++i, value += size) std::reverse(value, value + size);
+    }
   }
 }
 
@@ -68,6 +79,7 @@ class ColumnsReader::Decoder final : public RowDecoder {
 
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
     const std::size_t rows = reader_.rows_for(row, records), stride = reader_.info().schema.stride;
+    if (rows == 0) return 0;
     for (const StoredColumn* column : columns_) read_column(*column, row, rows, records.data());
     reverse_values(reader_.big_endian_, stride, records.first(rows * stride));
     return rows;
@@ -76,7 +88,7 @@ class ColumnsReader::Decoder final : public RowDecoder {
  private:
   void read_column(const StoredColumn& column, std::uint64_t row, std::size_t rows, std::byte* records) {
     const std::size_t stride = reader_.info().schema.stride;
-    if (column.bytes == stride)
+    if (reader_.is_record(column))
       return reader_.file_->read_at(column.begin + row * stride, std::span(records, rows * stride));
     const std::size_t block = std::max<std::size_t>(1, kBlockBytes / column.bytes);
     for (std::size_t first = 0; first < rows; first += block) {
@@ -97,14 +109,18 @@ void ColumnsReader::has_columns(std::shared_ptr<const InputFile> file, std::vect
   file_ = std::move(file);
   columns_ = std::move(columns);
   big_endian_ = std::move(big_endian);
-  info_.decoder_bytes = kBlockBytes;
+  info_.decoder_bytes = 0;
   for (const StoredColumn& column : columns_)
-    info_.decoder_bytes = std::max<std::uint64_t>(info_.decoder_bytes, column.bytes);
+    if (!is_record(column))
+      info_.decoder_bytes = std::max<std::uint64_t>({info_.decoder_bytes, kBlockBytes, column.bytes});
 }
 
 Chunk ColumnsReader::chunk_of(std::uint64_t row) const {
   const std::uint64_t first = row / kColumnChunkRows * kColumnChunkRows;
-  return {.first_row = first, .rows = std::min(kColumnChunkRows, info_.count - first), .bounds = {}};
+  const std::uint64_t rows = std::min(kColumnChunkRows, info_.count - first), stride = info_.schema.stride;
+  if (!is_record(columns_.front())) return {.first_row = first, .rows = rows, .bounds = {}};
+  const std::uint64_t begin = columns_.front().begin;
+  return {first, rows, begin + first * stride, begin + (first + rows) * stride, std::nullopt};
 }
 
 std::unique_ptr<RowDecoder> ColumnsReader::decoder(const WantedFields& wanted) const {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Reads files whose attributes are arrays, stored one after another.
+/// Reads files whose attributes are arrays, stored one after another, or whose records are one such array.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/formats/files/input_file.h"
@@ -34,9 +35,15 @@ class ColumnsReader : public Reader {
   /// `big_endian`: the fields whose values are.
   void has_columns(std::shared_ptr<const InputFile> file, std::vector<StoredColumn> columns,
                    std::vector<Field> big_endian = {});
+  /// The file has the whole records one after another, row 0 at byte `first`.
+  void has_records(std::shared_ptr<const InputFile> file, std::uint64_t first, std::vector<Field> big_endian = {}) {
+    has_columns(std::move(file), {{first, info_.schema.stride, 0}}, std::move(big_endian));
+  }
 
  private:
   class Decoder;
+  /// Returns whether the values of a row in the column are its record.
+  bool is_record(const StoredColumn& column) const { return column.bytes == info_.schema.stride; }
 
   std::shared_ptr<const InputFile> file_;
   std::vector<StoredColumn> columns_;

@@ -2,7 +2,6 @@
 #include "pointsweep/formats/records/row_text_reader.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace pointsweep {
 

@@ -3,13 +3,11 @@
 
 #include <algorithm>
 
-#include "pointsweep/chain.h"
 #include "pointsweep/cloud.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/language/option_text.h"
 #include "pointsweep/pipeline/language/parse.h"
-#include "pointsweep/pipeline/language/registry.h"
 #include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
 #include "pointsweep/points/neighborhood_options.h"

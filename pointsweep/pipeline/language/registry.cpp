@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <string_view>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/change/distance_to.h"

@@ -4,14 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <thread>
 #include <utility>
 
 #include "pointsweep/order/waiting_estimate.h"
-#include "pointsweep/pipeline/memory/forest_estimate.h"
-#include "pointsweep/pipeline/memory/radius_estimate.h"
+#include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/rows/row_mask.h"

@@ -6,17 +6,13 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <set>
-#include <vector>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/language/parse.h"
-#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/points/lower_case.h"
-#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 

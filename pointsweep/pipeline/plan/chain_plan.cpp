@@ -2,7 +2,6 @@
 #include "pointsweep/pipeline/plan/chain_plan.h"
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 #include <utility>
 

@@ -5,10 +5,33 @@
 #include <cstring>
 #include <utility>
 
+#include "pointsweep/points/schema.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
+
 namespace {
+
+std::optional<std::size_t> offset_in(const std::vector<Attribute>& attributes, const std::string& name) {
+  std::size_t offset = 0;
+  for (const Attribute& a : attributes) {
+    if (a.name == name) return offset;
+    offset += a.bytes();
+  }
+  return std::nullopt;
+}
+
+/// Returns whether the positions, or other values that travel with the points, come from the input's record.
+bool looks_at_input(const PlannedPass& pass, std::size_t input_stride) {
+  std::vector<std::size_t> fields = pass.payload();
+  for (const char* axis : {"x", "y", "z"}) fields.push_back(*pass.input.find(axis));
+  return std::ranges::any_of(fields, [&](std::size_t f) { return pass.input.fields[f].offset < input_stride; });
+}
+
+/// Puts `n` records of `bytes` to their places, `stride` bytes apart.
+void spread(const std::byte* from, std::size_t bytes, std::size_t n, std::size_t stride, std::byte* to) {
+  for (std::size_t i = 0; i < n; ++i) std::memcpy(to + i * stride, from + i * bytes, bytes);
+}
 
 /// The rows of the cloud before any select.
 std::uint64_t all_rows(const InputCloud& cloud) {
@@ -16,6 +39,76 @@ std::uint64_t all_rows(const InputCloud& cloud) {
 }
 
 }  // namespace
+
+RowUpdate::RowUpdate(const std::vector<Attribute>& carried, const std::vector<Attribute>& made,
+                     const std::vector<Attribute>& after)
+    : carried_bytes_(bytes_of(carried)), made_bytes_(bytes_of(made)), after_bytes_(bytes_of(after)) {
+  std::size_t to = 0;
+  for (const Attribute& a : after) {
+    const auto new_one = offset_in(made, a.name);
+    pieces_.push_back({new_one.has_value(), new_one ? *new_one : offset_in(carried, a.name).value(), to, a.bytes()});
+    to += a.bytes();
+  }
+}
+
+void RowUpdate::run(const std::byte* carried, const std::byte* made, std::size_t n, std::byte* after) const {
+  for (std::size_t i = 0; i < n; ++i) {
+    for (const Piece& p : pieces_) {
+      const std::byte* from = p.made ? made + i * made_bytes_ : carried + i * carried_bytes_;
+      std::memcpy(after + i * after_bytes_ + p.to, from + p.from, p.bytes);
+    }
+  }
+}
+
+void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
+                 const std::function<void(const UpdatedRows&)>& use) {
+  const std::size_t before = carried == nullptr ? 0 : carried->record_bytes();
+  const std::size_t chunk = rows_at_once(std::max(before, update.record_bytes()));
+  std::vector<std::byte> old, updated;
+  results([&](std::uint64_t first, std::size_t rows, const std::byte* made) {
+    for (std::size_t at = 0; at < rows; at += chunk) {
+      const std::size_t n = std::min(chunk, rows - at);
+      old.resize(n * before);
+      updated.resize(n * update.record_bytes());
+      for_each_task(n, [&](std::size_t row, std::size_t m) {
+        const auto own = std::span(old).subspan(row * before, m * before);
+        if (carried != nullptr) carried->read(first + at + row, own);
+        update.run(own.data(), made + (at + row) * made_bytes, m, updated.data() + row * update.record_bytes());
+      });
+      use({first + at, n, made + at * made_bytes, updated.data()});
+    }
+  });
+}
+
+PointSource updated_source(const PointSource& input, const RowFile& carried, const PlannedPass& pass) {
+  const std::size_t stride = pass.input.stride, own = input.schema.stride, rest = stride - own;
+  // Joins what `read`, which may be empty, gives of the input with what was carried.
+  const auto joining = [=, &carried, count = input.count](ReadRows read) -> ReadRows {
+    return [=, &carried, read = std::move(read), scratch = std::vector<std::byte>()](
+               std::uint64_t row, std::span<std::byte> records) mutable -> std::size_t {
+      std::size_t n = records.size() / stride;
+      n = static_cast<std::size_t>(std::min<std::uint64_t>(n, row < count ? count - row : 0));
+      if (scratch.size() < n * std::max(own, rest)) scratch.resize(n * std::max(own, rest));
+      if (read) {
+        n = read(row, std::span(scratch).first(n * own));
+        spread(scratch.data(), own, n, stride, records.data());
+      }
+      carried.read(row, std::span(scratch).first(n * rest));
+      spread(scratch.data(), rest, n, stride, records.data() + own);
+      return n;
+    };
+  };
+  if (!looks_at_input(pass, own)) {
+    const auto of_carried = [joining](const std::vector<std::size_t>&) { return joining({}); };
+    return {pass.input, input.count, joining({}), of_carried};
+  }
+  const auto for_thread = [=, make = input.for_thread, fields = pass.input.fields](std::vector<std::size_t> wanted) {
+    std::erase_if(wanted, [&](std::size_t f) { return fields[f].offset >= own; });
+    ReadRows read = make(wanted);
+    return read ? joining(std::move(read)) : ReadRows();
+  };
+  return {pass.input, input.count, joining(input.read), for_thread, input.chunk_end};
+}
 
 PassUpdate::PassUpdate(const PlannedPass& pass, InputCloud& cloud, PointSource input, std::size_t carried_bytes,
                        const SpillPlace& rows, const SpillPlace& mask)

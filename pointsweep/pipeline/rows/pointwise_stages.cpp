@@ -6,9 +6,7 @@
 #include <cstring>
 #include <numeric>
 #include <optional>
-#include <span>
 #include <utility>
-#include <vector>
 
 #include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/prefetch.h"

@@ -6,10 +6,8 @@
 #include <utility>
 
 #include "pointsweep/order/spill_file.h"
-#include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/rows/cloud_source.h"
-#include "pointsweep/points/scratch.h"
 
 namespace pointsweep {
 

@@ -2,7 +2,7 @@
 /// Puts the points of a pass, or the records of the output, in order along the axis.
 #include <algorithm>
 
-#include "pointsweep/pipeline/memory/forest_estimate.h"
+#include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/rows/in_order_pass.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/pipeline/rows/ordered_output.h"

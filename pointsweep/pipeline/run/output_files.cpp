@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <set>
-#include <string>
-#include <vector>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/known_values.h"

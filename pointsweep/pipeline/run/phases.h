@@ -16,8 +16,8 @@
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/plan/output_layout.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
+#include "pointsweep/pipeline/rows/pass_update.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
-#include "pointsweep/pipeline/rows/updated_cloud.h"
 #include "pointsweep/pipeline/run/context.h"
 #include "pointsweep/sweep/sweep.h"
 

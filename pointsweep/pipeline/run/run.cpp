@@ -8,7 +8,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/free_memory.h"
 #include "pointsweep/pipeline/engine_run.h"
-#include "pointsweep/pipeline/memory/radius_estimate.h"
+#include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"

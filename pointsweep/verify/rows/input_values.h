@@ -2,7 +2,6 @@
 /// Operators with the values of the whole input that they need, for those who apply them without a run.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "pointsweep/formats/cloud/input_cloud.h"

@@ -2,7 +2,6 @@
 #include "pointsweep/verify/values/cloud_formula.h"
 
 #include <algorithm>
-#include <vector>
 
 namespace pointsweep {
 namespace {

@@ -3,7 +3,6 @@
 /// a graph. What they read of all rows is taken from the input, or from the output, where it is checked on its own.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <string>
 
 #include "pointsweep/verify/formulas/ground_raster.h"
 #include "pointsweep/verify/search/nearest_in_stream.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/verify/values/neighbor_labels.h"
 
-#include <algorithm>
 #include <unordered_map>
 
 #include "pointsweep/verify/search/nearest_in_stream.h"

@@ -7,8 +7,8 @@
 #include "pointsweep/verify/formulas/curvature.h"
 #include "pointsweep/verify/formulas/fairing.h"
 #include "pointsweep/verify/formulas/features.h"
-#include "pointsweep/verify/formulas/normal.h"
 #include "pointsweep/verify/formulas/splat.h"
+#include "pointsweep/verify/formulas/weighted_neighbors.h"
 #include "pointsweep/verify/values/stage_formula.h"
 
 namespace pointsweep {

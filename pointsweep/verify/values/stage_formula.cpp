@@ -2,8 +2,6 @@
 #include "pointsweep/verify/values/stage_formula.h"
 
 #include <algorithm>
-#include <limits>
-#include <string>
 
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/points/schema.h"

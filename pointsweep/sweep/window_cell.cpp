@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/sweep/cell_set.h"
+#include "pointsweep/sweep/window_cell.h"
 
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
+
 namespace {
 
 constexpr std::uint32_t kMostSlots = 1u << (32 - kIndexBits);  ///< number of slots that a NeighborRef can name
