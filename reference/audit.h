@@ -11,7 +11,7 @@
 #include "pointsweep/order/stream.h"
 #include "reference/kd_heap.h"
 #include "reference/nearest_operator.h"
-#include "reference/sorted_slab.h"
+#include "reference/read_write_operators.h"
 
 namespace pointsweep::reference {
 

@@ -3,6 +3,9 @@
 
 #include <cassert>
 
+#include "pointsweep/order/canonical_order.h"
+#include "pointsweep/order/working_record.h"
+
 namespace pointsweep::reference {
 
 namespace {
@@ -14,6 +17,19 @@ namespace {
 }
 
 }  // namespace
+
+void SortedSlab::load(const Stream& stream, std::size_t slab) {
+  const Schema& schema = stream.record_schema();
+  const std::size_t n = stream.slabs()[slab].count;
+  stride_ = schema.stride;
+  records_.resize(n * stride_);
+  stream.read(slab, records_);
+  x_.resize(n), y_.resize(n), z_.resize(n), row_.resize(n);
+  decode_positions(position_fields(schema, "the working record"), records_.data(), schema.stride, n, x_.data(),
+                   y_.data(), z_.data());
+  for (std::size_t i = 0; i < n; ++i) row_[i] = row_of(schema, records_.data() + i * stride_);
+  canonical_order(stream.axis(), x_, y_, z_, row_, order_);
+}
 
 ReadOperator::ReadOperator(const Stream& stream, const Fields& fields, Reach reach, ActiveSet& active)
     : stream_(stream), fields_(fields), reach_(reach), active_(active) {

@@ -1,17 +1,38 @@
 // SPDX-License-Identifier: MIT
-/// The read operator Φ_R and the deferred-write operator Φ_W (paper Section 4.2.1).
+/// The read operator Φ_R, which sorts slabs of the ordered stream, and the deferred-write operator Φ_W (paper
+/// Section 4.2.1).
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <utility>
+#include <vector>
 
 #include "pointsweep/order/stream.h"
 #include "reference/fields.h"
-#include "reference/sorted_slab.h"
 #include "reference/stream_operator.h"
 
 namespace pointsweep::reference {
+
+/// The points of one slab in canonical order. Place 0 is the first point of the slab.
+class SortedSlab {
+ public:
+  void load(const Stream& stream, std::size_t slab);
+
+  std::size_t size() const { return order_.size(); }
+  Vec3 position(std::size_t place) const { return {x_[order_[place]], y_[order_[place]], z_[order_[place]]}; }
+  std::uint64_t row(std::size_t place) const { return row_[order_[place]]; }
+  const std::byte* record(std::size_t place) const { return records_.data() + std::size_t{order_[place]} * stride_; }
+
+ private:
+  std::size_t stride_ = 0;
+  std::vector<std::byte> records_;
+  std::vector<double> x_, y_, z_;
+  std::vector<std::uint64_t> row_;
+  std::vector<std::uint32_t> order_;
+};
 
 /// Reads and buffers one point at a time, in canonical order. Ordering itself is shared with the engine (order/): its
 /// slabs are read one by one and sorted.

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "pointsweep/sweep/apply_step.h"
 #include "pointsweep/sweep/worker.h"
 
 namespace pointsweep {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/sweep/apply_step.h"
+#include "pointsweep/sweep/worker.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

@@ -97,7 +97,7 @@ MUTANTS = [
     Mutant("a rule looks at the first points of a cell in every run of lists", "radius", SWEEP + "cell_lists.cpp",
            "const std::uint32_t first = points[0];", "const std::uint32_t first = 0 * points[0];",
            ("pipeline:Radius.*", "pipeline:NeighborhoodRules.*")),
-    Mutant("what does not fit an operator's batch gets the lists of its begin", "radius", SWEEP + "apply_step.cpp",
+    Mutant("what does not fit an operator's batch gets the lists of its begin", "radius", SWEEP + "worker.cpp",
            "batch.begin = lists.begin.data() + n;", "batch.begin = lists.begin.data();",
            ("pipeline:Radius.*", "pipeline:Run.*")),
     Mutant("lists found again begin at the first point of the cell", "radius", SWEEP + "cell_runner.cpp",

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/las/las_encoder.h"
 #include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_frame.h"
 #include "pointsweep/threads.h"

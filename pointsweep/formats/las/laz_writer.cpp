@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/formats/las/las_encoder.h"
 #include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_frame.h"
 #include "pointsweep/formats/las/laz_layout.h"
