@@ -14,7 +14,6 @@
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
-
 namespace {
 
 thread_local unsigned run_threads = 0;  ///< of the run this thread belongs to; 0: of none

@@ -7,7 +7,6 @@
 #include <utility>
 
 namespace pointsweep::reference {
-
 namespace {
 
 bool may_hold_neighbors(const Slab& slab, const Suspect& suspect) {

@@ -7,7 +7,6 @@
 #include "pointsweep/order/working_record.h"
 
 namespace pointsweep::reference {
-
 namespace {
 
 [[maybe_unused]] bool ascend(const std::vector<Slab>& slabs, int axis) {

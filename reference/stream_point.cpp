@@ -2,7 +2,6 @@
 #include "reference/stream_point.h"
 
 namespace pointsweep::reference {
-
 namespace {
 
 constexpr std::size_t kReserved = 512;  ///< at once; larger sets grow

@@ -12,7 +12,6 @@
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// "ascending along x", "descending along y and z", "not ascending along x, y or z". An axis along which nothing

@@ -12,7 +12,6 @@
 #include "pointsweep/pipeline/plan/default_neighborhood.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::size_t kMeaningColumn = 17;  // of names, before what they mean

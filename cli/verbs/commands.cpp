@@ -6,7 +6,6 @@
 #include "cli/text/help.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// An empty name of a file would be the current folder, and no other option means anything without a value.

@@ -18,7 +18,6 @@
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
-
 namespace {
 
 std::string help_of(const CLI::App& app, const std::string& name) {

@@ -19,7 +19,6 @@
 #include "pointsweep/pipeline/plan/default_neighborhood.h"
 
 namespace pointsweep {
-
 namespace {
 
 struct RunCommand {

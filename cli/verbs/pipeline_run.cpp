@@ -12,7 +12,6 @@
 #include "pointsweep/pipeline/run/preview.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// Returns the word that stands for the value in the help.

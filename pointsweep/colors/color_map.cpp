@@ -5,7 +5,6 @@
 #include <array>
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::array<Rgb, 10> kViridis = {{{68, 1, 84},

@@ -14,7 +14,6 @@
 #include "pointsweep/formats/wkt.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::size_t kLongestName = 60;

@@ -11,7 +11,6 @@
 #include <unordered_set>
 
 namespace pointsweep {
-
 namespace {
 
 std::string without_separators(std::string name) {

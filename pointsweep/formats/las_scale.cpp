@@ -12,7 +12,6 @@
 #include "pointsweep/reader.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr double kUsableSteps = 2147483646;  // one below the largest integer: rounding may add one

@@ -13,7 +13,6 @@
 #include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
-
 namespace {
 
 using namespace std::string_view_literals;

@@ -18,7 +18,6 @@
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// Returns the largest difference between a bound in the header and the bound of the points that rounding explains:

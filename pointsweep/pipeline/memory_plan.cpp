@@ -12,7 +12,6 @@
 #include "pointsweep/sweep/window_cell.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::uint64_t kMega = 1u << 20;

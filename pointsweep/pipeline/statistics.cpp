@@ -14,7 +14,6 @@
 #include "pointsweep/formats/registry.h"
 
 namespace pointsweep {
-
 namespace {
 
 nlohmann::ordered_json thinned(const std::vector<std::pair<std::uint64_t, std::uint64_t>>& series) {

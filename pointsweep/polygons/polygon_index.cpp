@@ -8,7 +8,6 @@
 #include "pointsweep/math/exact_sum.h"
 
 namespace pointsweep {
-
 namespace {
 
 int exact_orientation(Point2 a, Point2 b, Point2 c) {

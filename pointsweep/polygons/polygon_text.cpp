@@ -9,7 +9,6 @@
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n";

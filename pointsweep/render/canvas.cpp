@@ -12,7 +12,6 @@
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
-
 namespace {
 
 Vec3 no_longer_than(Vec3 v, double longest) {

@@ -9,7 +9,6 @@
 #include "pointsweep/math/mix.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::uint64_t kShortStretch = 256, kLongStretch = 8192, kTrials = 16;

@@ -10,7 +10,6 @@
 #include "pointsweep/colors/color_map.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// The characters from ' ' to '~'. Each is some polylines, separated by blanks; each vertex is two digits, x and y. The

@@ -12,7 +12,6 @@
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr double kMargin = 0.03;

@@ -8,7 +8,6 @@
 #include <iterator>
 
 namespace pointsweep {
-
 namespace {
 
 double nice_step(double span, int wanted) {

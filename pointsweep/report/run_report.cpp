@@ -11,7 +11,6 @@
 #include "pointsweep/report/plot.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::size_t kBins = 48;

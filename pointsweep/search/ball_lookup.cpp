@@ -5,7 +5,6 @@
 #include <utility>
 
 namespace pointsweep {
-
 namespace {
 
 /// Numbers of the cells from one end of a ball to the other. The ball is less than two cells wide. If the grid is finer

@@ -6,7 +6,6 @@
 #include <new>
 
 namespace pointsweep {
-
 namespace {
 std::size_t padded(std::size_t n) { return (n + 15) / 16 * 16; }
 constexpr float kFar = std::numeric_limits<float>::max();

@@ -8,7 +8,6 @@
 #include "pointsweep/search/cell.h"
 
 namespace pointsweep {
-
 namespace {
 
 struct Extent {

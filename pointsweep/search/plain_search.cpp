@@ -11,7 +11,6 @@
 #include "pointsweep/cancellation.h"
 
 namespace pointsweep {
-
 namespace {
 
 struct NearLeaf {

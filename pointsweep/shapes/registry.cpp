@@ -4,7 +4,6 @@
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
-
 namespace {
 
 class Plane final : public Shape {

@@ -8,7 +8,6 @@
 #include "pointsweep/sweep/worker.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// Returns the `share` quantile of the reaches of a cell's points, from at most 128 of the points.

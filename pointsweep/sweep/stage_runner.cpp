@@ -11,7 +11,6 @@
 #include "pointsweep/order/stream.h"
 
 namespace pointsweep {
-
 namespace {
 
 PointKey key_in(const PointColumns& points, std::size_t i) {

@@ -14,7 +14,6 @@
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
-
 namespace {
 
 double seconds_since(std::chrono::steady_clock::time_point start) {

@@ -8,7 +8,6 @@
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// A cell is much denser than a leaf if its reach is more than this many times shorter. On a surface, such a cell has

@@ -4,7 +4,6 @@
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::uint32_t kMostSlots = 1u << (32 - kIndexBits);  ///< number of slots that a NeighborRef can name

@@ -7,7 +7,6 @@
 #include "pointsweep/order/fixed_copy.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// The most neighbours that an operator gets at once, unless a single point has more.

@@ -29,7 +29,6 @@
 #include "pointsweep/verify/verify.h"
 
 namespace pointsweep {
-
 namespace {
 
 class CloudReader final : public Reader {

@@ -9,7 +9,6 @@
 #include "pointsweep/points/color_depth.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr int kOverlapClass = 12;  ///< LAS 1.4 R15, Table 9

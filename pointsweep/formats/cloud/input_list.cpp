@@ -22,7 +22,6 @@
 #include "pointsweep/formats/registry.h"
 
 namespace pointsweep {
-
 namespace {
 
 namespace fs = std::filesystem;

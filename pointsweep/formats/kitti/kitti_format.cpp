@@ -12,7 +12,6 @@
 #include "pointsweep/reader.h"
 
 namespace pointsweep {
-
 namespace {
 
 class FloatRecords final : public ColumnsReader {

@@ -11,7 +11,6 @@
 #include "pointsweep/formats/las_scale.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::uint64_t kCopiedAtOnce = std::uint64_t{1} << 20;

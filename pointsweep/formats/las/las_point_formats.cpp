@@ -8,7 +8,6 @@
 #include <utility>
 
 namespace pointsweep {
-
 namespace {
 
 /// Degrees per unit of the scan angle of formats 6 to 10.

@@ -12,7 +12,6 @@
 #include "pointsweep/formats/las/laz_layout.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// Reads small pieces of a file in ascending order with few system calls.

@@ -17,7 +17,6 @@
 #include "pointsweep/reader.h"
 
 namespace pointsweep {
-
 namespace {
 
 bool is_vertex_line(std::string_view line) {

@@ -13,7 +13,6 @@
 #include "pointsweep/formats/records/columns_reader.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::uint64_t kMostNeighborColumns = 1 << 16;

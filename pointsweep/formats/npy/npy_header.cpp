@@ -14,7 +14,6 @@
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
-
 namespace {
 
 struct PyLiteral {

@@ -16,7 +16,6 @@
 #include "pointsweep/formats/records/columns_reader.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::uint64_t kMostColumns = 65536;

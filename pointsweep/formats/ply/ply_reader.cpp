@@ -19,7 +19,6 @@
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {
-
 namespace {
 
 [[noreturn]] void fail_inside(const std::filesystem::path& path, const PlyElement& element) {

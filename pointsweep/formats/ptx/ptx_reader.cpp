@@ -13,7 +13,6 @@
 #include "pointsweep/formats/ptx/ptx_layout.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// The fields that get the values of a point in its record. The coordinates come first.

@@ -9,7 +9,6 @@
 #include "pointsweep/formats/qsplat/qsplat_walk.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::uint64_t kBetweenPlaces = 32768;

@@ -10,7 +10,6 @@
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr int kGrid = 13;

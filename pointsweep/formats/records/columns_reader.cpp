@@ -11,7 +11,6 @@
 #include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// Any number would do; so many are read in some milliseconds.

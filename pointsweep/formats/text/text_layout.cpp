@@ -12,7 +12,6 @@
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
-
 namespace {
 
 bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }

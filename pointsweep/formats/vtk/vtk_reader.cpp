@@ -17,7 +17,6 @@
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::uint32_t kMostRecordBytes = 1 << 20;

@@ -13,7 +13,6 @@
 #include "pointsweep/points/neighborhood_options.h"
 
 namespace pointsweep {
-
 namespace {
 
 std::vector<Attribute> made_by(const Chain& chain) {

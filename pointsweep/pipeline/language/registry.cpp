@@ -37,7 +37,6 @@
 #include "pointsweep/points/nearest_names.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// A word of other programs for what no operator here is called, and what to do instead.

@@ -14,7 +14,6 @@
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::size_t kQueries = 512;

@@ -15,7 +15,6 @@
 #include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
-
 namespace {
 
 bool moves(const Attribute& a) {

@@ -11,7 +11,6 @@
 #include "pointsweep/pipeline/rows/cloud_source.h"
 
 namespace pointsweep {
-
 namespace {
 constexpr std::size_t kChunkBytes = 4 << 20;
 

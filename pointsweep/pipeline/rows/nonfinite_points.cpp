@@ -9,7 +9,6 @@
 #include "pointsweep/order/working_record.h"
 
 namespace pointsweep {
-
 namespace {
 
 bool holds_nonfinite(const std::filesystem::path& output) {

@@ -12,7 +12,6 @@
 #include "pointsweep/prefetch.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::size_t kPositionBytes = 3 * sizeof(double);

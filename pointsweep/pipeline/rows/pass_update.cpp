@@ -9,7 +9,6 @@
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
-
 namespace {
 
 std::optional<std::size_t> offset_in(const std::vector<Attribute>& attributes, const std::string& name) {

@@ -10,7 +10,6 @@
 #include "pointsweep/pipeline/rows/cloud_source.h"
 
 namespace pointsweep {
-
 namespace {
 
 class SpilledScratch final : public Scratch {

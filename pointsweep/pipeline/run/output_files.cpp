@@ -18,7 +18,6 @@
 #include "pointsweep/pipeline/sweep_engine.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// The facts that determine the result of a run, for its processing record.

@@ -17,7 +17,6 @@
 #include "pointsweep/pipeline/rows/other_cloud.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// The number of the step that stage `s` belongs to.

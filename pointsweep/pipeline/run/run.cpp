@@ -20,7 +20,6 @@
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
-
 namespace {
 
 /// Takes over the counts of an earlier process, if there was one.

@@ -7,7 +7,6 @@
 #include <utility>
 
 namespace pointsweep::formulas {
-
 namespace {
 
 constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();

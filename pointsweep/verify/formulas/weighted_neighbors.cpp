@@ -4,7 +4,6 @@
 #include <numbers>
 
 namespace pointsweep::formulas {
-
 namespace {
 
 /// Turns `n` so that its product with something is positive; false where the product is 0 or may be.

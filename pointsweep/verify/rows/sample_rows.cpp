@@ -9,7 +9,6 @@
 #include "pointsweep/math/mix.h"
 
 namespace pointsweep {
-
 namespace {
 
 struct PlaceInOrder {

@@ -8,7 +8,6 @@
 #include "pointsweep/cancellation.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr std::uint64_t kThin = 65536;

@@ -12,7 +12,6 @@
 #include "pointsweep/verify/values/cloud_formula.h"
 
 namespace pointsweep {
-
 namespace {
 
 constexpr double kGround = 2, kUnclassified = 1;

@@ -10,7 +10,6 @@
 #include "pointsweep/verify/formulas/distances.h"
 
 namespace pointsweep {
-
 namespace {
 
 using formulas::Estimate;
