@@ -84,8 +84,7 @@ ListedOperator listed_neighborhood() {
 /// Returns whether the operator needs a radius, so that no number of neighbours is enough.
 bool needs_radius(const OperatorDeclaration& declaration) {
   try {
-    make_stage(declaration, sample_values(declaration),
-               {.neighborhood = Neighborhood{.k = Neighborhood::kOfOperators}});
+    declaration.make(sample_values(declaration), {.neighborhood = Neighborhood{.k = Neighborhood::kOfOperators}});
     return false;
   } catch (const UsageError&) {
     return true;
@@ -159,7 +158,7 @@ OrderedJson json_of(const ListedOperator& listed) {
 }  // namespace
 
 Contract contract_of(const OperatorDeclaration& declaration) {
-  const ChainStage stage = make_stage(declaration, sample_values(declaration), {});
+  const ChainStage stage = declaration.make(sample_values(declaration), {});
   Contract contract = contract_of(stage);
   std::erase_if(contract.makes, [](const Attribute& a) { return a.name == selection_attribute().name; });
   if (declaration.makes_named) contract.makes.clear();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The built-in operators and rules of neighbourhoods as typed functions. docs/operators.md has their formulas, sources
-/// and costs, docs/attributes.md what they make.
+/// and costs, docs/attributes.md what they make. All of them throw UsageError for options out of their ranges.
 #pragma once
 
 #include <cstddef>
@@ -24,23 +24,24 @@ namespace pointsweep {
 enum class Orient {
   none,       ///< the component of largest magnitude is positive, the first of equal ones
   up,         ///< nz >= 0
-  viewpoint,  ///< towards NormalsOptions::viewpoint
+  viewpoint,  ///< towards NormalsOptions::viewpoint, which is required
   input,      ///< agrees with the normal the file has
 };
 
 struct NormalsOptions {
   Orient orient = Orient::none;
-  Vec3 viewpoint = {};  ///< in the coordinates of the cloud; only for Orient::viewpoint
+  std::optional<Vec3> viewpoint = {};  ///< in the coordinates of the cloud; only for Orient::viewpoint
 };
 
 /// The matrix that determines the direction and the ratio of the ellipse of a splat.
 enum class SplatAxes {
+  automatic,  ///< curvature if an earlier stage makes it, else positions
   positions,  ///< M_i of Equation 1: long where the neighbours are spread
   curvature,  ///< C_i of Equation 2, by way of k1, k2 and k1_direction: long along ridges and valleys
 };
 
 struct SplatsOptions {
-  SplatAxes axes = SplatAxes::positions;
+  SplatAxes axes = SplatAxes::automatic;
 };
 
 /// Standard deviations of the two Gaussians of Equation 3, f(r) = exp(-r² / 2 f²). The paper sets "the variance" of
@@ -53,8 +54,29 @@ struct FairOptions {
   double g = 0;
 };
 
+/// Widths of FairOptions in % of the diagonal of the box around the finite points of the input; 1e-6 to 100.
+struct FairPercent {
+  double f = 0.5;
+  double g = 0.5;
+};
+
 /// The program whose definition of a statistical outlier sor() follows; docs/pipelines.md has the five definitions.
 enum class OutlierDefinition { pointsweep, pdal, pcl, open3d, cloudcompare };
+
+struct SorOptions {
+  double multiplier = 2;  ///< a mean distance this many standard deviations above that of the cloud is an outlier; >= 0
+  OutlierDefinition definition = OutlierDefinition::pointsweep;
+};
+
+/// Options of ror(). `radius` is required.
+struct RorOptions {
+  double radius = 0;                ///< neighbours within it count, inclusive; > 0
+  std::uint64_t min_neighbors = 2;  ///< a point with fewer neighbours is an outlier; >= 1
+};
+
+struct DensityOptions {
+  std::optional<double> radius = {};  ///< of the ball, > 0; absent: the distance to the farthest neighbour
+};
 
 /// The values that the formulas of features() call λ.
 enum class EigenvalueScale {
@@ -83,6 +105,18 @@ enum class VoxelKeep {
   centroid,
 };
 
+/// Options of decimate(). `share` is required.
+struct DecimateOptions {
+  double share = 0;        ///< share of the points that are kept, 0 to 1
+  std::uint64_t seed = 0;  ///< another seed keeps other points
+};
+
+/// Options of voxel(). `size` is required.
+struct VoxelOptions {
+  double size = 0;  ///< edge of a cube of the grid, whose faces lie at multiples of it, length; > 0
+  VoxelKeep keep = VoxelKeep::center;
+};
+
 struct PoissonOptions {
   double radius = 0;             ///< a kept point leaves out the other points within this distance; > 0
   std::string radius_from = {};  ///< name of an attribute that holds the radius of each point, at most `radius`
@@ -91,7 +125,8 @@ struct PoissonOptions {
 /// Options of simplify(). All are lengths.
 struct SimplifyOptions {
   double error = 0;  ///< how far a kept point may be off the tangent plane of a point that it represents; > 0
-  double most = 0;   ///< the largest distance from a kept point to a point that it represents, on flat parts; > 0
+  /// The largest distance from a kept point to a point that it represents, on flat parts, > 0; absent: 32 times error.
+  std::optional<double> most = {};
   double least = 0;  ///< the smallest such distance, where noise looks like curvature; 0 to `most`
 };
 
@@ -101,6 +136,12 @@ struct CropOptions {
   std::string polygon = {};         ///< name of a file with polygons, WKT or GeoJSON, or such a text itself
   bool outside = false;             ///< keep what is not inside
   std::string checksum = {};        ///< checksum that the polygon file must have; empty: any
+};
+
+/// Options of distance_to(). `cloud` is required.
+struct DistanceToOptions {
+  std::string cloud = {};           ///< the other cloud: a file, a folder or a pattern
+  std::optional<double> most = {};  ///< a nearest point farther than it does not count, length, > 0; absent: no limit
 };
 
 /// Options of m3c2() (Lague et al. 2013). `cloud`, `cylinder` and `depth` are required.
@@ -124,7 +165,7 @@ enum class ColorBits {
 struct ColorOptions {
   std::string by = {};  ///< an attribute of the input, a component of one made before, or x, y or z
   ColorMap map = ColorMap::viridis;
-  std::optional<std::pair<double, double>> range = {};  ///< ends of the map; absent: least and greatest of the cloud
+  std::vector<double> range = {};  ///< the two ends of the map; empty: the least and the greatest of the cloud
   ColorBits bits = ColorBits::automatic;
 };
 
@@ -139,6 +180,38 @@ struct GroundOptions {
   bool noise = false;        ///< points of the classes 7 and 18 take part, too
 };
 
+struct HeightOptions {
+  std::uint64_t k = 1;  ///< nearest points of the ground over which its height is averaged; 1 to 1,024
+};
+
+struct ComponentsOptions {
+  std::optional<double> distance = {};  ///< points farther from each other are not joined; >= 0
+};
+
+/// Options of dbscan(). `eps` is required.
+struct DbscanOptions {
+  double eps = 0;                ///< the distance within which points are neighbours, inclusive; > 0
+  std::uint64_t min_points = 5;  ///< points within eps that make a core point, itself included; >= 1
+};
+
+struct SegmentsOptions {
+  double angle = 5;  ///< largest angle between the normals of joined points, degrees; > 0, at most 90
+  std::optional<double> distance = {};  ///< points farther from each other are not joined; >= 0
+};
+
+/// The way in which orient() finds the signs of normals.
+enum class OrientMethod {
+  mst,         ///< the minimum spanning forest of the graph of neighbours (Hoppe et al. 1992)
+  trajectory,  ///< the place of the sensor at the gps_time of the point
+};
+
+struct OrientOptions {
+  OrientMethod method = OrientMethod::mst;
+  std::optional<Vec3> viewpoint = {};  ///< for `mst`: most normals of each component face it
+  std::string trajectory = {};         ///< for `trajectory`: a file with lines of time, x, y, z
+  std::string checksum = {};           ///< checksum that the trajectory file must have; empty: any
+};
+
 namespace operators {
 
 /// Makes "normal": the unit normal of the surface the points were taken from (paper Section 3.2, Equation 1).
@@ -151,20 +224,19 @@ POINTSWEEP_EXPORT ChainStage splats(const SplatsOptions& options = {});
 /// Moves the points: feature-preserving smoothing in one pass (paper Section 4.3.4, Equation 3). Needs "normal" and
 /// splats(). Widths are in length units. Throws UsageError unless both are positive.
 POINTSWEEP_EXPORT ChainStage fair(const FairOptions& options);
-/// fair() with both widths in % of the diagonal of the box around the finite points of the input.
-POINTSWEEP_EXPORT ChainStage fair_in_percent(const FairOptions& percent = {0.5, 0.5});
+/// fair() with widths that follow the extent of the cloud.
+POINTSWEEP_EXPORT ChainStage fair_in_percent(const FairPercent& percent = {});
 /// Makes "mean_distance" and "outlier": whether the mean distance to the neighbours exceeds its mean over the cloud by
-/// more than `multiplier` standard deviations, by one of five definitions. Throws UsageError unless multiplier is a
-/// number of at least 0.
-POINTSWEEP_EXPORT ChainStage sor(double multiplier = 2, OutlierDefinition definition = OutlierDefinition::pointsweep);
+/// more than `multiplier` standard deviations, by one of five definitions.
+POINTSWEEP_EXPORT ChainStage sor(const SorOptions& options = {});
 /// Makes "outlier": 1 where fewer than `min_neighbors` neighbours lie within `radius`, which the neighbourhoods have to
-/// hold (k of at least min_neighbors, no smaller radius). Throws UsageError for a radius of 0 and min_neighbors of 0.
-POINTSWEEP_EXPORT ChainStage ror(double radius, std::uint64_t min_neighbors = 2);
+/// hold (k of at least min_neighbors, no smaller radius).
+POINTSWEEP_EXPORT ChainStage ror(const RorOptions& options);
 /// Makes "k_distance", "reachability_density" and "lof", the local outlier factor (Breunig et al. 2000).
 POINTSWEEP_EXPORT ChainStage lof();
 /// Makes "surface_density" and "volume_density", of the ball up to the farthest neighbour, or of one with a radius, all
 /// of whose points the neighbourhoods have to hold.
-POINTSWEEP_EXPORT ChainStage density(std::optional<double> radius = std::nullopt);
+POINTSWEEP_EXPORT ChainStage density(const DensityOptions& options = {});
 /// Keeps the rows for which a condition on attributes holds, e.g. "classification == 2 && z < 100"
 /// (docs/pipelines.md). Throws UsageError for a text that is no condition.
 POINTSWEEP_EXPORT ChainStage where(std::string_view condition);
@@ -179,44 +251,39 @@ POINTSWEEP_EXPORT ChainStage drop(const std::vector<std::string>& attributes);
 POINTSWEEP_EXPORT ChainStage crop(const CropOptions& options);
 /// Keeps, of all points with equal coordinates, the one of the first row.
 POINTSWEEP_EXPORT ChainStage unique();
-/// Keeps a share, in [0, 1], of the points, chosen by a hash of their coordinates; another seed chooses others.
-POINTSWEEP_EXPORT ChainStage decimate(double share, std::uint64_t seed = 0);
-/// Keeps one point in each cube of edge length `size` of a grid with faces at multiples of it.
-POINTSWEEP_EXPORT ChainStage voxel(double size, VoxelKeep keep = VoxelKeep::center);
+/// Keeps a share of the points, chosen by a hash of their coordinates.
+POINTSWEEP_EXPORT ChainStage decimate(const DecimateOptions& options);
+/// Keeps one point in each cube of a grid.
+POINTSWEEP_EXPORT ChainStage voxel(const VoxelOptions& options);
 /// Makes "classification": 2 for points of the ground, by a morphological filter of the raster of the lowest points.
-/// Throws UsageError for options outside of their ranges.
 POINTSWEEP_EXPORT ChainStage ground(const GroundOptions& options = {});
 /// Makes "height": z above the mean, weighted by 1 / distance², of the k points of class 2 that are nearest in x and y.
-/// Needs "classification", of the input or of ground(). Throws UsageError unless k is 1 to 1,024.
-POINTSWEEP_EXPORT ChainStage height(std::uint64_t k = 1);
+/// Needs "classification", of the input or of ground().
+POINTSWEEP_EXPORT ChainStage height(const HeightOptions& options = {});
 /// Makes "component" and "component_size": connected components of the graph in which points are joined to their
 /// neighbours, or, with a distance, to all points within it, which the neighbourhoods have to hold.
-POINTSWEEP_EXPORT ChainStage components(std::optional<double> distance = std::nullopt);
+POINTSWEEP_EXPORT ChainStage components(const ComponentsOptions& options = {});
 /// Makes "core", "cluster" and "cluster_size": DBSCAN, with border points in the cluster of the nearest core point.
-/// Neighbourhoods have to hold all points within eps. Throws UsageError unless eps is above 0 and min_points at
-/// least 1.
-POINTSWEEP_EXPORT ChainStage dbscan(double eps, std::uint64_t min_points = 5);
-/// Makes "segment" and "segment_size": components of neighbours whose normals differ by less than an angle in degrees,
-/// and that are not farther from each other than a distance; and "segment_residual", the root mean square distance of
-/// their points to their plane. Needs "normal". Throws UsageError for an angle that is not above 0 and at most 90.
-POINTSWEEP_EXPORT ChainStage segments(double angle = 5, std::optional<double> distance = std::nullopt);
+/// Neighbourhoods have to hold all points within eps.
+POINTSWEEP_EXPORT ChainStage dbscan(const DbscanOptions& options);
+/// Makes "segment" and "segment_size": components of neighbours whose normals differ by less than an angle, and that
+/// are not farther from each other than a distance; and "segment_residual", the root mean square distance of their
+/// points to their plane. Needs "normal".
+POINTSWEEP_EXPORT ChainStage segments(const SegmentsOptions& options = {});
 /// Makes "normal_turned" and "normal": normals with signs that are consistent over each component of the graph of
 /// neighbours, by its minimum spanning forest (Hoppe et al. 1992); most of them face the viewpoint, if there is one,
-/// and else point out of closed surfaces and up from open ones. Needs "normal".
-POINTSWEEP_EXPORT ChainStage orient(std::optional<Vec3> viewpoint = std::nullopt);
-/// Makes "normal": normals that face the sensor, by a file with lines of time, x, y, z. Needs "normal" and "gps_time".
-/// Throws Error for a file that cannot be read.
-POINTSWEEP_EXPORT ChainStage orient_by_trajectory(const std::string& file);
-/// Makes "cloud_distance": the distance to the nearest point of another cloud, a file, a folder or a pattern, or NaN
-/// where that is farther than `most`. Throws UsageError unless `most` is above 0.
-POINTSWEEP_EXPORT ChainStage distance_to(const std::string& cloud,
-                                         double most = std::numeric_limits<double>::infinity());
+/// and else point out of closed surfaces and up from open ones. With OrientMethod::trajectory makes "normal" alone:
+/// normals that face the sensor. Needs "normal", and "gps_time" for a trajectory. Throws Error for a file that cannot
+/// be read.
+POINTSWEEP_EXPORT ChainStage orient(const OrientOptions& options = {});
+/// Makes "cloud_distance": the distance to the nearest point of another cloud, or NaN where that is farther than
+/// `most`.
+POINTSWEEP_EXPORT ChainStage distance_to(const DistanceToOptions& options);
 /// Makes "m3c2_distance", the change to another cloud along the normal, and "m3c2_lod", its level of detection, with
-/// the spreads and numbers of points that these come from. Needs "normal". Throws UsageError for options outside of
-/// their ranges.
+/// the spreads and numbers of points that these come from. Needs "normal".
 POINTSWEEP_EXPORT ChainStage m3c2(const M3c2Options& options);
 /// Makes features of the shape of neighbourhoods from the eigenvalues of their covariance: "linearity", "planarity",
-/// "sphericity" and more (docs/operators.md). Throws UsageError for a name that is not one of these, or is given twice.
+/// "sphericity" and more (docs/operators.md).
 POINTSWEEP_EXPORT ChainStage features(const FeaturesOptions& options = {});
 /// Keeps points of which none is within the radius of another: in the order of a hash of the coordinates, a point is
 /// kept unless a kept one lies within its radius.

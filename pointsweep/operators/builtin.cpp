@@ -38,15 +38,11 @@ ChainStage normals(const NormalsOptions& options) { return std::make_shared<Norm
 ChainStage curvature() { return std::make_shared<Curvature>(); }
 ChainStage splats(const SplatsOptions& options) { return std::make_shared<Splats>(options); }
 ChainStage fair(const FairOptions& options) { return std::make_shared<Fair>(options); }
-ChainStage fair_in_percent(const FairOptions& percent) { return std::make_shared<FairInPercent>(percent); }
-ChainStage sor(double multiplier, OutlierDefinition definition) {
-  return std::make_shared<StatisticalOutliers>(multiplier, definition);
-}
-ChainStage ror(double radius, std::uint64_t min_neighbors) {
-  return std::make_shared<RadiusOutliers>(radius, min_neighbors);
-}
+ChainStage fair_in_percent(const FairPercent& percent) { return std::make_shared<FairInPercent>(percent); }
+ChainStage sor(const SorOptions& options) { return std::make_shared<StatisticalOutliers>(options); }
+ChainStage ror(const RorOptions& options) { return std::make_shared<RadiusOutliers>(options); }
 ChainStage lof() { return std::make_shared<LocalOutlierFactor>(); }
-ChainStage density(std::optional<double> radius) { return std::make_shared<Density>(radius); }
+ChainStage density(const DensityOptions& options) { return std::make_shared<Density>(options); }
 ChainStage where(std::string_view condition) { return std::make_shared<Where>(condition); }
 ChainStage set(std::string_view assignments, std::optional<Type> type) {
   return std::make_shared<Set>(assignments, type);
@@ -55,20 +51,18 @@ ChainStage color(const ColorOptions& options) { return std::make_shared<Color>(o
 ChainStage drop(const std::vector<std::string>& attributes) { return drop_of(attributes); }
 ChainStage crop(const CropOptions& options) { return std::make_shared<Crop>(options); }
 ChainStage unique() { return std::make_shared<Unique>(); }
-ChainStage decimate(double share, std::uint64_t seed) { return std::make_shared<Decimate>(share, seed); }
-ChainStage voxel(double size, VoxelKeep keep) { return std::make_shared<Voxel>(size, keep); }
+ChainStage decimate(const DecimateOptions& options) { return std::make_shared<Decimate>(options); }
+ChainStage voxel(const VoxelOptions& options) { return std::make_shared<Voxel>(options); }
 ChainStage poisson(const PoissonOptions& options) { return std::make_shared<Poisson>(options); }
 ChainStage simplify(const SimplifyOptions& options) { return std::make_shared<Simplify>(options); }
 ChainStage ground(const GroundOptions& options) { return std::make_shared<Ground>(options); }
-ChainStage height(std::uint64_t k) { return std::make_shared<Height>(k); }
-ChainStage components(std::optional<double> distance) { return std::make_shared<ConnectedComponents>(distance); }
-ChainStage dbscan(double eps, std::uint64_t min_points) { return std::make_shared<DensityClusters>(eps, min_points); }
-ChainStage segments(double angle, std::optional<double> distance) {
-  return std::make_shared<Segments>(angle, distance);
-}
-ChainStage orient(std::optional<Vec3> viewpoint) { return std::make_shared<OrientedNormals>(viewpoint); }
-ChainStage orient_by_trajectory(const std::string& file) { return std::make_shared<OrientedNormals>(file, ""); }
-ChainStage distance_to(const std::string& cloud, double most) { return std::make_shared<DistanceTo>(cloud, most); }
+ChainStage height(const HeightOptions& options) { return std::make_shared<Height>(options); }
+ChainStage components(const ComponentsOptions& options) { return std::make_shared<ConnectedComponents>(options); }
+ChainStage dbscan(const DbscanOptions& options) { return std::make_shared<DensityClusters>(options); }
+ChainStage segments(const SegmentsOptions& options) { return std::make_shared<Segments>(options); }
+ChainStage orient(const OrientOptions& options) { return std::make_shared<OrientedNormals>(options); }
+
+ChainStage distance_to(const DistanceToOptions& options) { return std::make_shared<DistanceTo>(options); }
 ChainStage m3c2(const M3c2Options& options) { return std::make_shared<M3c2>(options); }
 ChainStage features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
 ChainStage neighborhood_size() { return std::make_shared<NeighborhoodSize>(); }

@@ -46,7 +46,7 @@ std::vector<std::string> made_numbers(std::span<const std::string> operators, co
   std::set<std::string> again;
   for (const std::string& op : operators)
     if (const OperatorDeclaration* declaration = declaration_of(op))
-      for (const Attribute& a : contract_of(make_stage(*declaration, sample_values(*declaration), {})).makes)
+      for (const Attribute& a : contract_of(declaration->make(sample_values(*declaration), {})).makes)
         again.insert(a.fields.begin(), a.fields.end());
   std::vector<std::string> made;
   for (const Field& field : output.fields)

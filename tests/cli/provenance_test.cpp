@@ -192,7 +192,7 @@ class Height final : public LocalOperator {
 
 TEST_F(Provenance, OfARunOfTheLibraryIsThatOfTheTool) {
   InputCloud cloud({folder_ / "in.ply"});
-  const Chain normals{{.k = 12}, {std::make_shared<Normals>(NormalsOptions{Orient::viewpoint, {0, 0, 1.7}})}};
+  const Chain normals{{.k = 12}, {std::make_shared<Normals>(NormalsOptions{Orient::viewpoint, Vec3{0, 0, 1.7}})}};
   run(cloud, normals, {.points = folder_ / "library.ply", .arrays = {}, .writer = {}});
   EXPECT_EQ(made("normals in.ply tool.ply -k 12 --orient viewpoint --viewpoint 0,0,1.7", "tool.ply"),
             contents(folder_ / "library.ply"));

@@ -173,7 +173,7 @@ TEST_F(RunVerb, OperatorsAreListedWithEveryOption) {
     ASSERT_NE(at, std::string::npos) << declaration.name;
     for (const OptionDeclaration& option : declaration.options)
       EXPECT_NE(out.find("\n  " + option.name + " ", at), std::string::npos) << option.name;
-    const ChainStage stage = make_stage(declaration, sample_values(declaration), {});
+    const ChainStage stage = declaration.make(sample_values(declaration), {});
     const std::vector<Attribute> made = contract_of(stage).makes;
     const bool makes = !made.empty() && made.front().name != selection_attribute().name && !declaration.makes_named;
     EXPECT_EQ(tool("operators " + declaration.name).out.find("\n  makes ") != std::string::npos, makes);

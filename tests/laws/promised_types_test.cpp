@@ -28,7 +28,7 @@ class PromisedTypes : public testing::Test {
     std::set<std::string> known = names();
     const EveryOperator every({}, "", other_);
     for (const OperatorDeclaration& declaration : all_operators()) {
-      const auto stage = make_stage(declaration, every.values_of(declaration), {});
+      const auto stage = declaration.make(every.values_of(declaration), {});
       const Contract contract = contract_of(stage);
       for (const auto* reads : {&contract.reads, &contract.reads_neighbors})
         for (const Attribute& a : *reads)

@@ -22,7 +22,7 @@ TEST(Kinds, AnOperatorIsOfTheKindFromWhichItsClassDerives) {
   EXPECT_TRUE(is<LocalOperator>(operators::normals()));
   EXPECT_TRUE(is<SelectOperator>(operators::where("x > 0")));
   EXPECT_TRUE(is<InOrderOperator>(operators::unique()));
-  EXPECT_TRUE(is<InOrderOperator>(operators::voxel(1, VoxelKeep::centroid)));
+  EXPECT_TRUE(is<InOrderOperator>(operators::voxel({1, VoxelKeep::centroid})));
   EXPECT_TRUE(is<InOrderOperator>(operators::ground()));
   EXPECT_TRUE(is<ConnectOperator>(operators::components()));
   EXPECT_TRUE(is<CompositeOperator>(operators::sor()));
@@ -32,7 +32,7 @@ TEST(Kinds, AnOperatorIsOfTheKindFromWhichItsClassDerives) {
 TEST(Kinds, TellWhichStagesDropRows) {
   for (const ChainStage& stage :
        {operators::where("x > 0"), operators::unique(), operators::poisson({.radius = 1}),
-        operators::voxel(1, VoxelKeep::centroid), operators::simplify({.error = 0.1, .most = 1})})
+        operators::voxel({1, VoxelKeep::centroid}), operators::simplify({.error = 0.1, .most = 1})})
     EXPECT_TRUE(drops_rows(stage)) << name_of(stage);
   for (const ChainStage& stage : {operators::normals(), operators::ground(), operators::components(), operators::sor(),
                                   operators::drop({"intensity"}), ChainStage(Reneighbor()), ChainStage(Resort())})

@@ -289,7 +289,7 @@ TEST(Normals, FaceTheViewpoint) {
         normals_of(cloud.points, cloud.lists, {.orient = Orient::viewpoint, .viewpoint = eye});
     for (std::size_t i = 0; i < found.size(); ++i) EXPECT_GE(dot(wide(found[i]), eye - cloud.points[i]), 0);
   }
-  EXPECT_THROW(Normals({.orient = Orient::viewpoint, .viewpoint = {0, INFINITY, 0}}), UsageError);
+  EXPECT_THROW(Normals({.orient = Orient::viewpoint, .viewpoint = Vec3{0, INFINITY, 0}}), UsageError);
 }
 
 TEST(Normals, AgreeWithTheNormalsOfTheInput) {

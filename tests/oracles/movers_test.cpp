@@ -106,7 +106,7 @@ TEST(OraclesOfMovedPoints, NewNeighborhoodsAreThoseOfTheMovedPositions) {
     for (ChainStage& stage : chain.stages)
       if (name_of(stage) == "fair")
         stage = std::get<std::shared_ptr<const LocalOperator>>(
-            with_input_values(operators_of({stage}), points.cloud()).front());
+            with_input_values(operators_of({stage}, points.cloud().schema()), points.cloud()).front());
     const OracleReport report = Oracle(after.cloud(), chain).compare(whole);
     EXPECT_EQ(report.wrong, 0u) << behind << ", of " << report.values;
     for (const std::string& difference : report.differences) ADD_FAILURE() << behind << ": " << difference;

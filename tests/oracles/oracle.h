@@ -69,7 +69,7 @@ class Oracle {
  public:
   Oracle(InputCloud& cloud, const Chain& chain)
       : source_(cloud),
-        values_(with_input_values(operators_of(chain.stages), cloud), chain.keep, cloud.schema(),
+        values_(with_input_values(operators_of(chain.stages, cloud.schema()), cloud), chain.keep, cloud.schema(),
                 chain.neighborhood.rule) {
     const Surroundings all =
         surroundings_of_all(positions_of(source_), with_named_neighborhoods(chain).neighborhood, values_.rings());

@@ -45,7 +45,7 @@ std::vector<float> sorted_column(const RunResult& result, const char* name) {
 
 TEST(DefaultNeighborhood, IsTheOneThatEachOperatorOfTheRegistryDeclares) {
   for (const OperatorDeclaration& declaration : all_operators()) {
-    const Chain chain{.stages = {make_stage(declaration, sample_values(declaration), {})}};
+    const Chain chain{.stages = {declaration.make(sample_values(declaration), {})}};
     const Contract contract = contract_of(chain.stages.front());
     if (operator_of(chain.stages.front()) == nullptr || contract.default_k == 0) continue;
     EXPECT_GE(contract.default_k, 1u) << declaration.name;

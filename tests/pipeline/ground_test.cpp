@@ -282,7 +282,8 @@ TEST(Ground, TellsWhatIsWrong) {
                             "ground(window=1e6)", "ground(returns=first)", "ground(size=1)"})
     EXPECT_NE(refusal([&] { run_ground(input, wrong, tiny(100)); }), "") << wrong;
   for (const double wrong : {0.0, -1.0, std::nan(""), HUGE_VAL})
-    EXPECT_NE(refusal([&] { Ground g({.cell = wrong}); }).find("cell="), std::string::npos);
+    EXPECT_NE(refusal([&] { Ground g({.cell = wrong}); }).find("ground: cell is a number, above 0, not "),
+              std::string::npos);
 }
 
 /// 20,000 columns of cells, each with its rows of the largest disk.

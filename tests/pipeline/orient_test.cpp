@@ -191,7 +191,7 @@ TEST(OrientedNormals, LeaveTheFirstPointAsItIsWhereNothingDecides) {
 TEST(OrientedNormals, NeedNormalsAndAFiniteViewpoint) {
   const Records input = with_attributes({{0, 0, 0}, {1, 0, 0}});
   EXPECT_NE(refusal([&] { run_text(input, "orient", tiny(100)); }).find("needs 'normal'"), std::string::npos);
-  EXPECT_THROW(OrientedNormals(Vec3{0, 0, std::numeric_limits<double>::infinity()}), UsageError);
+  EXPECT_THROW(OrientedNormals({.viewpoint = Vec3{0, 0, std::numeric_limits<double>::infinity()}}), UsageError);
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ TEST(Registry, EveryPresetIsAllowedAndMakesTheOperatorOfThatName) {
       EXPECT_TRUE(!has_value(option.preset) || option.allows(option.preset)) << option.name;
       EXPECT_TRUE(!option.required || option.allows(option.sample)) << option.name;
     }
-    EXPECT_EQ(name_of(make_stage(declaration, sample_values(declaration), {})), declaration.name);
+    EXPECT_EQ(name_of(declaration.make(sample_values(declaration), {})), declaration.name);
   }
 }
 
@@ -133,21 +133,16 @@ OptionValues changed(const OperatorDeclaration& declaration, const OptionDeclara
   return values;
 }
 
-OptionValue value_of(const OptionValues& values, const std::string& name) {
-  const Options all = values.all();
-  return std::ranges::find(all, name, &Option::name)->value;
-}
-
 TEST(Registry, EveryOptionOfEveryOperatorIsInItsCanonicalTextWhichIsReadBack) {
   const TrajectoryFile trajectory;
   for (const OperatorDeclaration& declaration : all_operators()) {
     for (const OptionDeclaration& option : declaration.options) {
       if (option.choices.size() == 1) continue;  // there is no other value
       const OptionValues values = changed(declaration, option, trajectory);
-      const auto made = make_stage(declaration, values, {});
+      const auto made = declaration.make(values, {});
       for (const Presets presets : {Presets::left_out, Presets::spelled_out}) {
         const std::string text = canonical_text(made, presets);
-        EXPECT_NE(text.find(text_of_value(value_of(values, option.name))), std::string::npos)
+        EXPECT_NE(text.find(text_of_value(*values.find(option.name))), std::string::npos)
             << option.name << ": " << text;
         // Some operators refuse neighbourhoods that do not hold what they count.
         EXPECT_EQ(canonical_text(chain_of_any_cloud("knn(radius=1e9) | " + text).stages.front(), presets), text);

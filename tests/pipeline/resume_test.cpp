@@ -330,7 +330,8 @@ TEST_F(Resume, IsRefusedToChainsMadeByHandThatDifferInAnOption) {
   const auto normals = [&](NormalsOptions options) { return op(std::make_shared<Normals>(options)); };
   const std::pair<Chain, Chain> pairs[] = {
       {{{.k = 8}, normals({})}, {{.k = 8}, normals({Orient::up, {}})}},
-      {{{.k = 8}, normals({Orient::viewpoint, {0, 0, 1}})}, {{.k = 8}, normals({Orient::viewpoint, {0, 0, 2}})}},
+      {{{.k = 8}, normals({Orient::viewpoint, Vec3{0, 0, 1}})},
+       {{.k = 8}, normals({Orient::viewpoint, Vec3{0, 0, 2}})}},
       {{{.k = 8}, op(std::make_shared<Counted>(1))}, {{.k = 8}, op(std::make_shared<Counted>(2))}},
   };
   const EngineOptions options = resuming(works().front());

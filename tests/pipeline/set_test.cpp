@@ -209,7 +209,7 @@ TEST(Set, IsTheSameInTextJsonAndItsCanonicalForm) {
       R"json([{"type": "set", "assign": ["classification = 7 where z > 0.5", "a = x*(y+1) - -z"], "as": "float32"}])json";
   EXPECT_EQ(records(list), expected);
   EXPECT_EQ(records("set(assign='classification = 7 where z > 0.5, a = x*(y+1) - -z', as=float32)"), expected);
-  EXPECT_EQ(Set("b=1 where c<2,d = - e", {}).canonical(), "b = 1 where c < 2, d = -e");
+  EXPECT_EQ(Set("b=1 where c<2,d = - e", {}).declared_options(), (Options{{"assign", "b = 1 where c < 2, d = -e"}}));
 }
 
 std::vector<std::string> names_in(const Schema& schema) {

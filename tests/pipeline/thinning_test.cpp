@@ -66,7 +66,7 @@ TEST(Decimate, KeepsNothingOfTheShare0AndAllOfTheShare1) {
   EXPECT_TRUE(run_text(input, "decimate(1)", tiny(100)).records == input.bytes);
   for (const char* wrong : {"decimate(-0.1)", "decimate(1.5)", "decimate", "decimate(0.5, seed=-1)"})
     EXPECT_NE(refusal([&] { run_text(input, wrong, tiny(100)); }), "") << wrong;
-  EXPECT_NE(refusal([] { Decimate(std::nan("")); }).find("between 0 and 1"), std::string::npos);
+  EXPECT_NE(refusal([] { Decimate({std::nan("")}); }).find("share is a number, 0 to 1, not "), std::string::npos);
 }
 
 std::set<std::tuple<double, double, double>> places_of(const RunResult& result) {
@@ -176,14 +176,14 @@ TEST(Voxel, SeesMovedPositions) {
   ASSERT_LT(kept.size(), points.size());
   const RunResult expected = run_in_memory(kept, {{.k = 5}, {normals()}}, tiny(100));
   for (const EngineOptions& options : ways_to_run(Order::input)) {
-    const Chain chain{{.k = 5}, {thrown(0.5), std::make_shared<Voxel>(0.25), normals()}};
+    const Chain chain{{.k = 5}, {thrown(0.5), std::make_shared<Voxel>(VoxelOptions{0.25}), normals()}};
     const RunResult got = run_in_memory(points, chain, options);
     for (const char* field : {"x", "nx", "ny", "nz"}) EXPECT_TRUE(same_bytes(got.field(field), expected.field(field)));
   }
 }
 
 std::vector<double> kept_x(const std::vector<Vec3>& points, double size) {
-  return run_in_memory(points, {{}, {std::make_shared<Voxel>(size)}}, tiny(100)).field("x");
+  return run_in_memory(points, {{}, {std::make_shared<Voxel>(VoxelOptions{size})}}, tiny(100)).field("x");
 }
 
 TEST(Voxel, TheGridIsThatOfTheCoordinatesAndAFaceBelongsToTheVoxelAbove) {
@@ -201,7 +201,7 @@ TEST(Voxel, NumbersBeyondThoseOfIntegersAndOfDoublesAreNoError) {
   EXPECT_EQ(kept_x({{1e17, 0, 0}, {1e17 + 16, 0, 0}, {1e17, 0, 0}}, 1e-3), (std::vector<double>{1e17, 1e17 + 16}));
   EXPECT_EQ(kept_x({{1e305, 0, 0}, {1e305, 0, 0}}, 1e-9).size(), 1u);
   for (const double size : {0.0, -1.0, std::nan(""), HUGE_VAL})
-    EXPECT_NE(refusal([&] { Voxel v(size); }).find("not a positive length"), std::string::npos);
+    EXPECT_NE(refusal([&] { Voxel v({size}); }).find("voxel: size is a number, above 0, not "), std::string::npos);
   for (const char* wrong : {"voxel", "voxel(0)", "voxel(1, keep=first)", "voxel(size=1, 2)"})
     EXPECT_NE(refusal([&] { chain_of(wrong); }), "") << wrong;
 }

@@ -45,7 +45,7 @@ class EveryOperator {
 
   /// The pipeline of a stage with these values.
   OperatorCase case_of(const OperatorDeclaration& declaration, const OptionValues& values) const {
-    const auto stage = make_stage(declaration, values, {});
+    const auto stage = declaration.make(values, {});
     const std::string text = canonical_text(stage, Presets::left_out);
     if (operator_of(stage) == nullptr && !std::holds_alternative<Drop>(stage))
       return {&declaration, text, neighborhood_ + " | set(z = z + 1) | " + text + " | neighborhood_size"};
@@ -89,7 +89,7 @@ class EveryOperator {
       for (const Attribute& need : *needs) {
         if (known.contains(need.name)) continue;
         for (const OperatorDeclaration& maker : all_operators()) {
-          const auto stage = make_stage(maker, values_of(maker), {});
+          const auto stage = maker.make(values_of(maker), {});
           const std::vector<Attribute> made = contract_of(stage).makes;
           if (std::ranges::find(made, need.name, &Attribute::name) == made.end()) continue;
           text += makers_of(stage, known) + " | " + canonical_text(stage, Presets::left_out);

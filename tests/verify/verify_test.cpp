@@ -24,11 +24,11 @@
 namespace pointsweep {
 namespace {
 
-MadeBy made_by(const Chain& open) {
+MadeBy made_by(const Chain& open, const Schema& input) {
   const Chain chain = with_named_neighborhoods(open);
   return {.neighborhood = {chain.neighborhood.k, chain.neighborhood.radius},
           .rule = chain.neighborhood.rule,
-          .operators = operators_of(chain.stages),
+          .operators = operators_of(chain.stages, input),
           .keep = chain.keep};
 }
 
@@ -74,7 +74,7 @@ class Verify : public testing::Test {
   Verdict check(const std::string& pipeline, const std::filesystem::path& output, VerifyOptions options = {}) {
     InputCloud cloud({input()});
     const auto reader = open_reader(output);
-    MadeBy made = made_by(chain(pipeline));
+    MadeBy made = made_by(chain(pipeline), cloud.schema());
     made.operators.clear();  // as they are bound to the attributes of the cloud
     for (const GraphNode& node : plan_chain(chain(pipeline), cloud.schema()).graph.nodes)
       if (node.op() != nullptr && !node.is_order() && !node.drops_rows()) made.operators.push_back(*node.op());
@@ -363,7 +363,9 @@ TEST_F(Verify, OperatorsOfUsersAreAppliedAgainAndNamedAsNotIndependent) {
   written.stages.push_back(std::make_shared<Steepness>());
   InputCloud cloud({input()});
   run(cloud, written, {.points = folder_ / "out.ply", .arrays = {}, .writer = {}});
-  const auto checked = [&] { return verify(cloud, *open_reader(folder_ / "out.ply"), false, made_by(written)); };
+  const auto checked = [&] {
+    return verify(cloud, *open_reader(folder_ / "out.ply"), false, made_by(written, cloud.schema()));
+  };
   EXPECT_TRUE(checked().same()) << to_text(checked());
   EXPECT_EQ(checked().by_own_operator, std::vector<std::string>{"steepness"});
   EXPECT_NE(to_text(checked()).find("not independent    steepness\n"), std::string::npos) << to_text(checked());
@@ -386,7 +388,7 @@ TEST_F(Verify, AnOperatorOfAUserThatHasTheNameOfAnotherIsRefused) {
   const Chain written{{.k = 8}, {std::make_shared<OwnRor>()}};
   run(cloud, written, {.points = folder_ / "out.ply", .arrays = {}, .writer = {}});
   try {
-    verify(cloud, *open_reader(folder_ / "out.ply"), false, made_by(written));
+    verify(cloud, *open_reader(folder_ / "out.ply"), false, made_by(written, cloud.schema()));
     FAIL();
   } catch (const UsageError& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("'ror' has no option 'radius'"), std::string::npos) << refusal.what();
@@ -399,7 +401,7 @@ TEST_F(Verify, NeighborsAndDistancesAreCheckedToTheLastOne) {
   run(cloud, graph,
       {.points = {}, .arrays = {{"neighbors", folder_ / "n.npy"}, {"distances", folder_ / "d.npy"}}, .writer = {}});
   const auto checked = [&](const char* name) {
-    MadeBy made = made_by(graph);
+    MadeBy made = made_by(graph, cloud.schema());
     made.keep = {name[0] == 'n' ? "neighbors" : "distances"};
     const auto array = open_npy(folder_ / name);
     return verify(cloud, *array, true, made);

@@ -6,8 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/nearest/point_cells.h"
 
 namespace pointsweep {
@@ -40,32 +39,24 @@ class DistanceToWork final : public InOrderWork {
   PointCells other_;
 };
 
+const OptionTable<DistanceToOptions>& distance_to_options() {
+  static const OptionTable<DistanceToOptions> table = {
+      option("cloud", &DistanceToOptions::cloud, "the other cloud: a point file, a folder of them or a pattern",
+             {.kind = OptionKind::file, .required = true, .positional = true, .sample = "before.las"}),
+      option("most", &DistanceToOptions::most,
+             "maximum distance at which the nearest point is looked for; without this option there is no limit",
+             {.least = kAboveZero, .unit = "length", .sample = 5.0, .is_radius = true})};
+  return table;
+}
+
 }  // namespace
 
 OperatorDeclaration distance_to_declaration() {
   return {
       .name = "distance_to",
       .meaning = "measures the distance to the nearest point of another cloud",
-      .options = {{.name = "cloud",
-                   .kind = OptionKind::file,
-                   .meaning = "the other cloud: a point file, a folder of them or a pattern",
-                   .required = true,
-                   .positional = true,
-                   .sample = std::string("before.las")},
-                  {.name = "most",
-                   .kind = OptionKind::number,
-                   .meaning = "maximum distance at which the nearest point is looked for; without this option there "
-                              "is no limit",
-                   .least = kAboveZero,
-                   .unit = "length",
-                   .sample = 5.0,
-                   .is_radius = true}},
-      .make =
-          [](const OptionValues& options, const Facts&) {
-            const double any = std::numeric_limits<double>::infinity();
-            return std::make_shared<DistanceTo>(options.word("cloud"),
-                                                options.given("most") ? options.number("most") : any);
-          },
+      .options = distance_to_options().declarations(),
+      .make = distance_to_options().maker<DistanceTo>(),
       .formula = "d = min_j sqrt((dx² + dy²) + dz²) over the points j of the other cloud, in float64",
       .source =
           "Cloud-to-cloud distance: Girardeau-Montaut, Roux, Marc and Thibault, Change detection on points cloud data "
@@ -80,9 +71,8 @@ OperatorDeclaration distance_to_declaration() {
       .example = "distance_to(before.las, most=5) | where(cloud_distance > 0.1)"};
 }
 
-DistanceTo::DistanceTo(std::string cloud, double most) : cloud_(std::move(cloud)), most_(most) {
-  if (cloud_.empty()) fail_usage("distance_to: name the other cloud, as in distance_to(before.las).");
-  if (!(most > 0)) fail_usage("distance_to: most = {} is not above 0.", most);
+DistanceTo::DistanceTo(DistanceToOptions options) : options_(std::move(options)) {
+  distance_to_options().declare(*this, options_);
 }
 
 InOrderContract DistanceTo::in_order_contract() const {
@@ -91,14 +81,8 @@ InOrderContract DistanceTo::in_order_contract() const {
   return {.makes = {distance}, .places = Places::of_operator, .arrival = "beside those of the other cloud"};
 }
 
-Options DistanceTo::own_options() const {
-  Options options = {{"cloud", cloud_}};
-  if (std::isfinite(most_)) options.push_back({"most", most_});
-  return options;
-}
-
 std::unique_ptr<InOrderWork> DistanceTo::start(const InOrderSetup& setup) const {
-  return std::make_unique<DistanceToWork>(most_, setup);
+  return std::make_unique<DistanceToWork>(options_.most.value_or(std::numeric_limits<double>::infinity()), setup);
 }
 
 std::uint64_t DistanceTo::least_bytes(const CloudEstimate&) const { return PointCells::least_bytes(); }

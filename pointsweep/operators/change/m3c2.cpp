@@ -9,8 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/nearest/point_cells.h"
 
 namespace pointsweep {
@@ -137,44 +136,29 @@ class M3c2Work final : public InOrderWork {
   PointCells own_, other_;
 };
 
+const OptionTable<M3c2Options>& m3c2_options() {
+  static const OptionTable<M3c2Options> table = {
+      option("cloud", &M3c2Options::cloud,
+             "the other cloud, measured later: a point file, a folder of them or a pattern",
+             {.kind = OptionKind::file, .required = true, .positional = true, .sample = "after.las"}),
+      option(
+          "cylinder", &M3c2Options::cylinder, "diameter of the cylinder along the normal (projection scale)",
+          {.least = kAboveZero, .unit = "length", .required = true, .sample = 0.5, .is_radius = true}),  // its half is
+      option("depth", &M3c2Options::depth, "how far the cylinder reaches to each side of the point",
+             {.least = kAboveZero, .unit = "length", .required = true, .sample = 2.0}),
+      option("registration", &M3c2Options::registration, "error of the registration of the two clouds",
+             {.unit = "length"})};
+  return table;
+}
+
 }  // namespace
 
 OperatorDeclaration m3c2_declaration() {
-  const auto length_option = [](std::string name, std::string meaning, double sample) {
-    return OptionDeclaration{.name = std::move(name),
-                             .kind = OptionKind::number,
-                             .meaning = std::move(meaning),
-                             .least = kAboveZero,
-                             .unit = "length",
-                             .required = true,
-                             .sample = sample};
-  };
-  OptionDeclaration cylinder =
-      length_option("cylinder", "diameter of the cylinder along the normal (projection scale)", 0.5);
-  cylinder.is_radius = true;  // its half is
   return {
       .name = "m3c2",
       .meaning = "measures the change to another cloud along the normals, with its level of detection (M3C2)",
-      .options = {{.name = "cloud",
-                   .kind = OptionKind::file,
-                   .meaning = "the other cloud, measured later: a point file, a folder of them or a pattern",
-                   .required = true,
-                   .positional = true,
-                   .sample = std::string("after.las")},
-                  cylinder,
-                  length_option("depth", "how far the cylinder reaches to each side of the point", 2.0),
-                  {.name = "registration",
-                   .kind = OptionKind::number,
-                   .preset = 0.0,
-                   .meaning = "error of the registration of the two clouds",
-                   .unit = "length"}},
-      .make =
-          [](const OptionValues& options, const Facts&) {
-            return std::make_shared<M3c2>(M3c2Options{.cloud = options.word("cloud"),
-                                                      .cylinder = options.number("cylinder"),
-                                                      .depth = options.number("depth"),
-                                                      .registration = options.number("registration")});
-          },
+      .options = m3c2_options().declarations(),
+      .make = m3c2_options().maker<M3c2>(),
       .formula =
           "u_i = n_i / |n_i| in float64. Points of each cloud within R = cylinder / 2 of the line through p_i along "
           "u_i, |(p_j - p_i) × u_i|² <= R·R, and within depth of p_i along it have places a_j = (p_j - p_i) . u_i. "
@@ -207,14 +191,7 @@ OperatorDeclaration m3c2_declaration() {
       .example = "knn(radius=1) | normals(orient=up) | m3c2(after.las, cylinder=0.5, depth=2)"};
 }
 
-M3c2::M3c2(M3c2Options options) : options_(std::move(options)) {
-  if (options_.cloud.empty()) fail_usage("m3c2: name the other cloud, as in m3c2(after.las, cylinder=0.5, depth=2).");
-  if (!(options_.cylinder > 0 && std::isfinite(options_.cylinder)))
-    fail_usage("m3c2: cylinder = {} is not above 0.", options_.cylinder);
-  if (!(options_.depth > 0 && std::isfinite(options_.depth)))
-    fail_usage("m3c2: depth = {} is not above 0.", options_.depth);
-  if (!(options_.registration >= 0)) fail_usage("m3c2: registration = {} is not 0 or more.", options_.registration);
-}
+M3c2::M3c2(M3c2Options options) : options_(std::move(options)) { m3c2_options().declare(*this, options_); }
 
 InOrderContract M3c2::in_order_contract() const {
   InOrderContract contract{
@@ -229,13 +206,6 @@ InOrderContract M3c2::in_order_contract() const {
       .arrival = "beside those of the other cloud"};
   for (Attribute& a : contract.makes) a.fill = std::byte{0xff};  // NaN
   return contract;
-}
-
-Options M3c2::own_options() const {
-  return {{"cloud", options_.cloud},
-          {"cylinder", options_.cylinder},
-          {"depth", options_.depth},
-          {"registration", options_.registration}};
 }
 
 std::unique_ptr<InOrderWork> M3c2::start(const InOrderSetup& setup) const {

@@ -30,9 +30,6 @@ class M3c2 final : public InOrderOperator {
   std::string other_cloud() const override { return options_.cloud; }
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
 
- protected:
-  Options own_options() const override;
-
  private:
   M3c2Options options_;
 };

@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "pointsweep/fail.h"
+
 namespace pointsweep {
 namespace {
 
@@ -34,6 +36,9 @@ bool are_some_of(const std::vector<std::string>& words, const std::vector<std::s
     return std::ranges::find(choices, word) != choices.end();
   });
 }
+
+/// -0 as 0.
+std::string shortest_text(double number) { return fmt::format("{}", number == 0 ? 0.0 : number); }
 
 }  // namespace
 
@@ -97,12 +102,26 @@ bool OptionDeclaration::allows(const OptionValue& value) const {
   return word != nullptr && !word->empty();
 }
 
+void OptionDeclaration::refuse(const std::string& value, const std::string& where) const {
+  const char* what = kind == OptionKind::whole    ? "a whole number, "
+                     : kind == OptionKind::number ? "a number, "
+                     : kind == OptionKind::point  ? "three numbers "
+                                                  : "";
+  fail_usage("{}: {} is {}{}, not '{}'.", where, name, what, allowed(), value);
+}
+
+std::string text_of_value(const OptionValue& value) {
+  if (const auto* whole = std::get_if<std::uint64_t>(&value)) return fmt::format("{}", *whole);
+  if (const auto* number = std::get_if<double>(&value)) return shortest_text(*number);
+  if (const auto* word = std::get_if<std::string>(&value)) return *word;
+  if (const auto* p = std::get_if<Vec3>(&value)) return text_of_numbers({p->x, p->y, p->z});
+  return "";
+}
+
 OptionValues::OptionValues(const std::vector<OptionDeclaration>& declared, std::string where)
     : where_(std::move(where)) {
-  for (const OptionDeclaration& option : declared) {
-    names_.push_back(option.name);
+  for (const OptionDeclaration& option : declared)
     if (has_value(option.preset)) preset_.emplace(option.name, option.preset);
-  }
 }
 
 bool OptionValues::give(const std::string& name, OptionValue value) {
@@ -115,16 +134,10 @@ OptionValues OptionValues::with_presets_of(const std::vector<OptionDeclaration>&
   return values;
 }
 
-const OptionValue& OptionValues::value(std::string_view name) const {
-  const auto found = given_.find(name);
-  return found != given_.end() ? found->second : preset_.find(name)->second;
-}
-
-Options OptionValues::all() const {
-  Options options;
-  for (const std::string& name : names_)
-    if (given_.contains(name) || preset_.contains(name)) options.push_back({name, value(name)});
-  return options;
+const OptionValue* OptionValues::find(std::string_view name) const {
+  if (const auto found = given_.find(name); found != given_.end()) return &found->second;
+  const auto preset = preset_.find(name);
+  return preset != preset_.end() ? &preset->second : nullptr;
 }
 
 std::vector<std::string> words_of(std::string_view list) {
@@ -148,10 +161,10 @@ std::vector<double> numbers_of(std::string_view list) {
   return numbers;
 }
 
-ChainStage make_stage(const OperatorDeclaration& declaration, const OptionValues& values, const Facts& facts) {
-  MadeStage made = declaration.make(values, facts);
-  if (made.without_options != nullptr) made.without_options->declare_options(values.all());
-  return std::move(made.stage);
+std::string text_of_numbers(const std::vector<double>& numbers) {
+  std::string text;
+  for (const double number : numbers) text += (text.empty() ? "" : ",") + shortest_text(number);
+  return text;
 }
 
 OptionValues sample_values(const OperatorDeclaration& declaration) {

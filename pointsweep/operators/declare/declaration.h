@@ -9,10 +9,8 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -43,10 +41,10 @@ enum class OptionKind : std::uint8_t {
 inline constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();
 
 struct OptionDeclaration {
-  std::string name;
-  OptionKind kind;
-  OptionValue preset = {};  ///< the value where none is given; std::monostate: there is none
-  std::string meaning;      ///< one line that begins in lower case
+  std::string name = {};
+  OptionKind kind = OptionKind::word;
+  OptionValue preset = {};   ///< the value where none is given; std::monostate: there is none
+  std::string meaning = {};  ///< one line that begins in lower case
   double least = 0;
   double most = std::numeric_limits<double>::infinity();
   /// Unit of a number, e.g. "length"; empty if the number has none. The preset of a length is in metres. It is
@@ -63,7 +61,12 @@ struct OptionDeclaration {
   std::string allowed() const;
   /// Returns whether `value` has the type of the kind and lies within the limits.
   bool allows(const OptionValue& value) const;
+  /// Throws UsageError: `where`, what may be given, and that `value` is something else.
+  [[noreturn]] void refuse(const std::string& value, const std::string& where) const;
 };
+
+/// Numbers in their shortest form, points as "0,0,1.7"; parse_value() of it gives the value back. Empty: no value.
+std::string text_of_value(const OptionValue& value);
 
 /// The values of one operator's options: those given, else the presets.
 class OptionValues {
@@ -77,31 +80,28 @@ class OptionValues {
   OptionValues with_presets_of(const std::vector<OptionDeclaration>& declared) const;
 
   bool given(std::string_view name) const { return given_.contains(name); }
+  /// Returns the value that is given, else the preset; null if there is neither.
+  const OptionValue* find(std::string_view name) const;
   bool any_given() const { return !given_.empty(); }
   /// Returns the value of a declared option by its name. An option without preset is asked for only if it is given or
   /// required.
   std::uint64_t whole(std::string_view name) const { return std::get<std::uint64_t>(value(name)); }
   double number(std::string_view name) const { return std::get<double>(value(name)); }
-  Vec3 point(std::string_view name) const { return std::get<Vec3>(value(name)); }
   /// Returns the value of a choice, of names, of an attribute or of a condition.
   const std::string& word(std::string_view name) const { return std::get<std::string>(value(name)); }
-  /// Returns all options that have a value, in the order of their declaration.
-  Options all() const;
 
   const std::string& where() const { return where_; }
 
  private:
-  const OptionValue& value(std::string_view name) const;
+  const OptionValue& value(std::string_view name) const { return *find(name); }
 
   std::string where_;
-  std::vector<std::string> names_;  ///< in the order of their declaration
   std::map<std::string, OptionValue, std::less<>> given_, preset_;
 };
 
-/// Facts about the cloud and the earlier stages that an operator may need when it is made.
+/// Facts about the cloud and the neighbourhoods that an operator may need when it is made.
 struct Facts {
   std::uint64_t points = 0;
-  std::set<std::string> made = {};                ///< names of the attributes that earlier stages make
   std::optional<Neighborhood> neighborhood = {};  ///< neighbourhood of the operator; absent: not known
   double metres_per_unit = 1;                     ///< metres in a unit of the coordinates
 };
@@ -114,26 +114,13 @@ struct AttributeNote {
   std::string shape = {};  ///< given where the shape is not known in advance, e.g. "N×k"
 };
 
-/// A stage whose operator does not know its options yet.
-struct MadeStage {
-  template <class Kind>
-  MadeStage(std::shared_ptr<Kind> op) : without_options(op.get()), stage(std::shared_ptr<const Kind>(std::move(op))) {}
-  template <class Instruction>
-  requires std::is_same_v<Instruction, Drop> || std::is_same_v<Instruction, Reneighbor> ||
-      std::is_same_v<Instruction, Resort>
-      MadeStage(Instruction instruction) : stage(std::move(instruction)) {}
-
-  Operator* without_options = nullptr;  ///< of `stage`; null for an instruction
-  ChainStage stage;
-};
-
 struct OperatorDeclaration {
   std::string name;
   std::string meaning;  ///< one line that begins in lower case
   std::vector<OptionDeclaration> options = {};
   /// Makes the stage, which then is `name`. Throws UsageError, beginning with OptionValues::where(), for values that do
   /// not go together.
-  std::function<MadeStage(const OptionValues&, const Facts&)> make;
+  std::function<ChainStage(const OptionValues&, const Facts&)> make;
   std::string formula = {};    ///< lines of plain text
   std::string source = {};     ///< the publication and where in it
   std::string undefined = {};  ///< which points get no value, and what they get
@@ -151,9 +138,8 @@ struct OperatorDeclaration {
 std::vector<std::string> words_of(std::string_view list);
 /// "1,2.5" as {1, 2.5}: an option of the kind `numbers`. Empty where a word is no finite number.
 std::vector<double> numbers_of(std::string_view list);
-
-/// Made by the declaration; an operator knows the values as its options.
-ChainStage make_stage(const OperatorDeclaration& declaration, const OptionValues& values, const Facts& facts);
+/// {1, 2.5} as "1,2.5": each number in its shortest form, so that equal lists are the same text.
+std::string text_of_numbers(const std::vector<double>& numbers);
 
 /// The values of examples: presets, and samples of what is required or needs no name. For docs and checks of a
 /// declaration.

@@ -1,22 +1,27 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/graph/connected_components.h"
 
-#include <cmath>
 #include <cstring>
 #include <memory>
 
-#include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/complete_lists.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
 namespace {
 
-MadeStage make_components(const OptionValues& options, const Facts& facts) {
-  if (!options.given("distance")) return std::make_shared<ConnectedComponents>(std::nullopt, facts.points);
-  const double distance = options.number("distance");
-  require_complete_lists(facts, Neighborhood::kUnlimited, distance, options.where());
-  return std::make_shared<ConnectedComponents>(distance, facts.points);
+const OptionTable<ComponentsOptions>& components_options() {
+  static const OptionTable<ComponentsOptions> table = {
+      option("distance", &ComponentsOptions::distance,
+             "points farther from each other are not joined; needs knn(radius=...) of at least it",
+             {.unit = "length", .sample = 0.5, .is_radius = true})};
+  return table;
+}
+
+ChainStage make_components(const OptionValues& values, const Facts& facts) {
+  const ComponentsOptions options = components_options().read(values);
+  if (options.distance) require_complete_lists(facts, Neighborhood::kUnlimited, *options.distance, values.where());
+  return std::make_shared<ConnectedComponents>(options, facts.points);
 }
 
 }  // namespace
@@ -24,13 +29,7 @@ MadeStage make_components(const OptionValues& options, const Facts& facts) {
 OperatorDeclaration components_declaration() {
   return {.name = "components",
           .meaning = "connected components of the graph of neighbours, with their sizes",
-          .options = {{.name = "distance",
-                       .kind = OptionKind::number,
-                       .meaning = "points farther from each other are not joined; needs knn(radius=...) of at least it",
-                       .least = 0,
-                       .unit = "length",
-                       .sample = 0.5,
-                       .is_radius = true}},
+          .options = components_options().declarations(),
           .make = make_components,
           .formula =
               "Points i and j are joined if j is in N_i or i is in N_j; with distance D: if |p_j - p_i| <= D.\n"
@@ -77,10 +76,9 @@ Contract ConnectedComponents::contract() const {
            component_size("component_size", "points of the connected component", points_)}};
 }
 
-ConnectedComponents::ConnectedComponents(std::optional<double> distance, std::uint64_t points)
-    : distance_(distance), points_(points) {
-  if (distance && !(*distance >= 0 && std::isfinite(*distance)))
-    fail_usage("components: the distance {} is not a number of at least 0.", *distance);
+ConnectedComponents::ConnectedComponents(const ComponentsOptions& options, std::uint64_t points)
+    : distance_(options.distance), points_(points) {
+  components_options().declare(*this, options);
 }
 
 /// Within a distance, both ends know of each other: the one of the lower row emits the edge.

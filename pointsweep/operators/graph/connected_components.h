@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/kinds/connect_operator.h"
 
 namespace pointsweep {
@@ -31,16 +32,13 @@ void put_component(const ComponentLabel& label, bool is_short, std::byte* values
 class ConnectedComponents final : public ConnectOperator {
  public:
   /// With a distance, N_i must hold all points within it. Pipelines that do not give them are refused; C++ code has to
-  /// see to it. `points` of the cloud, if known, decide about the types. Throws UsageError unless the distance is a
-  /// number of at least 0.
-  explicit ConnectedComponents(std::optional<double> distance = std::nullopt, std::uint64_t points = 0);
+  /// see to it. `points` of the cloud, if known, decide about the types. Throws UsageError for options out of their
+  /// ranges.
+  explicit ConnectedComponents(const ComponentsOptions& options = {}, std::uint64_t points = 0);
   std::string name() const override { return "components"; }
   Contract contract() const override;
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;
-
- protected:
-  Options own_options() const override { return distance_ ? Options{{"distance", *distance_}} : Options(); }
 
  private:
   std::optional<double> distance_;

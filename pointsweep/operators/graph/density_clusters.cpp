@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/graph/density_clusters.h"
 
-#include <cmath>
 #include <cstring>
 #include <optional>
 #include <tuple>
 
-#include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/complete_lists.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/graph/connected_components.h"
 
 namespace pointsweep {
@@ -26,10 +24,20 @@ class AnyCore final : public VoteRule {
   bool counts(const std::byte* result) const override { return *result != std::byte{0}; }
 };
 
-MadeStage make_dbscan(const OptionValues& options, const Facts& facts) {
-  const double eps = options.number("eps");
-  require_complete_lists(facts, Neighborhood::kUnlimited, eps, options.where());
-  return std::make_shared<DensityClusters>(eps, options.whole("min_points"), facts.points);
+const OptionTable<DbscanOptions>& dbscan_options() {
+  static const OptionTable<DbscanOptions> table = {
+      option("eps", &DbscanOptions::eps,
+             "the distance within which points are neighbours, inclusive; needs knn(radius=...) of at least it",
+             {.least = kAboveZero, .unit = "length", .required = true, .sample = 0.5, .is_radius = true}),
+      option("min_points", &DbscanOptions::min_points,
+             "number of points within eps that make a core point, itself included", {.least = 1})};
+  return table;
+}
+
+ChainStage make_dbscan(const OptionValues& values, const Facts& facts) {
+  const DbscanOptions options = dbscan_options().read(values);
+  require_complete_lists(facts, Neighborhood::kUnlimited, options.eps, values.where());
+  return std::make_shared<DensityClusters>(options, facts.points);
 }
 
 /// The nearest core point within eps; equal distances go by x, y, z, row.
@@ -53,20 +61,7 @@ OperatorDeclaration dbscan_declaration() {
   return {
       .name = "dbscan",
       .meaning = "density-based clusters (DBSCAN): points around core points, which have many neighbours",
-      .options = {{.name = "eps",
-                   .kind = OptionKind::number,
-                   .meaning = "the distance within which points are neighbours, inclusive; needs knn(radius=...) "
-                              "of at least it",
-                   .least = kAboveZero,
-                   .unit = "length",
-                   .required = true,
-                   .sample = 0.5,
-                   .is_radius = true},
-                  {.name = "min_points",
-                   .kind = OptionKind::whole,
-                   .preset = std::uint64_t{5},
-                   .meaning = "number of points within eps that make a core point, itself included",
-                   .least = 1}},
+      .options = dbscan_options().declarations(),
       .make = make_dbscan,
       .formula =
           "core_i = 1 where |{j : |p_j - p_i| <= eps}| >= min_points, i itself counted, as in scikit-learn.\n"
@@ -90,14 +85,21 @@ OperatorDeclaration dbscan_declaration() {
 
 Attribute core_attribute() { return scalar("core", Type::u8, "1", "1: at least min_points points within eps"); }
 
+CorePoints::CorePoints(const DbscanOptions& options) : options_(options) { dbscan_options().declare(*this, options); }
+
 void CorePoints::apply(const Neighborhoods& in, Columns& out) const {
   const std::span<std::uint8_t> core = out.column<std::uint8_t>(0);
-  const double eps2 = eps_ * eps_;
+  const double eps2 = options_.eps * options_.eps;
   for (std::size_t i = 0; i < in.size(); ++i) {
     std::uint64_t near = is_finite(in.position(i)) ? 1 : 0;
-    for (std::size_t j = 0; j < in.count(i) && near < min_points_; ++j) near += in.distance2(i, j) <= eps2;
-    core[i] = near >= min_points_;
+    for (std::size_t j = 0; j < in.count(i) && near < options_.min_points; ++j) near += in.distance2(i, j) <= eps2;
+    core[i] = near >= options_.min_points;
   }
+}
+
+ClustersOfCores::ClustersOfCores(const DbscanOptions& options, std::uint64_t points)
+    : eps_(options.eps), points_(points) {
+  dbscan_options().declare(*this, options);
 }
 
 Contract ClustersOfCores::contract() const {
@@ -136,20 +138,19 @@ void ClustersOfCores::put_values(const ComponentLabel& label, std::byte* values)
   put_component(cluster, has_short_numbers(points_), values);
 }
 
-DensityClusters::DensityClusters(double eps, std::uint64_t min_points, std::uint64_t points)
-    : eps_(eps), min_points_(min_points), points_(points) {
-  if (!(eps > 0 && std::isfinite(eps))) fail_usage("dbscan: eps = {} is not a number above 0.", eps);
-  if (min_points == 0) fail_usage("dbscan: min_points = 0 makes every point a core point; choose 1 or more.");
+DensityClusters::DensityClusters(const DbscanOptions& options, std::uint64_t points)
+    : options_(options), points_(points) {
+  dbscan_options().declare(*this, options);
 }
 
 Contract DensityClusters::contract() const {
-  Contract contract = ClustersOfCores(eps_, points_).contract();
+  Contract contract = ClustersOfCores(options_, points_).contract();
   contract.makes.insert(contract.makes.begin(), core_attribute());
   return {{}, {}, contract.makes};
 }
 
 std::vector<ChainStage> DensityClusters::parts() const {
-  return {std::make_shared<CorePoints>(eps_, min_points_), std::make_shared<ClustersOfCores>(eps_, points_)};
+  return {std::make_shared<CorePoints>(options_), std::make_shared<ClustersOfCores>(options_, points_)};
 }
 
 }  // namespace pointsweep

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pointsweep/chain.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/kinds/connect_operator.h"
 
 namespace pointsweep {
@@ -24,32 +25,25 @@ Attribute core_attribute();
 /// Makes core: 1 where at least `min_points` points, the point itself included, lie within `eps` of it.
 class CorePoints final : public LocalOperator {
  public:
-  CorePoints(double eps, std::uint64_t min_points) : eps_(eps), min_points_(min_points) {}
+  explicit CorePoints(const DbscanOptions& options);
   std::string name() const override { return "core"; }
   Contract contract() const override { return {{}, {}, {core_attribute()}}; }
   void apply(const Neighborhoods& in, Columns& out) const override;
 
- protected:
-  Options own_options() const override { return {{"eps", eps_}, {"min_points", min_points_}}; }
-
  private:
-  double eps_;
-  std::uint64_t min_points_;
+  DbscanOptions options_;
 };
 
 /// Makes cluster and cluster_size: of the components of core points within `eps` of each other. A point that is no core
 /// point belongs to the cluster of the nearest core point within eps; without one it is noise.
 class ClustersOfCores final : public ConnectOperator {
  public:
-  ClustersOfCores(double eps, std::uint64_t points) : eps_(eps), points_(points) {}
+  ClustersOfCores(const DbscanOptions& options, std::uint64_t points);
   std::string name() const override { return "clusters"; }
   Contract contract() const override;
   const VoteRule* votes() const override;
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;
-
- protected:
-  Options own_options() const override { return {{"eps", eps_}}; }
 
  private:
   double eps_;
@@ -60,19 +54,15 @@ class ClustersOfCores final : public ConnectOperator {
 /// to see to it.
 class DensityClusters final : public CompositeOperator {
  public:
-  /// Throws UsageError unless eps is a number above 0 and min_points at least 1. `points` of the cloud, if known,
-  /// decide about the types.
-  DensityClusters(double eps, std::uint64_t min_points, std::uint64_t points = 0);
+  /// Throws UsageError for options out of their ranges. `points` of the cloud, if known, decide about the types.
+  explicit DensityClusters(const DbscanOptions& options, std::uint64_t points = 0);
   std::string name() const override { return "dbscan"; }
   Contract contract() const override;
   std::vector<ChainStage> parts() const override;
 
- protected:
-  Options own_options() const override { return {{"eps", eps_}, {"min_points", min_points_}}; }
-
  private:
-  double eps_;
-  std::uint64_t min_points_, points_;
+  DbscanOptions options_;
+  std::uint64_t points_;
 };
 
 }  // namespace pointsweep

@@ -5,11 +5,11 @@
 
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "pointsweep/chain.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/graph/orientation_votes.h"
 #include "pointsweep/operators/kinds/connect_operator.h"
 #include "pointsweep/operators/surface/facing_normals.h"
@@ -27,7 +27,7 @@ Attribute normal_turned_attribute();
 /// weight 1 - |n_i . n_j| and joins equal signs where n_i . n_j >= 0. OrientationVotes decides for each component.
 class NormalSigns final : public ConnectOperator {
  public:
-  explicit NormalSigns(std::optional<Vec3> viewpoint) : viewpoint_(viewpoint), votes_(viewpoint) {}
+  explicit NormalSigns(const OrientOptions& options);
   std::string name() const override { return "normal_signs"; }
   Contract contract() const override {
     return {{normal_attribute()}, {normal_attribute()}, {normal_turned_attribute()}};
@@ -37,11 +37,7 @@ class NormalSigns final : public ConnectOperator {
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;
 
- protected:
-  Options own_options() const override { return viewpoint_ ? Options{{"viewpoint", *viewpoint_}} : Options(); }
-
  private:
-  std::optional<Vec3> viewpoint_;
   OrientationVotes votes_;
 };
 
@@ -58,22 +54,15 @@ class TurnedNormals final : public LocalOperator {
 /// `orient`: these two, or FacingNormals.
 class OrientedNormals final : public CompositeOperator {
  public:
-  /// Throws UsageError for a viewpoint that is not finite.
-  explicit OrientedNormals(std::optional<Vec3> viewpoint = std::nullopt);
-  /// Orients by a trajectory: FacingNormals.
-  OrientedNormals(std::string trajectory, std::string checksum);
+  /// Reads the trajectory, if the method needs one. `place`: for messages. Throws UsageError for options out of their
+  /// ranges or that do not go together, and Error for a file that cannot be read.
+  explicit OrientedNormals(OrientOptions options = {}, const std::string& place = "orient");
   std::string name() const override { return "orient"; }
   Contract contract() const override;
-  /// Returns the options of an operator with a trajectory, with the checksum of the trajectory's content.
-  Options facing_options() const;
   std::vector<ChainStage> parts() const override;
 
- protected:
-  Options own_options() const override;
-
  private:
-  std::optional<Vec3> viewpoint_;
-  std::string trajectory_;
+  OrientOptions options_;  ///< with the checksum of the trajectory that was read
   std::shared_ptr<const FacingNormals> facing_;
 };
 

@@ -8,17 +8,23 @@
 #include <memory>
 #include <numbers>
 
-#include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/graph/connected_components.h"
 
 namespace pointsweep {
 namespace {
 
-MadeStage make_segments(const OptionValues& options, const Facts& facts) {
-  std::optional<double> distance;
-  if (options.given("distance")) distance = options.number("distance");
-  return std::make_shared<Segments>(options.number("angle"), distance, facts.points);
+const OptionTable<SegmentsOptions>& segments_options() {
+  static const OptionTable<SegmentsOptions> table = {
+      option("angle", &SegmentsOptions::angle, "maximum angle between the normals of neighbours in one segment",
+             {.least = kAboveZero, .most = 90, .unit = "degrees"}),
+      option("distance", &SegmentsOptions::distance, "points farther from each other are not joined",
+             {.unit = "length", .sample = 0.5, .is_radius = true})};
+  return table;
+}
+
+ChainStage make_segments(const OptionValues& values, const Facts& facts) {
+  return std::make_shared<Segments>(segments_options().read(values), facts.points);
 }
 
 Attribute residual_attribute() {
@@ -34,20 +40,7 @@ OperatorDeclaration segments_declaration() {
   return {
       .name = "segments",
       .meaning = "smooth segments: neighbours whose normals differ by less than an angle, with sizes and flatness",
-      .options = {{.name = "angle",
-                   .kind = OptionKind::number,
-                   .preset = 5.0,
-                   .meaning = "maximum angle between the normals of neighbours in one segment",
-                   .least = kAboveZero,
-                   .most = 90,
-                   .unit = "degrees"},
-                  {.name = "distance",
-                   .kind = OptionKind::number,
-                   .meaning = "points farther from each other are not joined",
-                   .least = 0,
-                   .unit = "length",
-                   .sample = 0.5,
-                   .is_radius = true}},
+      .options = segments_options().declarations(),
       .make = make_segments,
       .formula =
           "Points i and j are joined if j is in N_i or i is in N_j, |n_i . n_j| > cos(angle), and with "
@@ -77,17 +70,8 @@ OperatorDeclaration segments_declaration() {
       .example = "knn(k=12) | normals | segments(angle=5) | where(segment_size > 1000)"};
 }
 
-Segments::Segments(double angle, std::optional<double> distance, std::uint64_t points)
-    : angle_(angle), distance_(distance), points_(points) {
-  if (!(angle > 0 && angle <= 90)) fail_usage("segments: the angle {} is not above 0 and at most 90 degrees.", angle);
-  if (distance && !(*distance >= 0 && std::isfinite(*distance)))
-    fail_usage("segments: the distance {} is not a number of at least 0.", *distance);
-}
-
-Options Segments::own_options() const {
-  Options options = {{"angle", angle_}};
-  if (distance_) options.push_back({"distance", *distance_});
-  return options;
+Segments::Segments(const SegmentsOptions& options, std::uint64_t points) : options_(options), points_(points) {
+  segments_options().declare(*this, options);
 }
 
 Contract Segments::contract() const {
@@ -106,8 +90,9 @@ std::shared_ptr<const ConnectOperator> Segments::bound(const Schema&, std::span<
 }
 
 void Segments::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const {
-  const double least = angle_ == 90 ? 0 : std::cos(angle_ * (std::numbers::pi / 180));
-  const double most2 = distance_ ? *distance_ * *distance_ : std::numeric_limits<double>::infinity();
+  const double least = options_.angle == 90 ? 0 : std::cos(options_.angle * (std::numbers::pi / 180));
+  const double most2 =
+      options_.distance ? *options_.distance * *options_.distance : std::numeric_limits<double>::infinity();
   for (std::uint32_t i = 0; i < in.size(); ++i) {
     if (residual_.ballot_bytes() > 0) {
       const Vec3 place = in.position(i);

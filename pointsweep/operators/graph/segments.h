@@ -7,11 +7,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/graph/plane_residual.h"
 #include "pointsweep/operators/kinds/connect_operator.h"
 
@@ -26,8 +26,8 @@ OperatorDeclaration segments_declaration();
 /// other than a distance. A point without a normal is a segment of one point. PlaneResidual says how flat they are.
 class Segments final : public ConnectOperator {
  public:
-  /// Throws UsageError unless the angle is above 0 and at most 90 degrees, and the distance at least 0.
-  explicit Segments(double angle, std::optional<double> distance = std::nullopt, std::uint64_t points = 0);
+  /// Throws UsageError for options out of their ranges. `points` of the cloud, if known, decide about the types.
+  explicit Segments(const SegmentsOptions& options = {}, std::uint64_t points = 0);
   std::string name() const override { return "segments"; }
   Contract contract() const override;
   const VoteRule* votes() const override { return &residual_; }
@@ -36,12 +36,8 @@ class Segments final : public ConnectOperator {
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;
 
- protected:
-  Options own_options() const override;
-
  private:
-  double angle_;
-  std::optional<double> distance_;
+  SegmentsOptions options_;
   std::uint64_t points_;
   PlaneResidual residual_{false};
 };

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/single_value.h"
 #include "pointsweep/operators/ground/ground_work.h"
 
@@ -17,61 +17,25 @@ namespace {
 
 constexpr double kMostCells = 1000;
 
-OptionDeclaration positive_length(const char* name, double preset, const char* meaning) {
-  return {.name = name,
-          .kind = OptionKind::number,
-          .preset = preset,
-          .meaning = meaning,
-          .least = kAboveZero,
-          .unit = "length"};
-}
-
-std::vector<OptionDeclaration> ground_options() {
-  return {{.name = "method",
-           .kind = OptionKind::choice,
-           .preset = std::string("smrf"),
-           .meaning = "filter that finds the ground; there is only this one",
-           .choices = {"smrf"}},
-          positive_length("cell", 1, "edge length of the cells of the raster, whose lines lie at multiples of it"),
-          {.name = "slope",
-           .kind = OptionKind::number,
-           .preset = 0.15,
-           .meaning = "steepest slope of the ground, rise over run; steeper shapes are objects"},
-          {.name = "window",
-           .kind = OptionKind::number,
-           .preset = 18.0,
-           .meaning = "about half the width of the widest object, such as a building",
-           .unit = "length"},
-          {.name = "threshold",
-           .kind = OptionKind::number,
-           .preset = 0.5,
-           .meaning = "largest distance from a point of the ground to the surface, where that is level",
-           .unit = "length"},
-          {.name = "scalar",
-           .kind = OptionKind::number,
-           .preset = 1.25,
-           .meaning = "length added to the threshold for each unit of the slope of the surface",
-           .unit = "length"},
-          {.name = "returns",
-           .kind = OptionKind::choice,
-           .preset = std::string("last"),
-           .meaning = "use the last returns of pulses or all returns, where the cloud numbers them",
-           .choices = {"last", "all"}},
-          {.name = "noise",
-           .kind = OptionKind::choice,
-           .preset = std::string("no"),
-           .meaning = "let points of the classes 7 and 18 (noise) take part, where the cloud has classes",
-           .choices = {"no", "yes"}}};
-}
-
-MadeStage make_ground(const OptionValues& options, const Facts&) {
-  return std::make_shared<Ground>(GroundOptions{.cell = options.number("cell"),
-                                                .slope = options.number("slope"),
-                                                .window = options.number("window"),
-                                                .threshold = options.number("threshold"),
-                                                .scalar = options.number("scalar"),
-                                                .all_returns = options.word("returns") == "all",
-                                                .noise = options.word("noise") == "yes"});
+const OptionTable<GroundOptions>& ground_options() {
+  static const OptionTable<GroundOptions> table = {
+      only_choice<GroundOptions>("method", "smrf", "filter that finds the ground; there is only this one"),
+      option("cell", &GroundOptions::cell, "edge length of the cells of the raster, whose lines lie at multiples of it",
+             {.least = kAboveZero, .unit = "length"}),
+      option("slope", &GroundOptions::slope, "steepest slope of the ground, rise over run; steeper shapes are objects"),
+      option("window", &GroundOptions::window, "about half the width of the widest object, such as a building",
+             {.unit = "length"}),
+      option("threshold", &GroundOptions::threshold,
+             "largest distance from a point of the ground to the surface, where that is level", {.unit = "length"}),
+      option("scalar", &GroundOptions::scalar,
+             "length added to the threshold for each unit of the slope of the surface", {.unit = "length"}),
+      option("returns", &GroundOptions::all_returns,
+             "use the last returns of pulses or all returns, where the cloud numbers them",
+             {.choices = {"last", "all"}}),
+      option("noise", &GroundOptions::noise,
+             "let points of the classes 7 and 18 (noise) take part, where the cloud has classes",
+             {.choices = {"no", "yes"}})};
+  return table;
 }
 
 /// CPU seconds of the openings of one cell by all disks, divided by the square of the largest radius, on one core of
@@ -114,8 +78,8 @@ RasterSize raster_of(std::span<const Vec3> sample, int axis, double cell, AxisRu
 OperatorDeclaration ground_declaration() {
   return {.name = "ground",
           .meaning = "finds the points of the ground by a morphological filter and gives them class 2",
-          .options = ground_options(),
-          .make = make_ground,
+          .options = ground_options().declarations(),
+          .make = ground_options().maker<Ground>(),
           .formula =
               "Cell of p: (⌊x / cell⌋, ⌊y / cell⌋); R = ⌈window / cell⌉. Rasters have absent cells.\n"
               "1. Z: the least z of the points of a cell that take part. F(Z): a cell without one becomes "
@@ -157,15 +121,7 @@ Attribute classification_attribute() {
 }
 
 Ground::Ground(const GroundOptions& options) : options_(options) {
-  const auto require = [](const char* name, double value, bool fine) {
-    if (!fine || !std::isfinite(value))
-      fail_usage("ground: {}={} is not in its range; see 'pointsweep operators ground'.", name, value);
-  };
-  require("cell", options.cell, options.cell > 0);
-  require("slope", options.slope, options.slope >= 0);
-  require("window", options.window, options.window >= 0);
-  require("threshold", options.threshold, options.threshold >= 0);
-  require("scalar", options.scalar, options.scalar >= 0);
+  ground_options().declare(*this, options);
   if (options.window / options.cell > kMostCells)
     fail_usage("ground: the window {} is more than {} cells of {}; choose larger cells or a smaller window.",
                options.window, kMostCells, options.cell);
@@ -180,17 +136,6 @@ InOrderContract Ground::in_order_contract() const {
           .makes = {classification_attribute()},
           .places = Places::in_plane,
           .arrival = "those of a row of cells together"};
-}
-
-Options Ground::own_options() const {
-  return {{"method", std::string("smrf")},
-          {"cell", options_.cell},
-          {"slope", options_.slope},
-          {"window", options_.window},
-          {"threshold", options_.threshold},
-          {"scalar", options_.scalar},
-          {"returns", std::string(options_.all_returns ? "all" : "last")},
-          {"noise", std::string(options_.noise ? "yes" : "no")}};
 }
 
 std::shared_ptr<const InOrderOperator> Ground::bound(const Schema& input, std::span<const Attribute> made) const {

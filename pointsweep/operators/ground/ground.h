@@ -28,7 +28,7 @@ Attribute classification_attribute();
 /// and 18 (noise), unless the options ask for others; attributes that the cloud does not have rule nothing out.
 class Ground final : public InOrderOperator {
  public:
-  /// Throws UsageError for options that are no numbers in their ranges.
+  /// Throws UsageError for options out of their ranges.
   explicit Ground(const GroundOptions& options = {});
   std::string name() const override { return "ground"; }
   InOrderContract in_order_contract() const override;
@@ -42,9 +42,6 @@ class Ground final : public InOrderOperator {
   struct ValueNumbers {
     std::optional<std::size_t> return_number, number_of_returns, classification;
   };
-
- protected:
-  Options own_options() const override;
 
  private:
   GroundRule rule() const;

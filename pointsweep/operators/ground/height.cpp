@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/ground/height.h"
 
-#include <algorithm>
 #include <cstring>
 #include <limits>
 
-#include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/single_value.h"
 #include "pointsweep/operators/ground/ground.h"
 #include "pointsweep/operators/nearest/point_cells.h"
@@ -64,37 +62,34 @@ class HeightWork final : public InOrderWork {
   PointCells ground_;
 };
 
+const OptionTable<HeightOptions>& height_options() {
+  static const OptionTable<HeightOptions> table = {
+      only_choice<HeightOptions>("from", "ground", "measure height from the points of class 2"),
+      option("k", &HeightOptions::k, "number of nearest ground points over which the height of the ground is averaged",
+             {.least = 1, .most = 1024})};
+  return table;
+}
+
 }  // namespace
 
 OperatorDeclaration height_declaration() {
-  return {
-      .name = "height",
-      .meaning = "measures the height above the nearest points of the ground, in the plane of x and y",
-      .options = {{.name = "from",
-                   .kind = OptionKind::choice,
-                   .preset = std::string("ground"),
-                   .meaning = "measure height from the points of class 2",
-                   .choices = {"ground"}},
-                  {.name = "k",
-                   .kind = OptionKind::whole,
-                   .preset = std::uint64_t{1},
-                   .meaning = "number of nearest ground points over which the height of the ground is averaged",
-                   .least = 1,
-                   .most = static_cast<double>(Height::kMostNeighbors)}},
-      .make = [](const OptionValues& options, const Facts&) { return std::make_shared<Height>(options.whole("k")); },
-      .formula =
-          "h = z - Σ_j w_j z_j / Σ_j w_j, w_j = 1 / d_j², over the k points of class 2 that are nearest "
-          "in x and y: d_j² = dx² + dy² in float64, equal ones by x, y, z, row; summed nearest first.\n"
-          "Where d_1 = 0: h = z - z_1.",
-      .source =
-          "Inverse distance weighting: Shepard, A two-dimensional interpolation function for "
-          "irregularly-spaced data (ACM National Conference 1968)",
-      .undefined = "NaN where the cloud has no point of class 2, and for points without a finite place.",
-      .cost =
-          "a pass that puts the points in order along x or y and reads them twice; points of the ground are "
-          "kept in the temporary folder in cells, and memory holds those near the front",
-      .attributes = {{.name = "height", .meaning = "z above the nearest points of the ground; undefined: NaN"}},
-      .example = "knn(k=8) | ground | height(k=3) | where(height < 2)"};
+  return {.name = "height",
+          .meaning = "measures the height above the nearest points of the ground, in the plane of x and y",
+          .options = height_options().declarations(),
+          .make = height_options().maker<Height>(),
+          .formula =
+              "h = z - Σ_j w_j z_j / Σ_j w_j, w_j = 1 / d_j², over the k points of class 2 that are nearest "
+              "in x and y: d_j² = dx² + dy² in float64, equal ones by x, y, z, row; summed nearest first.\n"
+              "Where d_1 = 0: h = z - z_1.",
+          .source =
+              "Inverse distance weighting: Shepard, A two-dimensional interpolation function for "
+              "irregularly-spaced data (ACM National Conference 1968)",
+          .undefined = "NaN where the cloud has no point of class 2, and for points without a finite place.",
+          .cost =
+              "a pass that puts the points in order along x or y and reads them twice; points of the ground are "
+              "kept in the temporary folder in cells, and memory holds those near the front",
+          .attributes = {{.name = "height", .meaning = "z above the nearest points of the ground; undefined: NaN"}},
+          .example = "knn(k=8) | ground | height(k=3) | where(height < 2)"};
 }
 
 Attribute height_attribute() {
@@ -103,8 +98,8 @@ Attribute height_attribute() {
   return a;
 }
 
-Height::Height(std::uint64_t k) : k_(k), class_(classification_attribute()) {
-  if (k < 1 || k > kMostNeighbors) fail_usage("height: k = {} is not from 1 to {}.", k, kMostNeighbors);
+Height::Height(const HeightOptions& options) : options_(options), class_(classification_attribute()) {
+  height_options().declare(*this, options);
 }
 
 InOrderContract Height::in_order_contract() const {
@@ -113,8 +108,6 @@ InOrderContract Height::in_order_contract() const {
           .places = Places::in_plane,
           .arrival = "beside those of the ground"};
 }
-
-Options Height::own_options() const { return {{"from", std::string("ground")}, {"k", k_}}; }
 
 std::shared_ptr<const InOrderOperator> Height::bound(const Schema& input, std::span<const Attribute> made) const {
   const std::optional<Attribute> found = single_value("classification", input, made);
@@ -125,7 +118,7 @@ std::shared_ptr<const InOrderOperator> Height::bound(const Schema& input, std::s
 }
 
 std::unique_ptr<InOrderWork> Height::start(const InOrderSetup& setup) const {
-  return std::make_unique<HeightWork>(static_cast<std::size_t>(k_), setup);
+  return std::make_unique<HeightWork>(static_cast<std::size_t>(options_.k), setup);
 }
 
 std::uint64_t Height::least_bytes(const CloudEstimate&) const { return PointCells::least_bytes(); }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pointsweep/in_order_operator.h"
+#include "pointsweep/operators.h"
 
 namespace pointsweep {
 
@@ -24,10 +25,8 @@ Attribute height_attribute();
 /// cloud are searched, however far away.
 class Height final : public InOrderOperator {
  public:
-  /// Throws UsageError unless k is 1 to kMostNeighbors.
-  explicit Height(std::uint64_t k = 1);
-  static constexpr std::uint64_t kMostNeighbors = 1024;
-
+  /// Throws UsageError for options out of their ranges.
+  explicit Height(const HeightOptions& options = {});
   std::string name() const override { return "height"; }
   InOrderContract in_order_contract() const override;
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
@@ -35,11 +34,8 @@ class Height final : public InOrderOperator {
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
 
- protected:
-  Options own_options() const override;
-
  private:
-  std::uint64_t k_;
+  HeightOptions options_;
   Attribute class_;
 };
 

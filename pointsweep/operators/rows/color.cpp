@@ -9,15 +9,28 @@
 
 #include "pointsweep/colors/color_map.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
 namespace {
 
-/// Names in the order of ColorMap.
-constexpr const char* kMapNames[] = {"viridis", "turbo", "gray", "classes"};
-/// Names in the order of ColorBits.
-constexpr const char* kBitsNames[] = {"auto", "8", "16"};
+const OptionTable<ColorOptions>& color_options() {
+  static const OptionTable<ColorOptions> table = {
+      option("by", &ColorOptions::by,
+             "attribute of the input, component of one that an earlier stage computes, or x, y or z; 'by=' may be left "
+             "out",
+             {.kind = OptionKind::attribute, .required = true, .positional = true, .sample = "z"}),
+      option("map", &ColorOptions::map, "colour map for numbers, or the colours of the classes of LAS",
+             {.choices = {"viridis", "turbo", "gray", "classes"}}),
+      option("range", &ColorOptions::range,
+             "values at the ends of the colour map; without this option, the least and the greatest of the cloud",
+             {.sample = "0,10"}),
+      option("bits", &ColorOptions::bits,
+             "bits of a colour channel: 8, or 16 as in LAS; auto takes 16 where the input has colours of 16 bits or "
+             "fields of LAS",
+             {.choices = {"auto", "8", "16"}})};
+  return table;
+}
 
 /// Least and greatest finite value of a component of an attribute.
 class LeastAndMost final : public Reduction {
@@ -55,23 +68,6 @@ class LeastAndMost final : public Reduction {
   bool of_input_;
 };
 
-template <class Choice, std::size_t n>
-Choice choice_of(const std::string& word, const char* const (&names)[n]) {
-  return static_cast<Choice>(std::ranges::find(names, word) - std::begin(names));
-}
-
-MadeStage make_color(const OptionValues& options, const Facts&) {
-  ColorOptions color{.by = options.word("by"),
-                     .map = choice_of<ColorMap>(options.word("map"), kMapNames),
-                     .bits = choice_of<ColorBits>(options.word("bits"), kBitsNames)};
-  if (options.given("range")) {
-    const std::vector<double> range = numbers_of(options.word("range"));
-    if (range.size() != 2) fail_usage("{}: range is two numbers, [LO,HI], not {}.", options.where(), range.size());
-    color.range = {range[0], range[1]};
-  }
-  return std::make_shared<Color>(std::move(color), options.where());
-}
-
 Attribute color_attribute(Type type) {
   return {"color", type, Kind::color, {"red", "green", "blue"}, "1", "colour of an attribute's value"};
 }
@@ -79,57 +75,36 @@ Attribute color_attribute(Type type) {
 }  // namespace
 
 OperatorDeclaration color_declaration() {
-  return {
-      .name = "color",
-      .meaning = "colours points by the values of an attribute",
-      .options = {{.name = "by",
-                   .kind = OptionKind::attribute,
-                   .meaning = "attribute of the input, component of one that an earlier stage computes, or x, y or z; "
-                              "'by=' may be left out",
-                   .required = true,
-                   .positional = true,
-                   .sample = std::string("z")},
-                  {.name = "map",
-                   .kind = OptionKind::choice,
-                   .preset = std::string("viridis"),
-                   .meaning = "colour map for numbers, or the colours of the classes of LAS",
-                   .choices = {std::begin(kMapNames), std::end(kMapNames)}},
-                  {.name = "range",
-                   .kind = OptionKind::numbers,
-                   .meaning = "values at the ends of the colour map; without this option, the least and the greatest "
-                              "of the cloud",
-                   .sample = std::string("0,10")},
-                  {.name = "bits",
-                   .kind = OptionKind::choice,
-                   .preset = std::string("auto"),
-                   .meaning = "bits of a colour channel: 8, or 16 as in LAS; auto takes 16 where the input has "
-                              "colours of 16 bits or fields of LAS",
-                   .choices = {std::begin(kBitsNames), std::end(kBitsNames)}}},
-      .make = make_color,
-      .formula =
-          "t = (v - lo) / (hi - lo), at least 0, at most 1; 0 if lo = hi. Channels of 8 bits, halves upwards:\n"
-          "viridis: linear between ten colours; turbo: a polynomial of degree 5; gray: 255 t.\n"
-          "classes: the colour of class v, rounded, as render draws it. Of 16 bits: 257 times that.",
-      .source = "Viridis: van der Walt and Smith 2015. Turbo: Mikhailov 2019.",
-      .undefined = "NaN is grey (128).",
-      .cost =
-          "without a range one more pass over the rows, which is the writing of the output where no later stage "
-          "needs neighbours",
-      .attributes = {{.name = "color", .meaning = "colour of the value of an attribute", .type = "u8 or u16"}},
-      .example = "knn(k=12) | normals | curvature | color(k1, map=turbo, range=[0,5])"};
+  return {.name = "color",
+          .meaning = "colours points by the values of an attribute",
+          .options = color_options().declarations(),
+          .make = color_options().maker<Color>(),
+          .formula =
+              "t = (v - lo) / (hi - lo), at least 0, at most 1; 0 if lo = hi. Channels of 8 bits, halves upwards:\n"
+              "viridis: linear between ten colours; turbo: a polynomial of degree 5; gray: 255 t.\n"
+              "classes: the colour of class v, rounded, as render draws it. Of 16 bits: 257 times that.",
+          .source = "Viridis: van der Walt and Smith 2015. Turbo: Mikhailov 2019.",
+          .undefined = "NaN is grey (128).",
+          .cost =
+              "without a range one more pass over the rows, which is the writing of the output where no later stage "
+              "needs neighbours",
+          .attributes = {{.name = "color", .meaning = "colour of the value of an attribute", .type = "u8 or u16"}},
+          .example = "knn(k=12) | normals | curvature | color(k1, map=turbo, range=[0,5])"};
 }
 
 Color::Color(ColorOptions options, std::string place) : options_(std::move(options)), place_(std::move(place)) {
-  if (!options_.range) return;
-  std::tie(lo_, hi_) = *options_.range;
-  if (!(std::isfinite(*lo_) && std::isfinite(*hi_) && *lo_ <= *hi_))
-    fail_usage("{}: the range begins at {} and ends at {}; give the smaller number first.", place_, *lo_, *hi_);
+  color_options().declare(*this, options_);
+  const std::vector<double>& range = options_.range;
+  if (range.empty()) return;
+  if (range.size() != 2) fail_usage("{}: range is two numbers, [LO,HI], not {}.", place_, range.size());
+  if (range[0] > range[1])
+    fail_usage("{}: the range begins at {} and ends at {}; give the smaller number first.", place_, range[0], range[1]);
   if (options_.map == ColorMap::classes) fail_usage("{}: classes have no range; leave it out.", place_);
 }
 
 Contract Color::contract() const {
   Contract contract{.reads = names_.reads(), .makes = {color_attribute(type_)}, .default_k = 0};
-  if (options_.map == ColorMap::classes || options_.range || names_.sources().empty()) return contract;
+  if (options_.map == ColorMap::classes || !options_.range.empty() || names_.sources().empty()) return contract;
   const auto [attribute, component] = source();
   const Attribute of = attribute < 0 ? position_attribute() : names_.reads()[static_cast<std::size_t>(attribute)];
   contract.values = {std::make_shared<LeastAndMost>(of, component, of_input_)};
@@ -154,9 +129,11 @@ std::shared_ptr<const LocalOperator> Color::bound(const Schema& input, std::span
 }
 
 std::shared_ptr<const LocalOperator> Color::with_values(std::span<const std::vector<double>> values) const {
-  auto known = std::make_shared<Color>(options_, place_);  // without declared options, which lack the range
+  ColorOptions options = options_;
+  const bool any = values[0][0] <= values[0][1];  // a cloud without a finite value has neither end
+  options.range = any ? values[0] : std::vector<double>{0, 0};
+  auto known = std::make_shared<Color>(std::move(options), place_);
   known->names_ = names_, known->of_input_ = of_input_, known->type_ = type_;
-  known->lo_ = values[0][0], known->hi_ = values[0][1];
   return known;
 }
 
@@ -174,7 +151,8 @@ void Color::fill(std::span<const ExpressionValues> values, Columns& out) const {
       color = std::isnan(v) ? no_value_color()
                             : color_of_las_class(static_cast<std::uint8_t>(std::clamp(v, 0.0, 255.0) + 0.5));
     } else {
-      const double t = *hi_ > *lo_ ? (v - *lo_) / (*hi_ - *lo_) : 0 * v;
+      const double lo = options_.range[0], hi = options_.range[1];
+      const double t = hi > lo ? (v - lo) / (hi - lo) : 0 * v;
       color = options_.map == ColorMap::turbo ? turbo(t) : options_.map == ColorMap::gray ? gray(t) : viridis(t);
     }
     to[i] = {static_cast<T>(color.red * kWiden), static_cast<T>(color.green * kWiden),
@@ -185,13 +163,6 @@ void Color::fill(std::span<const ExpressionValues> values, Columns& out) const {
 void Color::apply(const Neighborhoods& in, Columns& out) const {
   const NamedValues::Batch batch(names_, in);
   type_ == Type::u16 ? fill<std::uint16_t>(batch.values(), out) : fill<std::uint8_t>(batch.values(), out);
-}
-
-Options Color::own_options() const {
-  Options own = {{"by", options_.by}, {"map", std::string(kMapNames[static_cast<std::size_t>(options_.map)])}};
-  if (lo_) own.push_back({"range", fmt::format("{},{}", *lo_, *hi_)});
-  own.push_back({"bits", std::string(kBitsNames[static_cast<std::size_t>(options_.bits)])});
-  return own;
 }
 
 }  // namespace pointsweep

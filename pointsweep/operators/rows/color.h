@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "pointsweep/operator.h"
@@ -27,9 +26,6 @@ class Color final : public LocalOperator {
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
 
- protected:
-  Options own_options() const override;
-
  private:
   /// Returns, after bound(), the component of an attribute or of the position that is shown.
   NamedValues::Source source() const { return names_.sources().front(); }
@@ -41,7 +37,6 @@ class Color final : public LocalOperator {
   NamedValues names_;
   bool of_input_ = false;  ///< the input has the values
   Type type_ = Type::u8;
-  std::optional<double> lo_, hi_;
 };
 
 }  // namespace pointsweep

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/rows/crop.h"
 
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/points/lower_case.h"
 #include "pointsweep/points/text_file.h"
 #include "pointsweep/polygons/polygon_text.h"
@@ -14,20 +13,23 @@
 namespace pointsweep {
 namespace {
 
-constexpr const char* kSamplePolygon = "POLYGON ((0 0, 10 0, 10 10, 0 0))";
-
-MadeStage make_crop(const OptionValues& options, const Facts&) {
-  CropOptions crop;
-  if (options.given("bounds")) crop.bounds = numbers_of(options.word("bounds"));
-  if (options.given("polygon")) crop.polygon = options.word("polygon");
-  if (options.given("checksum")) crop.checksum = options.word("checksum");
-  crop.outside = options.word("outside") == "true";
-  auto op = std::make_shared<Crop>(std::move(crop), options.where());
-  Options declared = options.all();
-  if (!op->options().checksum.empty() && !options.given("checksum"))
-    declared.push_back({"checksum", op->options().checksum});
-  op->declare_options(std::move(declared));
-  return op;
+const OptionTable<CropOptions>& crop_options() {
+  static const OptionTable<CropOptions> table = {
+      option("bounds", &CropOptions::bounds,
+             "corners of a box: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, or XMIN,YMIN,XMAX,YMAX for any z; 'bounds=' may be left "
+             "out",
+             {.unit = "length", .positional = true, .sample = "0,0,10,10"}),
+      option("polygon", &CropOptions::polygon,
+             "file with polygons, or a polygon itself, as WKT or GeoJSON in the coordinates of the cloud; with bounds "
+             "a point has to lie in both",
+             {.kind = OptionKind::file, .sample = "POLYGON ((0 0, 10 0, 10 10, 0 0))"}),
+      option("outside", &CropOptions::outside, "keep the points outside of the box and polygons instead",
+             {.choices = {"false", "true"}}),
+      option(
+          "checksum", &CropOptions::checksum,
+          "checksum of the file with polygons, as a processing record holds it; a file with other content is refused",
+          {.kind = OptionKind::word, .sample = "baf74575be7585e0"})};
+  return table;
 }
 
 }  // namespace
@@ -36,29 +38,8 @@ OperatorDeclaration crop_declaration() {
   return {
       .name = "crop",
       .meaning = "keeps the points inside a box or polygons; later stages see neighbours among these",
-      .options = {{.name = "bounds",
-                   .kind = OptionKind::numbers,
-                   .meaning = "corners of a box: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, or XMIN,YMIN,XMAX,YMAX for any z; "
-                              "'bounds=' may be left out",
-                   .unit = "length",
-                   .positional = true,
-                   .sample = std::string("0,0,10,10")},
-                  {.name = "polygon",
-                   .kind = OptionKind::file,
-                   .meaning = "file with polygons, or a polygon itself, as WKT or GeoJSON in the coordinates of the "
-                              "cloud; with bounds a point has to lie in both",
-                   .sample = std::string(kSamplePolygon)},
-                  {.name = "outside",
-                   .kind = OptionKind::choice,
-                   .preset = std::string("false"),
-                   .meaning = "keep the points outside of the box and polygons instead",
-                   .choices = {"false", "true"}},
-                  {.name = "checksum",
-                   .kind = OptionKind::word,
-                   .meaning = "checksum of the file with polygons, as a processing record holds it; a file with other "
-                              "content is refused",
-                   .sample = std::string("baf74575be7585e0")}},
-      .make = make_crop,
+      .options = crop_options().declarations(),
+      .make = crop_options().maker<Crop>(),
       .formula =
           "In the box: XMIN <= x <= XMAX and YMIN <= y <= YMAX (and ZMIN <= z <= ZMAX).\n"
           "In a polygon: (x, y) lies on one of its edges, or a ray from it crosses its edges an odd number of times "
@@ -82,6 +63,7 @@ Crop::Crop(CropOptions options, std::string place) : options_(std::move(options)
   if (options_.polygon.empty() && !options_.checksum.empty())
     fail_usage("{}: the checksum is that of a file with polygons; give polygon=FILE.", place_);
   if (!options_.polygon.empty()) read_polygons();
+  crop_options().declare(*this, options_);
 }
 
 void Crop::read_polygons() {
@@ -124,15 +106,6 @@ std::optional<Box> Crop::extent() const {
 
 void Crop::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {
   for (std::size_t i = 0; i < points.size(); ++i) kept[i] = is_inside(points.position(i)) != options_.outside;
-}
-
-Options Crop::own_options() const {
-  Options own;
-  if (!options_.bounds.empty()) own.push_back({"bounds", fmt::format("{}", fmt::join(options_.bounds, ","))});
-  if (!options_.polygon.empty()) own.push_back({"polygon", options_.polygon});
-  own.push_back({"outside", std::string(options_.outside ? "true" : "false")});
-  if (!options_.checksum.empty()) own.push_back({"checksum", options_.checksum});
-  return own;
 }
 
 }  // namespace pointsweep

@@ -33,9 +33,6 @@ class Crop final : public SelectOperator {
   /// Returns the box of the bounds, or of the polygons if there are no bounds; absent with CropOptions::outside.
   std::optional<Box> extent() const override;
 
- protected:
-  Options own_options() const override;
-
  private:
   void read_polygons();
   bool is_inside(Vec3 p) const;

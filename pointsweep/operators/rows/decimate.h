@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
 
 namespace pointsweep {
 
@@ -19,17 +20,13 @@ OperatorDeclaration decimate_declaration();
 /// stay together or go together. Points without a finite place all stay.
 class Decimate final : public SelectOperator {
  public:
-  /// `share`: in [0, 1]; `seed`: another one chooses other points, independently. Throws UsageError.
-  explicit Decimate(double share, std::uint64_t seed = 0);
+  /// Throws UsageError for options out of their ranges.
+  explicit Decimate(const DecimateOptions& options);
   std::string name() const override { return "decimate"; }
   void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
 
- protected:
-  Options own_options() const override { return {{"share", share_}, {"seed", seed_}}; }
-
  private:
-  double share_;
-  std::uint64_t seed_;
+  DecimateOptions options_;
 };
 
 }  // namespace pointsweep

@@ -5,24 +5,28 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
+namespace {
+
+const OptionTable<Drop>& drop_options() {
+  static const OptionTable<Drop> table = {
+      option("attributes", &Drop::attributes,
+             "attributes to leave out, of the input or computed by earlier stages; 'attributes=' may be left out",
+             {.kind = OptionKind::attributes, .required = true, .positional = true, .sample = "intensity"})};
+  return table;
+}
+
+}  // namespace
 
 OperatorDeclaration drop_declaration() {
-  return {
-      .name = "drop",
-      .meaning = "leaves attributes out of the output; later stages cannot read them; x, y and z are always kept",
-      .options = {{.name = "attributes",
-                   .kind = OptionKind::attributes,
-                   .meaning = "attributes to leave out, of the input or computed by earlier stages; 'attributes=' "
-                              "may be left out",
-                   .required = true,
-                   .positional = true,
-                   .sample = std::string("intensity")}},
-      .make = [](const OptionValues& options, const Facts&) { return drop_of(words_of(options.word("attributes"))); },
-      .cost = "none: what is dropped is not computed either, unless a stage before reads it",
-      .example = "knn(k=12) | normals | set(facing = nz * nz) | drop(normal)"};
+  return {.name = "drop",
+          .meaning = "leaves attributes out of the output; later stages cannot read them; x, y and z are always kept",
+          .options = drop_options().declarations(),
+          .make = [](const OptionValues& values, const Facts&) -> ChainStage { return drop_options().read(values); },
+          .cost = "none: what is dropped is not computed either, unless a stage before reads it",
+          .example = "knn(k=12) | normals | set(facing = nz * nz) | drop(normal)"};
 }
 
 Drop drop_of(std::vector<std::string> attributes) {

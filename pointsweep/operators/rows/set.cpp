@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/points/with_type.h"
 #include "pointsweep/row_error.h"
@@ -27,11 +27,6 @@ constexpr LasType kTypesOfLas[] = {{"classification", Type::u8}, {"intensity", T
                                    {"user_data", Type::u8},      {"point_source_id", Type::u16},
                                    {"red", Type::u16},           {"green", Type::u16},
                                    {"blue", Type::u16}};
-
-std::optional<Type> type_named(const std::string& name) {
-  const auto found = std::ranges::find(kAllTypes, name, [](Type type) { return std::string(name_of(type)); });
-  return found == std::end(kAllTypes) ? std::nullopt : std::optional(*found);
-}
 
 std::vector<std::string> names_of_types() {
   std::vector<std::string> names;
@@ -96,19 +91,30 @@ Assignment assignment_of(std::string_view text, const std::string& place) {
   return assignment;
 }
 
-MadeStage make_set(const OptionValues& options, const Facts&) {
-  const auto type = options.given("as") ? type_named(options.word("as")) : std::nullopt;
-  auto set = std::make_shared<Set>(options.word("assign"), type, options.where());
-  Options declared = {{"assign", set->canonical()}};
-  if (type) declared.push_back({"as", std::string(name_of(*type))});
-  set->declare_options(std::move(declared));
-  return set;
+struct SetOptions {
+  std::string assign = {};
+  std::optional<Type> as = {};
+};
+
+const OptionTable<SetOptions>& set_options() {
+  static const OptionTable<SetOptions> table = {
+      option("assign", &SetOptions::assign,
+             "NAME = NUMBER or NAME = NUMBER where CONDITION, several with commas between, done one after another; "
+             "numbers and conditions are those of where; 'assign=' may be left out",
+             {.kind = OptionKind::assignments,
+              .required = true,
+              .positional = true,
+              .sample = "classification = 7 where z > 100"}),
+      option("as", &SetOptions::as,
+             "type of new attributes; without this option float64, or the type that LAS has for the name, such as "
+             "uint8 for classification",
+             {.choices = names_of_types(), .sample = "float32"})};
+  return table;
 }
 
-Options options_of_set(const std::string& assign, std::optional<Type> type) {
-  Options options = {{"assign", assign}};
-  if (type) options.push_back({"as", std::string(name_of(*type))});
-  return options;
+ChainStage make_set(const OptionValues& values, const Facts&) {
+  const SetOptions options = set_options().read(values);
+  return std::make_shared<Set>(options.assign, options.as, values.where());
 }
 
 }  // namespace
@@ -117,19 +123,7 @@ OperatorDeclaration set_declaration() {
   return {
       .name = "set",
       .meaning = "assigns numbers to attributes, of all points or of those for which a condition holds",
-      .options = {{.name = "assign",
-                   .kind = OptionKind::assignments,
-                   .meaning = "NAME = NUMBER or NAME = NUMBER where CONDITION, several with commas between, done one "
-                              "after another; numbers and conditions are those of where; 'assign=' may be left out",
-                   .required = true,
-                   .positional = true,
-                   .sample = std::string("classification = 7 where z > 100")},
-                  {.name = "as",
-                   .kind = OptionKind::choice,
-                   .meaning = "type of new attributes; without this option float64, or the type that LAS has for the "
-                              "name, such as uint8 for classification",
-                   .choices = names_of_types(),
-                   .sample = std::string("float32")}},
+      .options = set_options().declarations(),
       .make = make_set,
       .formula =
           "Numbers are evaluated in float64, as by where, and those of whole numbers of 64 bits exactly. A "
@@ -164,8 +158,11 @@ std::vector<Assignment> assignments_of(std::string_view text, const std::string&
 }
 
 Set::Set(std::string_view assignments, std::optional<Type> type, const std::string& place)
-    : assignments_(assignments_of(assignments, place)), type_(type) {
+    : assignments_(assignments_of(assignments, place)) {
   for (const Assignment& a : assignments_) parts_.push_back(std::make_shared<SetAttribute>(a, type, place));
+  std::string canonical;
+  for (const Assignment& a : assignments_) canonical += (canonical.empty() ? "" : ", ") + a.canonical();
+  set_options().declare(*this, {canonical, type});
 }
 
 Contract Set::contract() const {
@@ -175,20 +172,11 @@ Contract Set::contract() const {
   return contract;
 }
 
-std::string Set::canonical() const {
-  std::string text;
-  for (const Assignment& a : assignments_) text += (text.empty() ? "" : ", ") + a.canonical();
-  return text;
-}
-
-Options Set::own_options() const { return options_of_set(canonical(), type_); }
-
 SetAttribute::SetAttribute(Assignment assignment, std::optional<Type> type, std::string place)
     : assignment_(std::move(assignment)), type_(type), place_(std::move(place)) {
   target_ = scalar(assignment_.name, Type::f64, "1", "assigned");
+  set_options().declare(*this, {assignment_.canonical(), type});
 }
-
-Options SetAttribute::own_options() const { return options_of_set(assignment_.canonical(), type_); }
 
 Contract SetAttribute::contract() const {
   Contract contract{.makes = {target_}, .default_k = 0};

@@ -52,9 +52,6 @@ class SetAttribute final : public LocalOperator {
   std::array<bool, 3> changes_system() const override { return {component_ == 0, component_ == 1, component_ == 2}; }
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
- protected:
-  Options own_options() const override;
-
  private:
   void find_target(const Schema& input, std::span<const Attribute> made);
   void read_old(Attribute attribute);
@@ -85,15 +82,10 @@ class Set final : public CompositeOperator {
   std::string name() const override { return "set"; }
   Contract contract() const override;
   std::vector<ChainStage> parts() const override { return parts_; }
-  std::string canonical() const;
-
- protected:
-  Options own_options() const override;
 
  private:
   std::vector<ChainStage> parts_;
   std::vector<Assignment> assignments_;
-  std::optional<Type> type_;
 };
 
 }  // namespace pointsweep

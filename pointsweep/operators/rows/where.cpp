@@ -3,16 +3,26 @@
 
 #include <cassert>
 
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
 namespace {
 
-/// Conditions that differ in blanks only are the same.
-MadeStage make_where(const OptionValues& options, const Facts&) {
-  auto where = std::make_shared<Where>(options.word("condition"), options.where());
-  where->declare_options(where->declared_options());
-  return where;
+struct WhereOptions {
+  std::string condition = {};
+};
+
+const OptionTable<WhereOptions>& where_options() {
+  static const OptionTable<WhereOptions> table = {
+      option("condition", &WhereOptions::condition,
+             "attributes of the input or made before, numbers, + - * /, == != < <= > >=, && || !, and parentheses; "
+             "'condition=' may be left out",
+             {.kind = OptionKind::condition, .required = true, .positional = true, .sample = "z > 0"})};
+  return table;
+}
+
+ChainStage make_where(const OptionValues& values, const Facts&) {
+  return std::make_shared<Where>(where_options().read(values).condition, values.where());
 }
 
 }  // namespace
@@ -21,20 +31,17 @@ OperatorDeclaration where_declaration() {
   return {
       .name = "where",
       .meaning = "keeps the points for which a condition on attributes holds; later stages see neighbours among these",
-      .options = {{.name = "condition",
-                   .kind = OptionKind::condition,
-                   .meaning = "attributes of the input or made before, numbers, + - * /, == != < <= > >=, && || !, and "
-                              "parentheses; 'condition=' may be left out",
-                   .required = true,
-                   .positional = true,
-                   .sample = "z > 0"}},
+      .options = where_options().declarations(),
       .make = make_where,
       .undefined = "Points without a finite place are asked like all others: their coordinates are NaN or infinite.",
       .cost = "a pass over the rows, without a search; one more sweep if a later stage needs neighbours again",
       .example = "knn(k=12) | where(z > 0 && z < 100) | normals"};
 }
 
-Where::Where(std::string_view condition, std::string place) : condition_(condition, place), place_(std::move(place)) {}
+/// Conditions that differ in blanks only are the same.
+Where::Where(std::string_view condition, std::string place) : condition_(condition, place), place_(std::move(place)) {
+  where_options().declare(*this, {condition_.canonical()});
+}
 
 void Where::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {
   assert(names_.sources().size() == condition_.names().size());

@@ -30,9 +30,6 @@ class Where final : public SelectOperator {
   /// Throws UsageError for a name that fits nothing, with those there are.
   std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
- protected:
-  Options own_options() const override { return {{"condition", condition_.canonical()}}; }
-
  private:
   Expression condition_;
   std::string place_;

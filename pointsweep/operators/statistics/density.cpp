@@ -8,17 +8,24 @@
 #include <numbers>
 #include <span>
 
-#include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/complete_lists.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
 namespace {
 
-MadeStage make_density(const OptionValues& options, const Facts& facts) {
-  if (!options.given("radius")) return std::make_shared<Density>();
-  require_complete_lists(facts, Neighborhood::kUnlimited, options.number("radius"), options.where());
-  return std::make_shared<Density>(options.number("radius"));
+const OptionTable<DensityOptions>& density_options() {
+  static const OptionTable<DensityOptions> table = {option(
+      "radius", &DensityOptions::radius,
+      "radius of the ball in which points are counted; without this option, the distance to the farthest neighbour",
+      {.least = kAboveZero, .unit = "length", .sample = 0.5, .is_radius = true})};
+  return table;
+}
+
+ChainStage make_density(const OptionValues& values, const Facts& facts) {
+  const DensityOptions options = density_options().read(values);
+  if (options.radius) require_complete_lists(facts, Neighborhood::kUnlimited, *options.radius, values.where());
+  return std::make_shared<Density>(options);
 }
 
 /// A quotient beyond float32 is the largest one.
@@ -40,15 +47,7 @@ Ball ball_of(const Neighborhoods& in, std::size_t i, std::optional<double> radiu
 OperatorDeclaration density_declaration() {
   return {.name = "density",
           .meaning = "points for each unit of area and of volume around a point",
-          .options = {{.name = "radius",
-                       .kind = OptionKind::number,
-                       .meaning = "radius of the ball in which points are counted; without this option, the distance "
-                                  "to "
-                                  "the farthest neighbour",
-                       .least = kAboveZero,
-                       .unit = "length",
-                       .sample = 0.5,
-                       .is_radius = true}},
+          .options = density_options().declarations(),
           .make = make_density,
           .formula =
               "surface_density = m / (π R²), volume_density = m / (4/3 π R³)\n"
@@ -68,12 +67,7 @@ OperatorDeclaration density_declaration() {
           .example = "knn(k=16) | density"};
 }
 
-Density::Density(std::optional<double> radius) : radius_(radius) {
-  if (radius && !(*radius > 0 && std::isfinite(*radius)))
-    fail_usage("density: the radius {} is not a number above 0.", *radius);
-}
-
-Options Density::own_options() const { return radius_ ? Options{{"radius", *radius_}} : Options(); }
+Density::Density(const DensityOptions& options) : options_(options) { density_options().declare(*this, options); }
 
 Contract Density::contract() const {
   return {.makes = {scalar("surface_density", Type::f32, "1/length^2", "points for each unit of area"),
@@ -85,7 +79,7 @@ void Density::apply(const Neighborhoods& in, Columns& out) const {
   const std::span<float> surface = out.column<float>(0), volume = out.column<float>(1);
   constexpr double pi = std::numbers::pi;
   for (std::size_t i = 0; i < in.size(); ++i) {
-    const Ball ball = ball_of(in, i, radius_);
+    const Ball ball = ball_of(in, i, options_.radius);
     const double r = ball.radius;
     if (!(r > 0 && std::isfinite(r))) {
       surface[i] = volume[i] = 0;

@@ -2,10 +2,10 @@
 /// The number of points around a point, per area of a plane through it and per volume.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
 
 namespace pointsweep {
 
@@ -22,17 +22,14 @@ OperatorDeclaration density_declaration();
 /// farthest has no finite place.
 class Density final : public LocalOperator {
  public:
-  /// Throws UsageError unless the radius is a number above 0.
-  explicit Density(std::optional<double> radius = std::nullopt);
+  /// Throws UsageError for options out of their ranges.
+  explicit Density(const DensityOptions& options = {});
   std::string name() const override { return "density"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
 
- protected:
-  Options own_options() const override;
-
  private:
-  std::optional<double> radius_;
+  DensityOptions options_;
 };
 
 }  // namespace pointsweep

@@ -83,12 +83,10 @@ OperatorDeclaration neighbor_rows_declaration() {
                      {.name = "distances", .meaning = "distances to these neighbours; missing: NaN", .shape = "N×k"}}};
 }
 
-Options NeighborRows::own_options() const {
-  return {{"k", std::uint64_t{k_}}, {"distances", std::string(distances_ ? "true" : "false")}};
-}
-
 NeighborRows::NeighborRows(std::size_t k, std::uint64_t rows, bool distances)
-    : k_(k), wide_(rows >= std::numeric_limits<std::uint32_t>::max()), distances_(distances) {}
+    : k_(k), wide_(rows >= std::numeric_limits<std::uint32_t>::max()), distances_(distances) {
+  declare_options({{"k", std::uint64_t{k}}, {"distances", std::string(distances ? "true" : "false")}});
+}
 
 Contract NeighborRows::contract() const {
   Contract c;

@@ -26,7 +26,6 @@ class NeighborRows : public LocalOperator {
   void apply(const Neighborhoods& in, Columns& out) const override;
 
  private:
-  Options own_options() const override;
   template <class Row>
   void write(const Neighborhoods& in, Row* row, double* distance) const;
 

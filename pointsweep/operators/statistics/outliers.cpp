@@ -8,15 +8,20 @@
 #include <limits>
 #include <span>
 
-#include "pointsweep/fail.h"
 #include "pointsweep/math/exact_sum.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
 namespace {
 
-/// Names in the order of OutlierDefinition.
-constexpr const char* kDefinitions[] = {"pointsweep", "pdal", "pcl", "open3d", "cloudcompare"};
+const OptionTable<SorOptions>& sor_options() {
+  static const OptionTable<SorOptions> table = {
+      option("multiplier", &SorOptions::multiplier,
+             "a mean distance this many standard deviations above that of the cloud makes an outlier"),
+      option("definition", &SorOptions::definition, "use the rule of this program; the formula shows the differences",
+             {.choices = {"pointsweep", "pdal", "pcl", "open3d", "cloudcompare"}})};
+  return table;
+}
 
 /// Σ d, Σ d² and n of finite values, and how many are not 0.
 class DistanceMoments final : public Accumulator {
@@ -86,30 +91,13 @@ OutlierRule rule_of(OutlierDefinition definition) {
   return {};
 }
 
-const char* name_of(OutlierDefinition definition) { return kDefinitions[static_cast<std::size_t>(definition)]; }
-
 OperatorDeclaration sor_declaration() {
   return {.name = "sor",
           .meaning =
               "statistical outliers: points whose mean distance to their neighbours exceeds mean + multiplier * "
               "deviation of the cloud",
-          .options = {{.name = "multiplier",
-                       .kind = OptionKind::number,
-                       .preset = 2.0,
-                       .meaning = "a mean distance this many standard deviations above that of the cloud makes an "
-                                  "outlier"},
-                      {.name = "definition",
-                       .kind = OptionKind::choice,
-                       .preset = kDefinitions[0],
-                       .meaning = "use the rule of this program; the formula shows the differences",
-                       .choices = {std::begin(kDefinitions), std::end(kDefinitions)}}},
-          .make =
-              [](const OptionValues& options, const Facts&) {
-                const auto definition = std::ranges::find(kDefinitions, options.word("definition"));
-                return std::make_shared<StatisticalOutliers>(
-                    options.number("multiplier"),
-                    static_cast<OutlierDefinition>(definition - std::begin(kDefinitions)));
-              },
+          .options = sor_options().declarations(),
+          .make = sor_options().maker<StatisticalOutliers>(),
           .formula =
               "d_i = 1/|N_i| Σ_j |p_j - p_i| (mean_distance); m and s: mean and standard deviation of "
               "all n finite d; t = m + multiplier * s. N_i never holds p_i.\n"
@@ -150,6 +138,10 @@ Attribute outlier_attribute() {
   return a;
 }
 
+MeanDistance::MeanDistance(const SorOptions& options) : counts_point_(rule_of(options.definition).counts_point) {
+  sor_options().declare(*this, options);
+}
+
 void MeanDistance::apply(const Neighborhoods& in, Columns& out) const {
   const std::span<double> mean = out.column<double>(0);
   for (std::size_t i = 0; i < in.size(); ++i) {
@@ -170,14 +162,18 @@ std::string MeanAndDeviation::text() const {
 
 std::unique_ptr<Accumulator> MeanAndDeviation::start() const { return std::make_unique<DistanceMoments>(rule_); }
 
+Outlier::Outlier(const SorOptions& options, double threshold) : options_(options), threshold_(threshold) {
+  sor_options().declare(*this, options);
+}
+
 Contract Outlier::contract() const {
   Contract contract{.reads = {mean_distance_attribute()}, .makes = {outlier_attribute()}, .default_k = 0};
-  contract.values = {std::make_shared<MeanAndDeviation>(mean_distance_attribute(), rule_of(definition_))};
+  contract.values = {std::make_shared<MeanAndDeviation>(mean_distance_attribute(), rule_of(options_.definition))};
   return contract;
 }
 
 void Outlier::apply(const Neighborhoods& in, Columns& out) const {
-  const OutlierRule rule = rule_of(definition_);
+  const OutlierRule rule = rule_of(options_.definition);
   const std::span<std::uint8_t> outlier = out.column<std::uint8_t>(0);
   for (std::size_t i = 0; i < in.size(); ++i) {
     const double d = in.value<double>(0, i);
@@ -187,18 +183,15 @@ void Outlier::apply(const Neighborhoods& in, Columns& out) const {
 }
 
 std::shared_ptr<const LocalOperator> Outlier::with_values(std::span<const std::vector<double>> values) const {
-  return std::make_shared<Outlier>(multiplier_, definition_, values[0][0] + multiplier_ * values[0][1]);
+  return std::make_shared<Outlier>(options_, values[0][0] + options_.multiplier * values[0][1]);
 }
 
-StatisticalOutliers::StatisticalOutliers(double multiplier, OutlierDefinition definition)
-    : multiplier_(multiplier), definition_(definition) {
-  if (!(multiplier >= 0 && std::isfinite(multiplier)))
-    fail_usage("sor: the multiplier {} is not a number of at least 0.", multiplier);
+StatisticalOutliers::StatisticalOutliers(const SorOptions& options) : options_(options) {
+  sor_options().declare(*this, options);
 }
 
 std::vector<ChainStage> StatisticalOutliers::parts() const {
-  return {std::make_shared<MeanDistance>(rule_of(definition_).counts_point),
-          std::make_shared<Outlier>(multiplier_, definition_)};
+  return {std::make_shared<MeanDistance>(options_), std::make_shared<Outlier>(options_)};
 }
 
 }  // namespace pointsweep

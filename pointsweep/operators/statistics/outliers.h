@@ -23,8 +23,6 @@ struct OutlierRule {
   bool threshold_is_outlier = false;  ///< and so is one that equals the threshold
 };
 OutlierRule rule_of(OutlierDefinition definition);
-/// Returns the name of a definition in pipelines: "pdal".
-const char* name_of(OutlierDefinition definition);
 
 struct OperatorDeclaration;
 
@@ -39,13 +37,10 @@ Attribute outlier_attribute();
 /// the order of the neighbours, at the positions the stage sees. Points without neighbours count as degenerate.
 class MeanDistance final : public LocalOperator {
  public:
-  explicit MeanDistance(bool counts_point = false) : counts_point_(counts_point) {}
+  explicit MeanDistance(const SorOptions& options = {});
   std::string name() const override { return "mean_distance"; }
   Contract contract() const override { return {{}, {}, {mean_distance_attribute()}}; }
   void apply(const Neighborhoods& in, Columns& out) const override;
-
- protected:
-  Options own_options() const override { return {{"counts_point", counts_point_ ? "yes" : "no"}}; }
 
  private:
   bool counts_point_;
@@ -71,38 +66,28 @@ class MeanAndDeviation final : public Reduction {
 /// rules, and for points without one; else 0.
 class Outlier final : public LocalOperator {
  public:
-  explicit Outlier(double multiplier, OutlierDefinition definition = OutlierDefinition::pointsweep,
-                   double threshold = std::numeric_limits<double>::quiet_NaN())
-      : multiplier_(multiplier), definition_(definition), threshold_(threshold) {}
+  explicit Outlier(const SorOptions& options, double threshold = std::numeric_limits<double>::quiet_NaN());
   std::string name() const override { return "outlier"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
   std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
 
- protected:
-  Options own_options() const override { return {{"multiplier", multiplier_}, {"definition", name_of(definition_)}}; }
-
  private:
-  double multiplier_;
-  OutlierDefinition definition_;
+  SorOptions options_;
   double threshold_;  ///< mean + multiplier * deviation
 };
 
 /// `sor`: MeanDistance and Outlier, one after the other.
 class StatisticalOutliers final : public CompositeOperator {
  public:
-  /// Throws UsageError unless multiplier is a number of at least 0.
-  explicit StatisticalOutliers(double multiplier = 2, OutlierDefinition definition = OutlierDefinition::pointsweep);
+  /// Throws UsageError for options out of their ranges.
+  explicit StatisticalOutliers(const SorOptions& options = {});
   std::string name() const override { return "sor"; }
   Contract contract() const override { return {{}, {}, {mean_distance_attribute(), outlier_attribute()}}; }
   std::vector<ChainStage> parts() const override;
 
- protected:
-  Options own_options() const override { return {{"multiplier", multiplier_}, {"definition", name_of(definition_)}}; }
-
  private:
-  double multiplier_;
-  OutlierDefinition definition_;
+  SorOptions options_;
 };
 
 }  // namespace pointsweep

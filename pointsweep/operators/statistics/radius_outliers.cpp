@@ -1,23 +1,30 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/statistics/radius_outliers.h"
 
-#include <cmath>
 #include <memory>
 #include <span>
 
-#include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/complete_lists.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/statistics/outliers.h"
 
 namespace pointsweep {
 namespace {
 
-MadeStage make_ror(const OptionValues& options, const Facts& facts) {
-  const double radius = options.number("radius");
-  const std::uint64_t least = options.whole("min_neighbors");
-  require_complete_lists(facts, static_cast<std::size_t>(least), radius, options.where());
-  return std::make_shared<RadiusOutliers>(radius, least);
+const OptionTable<RorOptions>& ror_options() {
+  static const OptionTable<RorOptions> table = {
+      option("radius", &RorOptions::radius, "the distance within which neighbours count, inclusive",
+             {.least = kAboveZero, .unit = "length", .required = true, .sample = 0.5, .is_radius = true}),
+      option("min_neighbors", &RorOptions::min_neighbors,
+             "number of neighbours that a point needs, without the point itself; knn needs k of at least this",
+             {.least = 1})};
+  return table;
+}
+
+ChainStage make_ror(const OptionValues& values, const Facts& facts) {
+  const RorOptions options = ror_options().read(values);
+  require_complete_lists(facts, options.min_neighbors, options.radius, values.where());
+  return std::make_shared<RadiusOutliers>(options);
 }
 
 }  // namespace
@@ -25,20 +32,7 @@ MadeStage make_ror(const OptionValues& options, const Facts& facts) {
 OperatorDeclaration ror_declaration() {
   return {.name = "ror",
           .meaning = "radius outliers: points with fewer than min_neighbors neighbours within a radius",
-          .options = {{.name = "radius",
-                       .kind = OptionKind::number,
-                       .meaning = "the distance within which neighbours count, inclusive",
-                       .least = kAboveZero,
-                       .unit = "length",
-                       .required = true,
-                       .sample = 0.5,
-                       .is_radius = true},
-                      {.name = "min_neighbors",
-                       .kind = OptionKind::whole,
-                       .preset = std::uint64_t{2},
-                       .meaning = "number of neighbours that a point needs, without the point itself; knn needs k of "
-                                  "at least this",
-                       .least = 1}},
+          .options = ror_options().declarations(),
           .make = make_ror,
           .formula =
               "outlier = 1 where |{j in N_i : |p_j - p_i| <= radius}| < min_neighbors, N_i without p_i.\n"
@@ -55,25 +49,22 @@ OperatorDeclaration ror_declaration() {
           .example = "knn(k=4) | ror(radius=0.5, min_neighbors=4) | where(outlier == 0)"};
 }
 
-RadiusOutliers::RadiusOutliers(double radius, std::uint64_t min_neighbors)
-    : radius_(radius), min_neighbors_(min_neighbors) {
-  if (!(radius > 0 && std::isfinite(radius))) fail_usage("ror: the radius {} is not a number above 0.", radius);
-  if (min_neighbors == 0) fail_usage("ror: min_neighbors = 0 makes no point an outlier; choose 1 or more.");
-}
+RadiusOutliers::RadiusOutliers(const RorOptions& options) : options_(options) { ror_options().declare(*this, options); }
 
 Contract RadiusOutliers::contract() const {
   Attribute outlier = outlier_attribute();
   outlier.meaning = "1: too few neighbours within the radius";
-  return {.makes = {outlier}, .default_k = min_neighbors_};
+  return {.makes = {outlier}, .default_k = options_.min_neighbors};
 }
 
 void RadiusOutliers::apply(const Neighborhoods& in, Columns& out) const {
   const std::span<std::uint8_t> outlier = out.column<std::uint8_t>(0);
-  const double radius2 = radius_ * radius_;
+  const double radius2 = options_.radius * options_.radius;
   for (std::size_t i = 0; i < in.size(); ++i) {
     std::uint64_t near = 0;
-    for (std::size_t j = 0; j < in.count(i) && near < min_neighbors_; ++j) near += in.distance2(i, j) <= radius2;
-    outlier[i] = near < min_neighbors_;
+    for (std::size_t j = 0; j < in.count(i) && near < options_.min_neighbors; ++j)
+      near += in.distance2(i, j) <= radius2;
+    outlier[i] = near < options_.min_neighbors;
   }
 }
 

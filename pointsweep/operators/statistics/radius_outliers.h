@@ -3,10 +3,10 @@
 /// of PCL; remove_radius_outlier of Open3D).
 #pragma once
 
-#include <cstdint>
 #include <string>
 
 #include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
 
 namespace pointsweep {
 
@@ -19,18 +19,14 @@ OperatorDeclaration ror_declaration();
 /// min_neighbors and no smaller radius. Pipelines that do not give them are refused; C++ code has to see to it.
 class RadiusOutliers final : public LocalOperator {
  public:
-  /// Throws UsageError unless the radius is a number above 0 and min_neighbors at least 1.
-  RadiusOutliers(double radius, std::uint64_t min_neighbors);
+  /// Throws UsageError for options out of their ranges.
+  explicit RadiusOutliers(const RorOptions& options);
   std::string name() const override { return "ror"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
 
- protected:
-  Options own_options() const override { return {{"radius", radius_}, {"min_neighbors", min_neighbors_}}; }
-
  private:
-  double radius_;
-  std::uint64_t min_neighbors_;
+  RorOptions options_;
 };
 
 }  // namespace pointsweep

@@ -14,7 +14,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/math/batch.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/kinds/input_diagonal.h"
 #include "pointsweep/operators/surface/splats.h"
 #include "pointsweep/operators/surface/tangent_plane.h"
@@ -39,20 +39,19 @@ double area(float length, float ratio) {
 
 double square(double v) { return v * v; }
 
-MadeStage make_fair(const OptionValues& options, const Facts&) {
-  return std::make_shared<FairInPercent>(FairOptions{.f = options.number("f"), .g = options.number("g")},
-                                         options.where());
-}
+constexpr const char* kWidthUnit = "% of the diagonal";
 
-/// The width of one of the Gaussians, as the paper gives it.
-OptionDeclaration width(std::string name, std::string meaning) {
-  return {.name = std::move(name),
-          .kind = OptionKind::number,
-          .preset = 0.5,
-          .meaning = std::move(meaning),
-          .least = 1e-6,
-          .most = 100,
-          .unit = "% of the diagonal"};
+const OptionTable<FairPercent>& fair_options() {
+  static const OptionTable<FairPercent> table = {
+      option("f", &FairPercent::f,
+             "reach of the smoothing: standard deviation of the Gaussian weight of the distance to a neighbour, in % "
+             "of the diagonal of the bounding box of the input",
+             {.least = 1e-6, .most = 100, .unit = kWidthUnit}),
+      option("g", &FairPercent::g,
+             "height of the bumps that are removed: standard deviation of the Gaussian weight of the distance to the "
+             "tangent plane of a neighbour, in % of the diagonal of the bounding box of the input",
+             {.least = 1e-6, .most = 100, .unit = kWidthUnit})};
+  return table;
 }
 
 }  // namespace
@@ -61,14 +60,8 @@ OperatorDeclaration fair_declaration() {
   return {
       .name = "fair",
       .meaning = "edge-preserving smoothing: moves points towards the tangent planes of their neighbours (Equation 3)",
-      .options = {width("f",
-                        "reach of the smoothing: standard deviation of the Gaussian weight of the distance to a "
-                        "neighbour, in % of the diagonal of the bounding box of the input"),
-                  width("g",
-                        "height of the bumps that are removed: standard deviation of the Gaussian weight of the "
-                        "distance to "
-                        "the tangent plane of a neighbour, in % of the diagonal of the bounding box of the input")},
-      .make = make_fair,
+      .options = fair_options().declarations(),
+      .make = fair_options().maker<FairInPercent>(),
       .formula =
           "p_i' = 1/w_i Σ_j Π_j(p_i) a_j f(|p_j - p_i|) g(|Π_j(p_i) - p_i|), j over N_i and i\n"
           "Π_j(p_i): projection of p_i onto the tangent plane of p_j; w_i: sum of the weights;\n"
@@ -86,17 +79,22 @@ OperatorDeclaration fair_declaration() {
       .example = "knn(k=64) | normals | splats | fair(f=0.3, g=0.3) | normals"};
 }
 
-/// Returns the widths in lengths, which no option of a pipeline is: a chain made by hand is not one with widths in %.
-Options Fair::own_options() const { return {{"f_length", options_.f}, {"g_length", options_.g}}; }
-
+/// The options are lengths, which no option of a pipeline is: a chain made by hand is not one with widths in %.
 Fair::Fair(const FairOptions& options)
-    : options_(options), inverse_f_(inverse_width("f", options.f)), inverse_g_(inverse_width("g", options.g)) {}
+    : inverse_f_(inverse_width("f", options.f)), inverse_g_(inverse_width("g", options.g)) {
+  declare_options({{"f_length", options.f}, {"g_length", options.g}});
+}
 
 Contract Fair::contract() const {
   return {.reads = {splat_length_attribute(), splat_ratio_attribute()},
           .reads_neighbors = {normal_attribute(), splat_length_attribute(), splat_ratio_attribute()},
           .makes = {position_attribute()},
           .default_k = 64};
+}
+
+FairInPercent::FairInPercent(const FairPercent& percent, std::string place)
+    : percent_(percent), place_(std::move(place)) {
+  fair_options().declare(*this, percent);
 }
 
 Contract FairInPercent::contract() const {

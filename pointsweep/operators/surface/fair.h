@@ -38,11 +38,9 @@ class Fair : public LocalOperator {
   std::array<bool, 3> changes_system() const override { return {}; }
 
  private:
-  Options own_options() const override;
   struct Pull;
   void collect(const Neighborhoods& in, std::size_t i, std::vector<Pull>& pulls, std::vector<double>& exponents) const;
   static std::optional<Vec3> shift(double own, const std::vector<Pull>& pulls, const std::vector<double>& falloffs);
-  FairOptions options_;
   double inverse_f_, inverse_g_;
 };
 
@@ -53,8 +51,7 @@ OperatorDeclaration fair_declaration();
 class FairInPercent final : public LocalOperator {
  public:
   /// `place`: for messages, e.g. "pipeline, column 20: fair".
-  explicit FairInPercent(const FairOptions& percent, std::string place = "fair")
-      : percent_(percent), place_(std::move(place)) {}
+  explicit FairInPercent(const FairPercent& percent = {}, std::string place = "fair");
   std::string name() const override { return "fair"; }
   Contract contract() const override;
   void apply(const Neighborhoods&, Columns&) const override {}
@@ -62,11 +59,8 @@ class FairInPercent final : public LocalOperator {
   /// Fair. Throws UsageError if all points lie in one place.
   std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
 
- protected:
-  Options own_options() const override { return {{"f", percent_.f}, {"g", percent_.g}}; }
-
  private:
-  FairOptions percent_;
+  FairPercent percent_;
   std::string place_;
 };
 

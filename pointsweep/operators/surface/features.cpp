@@ -7,8 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
 namespace {
@@ -39,9 +38,6 @@ constexpr std::array<FeatureText, kFeatures> kTexts = {{
     {"number_of_neighbors", "n, the number of points", 0},
 }};
 
-/// Names in the order of EigenvalueScale.
-constexpr const char* kScales[] = {"raw", "sqrt", "normalized"};
-
 std::vector<std::string> names_of_features() {
   std::vector<std::string> names;
   for (const FeatureText& text : kTexts) names.emplace_back(text.name);
@@ -64,15 +60,6 @@ std::vector<Feature> features_named(const std::vector<std::string>& names) {
   return features;
 }
 
-void require_names(const std::vector<std::string>& names) {
-  const std::vector<std::string> known = names_of_features();
-  for (const std::string& name : names) {
-    if (std::ranges::find(known, name) == known.end())
-      fail_usage("features: '{}' is not a feature; there are {}.", name, fmt::join(known, ", "));
-    if (std::ranges::count(names, name) > 1) fail_usage("features: '{}' is given twice.", name);
-  }
-}
-
 std::vector<AttributeNote> notes() {
   std::vector<AttributeNote> notes;
   for (const FeatureText& text : kTexts) {
@@ -82,15 +69,18 @@ std::vector<AttributeNote> notes() {
   return notes;
 }
 
-MadeStage make_features(const OptionValues& options, const Facts&) {
-  FeaturesOptions features;
-  if (options.given("names")) features.names = words_of(options.word("names"));
-  const auto scale = std::ranges::find(kScales, options.word("eigenvalues"));
-  features.eigenvalues = static_cast<EigenvalueScale>(scale - std::begin(kScales));
-  features.with_point = options.word("with_point") == "yes";
-  const auto op = std::make_shared<Features>(features);
-  op->declare_options(op->declared_options());  // names in any order are the same
-  return op;
+const OptionTable<FeaturesOptions>& features_options() {
+  static const OptionTable<FeaturesOptions> table = {
+      option("names", &FeaturesOptions::names,
+             "features to compute, as in [linearity,planarity]; without this option, all of them",
+             {.kind = OptionKind::names, .choices = names_of_features(), .sample = "linearity,planarity"}),
+      option("eigenvalues", &FeaturesOptions::eigenvalues,
+             "what the features are made of: the eigenvalues themselves, their square roots, or the eigenvalues "
+             "divided by their sum",
+             {.choices = {"raw", "sqrt", "normalized"}}),
+      option("with_point", &FeaturesOptions::with_point, "count the point itself among the points of its neighbourhood",
+             {.choices = {"yes", "no"}})};
+  return table;
 }
 
 }  // namespace
@@ -101,23 +91,8 @@ OperatorDeclaration features_declaration() {
       .meaning =
           "features of the shape of neighbourhoods, from the eigenvalues of their covariance: like a line, a "
           "plane or a volume",
-      .options = {{.name = "names",
-                   .kind = OptionKind::names,
-                   .meaning = "features to compute, as in [linearity,planarity]; without this option, all of them",
-                   .choices = names_of_features(),
-                   .sample = "linearity,planarity"},
-                  {.name = "eigenvalues",
-                   .kind = OptionKind::choice,
-                   .preset = "raw",
-                   .meaning = "what the features are made of: the eigenvalues themselves, their square roots, or the "
-                              "eigenvalues divided by their sum",
-                   .choices = {std::begin(kScales), std::end(kScales)}},
-                  {.name = "with_point",
-                   .kind = OptionKind::choice,
-                   .preset = "yes",
-                   .meaning = "count the point itself among the points of its neighbourhood",
-                   .choices = {"yes", "no"}}},
-      .make = make_features,
+      .options = features_options().declarations(),
+      .make = features_options().maker<Features>(),
       .formula =
           "P: the neighbours, and p_i with with_point=yes; n = |P|, p̄ their mean\n"
           "Σ = 1/n Σ_P (p - p̄)(p - p̄)^T, eigenvalues l1 >= l2 >= l3, eigenvectors e1, e2, e3\n"
@@ -147,19 +122,13 @@ OperatorDeclaration features_declaration() {
       .example = "knn(radius=0.5) | features(names=[linearity,planarity,verticality])"};
 }
 
-Features::Features(const FeaturesOptions& options) : options_(options), made_(features_named(options.names)) {
-  require_names(options.names);
-}
-
-Options Features::own_options() const {
-  Options options;
-  std::string names;
-  for (const Feature f : made_)
-    names += (names.empty() ? "" : ",") + std::string(kTexts[static_cast<std::size_t>(f)].name);
-  if (made_.size() < kFeatures) options.push_back({"names", names});
-  options.push_back({"eigenvalues", kScales[static_cast<std::size_t>(options_.eigenvalues)]});
-  options.push_back({"with_point", options_.with_point ? "yes" : "no"});
-  return options;
+/// Equal operators have equal options: names in the order of the columns, and none where all are made.
+Features::Features(FeaturesOptions options) : options_(std::move(options)), made_(features_named(options_.names)) {
+  const std::vector<std::string> known = names_of_features();
+  const auto place = [&](const std::string& name) { return std::ranges::find(known, name) - known.begin(); };
+  std::ranges::sort(options_.names, {}, place);
+  if (options_.names == known) options_.names.clear();
+  features_options().declare(*this, options_);
 }
 
 Contract Features::contract() const {

@@ -48,14 +48,10 @@ struct OperatorDeclaration;
 class Features final : public LocalOperator {
  public:
   /// Throws UsageError for a name that is not one of those above, or is given twice.
-  explicit Features(const FeaturesOptions& options = {});
+  explicit Features(FeaturesOptions options = {});
   std::string name() const override { return "features"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-
- protected:
-  /// Names in the order of the columns, and none where all are made.
-  Options own_options() const override;
 
  private:
   FeaturesOptions options_;

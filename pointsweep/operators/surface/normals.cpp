@@ -7,7 +7,7 @@
 #include <span>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/surface/normals_kernel.h"
 #include "pointsweep/points/degenerate_points.h"
 
@@ -29,79 +29,56 @@ double along_wanted(const NormalsOptions& options, const Neighborhoods& in, std:
     case Orient::up:
       return n[2];
     case Orient::viewpoint:
-      return dot(n, options.viewpoint - in.position(i));
+      return dot(n, *options.viewpoint - in.position(i));
     case Orient::input:
       return dot(n, in.vector(0, i));
   }
   return 0;
 }
 
-/// Names in the order of Orient.
-constexpr const char* kOrientations[] = {"none", "up", "viewpoint", "input"};
-
-Orient orient_named(const std::string& name) {
-  std::size_t i = 0;
-  while (name != kOrientations[i]) ++i;
-  return static_cast<Orient>(i);
-}
-
-MadeStage make_normals(const OptionValues& options, const Facts&) {
-  NormalsOptions normals;
-  normals.orient = orient_named(options.word("orient"));
-  const bool towards = normals.orient == Orient::viewpoint;
-  if (towards && !options.given("viewpoint"))
-    fail_usage("{}: orient=viewpoint needs the point, as in viewpoint=[0,0,1.7].", options.where());
-  if (!towards && options.given("viewpoint"))
-    fail_usage("{}: viewpoint is used only with orient=viewpoint; add that, or leave the point out.", options.where());
-  if (towards) normals.viewpoint = options.point("viewpoint");
-  return std::make_shared<Normals>(normals);
+const OptionTable<NormalsOptions>& normals_options() {
+  static const OptionTable<NormalsOptions> table = {
+      option("orient", &NormalsOptions::orient,
+             "how to orient normals: none, up (towards +z), towards the viewpoint, or to the side of the normals in "
+             "the input",
+             {.choices = {"none", "up", "viewpoint", "input"}}),
+      option("viewpoint", &NormalsOptions::viewpoint,
+             "position of the scanner for orient=viewpoint, in the coordinates of the cloud",
+             {.unit = "length", .sample = Vec3{0, 0, 1.7}})};
+  return table;
 }
 
 }  // namespace
 
 OperatorDeclaration normals_declaration() {
-  return {
-      .name = "normals",
-      .meaning = "unit normals, from the weighted covariance of the neighbours (Equation 1 of the paper)",
-      .options = {{.name = "orient",
-                   .kind = OptionKind::choice,
-                   .preset = "none",
-                   .meaning = "how to orient normals: none, up (towards +z), towards the viewpoint, or to the side of "
-                              "the normals in the input",
-                   .choices = {std::begin(kOrientations), std::end(kOrientations)}},
-                  {.name = "viewpoint",
-                   .kind = OptionKind::point,
-                   .meaning = "position of the scanner for orient=viewpoint, in the coordinates of the cloud",
-                   .unit = "length",
-                   .sample = Vec3{0, 0, 1.7}}},
-      .make = make_normals,
-      .formula =
-          "n_i: eigenvector of the smallest eigenvalue of\n"
-          "M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)^T θ(|p_j - p_i|)\n"
-          "θ(r) = exp(-r² / 2σ²), σ² = π max_j |p_j - p_i|² / |N_i|; |N_i| does not count p_i.\n"
-          "orient=none: the first of the largest components is positive.\n"
-          "orient=up, viewpoint, input: the dot product with +z, the direction to the viewpoint or the "
-          "normal of the input is positive; where it is 0, as for none.",
-      .source = "Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 3.2, Equation 1",
-      .undefined =
-          "(0, 0, 0) where the neighbours define no plane: fewer than two, all on the point, or all on a line.",
-      .degenerate = "have too few neighbours, or only neighbours on a line; their normals are 0",
-      .cost = "at k = 8 about 190 cycles per point with AVX2, after the search",
-      .neighbor_ns = 4,
-      .attributes = {{.name = "normal", .meaning = "unit surface normal; undefined: 0"}},
-      .example = "knn(k=12) | normals(orient=viewpoint, viewpoint=[0,0,1.7])"};
+  return {.name = "normals",
+          .meaning = "unit normals, from the weighted covariance of the neighbours (Equation 1 of the paper)",
+          .options = normals_options().declarations(),
+          .make = normals_options().maker<Normals>(),
+          .formula =
+              "n_i: eigenvector of the smallest eigenvalue of\n"
+              "M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)^T θ(|p_j - p_i|)\n"
+              "θ(r) = exp(-r² / 2σ²), σ² = π max_j |p_j - p_i|² / |N_i|; |N_i| does not count p_i.\n"
+              "orient=none: the first of the largest components is positive.\n"
+              "orient=up, viewpoint, input: the dot product with +z, the direction to the viewpoint or the "
+              "normal of the input is positive; where it is 0, as for none.",
+          .source = "Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 3.2, Equation 1",
+          .undefined =
+              "(0, 0, 0) where the neighbours define no plane: fewer than two, all on the point, or all on a line.",
+          .degenerate = "have too few neighbours, or only neighbours on a line; their normals are 0",
+          .cost = "at k = 8 about 190 cycles per point with AVX2, after the search",
+          .neighbor_ns = 4,
+          .attributes = {{.name = "normal", .meaning = "unit surface normal; undefined: 0"}},
+          .example = "knn(k=12) | normals(orient=viewpoint, viewpoint=[0,0,1.7])"};
 }
 
-Options Normals::own_options() const {
-  Options options = {{"orient", kOrientations[static_cast<std::size_t>(options_.orient)]}};
-  if (options_.orient == Orient::viewpoint) options.push_back({"viewpoint", options_.viewpoint});
-  return options;
-}
-
-Normals::Normals(const NormalsOptions& options) : options_(options) {
-  if (options.orient == Orient::viewpoint && !is_finite(options.viewpoint))
-    fail_usage("normals: the viewpoint ({}, {}, {}) is not finite; give three numbers in the coordinates of the cloud",
-               options.viewpoint.x, options.viewpoint.y, options.viewpoint.z);
+Normals::Normals(const NormalsOptions& options, const std::string& place) : options_(options) {
+  normals_options().declare(*this, options);
+  const bool towards = options.orient == Orient::viewpoint;
+  if (towards && !options.viewpoint)
+    fail_usage("{}: orient=viewpoint needs the point, as in viewpoint=[0,0,1.7].", place);
+  if (!towards && options.viewpoint)
+    fail_usage("{}: viewpoint is used only with orient=viewpoint; add that, or leave the point out.", place);
 }
 
 Contract Normals::contract() const {

@@ -24,13 +24,13 @@ struct OperatorDeclaration;
 /// moved to such a place).
 class Normals : public LocalOperator {
  public:
-  explicit Normals(const NormalsOptions& options = {});
+  /// `place`: for messages. Throws UsageError for options out of their ranges or that do not go together.
+  explicit Normals(const NormalsOptions& options = {}, const std::string& place = "normals");
   std::string name() const override { return "normals"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
 
  private:
-  Options own_options() const override;
   NormalsOptions options_;
 };
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/surface/curvature.h"
 #include "pointsweep/operators/surface/splats_kernel.h"
 #include "pointsweep/operators/surface/tangent_plane.h"
@@ -12,10 +12,13 @@
 namespace pointsweep {
 namespace {
 
-MadeStage make_splats(const OptionValues& options, const Facts& facts) {
-  const std::string& axes = options.word("axes");
-  const bool curved = axes == "curvature" || (axes == "auto" && facts.made.contains(k1_direction_attribute().name));
-  return std::make_shared<Splats>(SplatsOptions{.axes = curved ? SplatAxes::curvature : SplatAxes::positions});
+const OptionTable<SplatsOptions>& splats_options() {
+  static const OptionTable<SplatsOptions> table = {
+      option("axes", &SplatsOptions::axes,
+             "derive direction and ratio of the ellipses from curvature or from positions; auto takes curvature if an "
+             "earlier stage computes it",
+             {.choices = {"auto", "positions", "curvature"}})};
+  return table;
 }
 
 }  // namespace
@@ -24,13 +27,8 @@ OperatorDeclaration splats_declaration() {
   return {
       .name = "splats",
       .meaning = "elliptical splats that together cover the surface",
-      .options = {{.name = "axes",
-                   .kind = OptionKind::choice,
-                   .preset = "auto",
-                   .meaning = "derive direction and ratio of the ellipses from curvature or from positions; auto "
-                              "takes curvature if an earlier stage computes it",
-                   .choices = {"auto", "positions", "curvature"}}},
-      .make = make_splats,
+      .options = splats_options().declarations(),
+      .make = splats_options().maker<Splats>(),
       .formula =
           "An ellipse around p_i in the tangent plane of n_i, grown until it holds eight neighbours; with m < 8 "
           "neighbours, √(8/m) times as long as one that holds all.\n"
@@ -51,8 +49,14 @@ OperatorDeclaration splats_declaration() {
       .example = "knn(k=12) | normals | splats(axes=positions)"};
 }
 
-Options Splats::own_options() const {
-  return {{"axes", options_.axes == SplatAxes::curvature ? "curvature" : "positions"}};
+Splats::Splats(const SplatsOptions& options) : options_(options) { splats_options().declare(*this, options); }
+
+std::shared_ptr<const LocalOperator> Splats::bound(const Schema&, std::span<const Attribute> made) const {
+  if (options_.axes != SplatAxes::automatic) return nullptr;
+  const bool curved = std::ranges::find(made, k1_direction_attribute().name, &Attribute::name) != made.end();
+  auto bound = std::make_shared<Splats>(*this);
+  bound->options_.axes = curved ? SplatAxes::curvature : SplatAxes::positions;
+  return bound;
 }
 
 Attribute splat_axis_attribute() {

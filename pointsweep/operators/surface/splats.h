@@ -31,13 +31,14 @@ struct OperatorDeclaration;
 /// where an offset overflows or is not finite.
 class Splats : public LocalOperator {
  public:
-  explicit Splats(const SplatsOptions& options = {}) : options_(options) {}
+  explicit Splats(const SplatsOptions& options = {});
   std::string name() const override { return "splats"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
+  /// Decides between the axes where the options leave it to the stages before.
+  std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
  private:
-  Options own_options() const override;
   SplatsOptions options_;
 };
 

@@ -7,7 +7,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/math/mix.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/thinning/undecided_points.h"
 
@@ -47,10 +47,20 @@ class PoissonFront final : public InOrderWork {
   std::size_t since_decision_ = 0;
 };
 
-MadeStage make_poisson(const OptionValues& options, const Facts&) {
-  return std::make_shared<Poisson>(
-      PoissonOptions{.radius = options.number("radius"),
-                     .radius_from = options.given("radius_from") ? options.word("radius_from") : ""});
+const OptionTable<PoissonOptions>& poisson_options() {
+  static const OptionTable<PoissonOptions> table = {
+      option("radius", &PoissonOptions::radius,
+             "minimum distance between kept points; with radius_from, its upper limit",
+             {.least = kAboveZero,
+              .unit = "length",
+              .required = true,
+              .positional = true,
+              .sample = 0.5,
+              .is_radius = true}),
+      option("radius_from", &PoissonOptions::radius_from,
+             "attribute of the input, or made before, that holds the minimum distance from each point to the kept ones",
+             {.kind = OptionKind::attribute, .is_radius = true})};
+  return table;
 }
 
 }  // namespace
@@ -58,21 +68,8 @@ MadeStage make_poisson(const OptionValues& options, const Facts&) {
 OperatorDeclaration poisson_declaration() {
   return {.name = "poisson",
           .meaning = "keeps points that are farther than a radius from each other and leave no gap wider than it",
-          .options = {{.name = "radius",
-                       .kind = OptionKind::number,
-                       .meaning = "minimum distance between kept points; with radius_from, its upper limit",
-                       .least = kAboveZero,
-                       .unit = "length",
-                       .required = true,
-                       .positional = true,
-                       .sample = 0.5,
-                       .is_radius = true},
-                      {.name = "radius_from",
-                       .kind = OptionKind::attribute,
-                       .meaning = "attribute of the input, or made before, that holds the minimum distance from each "
-                                  "point to the kept ones",
-                       .is_radius = true}},
-          .make = make_poisson,
+          .options = poisson_options().declarations(),
+          .make = poisson_options().maker<Poisson>(),
           .formula =
               "In ascending order of h_i (ties by x, y, z, then row) a point is kept unless a kept point j has "
               "|p_i - p_j|² <= r_i², ((dx² + dy²) + dz²) in float64.\n"
@@ -90,9 +87,8 @@ OperatorDeclaration poisson_declaration() {
 }
 
 Poisson::Poisson(PoissonOptions options) : options_(std::move(options)) {
+  poisson_options().declare(*this, options_);
   const double r = options_.radius;
-  if (!(r > 0 && std::isfinite(r)))
-    fail_usage("poisson: the radius {} is not a positive length; give one in the length unit of the cloud.", r);
   if (!std::isnormal(r * r))
     fail_usage("poisson: double precision cannot hold the square of the radius {}: scale the coordinates.", r);
 }
@@ -104,12 +100,6 @@ InOrderContract Poisson::in_order_contract() const {
 std::uint64_t Poisson::least_bytes(const CloudEstimate& cloud) const {
   const std::uint64_t near = cloud.slice_points(2 * options_.radius) + kHeldAtMost;
   return UndecidedPoints::kPointBytes * std::min(cloud.points, near);
-}
-
-Options Poisson::own_options() const {
-  Options options = {{"radius", options_.radius}};
-  if (!options_.radius_from.empty()) options.push_back({"radius_from", options_.radius_from});
-  return options;
 }
 
 std::unique_ptr<InOrderWork> Poisson::start(const InOrderSetup& setup) const {

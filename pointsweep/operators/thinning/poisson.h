@@ -22,7 +22,7 @@ OperatorDeclaration poisson_declaration();
 /// radius, and of two kept points the later has the other beyond its radius. Points without a finite place all stay.
 class Poisson final : public InOrderOperator {
  public:
-  /// Throws UsageError unless the radius is positive and its square can be represented.
+  /// Throws UsageError for options out of their ranges, and if the square of the radius cannot be represented.
   explicit Poisson(PoissonOptions options);
   std::string name() const override { return "poisson"; }
   InOrderContract in_order_contract() const override;
@@ -32,9 +32,6 @@ class Poisson final : public InOrderOperator {
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   /// Throws UsageError where radius_from names no single value of each point.
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
-
- protected:
-  Options own_options() const override;
 
  private:
   PoissonOptions options_;

@@ -23,13 +23,10 @@ Attribute simplify_radius_attribute();
 /// tangent plane by no more than the error, to second order. A point without curvature gets `most`.
 class SimplifyRadius final : public LocalOperator {
  public:
-  explicit SimplifyRadius(SimplifyOptions options) : options_(options) {}
+  explicit SimplifyRadius(const SimplifyOptions& options) : options_(options) {}
   std::string name() const override { return "simplify_radius"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-
- protected:
-  Options own_options() const override;
 
  private:
   SimplifyOptions options_;
@@ -38,14 +35,11 @@ class SimplifyRadius final : public LocalOperator {
 /// `simplify`: SimplifyRadius, and poisson with these radii.
 class Simplify final : public CompositeOperator {
  public:
-  /// Throws UsageError unless error and most are positive and least is from 0 to most.
-  explicit Simplify(SimplifyOptions options);
+  /// `place`: for messages. Throws UsageError for options out of their ranges, and if least is more than most.
+  explicit Simplify(const SimplifyOptions& options, const std::string& place = "simplify");
   std::string name() const override { return "simplify"; }
   Contract contract() const override;
   std::vector<ChainStage> parts() const override;
-
- protected:
-  Options own_options() const override;
 
  private:
   SimplifyOptions options_;

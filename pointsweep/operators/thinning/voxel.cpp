@@ -6,16 +6,23 @@
 #include <limits>
 #include <vector>
 
-#include "pointsweep/fail.h"
 #include "pointsweep/math/mix.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/thinning/voxel_candidate.h"
 
 namespace pointsweep {
 namespace {
 
-/// Names in the order of VoxelKeep.
-constexpr const char* kKeepNames[] = {"center", "hash", "centroid"};
+const OptionTable<VoxelOptions>& voxel_options() {
+  static const OptionTable<VoxelOptions> table = {
+      option("size", &VoxelOptions::size, "edge length of the cubes, whose faces lie at multiples of it",
+             {.least = kAboveZero, .unit = "length", .required = true, .positional = true, .sample = 0.5}),
+      option("keep", &VoxelOptions::keep,
+             "point that a cube keeps: the one nearest to its centre, one chosen by a hash, or the one nearest to its "
+             "centre with the means of the cube",
+             {.choices = {"center", "hash", "centroid"}})};
+  return table;
+}
 
 /// Knows the best point so far of the voxel whose points come now.
 class OneOfEachVoxel final : public InOrderWork {
@@ -46,32 +53,14 @@ class OneOfEachVoxel final : public InOrderWork {
   VoxelCandidate best_;
 };
 
-MadeStage make_voxel(const OptionValues& options, const Facts&) {
-  const auto keep = std::ranges::find(kKeepNames, options.word("keep")) - std::begin(kKeepNames);
-  return std::make_shared<Voxel>(options.number("size"), static_cast<VoxelKeep>(keep));
-}
-
 }  // namespace
 
 OperatorDeclaration voxel_declaration() {
   return {
       .name = "voxel",
       .meaning = "keeps one point in each cube of a grid; later stages see neighbours among those kept",
-      .options = {{.name = "size",
-                   .kind = OptionKind::number,
-                   .meaning = "edge length of the cubes, whose faces lie at multiples of it",
-                   .least = kAboveZero,
-                   .unit = "length",
-                   .required = true,
-                   .positional = true,
-                   .sample = 0.5},
-                  {.name = "keep",
-                   .kind = OptionKind::choice,
-                   .preset = std::string("center"),
-                   .meaning = "point that a cube keeps: the one nearest to its centre, one chosen by a hash, or the "
-                              "one nearest to its centre with the means of the cube",
-                   .choices = {std::begin(kKeepNames), std::end(kKeepNames)}}},
-      .make = make_voxel,
+      .options = voxel_options().declarations(),
+      .make = voxel_options().maker<Voxel>(),
       .formula =
           "Voxel of p: (⌊x / size⌋, ⌊y / size⌋, ⌊z / size⌋), quotients rounded to float64: a point on a "
           "face belongs to the voxel above it. The grid does not depend on the cloud.\n"
@@ -92,14 +81,11 @@ OperatorDeclaration voxel_declaration() {
       .example = "knn(k=12) | voxel(0.5) | normals"};
 }
 
-Voxel::Voxel(double size, VoxelKeep keep) : size_(size), keep_(keep) {
-  if (!(size > 0 && std::isfinite(size)))
-    fail_usage("voxel: the size {} is not a positive length; give one in the length unit of the cloud.", size);
-}
+Voxel::Voxel(const VoxelOptions& options) : options_(options) { voxel_options().declare(*this, options); }
 
 InOrderContract Voxel::in_order_contract() const {
   InOrderContract contract{.drops_rows = true, .places = Places::of_operator, .arrival = "those of a voxel together"};
-  if (keep_ != VoxelKeep::centroid) return contract;
+  if (options_.keep != VoxelKeep::centroid) return contract;
   contract.makes = {position_attribute()};
   for (const AveragedAttribute& a : averaged_) {
     contract.reads.insert(contract.reads.end(), a.reads.begin(), a.reads.end());
@@ -109,24 +95,22 @@ InOrderContract Voxel::in_order_contract() const {
 }
 
 std::shared_ptr<const InOrderOperator> Voxel::bound(const Schema& input, std::span<const Attribute> made) const {
-  if (keep_ != VoxelKeep::centroid) return nullptr;
+  if (options_.keep != VoxelKeep::centroid) return nullptr;
   auto bound = std::make_shared<Voxel>(*this);
   bound->averaged_ = averaged_attributes(input, made);
   return bound;
 }
 
-Options Voxel::own_options() const {
-  return {{"size", size_}, {"keep", std::string(kKeepNames[static_cast<std::size_t>(keep_)])}};
-}
-
 std::unique_ptr<InOrderWork> Voxel::start(const InOrderSetup&) const {
-  if (keep_ == VoxelKeep::centroid) return means_of_voxels(size_, averaged_);
-  return std::make_unique<OneOfEachVoxel>(size_, keep_);
+  if (options_.keep == VoxelKeep::centroid) return means_of_voxels(options_.size, averaged_);
+  return std::make_unique<OneOfEachVoxel>(options_.size, options_.keep);
 }
 
-std::uint64_t Voxel::least_bytes(const CloudEstimate&) const { return keep_ == VoxelKeep::centroid ? 1 << 20 : 0; }
+std::uint64_t Voxel::least_bytes(const CloudEstimate&) const {
+  return options_.keep == VoxelKeep::centroid ? 1 << 20 : 0;
+}
 
-Vec3 Voxel::place_of(Vec3 position) const { return voxel_of_position(position, size_); }
+Vec3 Voxel::place_of(Vec3 position) const { return voxel_of_position(position, options_.size); }
 
 Vec3 voxel_of_position(Vec3 position, double size) {
   constexpr double kMost = std::numeric_limits<double>::max();

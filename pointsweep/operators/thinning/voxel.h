@@ -25,8 +25,8 @@ OperatorDeclaration voxel_declaration();
 /// stays moves to the mean position, and attributes become means.
 class Voxel final : public InOrderOperator {
  public:
-  /// `size`: length of an edge. Throws UsageError unless it is positive and finite.
-  explicit Voxel(double size, VoxelKeep keep = VoxelKeep::center);
+  /// Throws UsageError for options out of their ranges.
+  explicit Voxel(const VoxelOptions& options);
   std::string name() const override { return "voxel"; }
   InOrderContract in_order_contract() const override;
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
@@ -35,12 +35,8 @@ class Voxel final : public InOrderOperator {
   Vec3 place_of(Vec3 position) const override;
   std::uint64_t least_bytes(const CloudEstimate&) const override;
 
- protected:
-  Options own_options() const override;
-
  private:
-  double size_;
-  VoxelKeep keep_;
+  VoxelOptions options_;
   std::vector<AveragedAttribute> averaged_;
 };
 

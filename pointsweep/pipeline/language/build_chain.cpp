@@ -66,7 +66,6 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
 }
 
 void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts) {
-  for (const Attribute& a : made_by(chain)) facts.made.insert(a.name);
   facts.neighborhood = chain.neighborhood;
   for (const ChainStage& stage : chain.stages) note_neighborhood(stage, facts);
   for (const StageText& stage : stages) {
@@ -75,8 +74,7 @@ void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts) 
                  to_text(std::vector<StageText>{{"reneighbor", stage.options, ""}}));
     const OperatorDeclaration& declaration = find_operator(stage);
     const std::vector<OptionDeclaration> options = in_unit(declaration.options, facts.metres_per_unit);
-    chain.stages.push_back(make_stage(declaration, read_options(options, stage), facts));
-    for (const Attribute& a : contract_of(chain.stages.back()).makes) facts.made.insert(a.name);
+    chain.stages.push_back(declaration.make(read_options(options, stage), facts));
     note_neighborhood(chain.stages.back(), facts);
   }
 }

@@ -96,24 +96,6 @@ std::vector<OptionText> with_lists_joined(const std::vector<OptionDeclaration>& 
   return joined;
 }
 
-[[noreturn]] void refuse_value(const OptionDeclaration& option, const std::string& value, const std::string& where) {
-  const char* what = option.kind == OptionKind::whole    ? "a whole number, "
-                     : option.kind == OptionKind::number ? "a number, "
-                     : option.kind == OptionKind::point  ? "three numbers "
-                                                         : "";
-  fail_usage("{}: {} is {}{}, not '{}'.", where, option.name, what, option.allowed(), value);
-}
-
-/// -0 as 0.
-std::string shortest_text(double number) { return fmt::format("{}", number == 0 ? 0.0 : number); }
-
-/// Each number in its shortest form, so that equal lists are the same text. What is none is left to the check.
-std::string shortest_numbers(std::string_view list) {
-  std::string text;
-  for (const double number : numbers_of(list)) text += (text.empty() ? "" : ",") + shortest_text(number);
-  return text;
-}
-
 std::optional<OptionValue> parse_unchecked(OptionKind kind, std::string_view text) {
   const auto value = [](const auto& parsed) { return parsed ? std::optional<OptionValue>(*parsed) : std::nullopt; };
   switch (kind) {
@@ -124,7 +106,7 @@ std::optional<OptionValue> parse_unchecked(OptionKind kind, std::string_view tex
     case OptionKind::point:
       return value(read_point(text));
     case OptionKind::numbers:
-      return shortest_numbers(text);
+      return text_of_numbers(numbers_of(text));
     case OptionKind::choice:
     case OptionKind::file:
     case OptionKind::word:
@@ -146,15 +128,6 @@ std::optional<OptionValue> parse_value(const OptionDeclaration& option, std::str
   return value;
 }
 
-std::string text_of_value(const OptionValue& value) {
-  if (const auto* whole = std::get_if<std::uint64_t>(&value)) return fmt::format("{}", *whole);
-  if (const auto* number = std::get_if<double>(&value)) return shortest_text(*number);
-  if (const auto* word = std::get_if<std::string>(&value)) return *word;
-  if (const auto* p = std::get_if<Vec3>(&value))
-    return shortest_text(p->x) + "," + shortest_text(p->y) + "," + shortest_text(p->z);
-  return "";
-}
-
 OptionValues read_options(const std::vector<OptionDeclaration>& declared_options, const StageText& stage) {
   OptionValues values(declared_options, stage.place + ": " + stage.name);
   const std::vector<OptionText> options = with_lists_joined(declared_options, stage.options);
@@ -162,7 +135,7 @@ OptionValues read_options(const std::vector<OptionDeclaration>& declared_options
     const OptionText text = as_condition(declared_options, given);
     const OptionDeclaration& option = declared_for(declared_options, text, &given == options.data(), stage);
     std::optional<OptionValue> value = parse_value(option, text.value);
-    if (!value) refuse_value(option, text.value, text.place + ": " + stage.name);
+    if (!value) option.refuse(text.value, text.place + ": " + stage.name);
     if (!values.give(option.name, *std::move(value)))
       fail_usage("{}: {}: '{}' is given twice.", text.place, stage.name, option.name);
   }

@@ -27,7 +27,7 @@ class SizeFormula final : public StageFormula {
 
 class MeanDistanceFormula final : public StageFormula {
  public:
-  explicit MeanDistanceFormula(const FormulaSetup& stage) : of_open3d_(stage.options.word("counts_point") == "yes") {}
+  explicit MeanDistanceFormula(const FormulaSetup& stage) : of_open3d_(stage.options.word("definition") == "open3d") {}
   Estimates evaluate(const FormulaInput& in) const override {
     return {formulas::mean_distance(in.place, in.neighbors, of_open3d_)};
   }
