@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "cli/text/operator_listing.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
@@ -26,11 +27,39 @@ TEST_F(OperatorListing, DocsAreWhatTheToolPrints) {
   EXPECT_EQ(tool("operators --attributes").out, page.substr(from, page.find(end) - from)) << "run script/docs";
 }
 
-TEST_F(OperatorListing, PythonHasAFunctionForEveryOperator) {
-  const std::string stages = contents(std::filesystem::path(POINTSWEEP_SOURCE_DIR) / "python/pointsweep/_stages.py");
-  for (const OperatorDeclaration& declaration : all_operators())
-    EXPECT_NE(stages.find("return made_stage(\"" + declaration.name + "\", ["), stages.npos)
+/// Returns the text between two others; empty if the first is missing.
+std::string between(const std::string& text, const std::string& begin, const std::string& end) {
+  const std::size_t from = text.find(begin);
+  return from == text.npos ? "" : text.substr(from, text.find(end, from + begin.size()) - from);
+}
+
+/// Returns the words that end at `after`, of the lines that begin with `before`.
+std::vector<std::string> words_of_lines(const std::string& text, const std::string& before, char after) {
+  std::vector<std::string> words;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(before)) words.push_back(between(line.substr(before.size()), "", std::string(1, after)));
+  return words;
+}
+
+TEST_F(OperatorListing, JsonPythonAndDocsHaveTheOptionsOfTheRegistry) {
+  const auto json = nlohmann::json::parse(tool("operators --json").out);
+  const std::string python = contents(std::filesystem::path(POINTSWEEP_SOURCE_DIR) / "python/pointsweep/_stages.py");
+  const std::string docs = document("operators.md");
+  for (std::size_t i = 0; i < all_operators().size(); ++i) {
+    const OperatorDeclaration& declaration = all_operators()[i];
+    std::vector<std::string> names, in_json;
+    for (const OptionDeclaration& option : declaration.options) names.push_back(option.name);
+    for (const auto& option : json[i + 1]["options"]) in_json.push_back(option["name"]);
+    EXPECT_EQ(in_json, names) << declaration.name;
+    const std::string stage = between(python, "made_stage(\"" + declaration.name + "\", [", "\n\n");
+    const std::string section = between(docs, "\n## " + declaration.name + "\n", "\n## ");
+    EXPECT_NE(stage, "") << declaration.name << ": run script/docs";
+    EXPECT_NE(section, "") << declaration.name << ": run script/docs";
+    EXPECT_EQ(words_of_lines(stage, "        (\"", '"'), names) << declaration.name << ": run script/docs";
+    EXPECT_EQ(words_of_lines(between(section, "", "| makes |"), "| `", '`'), names)
         << declaration.name << ": run script/docs";
+  }
 }
 
 TEST_F(OperatorListing, JsonHoldsEveryOptionWithTypeDefaultAndRange) {
@@ -44,7 +73,6 @@ TEST_F(OperatorListing, JsonHoldsEveryOptionWithTypeDefaultAndRange) {
     const OperatorDeclaration& declaration = all_operators()[i];
     const auto& json = listed[i + 1];
     EXPECT_EQ(json["name"], declaration.name);
-    EXPECT_EQ(json["options"].size(), declaration.options.size());
     const Contract contract = contract_of(declaration);
     EXPECT_EQ(json["default_k"], contract.default_k) << declaration.name;
   }

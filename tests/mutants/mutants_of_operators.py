@@ -360,4 +360,9 @@ MUTANTS = [
            "point.position - *viewpoint_)", ("pipeline:OrientedNormals.*",)),
     Mutant("the first point's sign is not kept", "connect", OPS + "graph/orientation_votes.cpp",
            "v.first_sign = sign * w.first_sign;", "v.first_sign = 1;", ("pipeline:OrientedNormals.*",)),
+    Mutant("options of C++ are not checked", "selects", OPS + "declare/option_table.cpp",
+           "if (has_value(value) && !option.allows(value))", "if (false && !option.allows(value))",
+           ("pipeline:Poisson.*", "pipeline:Voxel.*")),
+    Mutant("the first word of a truth value is no", "formulas", OPS + "declare/option_table.h", "if (T().*member) std::swap",
+           "if (!(T().*member)) std::swap", ("operators:Features*", "pipeline:Registry.*")),
 ]

@@ -71,6 +71,8 @@ OperatorDeclaration distance_to_declaration() {
       .example = "distance_to(before.las, most=5) | where(cloud_distance > 0.1)"};
 }
 
+ChainStage operators::distance_to(const DistanceToOptions& options) { return std::make_shared<DistanceTo>(options); }
+
 DistanceTo::DistanceTo(DistanceToOptions options) : options_(std::move(options)) {
   distance_to_options().declare(*this, options_);
 }

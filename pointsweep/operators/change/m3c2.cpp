@@ -191,6 +191,8 @@ OperatorDeclaration m3c2_declaration() {
       .example = "knn(radius=1) | normals(orient=up) | m3c2(after.las, cylinder=0.5, depth=2)"};
 }
 
+ChainStage operators::m3c2(const M3c2Options& options) { return std::make_shared<M3c2>(options); }
+
 M3c2::M3c2(M3c2Options options) : options_(std::move(options)) { m3c2_options().declare(*this, options_); }
 
 InOrderContract M3c2::in_order_contract() const {

@@ -9,6 +9,7 @@
 #include "pointsweep/math/batch.h"
 #include "pointsweep/math/exp.h"
 #include "pointsweep/math/symmetric3.h"
+#include "pointsweep/operators.h"
 
 namespace pointsweep {
 namespace {
@@ -82,5 +83,7 @@ void LeastEigenentropy::choose(const Neighborhoods& in, std::span<std::uint32_t>
     }
   }
 }
+
+SharedRule operators::least_eigenentropy(std::size_t least) { return std::make_shared<LeastEigenentropy>(least); }
 
 }  // namespace pointsweep

@@ -68,4 +68,8 @@ void LimitsFromAttributes::choose(const Neighborhoods& in, std::span<std::uint32
   }
 }
 
+SharedRule operators::limits_from_attributes(const AttributeLimits& limits) {
+  return std::make_shared<LimitsFromAttributes>(limits);
+}
+
 }  // namespace pointsweep

@@ -47,6 +47,10 @@ OperatorDeclaration components_declaration() {
           .example = "knn(k=8) | components | where(component_size > 100)"};
 }
 
+ChainStage operators::components(const ComponentsOptions& options) {
+  return std::make_shared<ConnectedComponents>(options);
+}
+
 bool has_short_numbers(std::uint64_t points) { return points > 0 && points < std::uint64_t{1} << 31; }
 
 Attribute component_number(std::string name, std::string meaning, std::uint64_t points) {

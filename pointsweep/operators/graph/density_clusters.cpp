@@ -83,6 +83,8 @@ OperatorDeclaration dbscan_declaration() {
       .example = "knn(radius=0.5) | dbscan(eps=0.5, min_points=10) | where(cluster >= 0)"};
 }
 
+ChainStage operators::dbscan(const DbscanOptions& options) { return std::make_shared<DensityClusters>(options); }
+
 Attribute core_attribute() { return scalar("core", Type::u8, "1", "1: at least min_points points within eps"); }
 
 CorePoints::CorePoints(const DbscanOptions& options) : options_(options) { dbscan_options().declare(*this, options); }

@@ -61,6 +61,8 @@ OperatorDeclaration orient_declaration() {
           .example = "knn(k=12) | normals | orient"};
 }
 
+ChainStage operators::orient(const OrientOptions& options) { return std::make_shared<OrientedNormals>(options); }
+
 Attribute normal_turned_attribute() {
   return scalar("normal_turned", Type::u8, "1", "1: orient has turned the normal");
 }

@@ -70,6 +70,8 @@ OperatorDeclaration segments_declaration() {
       .example = "knn(k=12) | normals | segments(angle=5) | where(segment_size > 1000)"};
 }
 
+ChainStage operators::segments(const SegmentsOptions& options) { return std::make_shared<Segments>(options); }
+
 Segments::Segments(const SegmentsOptions& options, std::uint64_t points) : options_(options), points_(points) {
   segments_options().declare(*this, options);
 }

@@ -114,6 +114,8 @@ OperatorDeclaration ground_declaration() {
           .example = "knn(k=8) | sor | where(outlier == 0) | ground(cell=1, window=18)"};
 }
 
+ChainStage operators::ground(const GroundOptions& options) { return std::make_shared<Ground>(options); }
+
 Attribute classification_attribute() {
   Attribute a = scalar("classification", Type::u8, "1", "class of LAS: 2 for ground");
   a.fill = std::byte{1};

@@ -92,6 +92,8 @@ OperatorDeclaration height_declaration() {
           .example = "knn(k=8) | ground | height(k=3) | where(height < 2)"};
 }
 
+ChainStage operators::height(const HeightOptions& options) { return std::make_shared<Height>(options); }
+
 Attribute height_attribute() {
   Attribute a = scalar("height", Type::f64, "length", "z above the nearest points of the ground; NaN without any");
   a.fill = std::byte{0xff};  // NaN

@@ -92,6 +92,8 @@ OperatorDeclaration color_declaration() {
           .example = "knn(k=12) | normals | curvature | color(k1, map=turbo, range=[0,5])"};
 }
 
+ChainStage operators::color(const ColorOptions& options) { return std::make_shared<Color>(options); }
+
 Color::Color(ColorOptions options, std::string place) : options_(std::move(options)), place_(std::move(place)) {
   color_options().declare(*this, options_);
   const std::vector<double>& range = options_.range;

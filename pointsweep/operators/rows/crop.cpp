@@ -51,6 +51,8 @@ OperatorDeclaration crop_declaration() {
       .example = "knn(k=12) | crop([0,0,100,100]) | normals"};
 }
 
+ChainStage operators::crop(const CropOptions& options) { return std::make_shared<Crop>(options); }
+
 Crop::Crop(CropOptions options, std::string place) : options_(std::move(options)), place_(std::move(place)) {
   const std::vector<double>& b = options_.bounds;
   if (b.empty() && options_.polygon.empty())

@@ -38,6 +38,8 @@ OperatorDeclaration decimate_declaration() {
       .example = "decimate(0.1)"};
 }
 
+ChainStage operators::decimate(const DecimateOptions& options) { return std::make_shared<Decimate>(options); }
+
 Decimate::Decimate(const DecimateOptions& options) : options_(options) { decimate_options().declare(*this, options); }
 
 void Decimate::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {

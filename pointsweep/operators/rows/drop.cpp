@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
@@ -28,6 +29,8 @@ OperatorDeclaration drop_declaration() {
           .cost = "none: what is dropped is not computed either, unless a stage before reads it",
           .example = "knn(k=12) | normals | set(facing = nz * nz) | drop(normal)"};
 }
+
+ChainStage operators::drop(const std::vector<std::string>& attributes) { return drop_of(attributes); }
 
 Drop drop_of(std::vector<std::string> attributes) {
   if (attributes.empty() || std::ranges::any_of(attributes, &std::string::empty))

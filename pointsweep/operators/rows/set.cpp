@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/points/with_type.h"
@@ -140,6 +141,10 @@ OperatorDeclaration set_declaration() {
       .cost = "a pass over the rows, without a search; none where other stages search anyway",
       .makes_named = true,
       .example = "knn(k=12) | sor | set(classification = 7 where outlier == 1)"};
+}
+
+ChainStage operators::set(std::string_view assignments, std::optional<Type> type) {
+  return std::make_shared<Set>(assignments, type);
 }
 
 std::string Assignment::canonical() const {

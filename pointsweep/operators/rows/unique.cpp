@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declaration.h"
 
 namespace pointsweep {
@@ -33,6 +34,8 @@ OperatorDeclaration unique_declaration() {
           .cost = "a pass that puts the points in order, without a search",
           .example = "unique"};
 }
+
+ChainStage operators::unique() { return std::make_shared<Unique>(); }
 
 std::unique_ptr<InOrderWork> Unique::start(const InOrderSetup&) const { return std::make_unique<FirstOfEqual>(); }
 

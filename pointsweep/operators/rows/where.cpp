@@ -3,6 +3,7 @@
 
 #include <cassert>
 
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
@@ -37,6 +38,8 @@ OperatorDeclaration where_declaration() {
       .cost = "a pass over the rows, without a search; one more sweep if a later stage needs neighbours again",
       .example = "knn(k=12) | where(z > 0 && z < 100) | normals"};
 }
+
+ChainStage operators::where(std::string_view condition) { return std::make_shared<Where>(condition); }
 
 /// Conditions that differ in blanks only are the same.
 Where::Where(std::string_view condition, std::string place) : condition_(condition, place), place_(std::move(place)) {

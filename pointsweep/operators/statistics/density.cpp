@@ -67,6 +67,8 @@ OperatorDeclaration density_declaration() {
           .example = "knn(k=16) | density"};
 }
 
+ChainStage operators::density(const DensityOptions& options) { return std::make_shared<Density>(options); }
+
 Density::Density(const DensityOptions& options) : options_(options) { density_options().declare(*this, options); }
 
 Contract Density::contract() const {

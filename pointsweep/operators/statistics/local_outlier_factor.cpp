@@ -5,6 +5,7 @@
 #include <limits>
 #include <span>
 
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declaration.h"
 
 namespace pointsweep {
@@ -65,6 +66,8 @@ OperatorDeclaration lof_declaration() {
                          {.name = "lof", .meaning = "local outlier factor, about 1 inside a cloud; undefined: NaN"}},
           .example = "knn(k=20) | lof | where(lof < 1.5)"};
 }
+
+ChainStage operators::lof() { return std::make_shared<LocalOutlierFactor>(); }
 
 Attribute k_distance_attribute() { return with_nan("k_distance", "length", "distance to the farthest neighbour"); }
 Attribute reachability_density_attribute() {

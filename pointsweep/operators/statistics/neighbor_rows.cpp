@@ -7,6 +7,7 @@
 #include <memory>
 #include <tuple>
 
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declaration.h"
 
 namespace pointsweep {
@@ -81,6 +82,10 @@ OperatorDeclaration neighbor_rows_declaration() {
                       .type = "u32, u64 from 2³² - 1 rows on",
                       .shape = "N×k"},
                      {.name = "distances", .meaning = "distances to these neighbours; missing: NaN", .shape = "N×k"}}};
+}
+
+ChainStage operators::neighbors(std::size_t k, std::uint64_t points, bool distances) {
+  return std::make_shared<NeighborRows>(k, points, distances);
 }
 
 NeighborRows::NeighborRows(std::size_t k, std::uint64_t rows, bool distances)

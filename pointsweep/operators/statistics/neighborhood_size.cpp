@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declaration.h"
 
 namespace pointsweep {
@@ -21,6 +22,8 @@ OperatorDeclaration neighborhood_size_declaration() {
                                      "0; if one has no finite place: NaN"}},
           .example = "knn(radius=0.1) | neighborhood_size"};
 }
+
+ChainStage operators::neighborhood_size() { return std::make_shared<NeighborhoodSize>(); }
 
 Contract NeighborhoodSize::contract() const {
   return {{},

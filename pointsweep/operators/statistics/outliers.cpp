@@ -126,6 +126,8 @@ OperatorDeclaration sor_declaration() {
           .example = "knn(k=8) | sor(multiplier=2) | where(outlier == 0)"};
 }
 
+ChainStage operators::sor(const SorOptions& options) { return std::make_shared<StatisticalOutliers>(options); }
+
 Attribute mean_distance_attribute() {
   Attribute a = scalar("mean_distance", Type::f64, "length", "mean distance to the neighbours; NaN without any");
   a.fill = std::byte{0xff};  // NaN

@@ -49,6 +49,8 @@ OperatorDeclaration ror_declaration() {
           .example = "knn(k=4) | ror(radius=0.5, min_neighbors=4) | where(outlier == 0)"};
 }
 
+ChainStage operators::ror(const RorOptions& options) { return std::make_shared<RadiusOutliers>(options); }
+
 RadiusOutliers::RadiusOutliers(const RorOptions& options) : options_(options) { ror_options().declare(*this, options); }
 
 Contract RadiusOutliers::contract() const {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declaration.h"
 #include "pointsweep/operators/surface/curvature_kernel.h"
 #include "pointsweep/operators/surface/tangent_plane.h"
@@ -57,6 +58,8 @@ OperatorDeclaration curvature_declaration() {
                       .meaning = "eigenvalues of C_i of Equation 2 as the paper has it, ascending; undefined: 0"}},
       .example = "knn(k=64) | normals | curvature"};
 }
+
+ChainStage operators::curvature() { return std::make_shared<Curvature>(); }
 
 Contract Curvature::contract() const {
   return {

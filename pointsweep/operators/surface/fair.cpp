@@ -79,6 +79,9 @@ OperatorDeclaration fair_declaration() {
       .example = "knn(k=64) | normals | splats | fair(f=0.3, g=0.3) | normals"};
 }
 
+ChainStage operators::fair(const FairOptions& options) { return std::make_shared<Fair>(options); }
+ChainStage operators::fair_in_percent(const FairPercent& percent) { return std::make_shared<FairInPercent>(percent); }
+
 /// The options are lengths, which no option of a pipeline is: a chain made by hand is not one with widths in %.
 Fair::Fair(const FairOptions& options)
     : inverse_f_(inverse_width("f", options.f)), inverse_g_(inverse_width("g", options.g)) {

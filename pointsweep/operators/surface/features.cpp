@@ -122,6 +122,8 @@ OperatorDeclaration features_declaration() {
       .example = "knn(radius=0.5) | features(names=[linearity,planarity,verticality])"};
 }
 
+ChainStage operators::features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
+
 /// Equal operators have equal options: names in the order of the columns, and none where all are made.
 Features::Features(FeaturesOptions options) : options_(std::move(options)), made_(features_named(options_.names)) {
   const std::vector<std::string> known = names_of_features();

@@ -72,6 +72,8 @@ OperatorDeclaration normals_declaration() {
           .example = "knn(k=12) | normals(orient=viewpoint, viewpoint=[0,0,1.7])"};
 }
 
+ChainStage operators::normals(const NormalsOptions& options) { return std::make_shared<Normals>(options); }
+
 Normals::Normals(const NormalsOptions& options, const std::string& place) : options_(options) {
   normals_options().declare(*this, options);
   const bool towards = options.orient == Orient::viewpoint;

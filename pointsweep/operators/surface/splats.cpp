@@ -49,6 +49,8 @@ OperatorDeclaration splats_declaration() {
       .example = "knn(k=12) | normals | splats(axes=positions)"};
 }
 
+ChainStage operators::splats(const SplatsOptions& options) { return std::make_shared<Splats>(options); }
+
 Splats::Splats(const SplatsOptions& options) : options_(options) { splats_options().declare(*this, options); }
 
 std::shared_ptr<const LocalOperator> Splats::bound(const Schema&, std::span<const Attribute> made) const {

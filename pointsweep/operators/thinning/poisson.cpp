@@ -86,6 +86,8 @@ OperatorDeclaration poisson_declaration() {
           .example = "knn(k=12) | poisson(0.2) | normals"};
 }
 
+ChainStage operators::poisson(const PoissonOptions& options) { return std::make_shared<Poisson>(options); }
+
 Poisson::Poisson(PoissonOptions options) : options_(std::move(options)) {
   poisson_options().declare(*this, options_);
   const double r = options_.radius;

@@ -50,6 +50,8 @@ OperatorDeclaration simplify_declaration() {
           .example = "knn(k=24) | normals | curvature | simplify(error=0.01)"};
 }
 
+ChainStage operators::simplify(const SimplifyOptions& options) { return std::make_shared<Simplify>(options); }
+
 Attribute simplify_radius_attribute() {
   return scalar("simplify_radius", Type::f64, "length", "distance within which a kept point represents this one");
 }

@@ -81,6 +81,8 @@ OperatorDeclaration voxel_declaration() {
       .example = "knn(k=12) | voxel(0.5) | normals"};
 }
 
+ChainStage operators::voxel(const VoxelOptions& options) { return std::make_shared<Voxel>(options); }
+
 Voxel::Voxel(const VoxelOptions& options) : options_(options) { voxel_options().declare(*this, options); }
 
 InOrderContract Voxel::in_order_contract() const {
