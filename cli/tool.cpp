@@ -13,7 +13,6 @@
 #include "cli/console/program.h"
 #include "cli/text/help.h"
 #include "cli/text/operator_listing.h"
-#include "cli/text/usage_errors.h"
 #include "cli/verbs/commands.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "reference/operator_call.h"
-
+/// applyOperator of the paper's Figures 12 and 14: hands points to an operator's formula, and its results to the
+/// points.
 #include <cassert>
 #include <cstring>
 #include <limits>
 #include <numeric>
 
 #include "pointsweep/points/degenerate_points.h"
+#include "reference/buffers.h"
 
 namespace pointsweep::reference {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Layout of help: the width of the terminal, flags in groups, plain names, and IN... OUT where a verb takes its output
-/// as the last file.
+/// as the last file; errors of the command line as sentences.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -44,5 +44,14 @@ class HelpFormatter : public CLI::Formatter {
   std::string options_in_groups(const CLI::App* app) const;
   std::string row(const std::string& left, const std::string& right) const;
 };
+
+/// Returns a sentence on what is wrong with the command line that `app` has just refused, and what to do.
+std::string usage_sentence(const CLI::App& app, const CLI::ParseError& error);
+
+/// Null where no verb has that name.
+const CLI::App* find_verb(const CLI::App& app, const std::string& name);
+
+/// "'norml' is not a verb. Did you mean 'normals'?"
+std::string unknown_verb_sentence(const CLI::App& app, const std::string& word);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/text/usage_errors.h"
+/// Errors of the command line as sentences, with the verb or option that was probably meant.
 
 #include <fmt/format.h>
 

@@ -22,7 +22,6 @@
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/language/registry.h"
 #include "pointsweep/render/legend.h"
-#include "pointsweep/report/pictured_attribute.h"
 #include "pointsweep/report/run_report.h"
 
 namespace pointsweep {

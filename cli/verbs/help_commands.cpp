@@ -11,8 +11,8 @@
 
 #include "cli/console/console.h"
 #include "cli/text/declared_options.h"
+#include "cli/text/help.h"
 #include "cli/text/operator_listing.h"
-#include "cli/text/usage_errors.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/common_options.h"
 #include "pointsweep/fail.h"

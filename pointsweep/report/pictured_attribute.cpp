@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/report/pictured_attribute.h"
-
+/// The choice of the result of a run that its picture shows.
 #include <algorithm>
 #include <array>
 #include <ranges>
@@ -8,6 +7,7 @@
 #include <string_view>
 
 #include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/report/run_report.h"
 
 namespace pointsweep {
 namespace {

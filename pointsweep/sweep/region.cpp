@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/sweep/region.h"
-
+/// Some points of the cloud in memory again, once the sweep is over.
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "pointsweep/sweep/recalled_points.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

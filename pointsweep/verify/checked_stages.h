@@ -1,16 +1,29 @@
 // SPDX-License-Identifier: MIT
-/// The stages of a run that `verify` can check, and the rows of the input on which it checks them.
+/// The stages of a run that `verify` can check, and the rows of the input on which it checks them; the run that
+/// made a file, as the file itself says.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/formats/provenance.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/verify/verify.h"
 
 namespace pointsweep {
+
+/// The newest record of a point file; nothing for files without one and for arrays.
+std::optional<ProvenanceRecord> recorded_run(const std::filesystem::path& file);
+
+/// The inputs of the run in their order: each under its absolute path if the record has that, else in the folder of
+/// `file` or in the current folder. Throws Error where one is missing or has another size, UsageError where the record
+/// does not name all of them.
+std::vector<std::filesystem::path> recorded_inputs(const ProvenanceRecord& record, const std::filesystem::path& file);
 
 /// Returns what the stages of a plan make, as far as the input can tell: up to the first new neighbourhood, and not
 /// from all points of a cloud that has moved. The selects at the beginning are not among them.

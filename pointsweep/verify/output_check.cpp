@@ -25,7 +25,6 @@
 #include "pointsweep/reader.h"
 #include "pointsweep/verify/checked_stages.h"
 #include "pointsweep/verify/outlier_threshold.h"
-#include "pointsweep/verify/recorded_run.h"
 #include "pointsweep/verify/verify.h"
 
 namespace pointsweep {

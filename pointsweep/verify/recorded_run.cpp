@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/recorded_run.h"
-
+/// The run that made a file, as the file itself says, and where its inputs are now.
 #include <system_error>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/reader.h"
+#include "pointsweep/verify/checked_stages.h"
 
 namespace pointsweep {
 namespace {

@@ -6,7 +6,6 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/verify/chain_values.h"
 #include "pointsweep/verify/outlier_threshold.h"
-#include "pointsweep/verify/rows/arrivals.h"
 #include "pointsweep/verify/rows/field_pair.h"
 #include "pointsweep/verify/rows/input_values.h"
 #include "pointsweep/verify/rows/row_alignment.h"

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "pointsweep/formats/las/las_reader.h"
-#include "pointsweep/formats/npy/npy_array.h"
+#include "pointsweep/formats/npy/npy_format.h"
 #include "pointsweep/formats/ply/ply_format.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/point_files.h"

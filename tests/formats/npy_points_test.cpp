@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/npy/npy_points.h"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/npy/npy_format.h"
 #include "pointsweep/formats/registry.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"

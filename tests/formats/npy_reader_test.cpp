@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/npy/npy_array.h"
+#include "pointsweep/formats/npy/npy_format.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 

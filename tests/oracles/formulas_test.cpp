@@ -5,11 +5,9 @@
 #include <numbers>
 #include <vector>
 
-#include "pointsweep/verify/formulas/curvature.h"
 #include "pointsweep/verify/formulas/distances.h"
 #include "pointsweep/verify/formulas/eigen.h"
-#include "pointsweep/verify/formulas/fairing.h"
-#include "pointsweep/verify/formulas/splat.h"
+#include "pointsweep/verify/formulas/surface.h"
 #include "pointsweep/verify/formulas/weighted_neighbors.h"
 
 namespace pointsweep::formulas {

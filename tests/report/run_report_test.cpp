@@ -6,8 +6,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "pointsweep/report/pictured_attribute.h"
-
 namespace pointsweep {
 namespace {
 
@@ -76,13 +74,27 @@ RunSummary complete() {
 TEST(RunReport, TellsTheResultBeforeTheTimeAndTheTimeBeforeTheEngine) {
   const std::string page = report_of(complete());
   std::size_t at = 0;
-  for (const char* words :
-       {"<td>input</td><td>in.ply</td>", "<td>output</td><td>out.ply</td>", "<td>points read</td><td>12345</td>",
-        "<td>points written</td><td>12000</td>", "EPSG:26910", "<td>unit of lengths</td><td>m</td>",
-        "<td>made</td><td>k1</td>", "something is odd", "data:image/png", "What was made", "k1 (1/m)",
-        "5 % 1, 25 % 2, median 3, 75 % 4, 95 % 5, greatest 6; 2 undefined", "Counts",
-        "<td>left out by the pipeline</td><td>345</td>", "<td>degenerate in normals</td><td>7</td>", "<h2>Time</h2>",
-        "ordering (wall)", "drawing this page", "<h2>Engine</h2>", "Working set", "certified"}) {
+  for (const char* words : {"<td>input</td><td>in.ply</td>",
+                            "<td>output</td><td>out.ply</td>",
+                            "<td>points read</td><td>12345</td>",
+                            "<td>points written</td><td>12000</td>",
+                            "EPSG:26910",
+                            "<td>unit of lengths</td><td>m</td>",
+                            "<td>made</td><td>k1</td>",
+                            "something is odd",
+                            "data:image/png",
+                            "What was made",
+                            "k1 (1/m)",
+                            "5 % 1, 25 % 2, median 3, 75 % 4, 95 % 5, greatest 6; 2 undefined",
+                            "Counts",
+                            "<td>left out by the pipeline</td><td>345</td>",
+                            "<td>degenerate in normals</td><td>7</td>",
+                            "<h2>Time</h2>",
+                            "ordering (wall)",
+                            "drawing this page",
+                            "<h2>Engine</h2>",
+                            "Working set",
+                            "certified"}) {
     const std::size_t found = page.find(words, at);
     ASSERT_NE(found, page.npos) << words;
     at = found;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/sweep/region.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/sweep/recalled_points.h"
 #include "tests/support/memory_source.h"
 
 namespace pointsweep {

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <limits>
 
-#include "pointsweep/formats/npy/npy_array.h"
+#include "pointsweep/formats/npy/npy_format.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/language/build_chain.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/cloud/common_grid.h"
-
+/// One grid for the integer coordinates of inputs whose scales and offsets differ.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/cloud/common_schema.h"
 
 namespace pointsweep {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/las/copc_hierarchy.h"
-
+/// The hierarchy of a COPC file: which chunk of points is which node of an octree, and so in which box (COPC 1.0,
+/// https://copc.io).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +11,8 @@
 #include <set>
 #include <span>
 #include <utility>
+
+#include "pointsweep/formats/las/laz_points.h"
 
 namespace pointsweep {
 namespace {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The layout of a LAS output, decided before the first record: header, VLRs, and the place of each value.
+/// The layout of a LAS output, decided before the first record: header, VLRs, the place of each value, and the
+/// parts around the points.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_header.h"
 #include "pointsweep/formats/las/las_reader.h"
 #include "pointsweep/formats/las/laz_layout.h"
@@ -64,5 +66,18 @@ bool las_begins_with_records_of(const LasExtras& input, const Schema& schema);
 
 /// True for coordinates that are LAS's own integers: they stay unchanged, and no bounds are needed to choose a scale.
 bool las_keeps_scale(const PositionFields& p);
+
+/// The descriptions of the records that VLRs hold.
+struct LasDescriptions {
+  ExtraBytesVlr extra_bytes;
+  bool extended = false;       ///< extra_bytes has to be written
+  bool keeps_records = false;  ///< records begin with those of the input
+  Crs added_crs;               ///< to be stated beside what the VLRs of the input state
+};
+
+/// Sets pieces and VLRs of the layout, and what the header says of them. `input`: null unless the input is LAS. The
+/// record length of the header is that of the output.
+void place_las_pieces(const OutputPlan& plan, LasPoints points, const LasExtras* input,
+                      const LasDescriptions& descriptions, LasLayout& layout);
 
 }  // namespace pointsweep

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/las/las_pieces.h"
-
+/// The parts of a LAS output around its points: VLRs that are made, and the pieces of the input.
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -8,6 +7,7 @@
 #include <string>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/las/las_layout.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las/las_vlrs.h"
 #include "pointsweep/formats/provenance.h"

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/las/copc_hierarchy.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las/laz_points.h"

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
-/// The compressed points of a LAZ file: its chunks, and their records.
+/// The compressed points of a LAZ file: its chunks, their records, and the boxes of chunks of a COPC file.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/las/laz_layout.h"
+#include "pointsweep/math/box.h"
 
 namespace pointsweep {
 
@@ -59,5 +61,14 @@ class LazPoints {
   std::uint32_t record_bytes_;
   std::vector<std::uint64_t> first_row_, first_byte_;  ///< by chunk, and one more for the end
 };
+
+/// Length of the content of the info VLR.
+inline constexpr std::uint64_t kCopcInfoBytes = 160;
+
+/// By chunk of `points` the box of the node that the hierarchy says it is: a hint, not to be trusted. Empty where the
+/// hierarchy contradicts itself, the chunk table or the file: then `why_not` says why, as the end of a sentence.
+/// `info`: the byte where the content of the info VLR begins. Reads at most as many bytes as the file has.
+std::vector<Box> read_copc_boxes(const InputFile& file, std::uint64_t info, const LazPoints& points,
+                                 std::string& why_not);
 
 }  // namespace pointsweep

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/npy/npy_array.h"
-
+/// NumPy arrays of neighbours and distances: read as rows of values, written from one field (format version 1.0).
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,6 +8,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/npy/npy_format.h"
 #include "pointsweep/formats/npy/npy_header.h"
 #include "pointsweep/formats/records/columns_reader.h"
 

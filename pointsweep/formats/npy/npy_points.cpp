@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/npy/npy_points.h"
+/// NumPy arrays of points: .npy files, and .npz archives whose members are stored.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,7 +10,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/format.h"
-#include "pointsweep/formats/npy/npy_array.h"
+#include "pointsweep/formats/npy/npy_format.h"
 #include "pointsweep/formats/npy/npy_header.h"
 #include "pointsweep/formats/npy/npz_archive.h"
 #include "pointsweep/formats/records/columns_reader.h"

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/ply/ply_comments.h"
-
+/// Comments of PLY headers that keep what PLY has no place for, so that LAS -> PLY -> LAS loses nothing.
+///
+///     comment crs PROJCS["NAD83 / UTM zone 10N",...    the WKT; longer than 900 bytes, it continues in the next `crs`
+///     comment crs_geotiff_keys 1 1 0 3 1024 0 1 1 ...  GeoKeyDirectoryTag
+///     comment crs_geotiff_doubles 6378137 298.25       GeoDoubleParamsTag
+///     comment crs_geotiff_ascii NAD83|                 GeoAsciiParamsTag; all but visible characters as %XX
+///     comment las scale 0.01 0.01 0.01 offset 500000 0 0 gps_time standard
+///                                                      of a LAS input; gps_time standard or week, if there are times
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +18,7 @@
 #include <utility>
 
 #include "pointsweep/formats/files/number_text.h"
+#include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/wkt.h"
 
 namespace pointsweep {

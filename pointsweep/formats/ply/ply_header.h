@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
-/// The header of a PLY file ("The PLY Polygon File Format", Greg Turk, 1994).
+/// The header of a PLY file ("The PLY Polygon File Format", Greg Turk, 1994), and the comments that keep what PLY
+/// has no place for.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/reader.h"
 
@@ -54,5 +58,15 @@ struct PlyHeader {
 PlyHeader read_ply_header(const InputFile& file);
 
 std::string_view name_of(PlyEncoding encoding);
+
+/// Lines that begin with `comment` and have at most 1,000 bytes, which the readers of other programs accept.
+std::vector<std::string> crs_comments(const Crs& crs);
+
+/// The system that such lines state; they are removed from `lines`. Lines that do not make sense stay.
+std::optional<Crs> take_crs_comments(std::vector<std::string>& lines);
+
+/// A line, as above, that states the meaning of the coordinates and times of a LAS file.
+std::string las_comment(const LasOrigin& origin);
+std::optional<LasOrigin> take_las_comment(std::vector<std::string>& lines);
 
 }  // namespace pointsweep

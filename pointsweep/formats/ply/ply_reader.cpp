@@ -10,7 +10,6 @@
 #include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/las_scale.h"
-#include "pointsweep/formats/ply/ply_comments.h"
 #include "pointsweep/formats/ply/ply_format.h"
 #include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"

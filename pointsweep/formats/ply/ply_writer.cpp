@@ -6,7 +6,6 @@
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/format.h"
 #include "pointsweep/formats/las_scale.h"
-#include "pointsweep/formats/ply/ply_comments.h"
 #include "pointsweep/formats/ply/ply_format.h"
 #include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"

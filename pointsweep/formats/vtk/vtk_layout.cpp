@@ -9,7 +9,6 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/files/words.h"
-#include "pointsweep/formats/vtk/vtk_scanner.h"
 
 namespace pointsweep {
 namespace {

@@ -13,7 +13,6 @@
 #include "pointsweep/formats/format.h"
 #include "pointsweep/formats/records/columns_reader.h"
 #include "pointsweep/formats/vtk/vtk_layout.h"
-#include "pointsweep/formats/vtk/vtk_scanner.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {

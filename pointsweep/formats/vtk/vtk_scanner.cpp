@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/vtk/vtk_scanner.h"
-
+/// The text of a VTK file, by words and by lines.
 #include <cstring>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/vtk/vtk_layout.h"
 
 namespace pointsweep {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/formulas/crowding.h"
+/// Measures of how crowded points are: radius outliers, densities, local outlier factors.
 
 #include <algorithm>
 #include <numbers>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/formulas/curvature.h"
-
+/// Principal curvatures: Equation 2 of the paper, and from variances of normals to curvatures.
 #include <vector>
 
+#include "pointsweep/verify/formulas/surface.h"
 #include "pointsweep/verify/formulas/weighted_neighbors.h"
 
 namespace pointsweep::formulas {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// Distances to neighbours: for the neighbour graph and for the size of a neighbourhood.
+/// Distances to neighbours, and what follows from them: how crowded points are, and rules of neighbourhoods.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "pointsweep/verify/formulas/estimate.h"
@@ -44,5 +45,42 @@ struct GraphRow {
   bool certain = true;
 };
 GraphRow graph_row(const Place& p, std::span<const Place> neighbors, std::span<const std::uint64_t> rows);
+
+/// The numbers of neighbours that a point keeps of those found, by the rules.
+struct Kept {
+  std::size_t count = 0;
+  bool certain = true;  ///< false if rounding decides between this and another count
+};
+
+/// The k from `least` to |neighbors| at which the eigenentropy E = -Σ e ln e is least, of equal ones the smallest; e
+/// are the eigenvalues of the covariance of the positions of p and its k nearest neighbours about their mean, over
+/// their sum (Weinmann et al. 2014). `neighbors` come nearest first. A k whose neighbours are all on p has no E. With
+/// fewer than `least` neighbours, or no E at all, all are kept.
+Kept of_least_eigenentropy(const Place& p, std::span<const Place> neighbors, std::size_t least);
+
+/// The neighbours that both limits allow: the first floor(k), and those with ((dx² + dy²) + dz²) <= radius · radius in
+/// float64.
+/// A k below 1, a negative radius and NaN allow none.
+Kept within_limits(const Place& p, std::span<const Place> neighbors, std::optional<double> k,
+                   std::optional<double> radius);
+
+/// 1 if fewer than `least` of the neighbours lie within `radius`, inclusive, else 0.
+Estimate radius_outlier(const Place& p, std::span<const Place> neighbors, double radius, std::size_t least);
+/// 1 where at least `least` points, the point itself counted, lie within eps; else 0.
+Estimate core_point(const Place& p, std::span<const Place> neighbors, double eps, std::size_t least);
+
+struct Densities {
+  Estimate surface, volume;
+};
+/// m / (π R²) and m / (4/3 π R³), float32. With a radius R is that, and m the neighbours within it and p; without one R
+/// is the distance of the farthest neighbour and m their number. 0 where R is 0 or not finite.
+Densities densities(const Place& p, std::span<const Place> neighbors, std::optional<double> radius);
+
+/// Distance to the farthest of the neighbours, float64; NaN without any, or if that is not finite.
+Estimate k_distance(const Place& p, std::span<const Place> neighbors);
+/// |N| / Σ_j max(k_distance of j, |q_j - p|), float64; infinite where the sum is 0, NaN where it is not finite.
+Estimate reachability_density(const Place& p, std::span<const Place> neighbors, std::span<const Estimate> k_distances);
+/// 1/|N| Σ_j r_j / r, float64; the quotient of two infinite densities is 1.
+Estimate local_outlier_factor(const Estimate& density, std::span<const Estimate> of_neighbors);
 
 }  // namespace pointsweep::formulas

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/formulas/fairing.h"
-
+/// Feature-preserving smoothing: Equation 3 of the paper.
 #include <numbers>
 #include <vector>
+
+#include "pointsweep/verify/formulas/surface.h"
 
 namespace pointsweep::formulas {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/formulas/features.h"
-
+/// Features of the shape of a neighbourhood, from the eigenvalues of its covariance.
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <vector>
 
 #include "pointsweep/verify/formulas/eigen.h"
+#include "pointsweep/verify/formulas/surface.h"
 
 namespace pointsweep::formulas {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/formulas/neighborhood_rules.h"
+/// The numbers of neighbours that a point keeps of those found, by the rules.
 
 #include "pointsweep/verify/formulas/distances.h"
 #include "pointsweep/verify/formulas/eigen.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/formulas/splat.h"
-
+/// Elliptical splats: Section 4.3.3 of the paper, in both variants.
 #include <vector>
 
+#include "pointsweep/verify/formulas/surface.h"
 #include "pointsweep/verify/formulas/weighted_neighbors.h"
 
 namespace pointsweep::formulas {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/rows/arrivals.h"
-
+/// Comparison of all points and attributes of two clouds, row by row and by checksums.
 #include <algorithm>
 
 #include "pointsweep/math/mix.h"
 #include "pointsweep/verify/rows/field_pair.h"
+#include "pointsweep/verify/rows/row_alignment.h"
 
 namespace pointsweep {
 namespace {

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
-/// The rows of an input that an output has, where a stage has left out some.
+/// The rows of an input that an output has, where a stage has left out some, and the comparison of all
+/// points and attributes of two clouds.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "pointsweep/verify.h"
 #include "pointsweep/verify/rows/field_pair.h"
 #include "pointsweep/verify/rows/row_source.h"
 
@@ -36,5 +39,11 @@ std::vector<std::uint64_t> sample_of_both(const RowAlignment& alignment, std::ui
 std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& alignment,
                                            std::span<const FieldPair> pairs, std::span<const std::uint64_t> rows,
                                            const PhaseProgress& progress);
+
+/// Reads both files once, side by side. `replaced[f]`: field f of the input was computed again and is not compared.
+/// `look` is called with every row and position of the input.
+Arrivals compare_arrivals(RowSource& in, RowSource& out, const std::vector<bool>& replaced,
+                          const PhaseProgress& progress,
+                          const std::function<void(std::uint64_t row, Vec3 position)>& look);
 
 }  // namespace pointsweep

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/values/disk_rows.h"
-
+/// The rows that poisson keeps, by its definition: one point after another, in the order of their hashes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "pointsweep/operators/thinning/poisson.h"
 #include "pointsweep/verify/formulas/thinning.h"
+#include "pointsweep/verify/values/kept_rows.h"
 
 namespace pointsweep {
 namespace {

@@ -16,7 +16,6 @@
 #include "pointsweep/polygons/polygon_text.h"
 #include "pointsweep/verify/formulas/regions.h"
 #include "pointsweep/verify/formulas/thinning.h"
-#include "pointsweep/verify/values/disk_rows.h"
 #include "pointsweep/verify/values/named_options.h"
 #include "pointsweep/verify/values/stage_formula.h"
 

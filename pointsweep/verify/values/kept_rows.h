@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
@@ -16,5 +17,10 @@ namespace pointsweep {
 /// turns as `memory_bytes` asks for. A bit of memory for each row.
 std::size_t select_kept_rows(InputCloud& cloud, const std::vector<StageOperator>& operators, std::uint64_t memory_bytes,
                              const PhaseProgress& progress);
+
+/// One entry for each row that `cloud` has now. In memory are the kept points and a share of the others, in as many
+/// turns as `memory_bytes` asks for; each turn reads the cloud once.
+std::vector<bool> rows_of_disks(InputCloud& cloud, double radius, std::uint64_t memory_bytes,
+                                const PhaseProgress& progress);
 
 }  // namespace pointsweep

@@ -4,10 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "pointsweep/verify/formulas/curvature.h"
-#include "pointsweep/verify/formulas/fairing.h"
-#include "pointsweep/verify/formulas/features.h"
-#include "pointsweep/verify/formulas/splat.h"
+#include "pointsweep/verify/formulas/surface.h"
 #include "pointsweep/verify/formulas/weighted_neighbors.h"
 #include "pointsweep/verify/values/stage_formula.h"
 

@@ -16,8 +16,8 @@
 #include "pointsweep/attribute.h"
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operator.h"
+#include "pointsweep/verify/formulas/distances.h"
 #include "pointsweep/verify/formulas/estimate.h"
-#include "pointsweep/verify/formulas/neighborhood_rules.h"
 #include "pointsweep/verify/values/named_options.h"
 
 namespace pointsweep {
