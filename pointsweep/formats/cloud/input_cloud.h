@@ -24,8 +24,8 @@
 
 namespace pointsweep {
 
-/// Class Cloud documents its schema. LAS integers stay where all lie on one grid (common_grid.h); what a field is in an
-/// input that lacks it is in class MissingFields.
+/// Class Cloud documents its schema. LAS integers stay where all lie on one grid (common_schema.h); what a field is in
+/// an input that lacks it is in class MissingFields.
 class InputCloud {
  public:
   explicit InputCloud(const std::vector<std::filesystem::path>& paths, CloudOptions options = {});

@@ -20,7 +20,7 @@ std::unique_ptr<Reader> open_ply(const std::filesystem::path& path);
 /// and type. Scaled fields become `double`, bit fields the smallest unsigned type that holds them. PLY has no 64-bit
 /// integers: from an input that was PLY and used them anyway (`int64`) they are kept so, otherwise they become
 /// `double`, and one that a double cannot hold exactly is an Error.
-/// The coordinate reference system becomes comments: see ply_comments.h.
+/// The coordinate reference system becomes comments: see ply_comments.cpp.
 std::unique_ptr<Writer> create_ply_writer(const OutputPlan& plan);
 
 }  // namespace pointsweep

@@ -37,7 +37,7 @@ struct PlyElement {
 };
 
 /// The lines of the header that start with `comment` or `obj_info`, in their order; written again to PLY outputs.
-/// Without those that ply_comments.h understands.
+/// Without the lines that take_crs_comments() and take_las_comment() take.
 struct PlyExtras final : FormatExtras {
   static constexpr std::string_view kFormat = "ply";
   std::string_view format() const override { return kFormat; }

@@ -21,7 +21,7 @@ struct Curvatures {
 /// `normals` belong to `neighbors`. With u = n / |n|, sums over the m neighbours that have a normal, and
 ///   S = 1/m Σ_j u_j u_jᵀ with eigenvalues μ0 <= μ1 <= μ2 and eigenvectors e0, e1, e2,
 ///   D = 1/m Σ_j (p_j - p̄)(p_j - p̄)ᵀ,
-///   t1 = e1 brought into the tangent plane of n_i (see tangent.h), t2 = n_i × t1,
+///   t1 = e1 brought into the tangent plane of n_i (see tangent()), t2 = n_i × t1,
 /// the curvatures along t1 and t2 are √(μ1 / t1ᵀ D t1) and √(μ0 / t2ᵀ D t2); k1 is the larger one.
 /// C_i = 1/|N_i| Σ_j u_j u_jᵀ θ(|p_j - p_i|) is of all neighbours.
 ///
@@ -43,7 +43,7 @@ struct CurvatureHere {
 };
 
 /// The ellipse in the tangent plane of n_i. Without `curvature`: the major axis is the eigenvector of the largest
-/// eigenvalue of M_i (Equation 1), brought into the plane (see tangent.h; the other axis is that of λ1), and the ratio
+/// eigenvalue of M_i (Equation 1), brought into the plane (see tangent(); the other axis is that of λ1), and the ratio
 /// √(λ1/λ2). With it: the major axis is n_i × k1_direction and the ratio √(k2/k1); where k1_direction or k1 is 0, as
 /// without. Ratios below 1/8 are 1/8.
 ///
