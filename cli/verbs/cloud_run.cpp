@@ -7,7 +7,6 @@
 #include <chrono>
 #include <optional>
 #include <set>
-#include <string>
 
 #include "cli/console/interrupt.h"
 #include "cli/console/program.h"
@@ -16,11 +15,9 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/files/standard_streams.h"
 #include "pointsweep/formats/registry.h"
-#include "pointsweep/pipeline/language/registry.h"
 #include "pointsweep/render/legend.h"
 #include "pointsweep/report/run_report.h"
 

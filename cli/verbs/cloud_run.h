@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
-/// The common part of the verbs that run over a whole cloud: inputs, run options, statistics and the last sentence.
+/// The common part of the verbs that run over a whole cloud: inputs, run options, statistics and the last sentence; and
+/// of those that run a pipeline of named operators, with options of stages as flags.
 #pragma once
 
+#include <CLI/App.hpp>
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "cli/verbs/common_options.h"
-#include "cli/verbs/inputs_and_output.h"
+#include "pointsweep/pipeline/language/parse.h"
+#include "pointsweep/pipeline/language/registry.h"
 
 namespace pointsweep {
 
@@ -27,5 +31,35 @@ void run_over_cloud(
 void look_at_cloud(
     const InputsAndOutput& paths, const CommonOptions& options,
     const std::function<void(InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options)>& work);
+
+/// "--f VALUE" for the option f, "--k-from" for k_from. What is given is appended to `into`, which outlives the
+/// parsing.
+void add_stage_options(CLI::App& verb, const std::vector<OptionDeclaration>& options, std::vector<OptionText>& into);
+
+/// Adds one option under the given flag.
+void add_stage_option(CLI::App& verb, const std::string& flag, const OptionDeclaration& option,
+                      std::vector<OptionText>& into);
+
+/// -k, --radius and what else says which points are neighbours; `k` is the verb's default; empty: the pipeline's.
+void add_neighborhood_options(CLI::App& verb, const std::string& k, std::vector<OptionText>& into);
+
+struct PipelineRun {
+  CommonOptions common;
+  InputsAndOutput paths;
+  std::vector<OptionText> orientation;  ///< options of all stages `normals`; empty: not given
+};
+
+/// Adds the options of the operator `normals`, --keep, --dry-run, --order, --engine and all common options. `run`
+/// outlives the parsing.
+void add_pipeline_options(CLI::App& verb, PipelineRun& run);
+
+/// Adds the options of add_pipeline_options() without the options of normals.
+void add_output_options(CLI::App& verb, PipelineRun& run);
+
+/// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or one that has its own.
+void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation);
+
+/// Builds the chain for the cloud and runs it, or prints what would be done.
+void run_stages(std::vector<StageText> stages, const PipelineRun& run);
 
 }  // namespace pointsweep

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// The options that several verbs share, declared once. A verb takes the groups that mean something to it.
+/// The files that a verb names, and those that they stand for.
 #pragma once
 
 #include <CLI/App.hpp>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -67,5 +69,49 @@ void add_provenance_options(CLI::App& verb, CommonOptions& options);
 void add_axis_option(CLI::App& verb, CommonOptions& options);
 /// "input" or "sweep"; throws UsageError for anything else.
 Order parse_order(std::string_view name);
+
+/// Positional arguments IN... OUT: the last is the output, as with cp. With --output OUT all of them are inputs.
+struct InputsAndOutput {
+  std::vector<std::filesystem::path> files;
+  std::filesystem::path named_output;                ///< of --output; empty: the last of `files`
+  bool recursive = false;                            ///< --recursive
+  std::string output_format;                         ///< --output-format; empty: the format of each input
+  bool resumes = false;                              ///< OUT may be a folder with outputs of an earlier process
+  std::vector<std::filesystem::path> other_inputs;   ///< files that are read in addition to points
+  std::vector<std::filesystem::path> other_outputs;  ///< files that are written in addition to OUT
+
+  std::size_t inputs_named() const { return files.size() - (named_output.empty() && !files.empty() ? 1 : 0); }
+  std::vector<std::filesystem::path> inputs() const {
+    return {files.begin(), files.begin() + static_cast<std::ptrdiff_t>(inputs_named())};
+  }
+  const std::filesystem::path& output() const { return named_output.empty() ? files.back() : named_output; }
+};
+
+/// The files to read and to write.
+struct ResolvedFiles {
+  std::vector<std::filesystem::path> inputs;  ///< folders, patterns and .vpc files replaced by what they stand for
+  std::filesystem::path output;
+  std::vector<std::filesystem::path> tiles;  ///< an output for each input, if `output` is a folder; else empty
+  std::vector<std::string> notices;          ///< files that are left out, for people
+};
+
+/// IN... OUT and --recursive. `output_meaning` goes on after "then output", e.g. "with the attributes of the input".
+void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning);
+/// --recursive
+void add_recursive_option(CLI::App& verb, bool& recursive);
+/// --output-format
+void add_output_format_option(CLI::App& verb, std::string& format);
+/// -o, --output
+void add_output_option(CLI::App& verb, std::filesystem::path& output);
+
+/// Lists the inputs (pointsweep/files.h); `format`: of --format, or "". Where OUT is a folder, or ends in '/', each
+/// input has an output in it. Throws UsageError where no input or no output is named, where a list of several inputs
+/// ends with a file or a folder of point files that exists (a pattern such as *.las with OUT forgotten), where an
+/// output is an input or another output, and where inputs have no format that is written; Error for a folder without
+/// point files.
+ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format);
+
+/// Checks a verb that makes one output of all inputs: throws UsageError with the reason where the output is a folder.
+void require_one_output(const ResolvedFiles& files, const char* reason);
 
 }  // namespace pointsweep

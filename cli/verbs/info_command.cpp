@@ -9,7 +9,6 @@
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/common_options.h"
-#include "cli/verbs/inputs_and_output.h"
 #include "cli/verbs/progress.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/verbs/inputs_and_output.h"
-
+/// The files that a command names, and those that they stand for.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,9 +10,9 @@
 #include <utility>
 
 #include "cli/text/help.h"
+#include "cli/verbs/common_options.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/files.h"
-#include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/folder_entries.h"
 #include "pointsweep/formats/files/same_file.h"
 #include "pointsweep/formats/files/standard_streams.h"

@@ -8,7 +8,6 @@
 #include "cli/text/help.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
-#include "cli/verbs/pipeline_run.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"

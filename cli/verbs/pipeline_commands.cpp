@@ -12,8 +12,8 @@
 #include <string>
 
 #include "cli/console/console.h"
+#include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
-#include "cli/verbs/pipeline_run.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/default_neighborhood.h"

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "cli/verbs/pipeline_run.h"
-
+/// The common part of the verbs that run a pipeline of named operators, and options of stages as flags of a verb:
+/// names, ranges, meanings and defaults come from their declarations.
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "cli/console/console.h"
 #include "cli/text/help.h"
+#include "cli/verbs/cloud_run.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/run/preview.h"

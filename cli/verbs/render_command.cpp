@@ -10,8 +10,8 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/formats/registry.h"
 #include "pointsweep/render/canvas.h"
 #include "pointsweep/render/render.h"
 

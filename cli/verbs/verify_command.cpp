@@ -7,7 +7,6 @@
 #include "cli/console/quantities.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
-#include "cli/verbs/pipeline_run.h"
 #include "cli/verbs/progress.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"

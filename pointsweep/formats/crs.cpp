@@ -8,10 +8,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <map>
-#include <string_view>
 #include <utility>
-
-#include "pointsweep/formats/wkt.h"
 
 namespace pointsweep {
 namespace {

@@ -7,10 +7,8 @@
 #include <array>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/standard_streams.h"
-#include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The list of formats.
+/// The list of formats, and the extension of a file name.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,12 @@
 #include <string_view>
 
 #include "pointsweep/formats/format.h"
+#include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
+
+/// ".ply" for "scan.PLY", "" if there is none.
+inline std::string extension_of(const std::filesystem::path& path) { return in_lower_case(path.extension().string()); }
 
 /// All formats. A file is of the first whose signature it has.
 std::span<const Format* const> formats();

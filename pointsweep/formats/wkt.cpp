@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/wkt.h"
+/// Well-known text of coordinate reference systems (OGC 01-009 and 18-010) as a tree of keywords.
+#include "pointsweep/formats/crs.h"
 
 namespace pointsweep {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/raster/filled_rows.h"
-
+/// Fills holes of a raster from the nearest cells on both sides in its row and in its column.
 #include <algorithm>
 #include <utility>
 
+#include "pointsweep/raster/row_filters.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/raster/filled_rows.h"
-#include "pointsweep/raster/opened_rows.h"
+#include "pointsweep/raster/row_filters.h"
 
 namespace pointsweep {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The surface of the ground as a raster, after T. J. Pingel, K. C. Clarke and W. A. McBride, "An improved simple
 /// morphological filter for the terrain classification of airborne LIDAR data" (ISPRS Journal of Photogrammetry and
-/// Remote Sensing 77, 2013), with rows that come one after another and holes filled locally (filled_rows.h).
+/// Remote Sensing 77, 2013), with rows that come one after another and holes filled locally (row_filters.h).
 #pragma once
 
 #include <algorithm>

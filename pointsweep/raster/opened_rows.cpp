@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/raster/opened_rows.h"
-
+/// Morphological opening of a raster by a disk: an erosion (the least value within the radius), then a dilation of it.
+/// Minima over disks come from minima over pieces of rows.
 #include <algorithm>
 #include <utility>
 
+#include "pointsweep/raster/row_filters.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

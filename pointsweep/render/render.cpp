@@ -13,7 +13,6 @@
 #include "pointsweep/render/legend.h"
 #include "pointsweep/render/point_color.h"
 #include "pointsweep/render/point_shape.h"
-#include "pointsweep/render/spacing_tree.h"
 
 namespace pointsweep {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/render/spacing_tree.h"
-
+/// The distance between neighbouring points of a cloud at every place, estimated from a sample of the cloud.
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 #include "pointsweep/math/box.h"
+#include "pointsweep/render/point_shape.h"
 
 namespace pointsweep {
 namespace {

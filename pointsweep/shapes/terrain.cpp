@@ -6,7 +6,6 @@
 
 #include "pointsweep/shapes/registry.h"
 #include "pointsweep/shapes/rng.h"
-#include "pointsweep/shapes/wave.h"
 
 namespace pointsweep {
 namespace {

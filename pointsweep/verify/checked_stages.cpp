@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <set>
-#include <vector>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/overloaded.h"

@@ -9,7 +9,6 @@
 #include "pointsweep/verify/rows/field_pair.h"
 #include "pointsweep/verify/rows/input_values.h"
 #include "pointsweep/verify/rows/row_alignment.h"
-#include "pointsweep/verify/rows/sample_rows.h"
 
 namespace pointsweep {
 namespace {

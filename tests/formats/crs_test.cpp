@@ -10,7 +10,6 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/formats/wkt.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/temporary_folder.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/math/wide_integer.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
+
+#include "pointsweep/math/exact_sum.h"
 
 namespace pointsweep {
 namespace {

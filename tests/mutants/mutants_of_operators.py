@@ -340,7 +340,7 @@ MUTANTS = [
     Mutant("residuals without the products of two coordinates", "connect", OPS + "graph/plane_residual.cpp",
            "entry[0], entry[1], entry[2], entry[3], entry[4], entry[5]}", "entry[0], 0, 0, entry[3], 0, entry[5]}",
            ("pipeline:SegmentResidual.*",)),
-    Mutant("sums of residuals lose a carry", "connect", "pointsweep/math/wide_integer.h",
+    Mutant("sums of residuals lose a carry", "connect", "pointsweep/math/exact_sum.h",
            "(sum < more ? 1 : 0)", "(sum < more ? 0 : 0)",
            ("pipeline:SegmentResidual.*", "math:Int192.*")),
     Mutant("residuals of where points were before", "connect", OPS + "graph/segments.cpp", "PlaneResidual(true)",

@@ -13,9 +13,8 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/raster/cell_rows.h"
-#include "pointsweep/raster/filled_rows.h"
 #include "pointsweep/raster/ground_surface.h"
-#include "pointsweep/raster/opened_rows.h"
+#include "pointsweep/raster/row_filters.h"
 #include "pointsweep/threads.h"
 #include "tests/support/scratch_in_memory.h"
 

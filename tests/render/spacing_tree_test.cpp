@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/render/spacing_tree.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
+
+#include "pointsweep/render/point_shape.h"
 
 namespace pointsweep {
 namespace {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "pointsweep/shapes/rng.h"
-#include "pointsweep/shapes/wave.h"
 
 namespace pointsweep {
 namespace {

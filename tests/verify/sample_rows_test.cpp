@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/rows/sample_rows.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
+
+#include "pointsweep/verify/rows/row_alignment.h"
 
 namespace pointsweep {
 namespace {

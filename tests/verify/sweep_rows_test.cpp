@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "pointsweep/reader.h"
-#include "pointsweep/verify/rows/sample_rows.h"
+#include "pointsweep/verify/rows/row_alignment.h"
 #include "pointsweep/writer.h"
 #include "tests/pipeline/hostile_clouds.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/cloud/common_crs.h"
-
+/// One coordinate reference system for several inputs.
 #include <algorithm>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/cloud/common_schema.h"
 #include "pointsweep/formats/crs.h"
 
 namespace pointsweep {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/color_depth.h"
 
 namespace pointsweep {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// One schema for inputs that differ, and one grid for integer coordinates whose scales and offsets differ.
+/// One schema, one grid for integer coordinates, and one coordinate reference system for inputs that differ.
 #pragma once
 
 #include <array>
@@ -79,5 +79,17 @@ struct CommonSchema {
 /// Returns the schema that class InputCloud documents. Names with the same meaning (`nx`, `NormalX`) are one field,
 /// under the first of these names.
 CommonSchema common_schema(const std::vector<std::unique_ptr<Reader>>& readers);
+
+/// One coordinate reference system for several inputs.
+struct CommonCrs {
+  std::optional<Crs> crs;             ///< of the first input that states one; its WKT may be another's
+  std::vector<std::string> warnings;  ///< inputs without a system; systems that could not be compared, or differ
+};
+
+/// Throws UsageError for inputs whose systems differ; with `ignore` that is a warning, and coordinates stay unchanged.
+CommonCrs common_crs(const std::vector<std::unique_ptr<Reader>>& readers, bool ignore);
+
+/// ", e.g. by 'pdal translate ...'": a command that transforms a file to the system; empty where it has no EPSG code.
+std::string way_to_transform(const Crs& to);
 
 }  // namespace pointsweep

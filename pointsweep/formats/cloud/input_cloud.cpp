@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/cloud/common_crs.h"
 #include "pointsweep/formats/las_scale.h"
 
 namespace pointsweep {

@@ -14,7 +14,6 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/files.h"
-#include "pointsweep/formats/extension.h"
 #include "pointsweep/formats/files/file_pattern.h"
 #include "pointsweep/formats/files/folder_entries.h"
 #include "pointsweep/formats/files/input_file.h"

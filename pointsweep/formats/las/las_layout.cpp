@@ -10,7 +10,6 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/format.h"
 #include "pointsweep/formats/known_values.h"
-#include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/color_depth.h"

@@ -17,9 +17,9 @@
 #include <string_view>
 #include <utility>
 
+#include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/ply/ply_header.h"
-#include "pointsweep/formats/wkt.h"
 
 namespace pointsweep {
 namespace {

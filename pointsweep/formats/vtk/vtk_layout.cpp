@@ -2,8 +2,6 @@
 #include "pointsweep/formats/vtk/vtk_layout.h"
 
 #include <algorithm>
-#include <optional>
-#include <string_view>
 #include <utility>
 
 #include "pointsweep/fail.h"

@@ -8,8 +8,8 @@
 #include <cstring>
 #include <limits>
 
+#include "pointsweep/math/exact_sum.h"
 #include "pointsweep/math/symmetric3.h"
-#include "pointsweep/math/wide_integer.h"
 
 namespace pointsweep {
 namespace {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/output/finished_tiles.h"
-
+/// The list of complete tiles of a resumable run.
 #include <sys/stat.h>
 
 #include <fstream>
@@ -8,6 +7,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/pipeline/checkpoint/resume_folder.h"
+#include "pointsweep/pipeline/output/tile_set.h"
 
 namespace pointsweep {
 

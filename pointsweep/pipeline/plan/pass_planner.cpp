@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/plan/pass_planner.h"
-
+/// Plans one pass of a chain for the sweep: nodes of the graph become stages, and versions become numbered columns.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
+
+#include "pointsweep/pipeline/plan/pass_schedule.h"
 
 namespace pointsweep {
 

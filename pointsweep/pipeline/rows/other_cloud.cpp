@@ -5,7 +5,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/files.h"
-#include "pointsweep/formats/cloud/common_crs.h"
+#include "pointsweep/formats/cloud/common_schema.h"
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/survey.h"

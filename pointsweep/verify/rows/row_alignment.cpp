@@ -8,7 +8,6 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/math/mix.h"
-#include "pointsweep/verify/rows/sample_rows.h"
 
 namespace pointsweep {
 namespace {

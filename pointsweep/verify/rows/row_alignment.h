@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The rows of an input that an output has, where a stage has left out some, and the comparison of all
-/// points and attributes of two clouds.
+/// points and attributes of two clouds; the random sample of the rows that a check evaluates.
 #pragma once
 
 #include <cstdint>
@@ -45,5 +45,15 @@ std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& al
 Arrivals compare_arrivals(RowSource& in, RowSource& out, const std::vector<bool>& replaced,
                           const PhaseProgress& progress,
                           const std::function<void(std::uint64_t row, Vec3 position)>& look);
+
+/// `size` different rows of 0 ... count - 1, ascending, every set of them equally likely; all rows if there are no
+/// more. The same seed gives the same rows.
+std::vector<std::uint64_t> sample_rows(std::uint64_t count, std::uint64_t size, std::uint64_t seed);
+
+/// For each of `rows` of the input, which ascend, its row in canonical order along `axis`: by the coordinate on it,
+/// ties by x, y, z, then row; points that are not finite last, by row. Reads the input once more and counts: O(n log
+/// rows).
+std::vector<std::uint64_t> sweep_rows(RowSource& in, std::span<const std::uint64_t> rows, int axis,
+                                      const PhaseProgress& progress);
 
 }  // namespace pointsweep

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/rows/sample_rows.h"
-
+/// The random sample of the rows that a check evaluates, and their places in an output in the order of the sweep.
 #include <algorithm>
 #include <array>
 #include <numeric>
 #include <unordered_set>
 
 #include "pointsweep/math/mix.h"
+#include "pointsweep/verify/rows/row_alignment.h"
 
 namespace pointsweep {
 namespace {

@@ -6,7 +6,6 @@
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/verify/formulas/colors.h"
-#include "pointsweep/verify/formulas/distances.h"
 
 namespace pointsweep {
 namespace {
