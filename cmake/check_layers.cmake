@@ -75,7 +75,7 @@ inside(cli console text verbs .)
 set(may_include_python/binding points math order ${all_of_operators} ${all_of_formats} shapes ${all_of_pipeline} info ${all_of_verify})
 
 if(NOT DEFINED INNER_INCLUDES_OF_CLI)
-  set(INNER_INCLUDES_OF_CLI 74)
+  set(INNER_INCLUDES_OF_CLI 73)
 endif()
 if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)

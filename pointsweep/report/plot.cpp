@@ -18,7 +18,7 @@ double nice_step(double span, int wanted) {
   return 10 * power;
 }
 
-constexpr double kWidth = 720, kHeight = 300, kLeft = 64, kRight = 16, kTop = 34, kBottom = 46;
+constexpr double kWidth = 720, kHeight = 300, kLeft = 64, kRight = 16, kPlotTop = 34, kBottom = 46;
 constexpr const char* kColors[] = {"#4269d0", "#efb118", "#ff725c", "#6cc5b0", "#3ca951", "#ff8ab7", "#a463f2"};
 constexpr double kBarHeight = 22;
 
@@ -58,9 +58,9 @@ std::string legend(const std::vector<std::string>& names) {
   std::string svg;
   double x = kLeft + 8;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    svg +=
-        fmt::format("<rect x=\"{:.1f}\" y=\"{:g}\" width=\"10\" height=\"10\" fill=\"{}\"/>\n", x, kTop, color_of(i));
-    svg += text_at(x + 14, kTop + 9, "start", names[i]);
+    svg += fmt::format("<rect x=\"{:.1f}\" y=\"{:g}\" width=\"10\" height=\"10\" fill=\"{}\"/>\n", x, kPlotTop,
+                       color_of(i));
+    svg += text_at(x + 14, kPlotTop + 9, "start", names[i]);
     x += 34 + 6.5 * static_cast<double>(names[i].size());
   }
   return svg;
@@ -140,7 +140,7 @@ std::string line_plot(const PlotText& text, const std::vector<Series>& series) {
       if (std::isfinite(y)) most_y = std::max(most_y, y);
     }
   }
-  const Scale x(0, most_x, kLeft, kWidth - kRight), y(0, 1.1 * most_y, kHeight - kBottom, kTop);
+  const Scale x(0, most_x, kLeft, kWidth - kRight), y(0, 1.1 * most_y, kHeight - kBottom, kPlotTop);
   std::string svg = opened(kHeight, text.title) + frame_of(text, x, y);
   for (std::size_t i = 0; i < series.size(); ++i) {
     std::string path;
@@ -158,9 +158,9 @@ std::string bar_plot(const std::string& title, const std::vector<Bar>& bars) {
   double most = 0;
   for (const Bar& bar : bars) most = std::max(most, bar.value);
   const Scale x(0, most, kNames, kWidth - 150);
-  std::string svg = opened(kTop + kBarHeight * static_cast<double>(bars.size()) + 8, title);
+  std::string svg = opened(kPlotTop + kBarHeight * static_cast<double>(bars.size()) + 8, title);
   for (std::size_t i = 0; i < bars.size(); ++i) {
-    const double y = kTop + kBarHeight * static_cast<double>(i), end = x.place(bars[i].value);
+    const double y = kPlotTop + kBarHeight * static_cast<double>(i), end = x.place(bars[i].value);
     svg += text_at(kNames - 8, y + 14, "end", bars[i].name);
     svg += fmt::format("<rect x=\"{:g}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:g}\" fill=\"{}\"/>\n", kNames, y + 3,
                        std::max(0.5, end - kNames), kBarHeight - 6, color_of(0));
@@ -173,7 +173,7 @@ std::string value_plot(const std::string& title, const std::vector<double>& edge
   if (counts.empty()) return "";
   constexpr double kSmallWidth = 360, kSmallHeight = 150, kSide = 14, kFoot = 24;
   const Scale x(edges.front(), edges.back(), kSide, kSmallWidth - kSide);
-  const Scale y(0, *std::ranges::max_element(counts), kSmallHeight - kFoot, kTop);
+  const Scale y(0, *std::ranges::max_element(counts), kSmallHeight - kFoot, kPlotTop);
   std::string svg = fmt::format(
       "<svg viewBox=\"0 0 {0:g} {1:g}\" role=\"img\" aria-label=\"{2}\">\n<text x=\"{3:g}\" y=\"18\" "
       "class=\"title\">{2}</text>\n",
@@ -196,7 +196,8 @@ std::string histogram_plot(const PlotText& text, const std::vector<double>& edge
     names.push_back(h.name);
     for (const double count : h.counts) most = std::max(most, count);
   }
-  const Scale x(edges.front(), edges.back(), kLeft, kWidth - kRight, true), y(0, 1.1 * most, kHeight - kBottom, kTop);
+  const Scale x(edges.front(), edges.back(), kLeft, kWidth - kRight, true),
+      y(0, 1.1 * most, kHeight - kBottom, kPlotTop);
   std::string svg = opened(kHeight, text.title) + frame_of(text, x, y);
   for (std::size_t h = 0; h < histograms.size(); ++h) {
     std::string path = fmt::format("M{:.1f} {:.1f}", x.place(edges.front()), y.place(0));

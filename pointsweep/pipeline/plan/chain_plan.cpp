@@ -7,6 +7,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/plan/default_neighborhood.h"
+#include "pointsweep/pipeline/plan/pass_planner.h"
 
 namespace pointsweep {
 namespace {

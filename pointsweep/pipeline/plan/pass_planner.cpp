@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Plans one pass of a chain for the sweep: nodes of the graph become stages, and versions become numbered columns.
+#include "pointsweep/pipeline/plan/pass_planner.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
-
-#include "pointsweep/pipeline/plan/pass_schedule.h"
 
 namespace pointsweep {
 

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// The pass in which each node of a chain runs, and the plan of one pass for the sweep.
+/// The pass in which each node of a chain runs.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "pointsweep/pipeline/plan/chain_graph.h"
-#include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
 
@@ -68,39 +66,6 @@ class PassSchedule {
   std::size_t segment_ = 0;                      ///< first pass after the last select or renewal
   std::map<std::string, Use> used_;              ///< in this segment, by attribute
   std::map<std::size_t, std::size_t> value_of_;  ///< by reduce node, the pass whose end tells its value
-};
-
-/// Fills the plan, columns and fields of a pass.
-class PassPlanner {
- public:
-  /// `carried`: from the pass before into this one. `first_stage`: number of its first stage in the chain, from 0 on.
-  /// `pass.input` is the cloud as the pass sees it. All must outlive this.
-  PassPlanner(const ChainGraph& graph, const std::vector<Attribute>& carried, std::size_t first_stage,
-              PlannedPass& pass);
-  void add_neighborhood(std::size_t node);
-  void add_stage(std::size_t node);
-  /// After the last stage: `kept` are the names of what the pass makes and keeps.
-  void finish(const std::vector<std::string>& kept);
-
- private:
-  std::uint16_t new_column(const Attribute& attribute, std::string made_by);
-  std::uint16_t file_column(const Attribute& attribute);
-  std::uint16_t column_of(std::size_t version);
-  bool made_in_this_step(std::uint16_t column) const;
-  int column_moved_to(const GraphNode& node) const;
-  void note_step_of(const Stage& stage);
-  void find_results(const std::vector<std::string>& kept);
-  void find_lifetimes();
-  void read_in_step(std::uint16_t column, std::size_t step);
-
-  const ChainGraph& graph_;
-  const std::vector<Attribute>& carried_;
-  std::size_t first_stage_;
-  PlannedPass& pass_;
-  SweepPlan& plan_;
-  std::map<std::size_t, std::uint16_t> column_of_version_;
-  std::vector<std::size_t> made_;  ///< versions, the last of each attribute, in the order first made
-  std::map<std::uint16_t, std::size_t> made_in_step_;  ///< by column
 };
 
 }  // namespace pointsweep

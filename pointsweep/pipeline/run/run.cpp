@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/run.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 #include <utility>
