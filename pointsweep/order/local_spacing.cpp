@@ -14,6 +14,9 @@ namespace pointsweep {
 namespace {
 
 constexpr Encoding kSpacingEncoding{"local spacing", 1};
+/// Side of the root cube in extents of the middle 98 % of the sample. With 2, the end of the middle would be where cubes
+/// meet, and the last points of an even cloud, those along its edges, would be alone in large cubes and seem sparse.
+constexpr double kRootSide = 2.2;
 constexpr int kLevels = 21;          ///< three coordinates of so many bits fit 64
 constexpr int kTableLevels = 4;      ///< levels of the table that finds a run
 constexpr std::size_t kFew = 16;     ///< a leaf has fewer sample points
@@ -38,7 +41,7 @@ LocalSpacing::LocalSpacing(std::span<const Vec3> sample, std::uint64_t points, d
   if (sample.size() < kFew) return;
   const Box most = middle_box(sample);
   const Vec3 extent = most.extent();
-  side_ = 2 * std::max({extent.x, extent.y, extent.z});
+  side_ = kRootSide * std::max({extent.x, extent.y, extent.z});
   lo_ = most.center() - Vec3{side_ / 2, side_ / 2, side_ / 2};
   inverse_side_ = 1 / side_;
   if (!std::isfinite(side_) || !std::isfinite(inverse_side_)) return;

@@ -322,6 +322,6 @@ std::uint64_t available_memory() {
   return std::min(available, limit_of_control_group());
 }
 
-std::uint64_t default_memory_budget() { return available_memory() / 2; }
+std::uint64_t memory_budget(std::uint64_t asked_for) { return asked_for != 0 ? asked_for : available_memory() / 2; }
 
 }  // namespace pointsweep

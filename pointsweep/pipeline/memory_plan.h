@@ -62,7 +62,7 @@ MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const Me
 /// Memory that is free for the taking on this machine, in bytes: MemAvailable, or less inside a control group.
 std::uint64_t available_memory();
 
-/// Half of available_memory().
-std::uint64_t default_memory_budget();
+/// Returns `asked_for`; where that is 0, half of available_memory().
+std::uint64_t memory_budget(std::uint64_t asked_for);
 
 }  // namespace pointsweep

@@ -106,6 +106,11 @@ MUTANTS = [
            ("pipeline:Radius.*", "pipeline:Run.*")),
 
     # Recall
+    Mutant("the middle of a cloud ends where cubes meet", "order", "pointsweep/order/local_spacing.cpp",
+           "kRootSide = 2.2", "kRootSide = 2", ("order:LocalSpacing.*",)),
+    Mutant("all threads survey in the smallest budget", "memory", "pointsweep/pipeline/memory/run_memory.cpp",
+           "std::clamp<std::uint64_t>(room, 1, threads_asked_for(options))",
+           "std::max<std::uint64_t>(std::min<std::uint64_t>(room, 1), threads_asked_for(options))", ("pipeline:RunMemory.*",)),
     Mutant("the ball of a neighbour of a recalled point is that of the point", "recall", SWEEP + "recalled_points.cpp",
            "(std::sqrt(a2) + std::sqrt(b2)) * (1 + 1e-12)", "std::sqrt(b2)", ("sweep:Recall.*", "pipeline:Run.*")),
     Mutant("points of a shrinking ball come in up to half of its radius", "recall", SWEEP + "point_collector.cpp",

@@ -66,6 +66,15 @@ TEST(LocalSpacing, AnEvenCloudHasNoSparsePlaces) {
   EXPECT_FALSE(LocalSpacing(random_points(kSample, 1), kSample, 3).has_sparse_places());
 }
 
+TEST(LocalSpacing, AnEvenCubeHasNoneAlongItsEdges) {
+  for (const std::size_t sample : {kSample, 4 * kSample})
+    for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+      std::vector<Vec3> points = random_points(sample, seed);
+      for (Vec3& p : points) p = {p.x / 3, p.y / 2, p.z};
+      EXPECT_FALSE(LocalSpacing(points, 20 * sample, 3).has_sparse_places()) << sample << ", " << seed;
+    }
+}
+
 TEST(LocalSpacing, OutliersAreInSparsePlacesAndTheSurfaceIsNot) {
   for (const double size : {10.0, 1000.0, 1e9}) {
     SCOPED_TRACE(size);

@@ -218,6 +218,22 @@ TEST(RunMemory, CountsWhatDecodingAndEncodingTakeInEveryPass) {
   EXPECT_THROW(plan_run_memory(32 * kMega, plan_of("normals"), kPoints, survey_of(), options, 40, codecs), Error);
 }
 
+TEST(RunMemory, FewerThreadsSurveyInASmallBudget) {
+  const std::vector<double> xyz = {1, 2, 3};
+  std::vector<std::unique_ptr<Reader>> readers;
+  readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(xyz)));
+  const InputCloud cloud(std::move(readers));
+  const auto threads = [&](std::uint64_t mega, unsigned asked) {
+    EngineOptions options;
+    options.resources.threads = asked;
+    return survey_threads(cloud, options, mega * kMega);
+  };
+  EXPECT_EQ(threads(1, 64), 1u);
+  EXPECT_EQ(threads(32, 64), 16u) << "half a MB each beside what any run takes";
+  EXPECT_EQ(threads(32, 2), 2u);
+  EXPECT_EQ(threads(64, 64), 64u);
+}
+
 TEST(RunMemory, FewerThreadsWorkWhereTheBudgetHasNoRoomForAll) {
   const auto memory = [](const char* chain, std::uint64_t mega, unsigned threads) {
     EngineOptions options;

@@ -22,10 +22,6 @@ constexpr std::uint64_t kMovedPositionBytes = 3 * sizeof(double);
 
 bool in_memory(const MemoryPlan& plan) { return !plan.spill_stream && !plan.spill_results; }
 
-unsigned threads_of(const EngineOptions& options) {
-  return options.resources.threads != 0 ? options.resources.threads : std::max(1u, std::thread::hardware_concurrency());
-}
-
 MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std::uint64_t points, const Survey& survey,
                     const EngineOptions& options, std::uint64_t codec_bytes) {
   const std::uint64_t row_bytes = points >> 32 ? 8 : 4;
@@ -35,7 +31,7 @@ MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std:
       .result_record_bytes = result_bytes,
       .slab_points = options.slab_points != 0 ? options.slab_points : recommended_slab_points(points, survey.dimension),
       .slabs_per_turn = options.slab_points != 0 ? std::max(1u, options.slabs_per_turn) : options.slabs_per_turn,
-      .threads = threads_of(options),
+      .threads = threads_asked_for(options),
       .cell_points = options.cell_points,
       .codec_bytes = codec_bytes};
 }
@@ -171,7 +167,7 @@ RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::u
                           const EngineOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes,
                           const OnDemandOrder& on_demand) {
   RunMemory memory;
-  memory.threads = threads_of(options);
+  memory.threads = threads_asked_for(options);
   memory.ordered_pass = first_ordered_pass(planned);
   for (const PlannedPass& pass : planned.passes) {
     if (pass.kind == PassKind::rows) {
@@ -227,7 +223,7 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
     return plan_on_threads(budget, planned, points, survey, fewer, output_bytes, codecs ? codecs(threads) : 0,
                            on_demand);
   };
-  const unsigned asked = threads_of(options);
+  const unsigned asked = threads_asked_for(options);
   RunMemory all = plan_for(asked), fitting;
   if (all.needed_bytes == 0) return all;
   unsigned enough = 0, too_many = asked;
@@ -255,12 +251,26 @@ std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::
   return decoders + encoder_bytes(outputs, record_bytes, threads);
 }
 
+unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget) {
+  constexpr std::uint64_t kThreadBytes = 512 << 10;  // its stack, and a block of rows
+  std::uint64_t decoder = 0;
+  for (const auto& reader : cloud.readers())
+    if (reader->has_decoders() && !reader->info().decode_once)
+      decoder = std::max(decoder, reader->info().decoder_bytes);
+  const std::uint64_t room = (budget - std::min(budget, kFixedBytes)) / (kThreadBytes + decoder);
+  return static_cast<unsigned>(std::clamp<std::uint64_t>(room, 1, threads_asked_for(options)));
+}
+
 std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, unsigned threads) {
   std::uint64_t most = 0;
   for (const OutputFormat& output : output_formats(outputs))
     if (output.format->encoder_bytes != nullptr)
       most = std::max(most, output.format->encoder_bytes(record_bytes, threads));
   return most;
+}
+
+unsigned threads_asked_for(const EngineOptions& options) {
+  return options.resources.threads != 0 ? options.resources.threads : std::max(1u, std::thread::hardware_concurrency());
 }
 
 bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options) {

@@ -59,6 +59,13 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs = {},
                           const OnDemandOrder& on_demand = {"it was not looked for", {}});
 
+/// Returns the number of threads that the user asks for; without a wish, that of the machine.
+unsigned threads_asked_for(const EngineOptions& options);
+
+/// Returns the number of threads that work until the memory of the passes is planned: as many as asked for, or as the
+/// budget has room for.
+unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget);
+
 /// Returns the bytes that decoding the inputs and encoding records of `record_bytes` to these outputs take on `threads`
 /// threads.
 std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::uint64_t record_bytes,

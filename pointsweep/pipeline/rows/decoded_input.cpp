@@ -105,8 +105,7 @@ class DecodedReader final : public Reader {
 
 /// So many that they take at most half of the memory budget.
 unsigned threads_for(const FileInfo& info, const EngineOptions& options) {
-  const std::uint64_t budget =
-      options.resources.memory_bytes != 0 ? options.resources.memory_bytes : default_memory_budget();
+  const std::uint64_t budget = memory_budget(options.resources.memory_bytes);
   const std::uint64_t most =
       budget / 2 / (info.decoder_bytes + std::max<std::uint64_t>(kBatchBytes, info.schema.stride));
   return static_cast<unsigned>(std::clamp<std::uint64_t>(most, 1, thread_count()));

@@ -167,7 +167,7 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   out.points = cloud.count();
   out.decoded_bytes = decoded_input_bytes(cloud);
   out.axis = options.axis;
-  out.budget = options.resources.memory_bytes != 0 ? options.resources.memory_bytes : default_memory_budget();
+  out.budget = memory_budget(options.resources.memory_bytes);
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
   const OutputLayout layout(cloud.schema(), out.names.made, out.names.kept,
@@ -215,7 +215,7 @@ SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output,
   SortPreview out;
   out.points = cloud.count();
   out.decoded_bytes = decoded_input_bytes(cloud);
-  out.budget = options.resources.memory_bytes != 0 ? options.resources.memory_bytes : default_memory_budget();
+  out.budget = memory_budget(options.resources.memory_bytes);
   out.axis = seen.axis;
   out.record_bytes = cloud.schema().stride;
   out.output_bytes = OutputLayout(cloud.schema(), {}, kept).schema().stride;

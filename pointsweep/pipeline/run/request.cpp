@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <set>
-#include <thread>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/same_file.h"
 #include "pointsweep/pipeline/checkpoint/run_identity.h"
 #include "pointsweep/pipeline/language/length_units.h"
+#include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/statistics.h"
@@ -54,10 +54,6 @@ void note_neighborhoods(const Request& request, const RunReport& report) {
 
 }  // namespace
 
-unsigned threads_asked_for(const EngineOptions& options) {
-  return options.resources.threads != 0 ? options.resources.threads : std::max(1u, std::thread::hardware_concurrency());
-}
-
 void require_own_files(const Request& request) {
   std::vector<std::filesystem::path> read;
   for (std::size_t i = 0; i < request.cloud.readers().size(); ++i)
@@ -79,8 +75,7 @@ Statistics first_counts(const Request& request, const NonfiniteRows& dropped) {
   Statistics counts;
   counts.points = counts.points_written = cloud.count();
   counts.threads = threads_asked_for(request.options);
-  counts.memory_budget_bytes =
-      request.options.resources.memory_bytes != 0 ? request.options.resources.memory_bytes : default_memory_budget();
+  counts.memory_budget_bytes = memory_budget(request.options.resources.memory_bytes);
   counts.machine = machine_description();
   for (const auto& reader : cloud.readers()) {
     const auto& warnings = reader->info().warnings;

@@ -22,9 +22,6 @@ struct Request {
 /// The other clouds that passes read, by pass.
 using OtherClouds = std::vector<std::optional<OtherCloud>>;
 
-/// Returns the number of threads that the user asks for; without a wish, that of the machine.
-unsigned threads_asked_for(const EngineOptions& options);
-
 /// Throws UsageError where an output is an input or another output.
 void require_own_files(const Request& request);
 /// Throws where there is no folder for temporary data, or no point.

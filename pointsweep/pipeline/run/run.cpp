@@ -10,6 +10,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/free_memory.h"
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
@@ -224,11 +225,12 @@ Statistics run_request(const Request& request) {
   return statistics;
 }
 
-/// Runs on as many threads as asked for, however many the caller's arena has.
+/// Runs on threads of its own, however many the caller's arena has.
 Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options, const ChainPlan& plan) {
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
   Statistics statistics;
-  with_threads(threads_asked_for(options), [&] { statistics = run_request({cloud, outputs, options, plan}); });
+  const unsigned threads = survey_threads(cloud, options, memory_budget(options.resources.memory_bytes));
+  with_threads(threads, [&] { statistics = run_request({cloud, outputs, options, plan}); });
   return statistics;
 }
 
