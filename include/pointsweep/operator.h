@@ -47,6 +47,10 @@ class POINTSWEEP_EXPORT Accumulator {
   virtual void add(const double* values, std::size_t points) = 0;
   /// Takes what `other`, of the same reduction, took.
   virtual void merge(const Accumulator& other) = 0;
+  /// Returns what it took, as bytes for load() in another process.
+  virtual std::vector<std::byte> save() const = 0;
+  /// Takes what an accumulator of the same reduction took that has saved `bytes`. Throws Error for any other bytes.
+  virtual void load(std::span<const std::byte> bytes) = 0;
   virtual std::vector<double> finish() const = 0;
 };
 

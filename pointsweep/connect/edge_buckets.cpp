@@ -2,23 +2,21 @@
 #include "pointsweep/connect/edge_buckets.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
-#include <tuple>
 #include <utility>
+
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {
 
-/// The points, edges and marks of a batch that go into one bucket. Points and edges are numbers in the batch.
-struct BucketContent {
-  std::vector<std::uint32_t> points, edges;
-  std::vector<OpenUntil> marks;
-};
+constexpr Encoding kBucketsEncoding{"edge buckets", 1};
 
 template <class T>
-void append_bytes(std::vector<std::byte>& bytes, const T& value) {
-  const auto* from = reinterpret_cast<const std::byte*>(&value);
-  bytes.insert(bytes.end(), from, from + sizeof value);
+void append_bytes(std::vector<std::byte>& bytes, const std::vector<T>& values) {
+  const auto* from = reinterpret_cast<const std::byte*>(values.data());
+  bytes.insert(bytes.end(), from, from + values.size() * sizeof(T));
 }
 
 template <class T>
@@ -27,6 +25,9 @@ const std::byte* take_bytes(const std::byte* from, std::size_t n, std::vector<T>
   if (n != 0) std::memcpy(to.data(), from, n * sizeof(T));
   return from + n * sizeof(T);
 }
+
+/// The ends of an edge without weight.
+using EndRows = std::array<std::uint64_t, 2>;
 
 }  // namespace
 
@@ -49,38 +50,44 @@ std::size_t EdgeBuckets::bucket_of(const PointKey& point) const {
 void EdgeBuckets::put(const EdgeBatch& batch, std::size_t own, std::span<const std::byte> ballots) {
   std::vector<std::size_t> bucket;
   for (const PointKey& point : batch.points()) bucket.push_back(bucket_of(point));
-  std::vector<std::pair<std::size_t, BucketContent>> contents;  // few
-  const auto content = [&](std::size_t b) -> BucketContent& {
-    for (auto& [number, known] : contents)
+  std::vector<std::pair<std::size_t, Chunk>> chunks;  // few
+  const auto chunk = [&](std::size_t b) -> Chunk& {
+    for (auto& [number, known] : chunks)
       if (number == b) return known;
-    return contents.emplace_back(b, BucketContent()).second;
+    return chunks.emplace_back(b, Chunk()).second;
   };
-  for (std::uint32_t i = 0; i < own; ++i) content(bucket[i]).points.push_back(i);
-  for (std::uint32_t e = 0; e < batch.edges().size(); ++e) {
-    const auto [a, b, weight, flips] = batch.edges()[e];
-    const auto [first, last] = std::minmax(bucket[a], bucket[b]);
-    content(last).edges.push_back(e);
-    if (first != last) content(first).marks.push_back({batch.points()[bucket[a] == first ? a : b].row, last});
+  for (std::size_t i = 0; i < own; ++i) {
+    Chunk& in = chunk(bucket[i]);
+    in.points.push_back(batch.points()[i]);
+    const auto ballot = ballots.subspan(i * ballot_bytes_, ballot_bytes_);
+    in.ballots.insert(in.ballots.end(), ballot.begin(), ballot.end());
   }
+  for (const EdgeBatch::Edge& edge : batch.edges()) {
+    const auto [first, last] = std::minmax(bucket[edge.a], bucket[edge.b]);
+    chunk(last).edges.push_back(batch.forest_edge(edge));
+    if (first != last)
+      chunk(first).marks.push_back({batch.points()[bucket[edge.a] == first ? edge.a : edge.b].row, last});
+  }
+  for (const auto& [b, in] : chunks) put(b, in);
+}
+
+void EdgeBuckets::put(std::size_t bucket, const Chunk& chunk) {
   std::vector<std::byte> bytes;
-  for (const auto& [b, in] : contents) {
-    bytes.clear();
-    for (const std::uint32_t i : in.points) append_bytes(bytes, batch.points()[i]);
-    for (const std::uint32_t i : in.points) {
-      const auto ballot = ballots.subspan(i * ballot_bytes_, ballot_bytes_);
-      bytes.insert(bytes.end(), ballot.begin(), ballot.end());
-    }
-    for (const std::uint32_t e : in.edges) {
-      const ForestEdge edge = batch.forest_edge(batch.edges()[e]);
-      weighted_ ? append_bytes(bytes, edge) : append_bytes(bytes, std::array{edge.a.row, edge.b.row});
-    }
-    for (const OpenUntil& mark : in.marks) append_bytes(bytes, mark);
-    const auto count = [](const auto& all) { return static_cast<std::uint32_t>(all.size()); };
-    const std::lock_guard lock(mutex_);
-    scratch_->append(bytes);
-    places_[b].push_back({bytes_, count(in.points), count(in.edges), count(in.marks)});
-    bytes_ += bytes.size();
+  append_bytes(bytes, chunk.points);
+  append_bytes(bytes, chunk.ballots);
+  if (weighted_) {
+    append_bytes(bytes, chunk.edges);
+  } else {
+    std::vector<EndRows> rows;
+    for (const ForestEdge& edge : chunk.edges) rows.push_back({edge.a.row, edge.b.row});
+    append_bytes(bytes, rows);
   }
+  append_bytes(bytes, chunk.marks);
+  const auto count = [](const auto& all) { return static_cast<std::uint32_t>(all.size()); };
+  const std::lock_guard lock(mutex_);
+  scratch_->append(bytes);
+  places_[bucket].push_back({bytes_, count(chunk.points), count(chunk.edges), count(chunk.marks)});
+  bytes_ += bytes.size();
 }
 
 void EdgeBuckets::read(std::size_t bucket, std::size_t chunk, Chunk& out) const {
@@ -93,12 +100,56 @@ void EdgeBuckets::read(std::size_t bucket, std::size_t chunk, Chunk& out) const 
   if (weighted_) {
     at = take_bytes(at, place.edges, out.edges);
   } else {
-    std::vector<std::array<std::uint64_t, 2>> rows;
+    std::vector<EndRows> rows;
     at = take_bytes(at, place.edges, rows);
     out.edges.clear();
     for (const auto& [a, b] : rows) out.edges.push_back({0, {{}, a}, {{}, b}, false});
   }
   take_bytes(at, place.marks, out.marks);
+}
+
+/// Returns, as bytes, all that two sets of buckets must have in common.
+std::vector<std::byte> EdgeBuckets::form() const {
+  Encoder out;
+  out.put<std::uint8_t>(static_cast<std::uint8_t>(axis_));
+  out.put_bool(weighted_);
+  out.put<std::uint64_t>(ballot_bytes_);
+  out.put_list(begins_, [&](const PointKey& point) { point.encode(out); });
+  return out.take();
+}
+
+void EdgeBuckets::encode(Encoder& out) const {
+  out.begin(kBucketsEncoding);
+  out.put_bytes(form());
+  Chunk chunk;
+  for (std::size_t b = 0; b < buckets(); ++b) {
+    out.put<std::uint64_t>(chunks(b));
+    for (std::size_t c = 0; c < chunks(b); ++c) {
+      read(b, c, chunk);
+      out.put_list(chunk.points, [&](const PointKey& point) { point.encode(out); });
+      out.put_bytes(chunk.ballots);
+      out.put_list(chunk.edges, [&](const ForestEdge& edge) { edge.encode(out); });
+      out.put_list(chunk.marks, [&](const OpenUntil& mark) {
+        out.put<std::uint64_t>(mark.row);
+        out.put<std::uint64_t>(mark.last);
+      });
+    }
+  }
+}
+
+void EdgeBuckets::add(Decoder& in) {
+  in.begin(kBucketsEncoding);
+  if (in.get_bytes() != form()) fail("Edges cannot be added to those of other buckets.");
+  for (std::size_t b = 0; b < buckets(); ++b) {
+    for (std::uint64_t left = in.get_count(); left > 0; --left) {
+      put(b, {.points = in.get_list<PointKey>([&] { return PointKey::decode(in); }),
+              .ballots = in.get_bytes(),
+              .edges = in.get_list<ForestEdge>([&] { return ForestEdge::decode(in); }),
+              .marks = in.get_list<OpenUntil>([&] {
+                return OpenUntil{in.get<std::uint64_t>(), in.get<std::uint64_t>()};
+              })});
+    }
+  }
 }
 
 }  // namespace pointsweep

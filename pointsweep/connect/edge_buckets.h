@@ -18,6 +18,7 @@
 #include "pointsweep/connect/edge_batch.h"
 #include "pointsweep/connect/forest_edge.h"
 #include "pointsweep/points/scratch.h"
+#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 
@@ -50,6 +51,11 @@ class EdgeBuckets {
   std::size_t chunks(std::size_t bucket) const { return places_[bucket].size(); }
   void read(std::size_t bucket, std::size_t chunk, Chunk& out) const;
 
+  /// Encodes all points, edges and marks, and the buckets in which they lie. No thread may call put() meanwhile.
+  void encode(Encoder& out) const;
+  /// Adds what encoded buckets hold. Throws Error if their begins, axis, weights or ballots are others.
+  void add(Decoder& in);
+
   bool weighted() const { return weighted_; }
   std::uint64_t bytes() const { return bytes_; }
 
@@ -60,6 +66,8 @@ class EdgeBuckets {
     std::uint32_t points, edges, marks;
   };
   std::size_t bucket_of(const PointKey& point) const;
+  void put(std::size_t bucket, const Chunk& chunk);
+  std::vector<std::byte> form() const;
   std::size_t edge_bytes() const { return weighted_ ? sizeof(ForestEdge) : 2 * sizeof(std::uint64_t); }
 
   int axis_;

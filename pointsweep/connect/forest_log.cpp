@@ -10,6 +10,7 @@
 namespace pointsweep {
 namespace {
 
+constexpr Encoding kLogEncoding{"forest log", 1};
 constexpr std::size_t kScratchBlock = 1 << 20;
 constexpr std::uint32_t kFinished = ~std::uint32_t{0};
 
@@ -48,6 +49,16 @@ const std::byte* ScratchRecords::Backwards::next() {
   return block_.data() + --left_ * records_.bytes_;
 }
 
+void ScratchRecords::for_each(const std::function<void(const std::byte*)>& use) const {
+  const std::uint64_t together = std::max<std::size_t>(1, kScratchBlock / bytes_);
+  for (std::uint64_t first = 0; first < count_; first += together) {
+    stop_if_cancelled();
+    std::vector<std::byte> block(std::min(together, count_ - first) * bytes_);
+    read(first, block);
+    for (std::size_t at = 0; at < block.size(); at += bytes_) use(block.data() + at);
+  }
+}
+
 void ScratchRecords::for_each_backwards(const std::function<void(const std::byte*)>& use) const {
   Backwards all(*this);
   while (const std::byte* record = all.next()) use(record);
@@ -69,6 +80,10 @@ void ForestLog::finished(std::uint64_t row, std::uint32_t slot, const FinishedCo
   const Merge merge{row, slot, kFinished};
   merges_.append(&merge);
   slots_ = std::max(slots_, slot + 1);
+  append(component, result);
+}
+
+void ForestLog::append(const FinishedComponent& component, const std::byte* result) {
   std::memcpy(record_.data(), &component, sizeof component);
   std::copy(result, result + (record_.size() - sizeof component), record_.data() + sizeof component);
   components_.append(record_.data());
@@ -77,6 +92,42 @@ void ForestLog::finished(std::uint64_t row, std::uint32_t slot, const FinishedCo
 void ForestLog::finish() {
   merges_.finish();
   components_.finish();
+}
+
+void ForestLog::encode(Encoder& out) {
+  finish();
+  out.begin(kLogEncoding);
+  out.put<std::uint32_t>(slots_);
+  out.put<std::uint64_t>(merges_.count());
+  merges_.for_each([&](const std::byte* record) {
+    Merge merge;
+    std::memcpy(&merge, record, sizeof merge);
+    out.put<std::uint64_t>(merge.row);
+    out.put<std::uint32_t>(merge.slot);
+    out.put<std::uint32_t>(merge.to_and_flips);
+  });
+  out.put<std::uint64_t>(components_.count());
+  components_.for_each([&](const std::byte* record) {
+    FinishedComponent component;
+    std::memcpy(&component, record, sizeof component);
+    component.encode(out);
+    out.put_bytes({record + sizeof component, record_.size() - sizeof component});
+  });
+}
+
+void ForestLog::load(Decoder& in) {
+  in.begin(kLogEncoding);
+  slots_ = in.get<std::uint32_t>();
+  for (std::uint64_t left = in.get_count(); left > 0; --left) {
+    const Merge merge{in.get<std::uint64_t>(), in.get<std::uint32_t>(), in.get<std::uint32_t>()};
+    merges_.append(&merge);
+  }
+  std::vector<std::byte> result(record_.size() - sizeof(FinishedComponent));
+  for (std::uint64_t left = in.get_count(); left > 0; --left) {
+    const FinishedComponent component = FinishedComponent::decode(in);
+    in.get_bytes(result);
+    append(component, result.data());
+  }
 }
 
 std::uint64_t ForestLog::bytes() const {

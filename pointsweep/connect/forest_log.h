@@ -19,6 +19,12 @@ namespace pointsweep {
 struct FinishedComponent {
   PointKey first;  ///< the first point of the component by key
   std::uint64_t points = 0;
+
+  void encode(Encoder& out) const {
+    first.encode(out);
+    out.put<std::uint64_t>(points);
+  }
+  static FinishedComponent decode(Decoder& in) { return {PointKey::decode(in), in.get<std::uint64_t>()}; }
 };
 
 /// Records of one size, appended one by one and read back in both directions.
@@ -26,12 +32,14 @@ class ScratchRecords {
  public:
   ScratchRecords(std::unique_ptr<Scratch> scratch, std::size_t record_bytes);
   void append(const void* record);
-  /// Ends the writing. To be called after the last append().
+  /// Writes the records that are still in memory. To be called before reading.
   void finish();
   std::uint64_t count() const { return count_; }
   std::size_t record_bytes() const { return bytes_; }
   /// Reads the records [first, first + out.size() / record_bytes()).
   void read(std::uint64_t first, std::span<std::byte> out) const { scratch_->read(first * bytes_, out); }
+  /// Calls use(record) from the first to the last.
+  void for_each(const std::function<void(const std::byte* record)>& use) const;
   /// Calls use(record) from the last to the first.
   void for_each_backwards(const std::function<void(const std::byte* record)>& use) const;
   /// Reads the records one by one, from the last to the first.
@@ -75,6 +83,11 @@ class ForestLog {
   /// Ends the writing. To be called after the last merged() and finished().
   void finish();
 
+  /// Encodes all records so far; more may follow.
+  void encode(Encoder& out);
+  /// Takes over the records of an encoded log. To be called before the first merged() and finished().
+  void load(Decoder& in);
+
   std::uint64_t bytes() const;
   /// Returns the records of components: a FinishedComponent and the result of its votes each.
   const ScratchRecords& components() const { return components_; }
@@ -84,6 +97,8 @@ class ForestLog {
                       const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
 
  private:
+  void append(const FinishedComponent& component, const std::byte* result);
+
   ScratchRecords merges_, components_;
   std::uint32_t slots_ = 0;
   std::vector<std::byte> record_;

@@ -2,9 +2,11 @@
 /// Numbers by row of a point, for rows that come and go.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/math/mix.h"
@@ -27,7 +29,8 @@ class RowTable {
     return {&entries_[at].value, true};
   }
   /// Returns the value of a row; null if there is none.
-  Value* find(std::uint64_t row) {
+  Value* find(std::uint64_t row) { return const_cast<Value*>(std::as_const(*this).find(row)); }
+  const Value* find(std::uint64_t row) const {
     if (size_ == 0) return nullptr;
     for (std::size_t at = home(row); entries_[at].row != kNone; at = (at + 1) & mask_)
       if (entries_[at].row == row) return &entries_[at].value;
@@ -52,6 +55,14 @@ class RowTable {
   void for_each(Use use) {
     for (Entry& entry : entries_)
       if (entry.row != kNone) use(entry.row, entry.value);
+  }
+  /// Returns all rows, ascending.
+  std::vector<std::uint64_t> rows() const {
+    std::vector<std::uint64_t> rows;
+    for (const Entry& entry : entries_)
+      if (entry.row != kNone) rows.push_back(entry.row);
+    std::ranges::sort(rows);
+    return rows;
   }
 
  private:

@@ -37,6 +37,11 @@ class SpanningForest {
   /// Closes open points: no edge that names one of these points comes later.
   void close(std::span<const std::uint64_t> rows);
 
+  /// Encodes the open points, the supernodes with their votes, and the candidates; the log is a value of its own.
+  void encode(Encoder& out) const;
+  /// Takes over an encoded forest with the same votes. To be called before the first open().
+  void load(Decoder& in);
+
   std::size_t open_points() const { return open_.size(); }
   std::size_t supernodes() const { return live_.size(); }
   std::size_t candidates() const { return candidates_.size(); }
@@ -69,6 +74,9 @@ class SpanningForest {
   Root root_of(std::uint32_t slot);
   void merge(Root a, Root b, bool flips);
   std::byte* votes_of(std::uint32_t slot) { return votes_[slot / kPageSlots].data() + slot % kPageSlots * vote_bytes_; }
+  std::span<const std::byte> votes_of(std::uint32_t slot) const {
+    return {votes_[slot / kPageSlots].data() + slot % kPageSlots * vote_bytes_, vote_bytes_};
+  }
   void contract();
   void let_go();
 

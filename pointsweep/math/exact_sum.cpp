@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pointsweep/fail.h"
+
 namespace pointsweep {
 namespace {
 
@@ -88,6 +90,31 @@ void ExactSum::carry() {
   }
   digits_[kDigits - 1] += above;
   pending_ = 0;
+}
+
+ExactSum::State ExactSum::state() const {
+  ExactSum sum = *this;
+  sum.carry();
+  std::size_t first = 0, end = kDigits;
+  while (end > 0 && sum.digits_[end - 1] == 0) --end;
+  while (first < end && sum.digits_[first] == 0) ++first;
+  return {static_cast<std::uint32_t>(first),
+          {&sum.digits_[first], &sum.digits_[first] + (end - first)},
+          nan_,
+          positive_infinity_,
+          negative_infinity_};
+}
+
+void ExactSum::add(const State& state) {
+  if (state.digits.size() > kDigits || state.first > kDigits - state.digits.size())
+    fail("A sum of doubles has {} digits at most, not {} from the digit {} on.", kDigits, state.digits.size(),
+         state.first);
+  ExactSum sum;
+  std::ranges::copy(state.digits, &sum.digits_[state.first]);
+  sum.nan_ = state.nan;
+  sum.positive_infinity_ = state.positive_infinity;
+  sum.negative_infinity_ = state.negative_infinity;
+  add(sum);
 }
 
 double ExactSum::rounded() const {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace pointsweep {
 
@@ -29,6 +30,17 @@ class ExactSum {
   /// The sum as s[0] + s[1] + s[2], each the rounded rest of what those before it leave: 159 bits of it. The second and
   /// third are 0 where the first is not finite.
   std::array<double, 3> expansion() const;
+
+  /// The sum as numbers that another process can take over: that of digits[i] * 2^(32 (first + i) - 2148), and which
+  /// kinds of unusual terms there are. Equal sums of finite terms have equal states.
+  struct State {
+    std::uint32_t first = 0;
+    std::vector<std::int64_t> digits;
+    bool nan = false, positive_infinity = false, negative_infinity = false;
+  };
+  State state() const;
+  /// Adds the terms of a sum that had this state. Throws Error if no sum has it.
+  void add(const State& state);
 
  private:
   static constexpr int kDigitBits = 32;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/storage/encoding.h"
 
+#include <algorithm>
 #include <cassert>
 
 #include "pointsweep/fail.h"
@@ -39,6 +40,12 @@ std::string Decoder::get_text() {
 std::vector<std::byte> Decoder::get_bytes() {
   const std::span<const std::byte> bytes = take(get_count());
   return {bytes.begin(), bytes.end()};
+}
+
+void Decoder::get_bytes(std::span<std::byte> to) {
+  const std::span<const std::byte> bytes = take(get_count());
+  if (bytes.size() != to.size()) refuse(fmt::format("hold {} bytes where {} are expected", bytes.size(), to.size()));
+  std::ranges::copy(bytes, to.begin());
 }
 
 void Decoder::finish() const {

@@ -107,6 +107,8 @@ class Decoder {
   bool get_bool() { return get<std::uint8_t>() != 0; }
   std::string get_text();
   std::vector<std::byte> get_bytes();
+  /// Fills `to`. Throws Error if there are fewer or more bytes.
+  void get_bytes(std::span<std::byte> to);
   Vec3 get_point() { return {get<double>(), get<double>(), get<double>()}; }  // braces evaluate from left to right
   Box get_box() { return {get_point(), get_point()}; }
   /// Calls get_element() for each element of a list. An element takes at least one byte.

@@ -115,9 +115,31 @@ struct Streamed {
   std::size_t peak_supernodes = 0, most_open = 0, most_candidates = 0;
 };
 
+/// A forest with its log, which can move to another process.
+struct TravellingForest {
+  TravellingForest(bool weighted, const VoteRule& rule)
+      : log([]() -> std::unique_ptr<Scratch> { return std::make_unique<ScratchInMemory>(); }, rule.result_bytes()),
+        forest(weighted, &rule, log) {}
+  std::vector<std::byte> bytes() {
+    Encoder out;
+    forest.encode(out);
+    log.encode(out);
+    return out.take();
+  }
+  void load(const std::vector<std::byte>& bytes) {
+    Decoder in(bytes);
+    forest.load(in);
+    log.load(in);
+    in.finish();
+  }
+
+  ForestLog log;
+  SpanningForest forest;
+};
+
 /// Edge e comes in batch `batch_of[e]`. A point is open from the batch of its first edge to that of its last; points
-/// without edges, for one batch.
-Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, bool weighted) {
+/// without edges, for one batch. If `travels`, another forest takes over after every batch.
+Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, bool weighted, bool travels = false) {
   const std::size_t n = graph.points.size();
   const std::size_t batches = batch_of.empty() ? 1 : *std::ranges::max_element(batch_of) + 1;
   constexpr std::size_t kNever = ~std::size_t{0};
@@ -128,14 +150,19 @@ Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, 
   for (std::size_t i = 0; i < n; ++i)
     if (from[i] == kNever) from[i] = to[i] = i % batches;
   const SumOfRows rule;
-  const MakeScratch make = []() -> std::unique_ptr<Scratch> { return std::make_unique<ScratchInMemory>(); };
-  ForestLog log(make, rule.result_bytes());
-  SpanningForest forest(weighted, &rule, log);
+  auto made = std::make_unique<TravellingForest>(weighted, rule);
   Streamed out;
   std::vector<std::vector<std::size_t>> opened(batches), closed(batches), edges(batches);
   for (std::size_t i = 0; i < n; ++i) opened[from[i]].push_back(i), closed[to[i]].push_back(i);
   for (std::size_t e = 0; e < batch_of.size(); ++e) edges[batch_of[e]].push_back(e);
   for (std::size_t b = 0; b < batches; ++b) {
+    if (travels) {
+      const std::vector<std::byte> bytes = made->bytes();
+      made = std::make_unique<TravellingForest>(weighted, rule);
+      made->load(bytes);
+      EXPECT_EQ(made->bytes(), bytes);
+    }
+    SpanningForest& forest = made->forest;
     std::vector<PointKey> points;
     std::vector<std::byte> ballots;
     for (const std::size_t i : opened[b]) {
@@ -156,10 +183,11 @@ Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, 
     out.most_candidates = std::max(out.most_candidates, forest.candidates());
     EXPECT_LE(forest.supernodes(), forest.open_points());
   }
-  EXPECT_EQ(forest.open_points(), 0u);
-  EXPECT_EQ(forest.supernodes(), 0u);
+  EXPECT_EQ(made->forest.open_points(), 0u);
+  EXPECT_EQ(made->forest.supernodes(), 0u);
+  ForestLog& log = made->log;
   log.finish();
-  out.peak_supernodes = forest.slots();
+  out.peak_supernodes = made->forest.slots();
   out.results.resize(n);
   std::vector<FinishedComponent> components(log.components().count());
   std::vector<std::int64_t> votes(components.size());
@@ -250,6 +278,18 @@ TEST(SpanningForest, IsThatOfKruskalInMemory) {
           ASSERT_EQ(streamed(graph, batch_of, true).results, expected)
               << name << ", " << n << " points, weights " << kind << ", division " << d++;
       }
+    }
+  }
+}
+
+TEST(SpanningForest, GoesOnInAnotherProcess) {
+  std::mt19937_64 random(6);
+  for (const bool weighted : {false, true}) {
+    for (auto& [name, graph] : hostile_graphs(60, weighted ? 1 : 0, random)) {
+      if (!weighted)
+        for (ForestEdge& edge : graph.edges) edge.flips = false;
+      for (const auto& batch_of : divisions(graph, random))
+        ASSERT_EQ(streamed(graph, batch_of, weighted, true).results, in_memory(graph, weighted)) << name;
     }
   }
 }

@@ -314,7 +314,7 @@ MUTANTS = [
     Mutant("supernodes that were merged keep their slots", "connect", "pointsweep/connect/spanning_forest.cpp",
            "    free_.push_back(slot);\n", "", ("connect",)),
     Mutant("an edge to a later bucket leaves no mark", "connect", "pointsweep/connect/edge_buckets.cpp",
-           "if (first != last) content(first)", "if (first > last) content(first)", ("pipeline:Components.*",)),
+           "if (first != last)\n      chunk(first)", "if (first > last)\n      chunk(first)", ("pipeline:Components.*",)),
     Mutant("a point closes with the first bucket that its marks name", "connect", "pointsweep/connect/components.cpp",
            "until = std::max(until, mark.last);", "until = until == 0 ? mark.last : std::min(until, mark.last);",
            ("pipeline:Components.*",)),

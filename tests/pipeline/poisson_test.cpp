@@ -327,6 +327,34 @@ TEST(UndecidedPoints, HoldASliceBehindTheFront) {
   }
 }
 
+TEST(UndecidedPoints, GoOnInAnotherProcess) {
+  std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 20'000, 59);
+  std::ranges::sort(points, {}, &Vec3::x);
+  const double radius = 0.05;
+  std::vector<std::uint64_t> expected, dropped;
+  UndecidedPoints whole(0, radius, points.size());
+  auto held = std::make_unique<UndecidedPoints>(0, radius, points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const DiskPoint point{points[i], disk_hash(points[i]), i, radius * radius};
+    whole.hold(point);
+    held->hold(point);
+    whole.decide(expected);
+    held->decide(dropped);
+    if (i % 1111 != 0) continue;
+    const std::vector<std::byte> bytes = encoded(*held);
+    held = std::make_unique<UndecidedPoints>(0, radius, points.size());
+    Decoder in(bytes);
+    held->load(in);
+    in.finish();
+    EXPECT_EQ(encoded(*held), bytes);
+  }
+  whole.finish(expected);
+  held->finish(dropped);
+  std::ranges::sort(expected);
+  std::ranges::sort(dropped);
+  EXPECT_EQ(dropped, expected);
+}
+
 TEST(UndecidedPoints, StopWhenTheRunIsCancelled) {
   UndecidedPoints held(0, 1, 1000);
   for (std::uint64_t row = 0; row < 100; ++row) held.hold({{0, 0, 0.01 * static_cast<double>(row)}, row, row, 1});

@@ -4,6 +4,7 @@
 
 #include "pointsweep/math/box.h"
 #include "pointsweep/operator.h"
+#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 
@@ -20,8 +21,21 @@ class BoxAccumulator : public Accumulator {
     const Box& box = static_cast<const BoxAccumulator&>(other).box_;
     if (!box.empty()) box_.include(box.lo), box_.include(box.hi);
   }
+  std::vector<std::byte> save() const override {
+    Encoder out;
+    out.begin(kEncoding);
+    out.put_box(box_);
+    return out.take();
+  }
+  void load(std::span<const std::byte> bytes) override {
+    Decoder in(bytes);
+    in.begin(kEncoding);
+    box_.include(in.get_box());
+    in.finish();
+  }
 
  protected:
+  static constexpr Encoding kEncoding{"box of points", 1};
   Box box_;
 };
 

@@ -10,6 +10,7 @@
 #include "pointsweep/colors/color_map.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/option_table.h"
+#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 namespace {
@@ -53,9 +54,24 @@ class LeastAndMost final : public Reduction {
       const auto& ends = static_cast<const Ends&>(other);
       if (ends.lo_ <= ends.hi_) include(ends.lo_), include(ends.hi_);
     }
+    std::vector<std::byte> save() const override {
+      Encoder out;
+      out.begin(kEncoding);
+      out.put<double>(lo_);
+      out.put<double>(hi_);
+      return out.take();
+    }
+    void load(std::span<const std::byte> bytes) override {
+      Decoder in(bytes);
+      in.begin(kEncoding);
+      include(in.get<double>());
+      include(in.get<double>());
+      in.finish();
+    }
     std::vector<double> finish() const override { return {lo_, hi_}; }
 
    private:
+    static constexpr Encoding kEncoding{"ends of values", 1};
     void include(double v) {
       if (std::isfinite(v)) lo_ = std::min(lo_, v + 0.0), hi_ = std::max(hi_, v + 0.0);
     }

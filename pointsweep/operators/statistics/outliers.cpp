@@ -10,6 +10,7 @@
 
 #include "pointsweep/math/exact_sum.h"
 #include "pointsweep/operators/declare/option_table.h"
+#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 namespace {
@@ -44,6 +45,22 @@ class DistanceMoments final : public Accumulator {
     count_ += moments.count_;
     nonzero_ += moments.nonzero_;
   }
+  std::vector<std::byte> save() const override {
+    Encoder out;
+    out.begin(kEncoding);
+    for (const ExactSum* sum : {&sum_, &squares_}) encode(out, sum->state());
+    out.put<std::uint64_t>(count_);
+    out.put<std::uint64_t>(nonzero_);
+    return out.take();
+  }
+  void load(std::span<const std::byte> bytes) override {
+    Decoder in(bytes);
+    in.begin(kEncoding);
+    for (ExactSum* sum : {&sum_, &squares_}) sum->add(decode(in));
+    count_ += in.get<std::uint64_t>();
+    nonzero_ += in.get<std::uint64_t>();
+    in.finish();
+  }
   std::vector<double> finish() const override {
     const auto n = static_cast<double>(count_);
     if (count_ == 0) return {std::numeric_limits<double>::quiet_NaN(), 0, 0};
@@ -52,6 +69,17 @@ class DistanceMoments final : public Accumulator {
   }
 
  private:
+  static constexpr Encoding kEncoding{"moments", 1};
+
+  static void encode(Encoder& out, const ExactSum::State& state) {
+    out.put<std::uint32_t>(state.first);
+    out.put_numbers<std::int64_t>(state.digits);
+    for (const bool flag : {state.nan, state.positive_infinity, state.negative_infinity}) out.put_bool(flag);
+  }
+  static ExactSum::State decode(Decoder& in) {
+    return {in.get<std::uint32_t>(), in.get_numbers<std::int64_t>(), in.get_bool(), in.get_bool(), in.get_bool()};
+  }
+
   /// n Σ (d - mean)², from 159 bits of n Σ d² and (Σ d)²: close values far from 0 leave a small difference of large
   /// numbers. Where values of 0 are left out of the sum, n Σ d² - (2 - m/n) (Σ d)² with m values that are not 0.
   double n_squared_variance() const {

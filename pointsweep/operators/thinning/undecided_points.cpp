@@ -11,6 +11,11 @@
 #include "pointsweep/math/mix.h"
 
 namespace pointsweep {
+namespace {
+
+constexpr Encoding kUndecidedEncoding{"undecided points", 1};
+
+}  // namespace
 
 bool DiskPoint::operator<(const DiskPoint& other) const {
   const auto key = [](const DiskPoint& p) {
@@ -77,7 +82,8 @@ void UndecidedPoints::sort(Cell& cell) const {
   cell.sorted = cell.members.size();
 }
 
-void UndecidedPoints::hold(const DiskPoint& point) {
+/// Gives a point a slot and a place in its cell.
+UndecidedPoints::Slot UndecidedPoints::place(const DiskPoint& point) {
   if (held() >= most_)
     fail(
         "poisson: more than {} points lie within its radius {} behind the front, and memory holds no more: give more "
@@ -90,12 +96,52 @@ void UndecidedPoints::hold(const DiskPoint& point) {
     slot = free_.back();
     free_.pop_back();
   }
-  slots_[slot] = {.point = point, .uses = 2};  // in its cell, and incomplete
+  slots_[slot] = {.point = point, .uses = 2};  // in its cell, and incomplete or to be decided
   const Vec3 p = point.position;
   cells_[{cell_along(p.x), cell_along(p.y), cell_along(p.z)}].members.push_back({point.hash, slot});
-  incomplete_.push_back(slot);
-  front_ = p[axis_];
+  return slot;
+}
+
+void UndecidedPoints::hold(const DiskPoint& point) {
+  incomplete_.push_back(place(point));
+  front_ = point.position[axis_];
   ++come_;
+}
+
+/// Which points wait for which follows from the points: all complete ones are to be decided again.
+void UndecidedPoints::encode(Encoder& out) const {
+  const auto put = [&](Slot slot) {
+    const DiskPoint& point = slots_[slot].point;
+    out.put_point(point.position);
+    out.put<std::uint64_t>(point.hash);
+    out.put<std::uint64_t>(point.row);
+    out.put<double>(point.radius2);
+  };
+  std::vector<Slot> incomplete, complete;
+  std::vector<bool> is_incomplete(slots_.size());
+  for (const Slot slot : incomplete_) {
+    is_incomplete[slot] = true;
+    if (!slots_[slot].is_decided) incomplete.push_back(slot);
+  }
+  for (Slot slot = 0; slot < slots_.size(); ++slot)
+    if (!slots_[slot].is_decided && !is_incomplete[slot]) complete.push_back(slot);
+  std::ranges::sort(complete, {}, [&](Slot slot) { return slots_[slot].point.row; });
+  out.begin(kUndecidedEncoding);
+  out.put<double>(front_);
+  out.put<std::uint64_t>(come_);
+  out.put_list(incomplete, put);
+  out.put_list(complete, put);
+}
+
+void UndecidedPoints::load(Decoder& in) {
+  const auto get = [&] {
+    return DiskPoint{in.get_point(), in.get<std::uint64_t>(), in.get<std::uint64_t>(), in.get<double>()};
+  };
+  in.begin(kUndecidedEncoding);
+  front_ = in.get<double>();
+  come_ = in.get<std::uint64_t>();
+  for (std::uint64_t left = in.get_count(); left > 0; --left) incomplete_.push_back(place(get()));
+  for (std::uint64_t left = in.get_count(); left > 0; --left) to_decide_.push_back(place(get()));
 }
 
 /// Cells are put in order again each time, so that a share of what is held must have come.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pointsweep/geometry.h"
+#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 
@@ -44,6 +45,10 @@ class UndecidedPoints {
   void decide(std::vector<std::uint64_t>& dropped);
   /// Decides the remaining points; called after the last point.
   void finish(std::vector<std::uint64_t>& dropped);
+  /// Encodes the points that are not decided yet.
+  void encode(Encoder& out) const;
+  /// Takes over encoded points of the same radius and axis. To be called before the first hold().
+  void load(Decoder& in);
   std::uint64_t held() const { return slots_.size() - free_.size(); }
 
   /// Bytes of memory for each point held, including containers that grow in steps.
@@ -78,6 +83,7 @@ class UndecidedPoints {
   void visit_cells_around(Vec3 p, Visit visit);
   bool precedes(const Member& a, const Member& b) const;
   void sort(Cell& cell) const;
+  Slot place(const DiskPoint& point);
   void take_complete(double front);
   void decide_waiting(std::vector<std::uint64_t>& dropped);
   Slot lesser_within(const DiskPoint& point);
