@@ -16,8 +16,8 @@
 #include "cli/verbs/commands.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
-#include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/free_memory.h"
+#include "pointsweep/storage/local/output_file.h"
 #include "reference/engine.h"
 
 namespace pointsweep {

@@ -15,11 +15,11 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/files/output_file.h"
-#include "pointsweep/formats/files/standard_streams.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/render/legend.h"
 #include "pointsweep/report/run_report.h"
+#include "pointsweep/storage/local/output_file.h"
+#include "pointsweep/storage/local/standard_streams.h"
 
 namespace pointsweep {
 namespace {

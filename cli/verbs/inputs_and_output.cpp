@@ -14,10 +14,10 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/files.h"
 #include "pointsweep/formats/files/folder_entries.h"
-#include "pointsweep/formats/files/same_file.h"
-#include "pointsweep/formats/files/standard_streams.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/points/lower_case.h"
+#include "pointsweep/storage/local/same_file.h"
+#include "pointsweep/storage/local/standard_streams.h"
 
 namespace pointsweep {
 

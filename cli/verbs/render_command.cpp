@@ -10,10 +10,10 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/render/canvas.h"
 #include "pointsweep/render/render.h"
+#include "pointsweep/storage/local/output_file.h"
 
 namespace pointsweep {
 namespace {

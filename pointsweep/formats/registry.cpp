@@ -7,8 +7,8 @@
 #include <array>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/input_file.h"
-#include "pointsweep/formats/files/standard_streams.h"
+#include "pointsweep/storage/local/input_file.h"
+#include "pointsweep/storage/local/standard_streams.h"
 
 namespace pointsweep {
 namespace {

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "pointsweep/order/page_memory.h"
-#include "pointsweep/order/spill_file.h"
+#include "pointsweep/storage/local/spill_file.h"
 
 namespace pointsweep {
 

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/order/spill_file.h"
 #include "pointsweep/storage/encoding.h"
+#include "pointsweep/storage/local/spill_file.h"
 
 namespace pointsweep {
 

@@ -15,11 +15,11 @@
 #include "pointsweep/order/canonical_order.h"
 #include "pointsweep/order/local_spacing.h"
 #include "pointsweep/order/source.h"
-#include "pointsweep/order/spill_file.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/points/row_box.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/storage/encoding.h"
+#include "pointsweep/storage/local/spill_file.h"
 
 namespace pointsweep {
 

@@ -9,7 +9,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/fixed_copy.h"
-#include "pointsweep/order/temp_folder.h"
+#include "pointsweep/storage/local/temp_folder.h"
 
 namespace nb = nanobind;
 

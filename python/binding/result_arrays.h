@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/order/spill_file.h"
 #include "pointsweep/run.h"
+#include "pointsweep/storage/local/spill_file.h"
 #include "pointsweep/writer.h"
 #include "python/binding/array_columns.h"
 

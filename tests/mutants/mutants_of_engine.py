@@ -59,7 +59,7 @@ MUTANTS = [
            ("order:Stream*:RowStore*", "pipeline:Run.*")),
     Mutant("a bucket's second chunk is its first", "spills", ORDER + "row_store.cpp", "store_->read(b, first,",
            "store_->read(b, 0 * first,", ("order:RowStore*", "pipeline:Run.*")),
-    Mutant("a continued read begins at its first byte again", "spills", ORDER + "spill_file.cpp",
+    Mutant("a continued read begins at its first byte again", "spills", "pointsweep/storage/local/spill_file.cpp",
            "bytes.size() - done, static_cast<off_t>(offset + done));\n    if (n < 0 && errno == EINTR) continue;\n    if (n <= 0)\n      fail(\"cannot",
            "bytes.size() - done, static_cast<off_t>(offset));\n    if (n < 0 && errno == EINTR) continue;\n    if (n <= 0)\n      fail(\"cannot",
            ("faults:Faults.Short*",)),

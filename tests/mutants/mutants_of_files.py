@@ -29,7 +29,7 @@ MUTANTS = [
            "if (negative) value = -value;", "", ("formats",)),
     Mutant("fields an input lacks keep what was there", "formats", "pointsweep/points/record_conversion.cpp",
            "std::memset(to, 0, to_stride_);", "", ("points", "formats")),
-    Mutant("an output replaces a file that appeared meanwhile", "formats", FORMATS + "files/output_file.cpp",
+    Mutant("an output replaces a file that appeared meanwhile", "formats", "pointsweep/storage/local/output_file.cpp",
            "::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0",
            "::rename(from.c_str(), to.c_str()) == 0", ("formats", "cli")),
     # Several inputs
@@ -81,20 +81,20 @@ MUTANTS = [
            ("formats:FiniteRows.*",)),
 
     # Files that must not be lost
-    Mutant("hard links to an input are other files", "files", FORMATS + "files/same_file.cpp",
+    Mutant("hard links to an input are other files", "files", "pointsweep/storage/local/same_file.cpp",
            "by_inode_.try_emplace({status.st_dev, status.st_ino}, path);", "(void)by_inode_;",
            ("cli:SharedOptions.*", "cli:Usage.*")),
-    Mutant("an output may be another output", "files", FORMATS + "files/same_file.cpp",
+    Mutant("an output may be another output", "files", "pointsweep/storage/local/same_file.cpp",
            "    outputs.add(output);", "",
            ("pipeline:Refused.*", "cli:Usage.*", "cli:RunVerb.*")),
-    Mutant("a cancelled or failed run leaves its unfinished output", "files", FORMATS + "files/output_file.cpp",
-           "if (!part_.empty()) ::unlink(part_.c_str());", "", ("formats:OutputFile.*", "cli:Interrupt.*")),
-    Mutant("a run ended at once leaves its unfinished output", "files", FORMATS + "files/output_file.cpp",
-           "leftover_.emplace(part_);", "", ("cli:Interrupt.*", "formats:OutputFile.*")),
+    Mutant("a cancelled or failed run leaves its unfinished output", "files", "pointsweep/storage/local/output_file.cpp",
+           "if (!part_.empty()) ::unlink(part_.c_str());", "", ("storage:OutputFile.*", "cli:Interrupt.*")),
+    Mutant("a run ended at once leaves its unfinished output", "files", "pointsweep/storage/local/output_file.cpp",
+           "leftover_.emplace(part_);", "", ("cli:Interrupt.*", "storage:OutputFile.*")),
     Mutant("the folder of many outputs is listed for each of them", "files", FORMATS + "files/unfinished_output.cpp",
            "if (cleared().targets.contains(target)) return;", "", ("formats:ManyOutputs.*", "pipeline:Tiles.*")),
-    Mutant("a run ended at once leaves its temporary folder", "files", "pointsweep/order/temp_folder.cpp",
-           "leftover_.emplace(path_);", "", ("cli:Interrupt.*", "order:TempFolders.*")),
+    Mutant("a run ended at once leaves its temporary folder", "files", "pointsweep/storage/local/temp_folder.cpp",
+           "leftover_.emplace(path_);", "", ("cli:Interrupt.*", "storage:TempFolders.*")),
 
     # Other formats
     Mutant("sides of a face of a QSplat normal exchanged", "formats", FORMATS + "qsplat/qsplat_walk.cpp",

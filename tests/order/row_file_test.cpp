@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "pointsweep/order/temp_folder.h"
+#include "pointsweep/storage/local/temp_folder.h"
 
 namespace pointsweep {
 namespace {

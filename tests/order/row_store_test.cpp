@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "pointsweep/order/temp_folder.h"
+#include "pointsweep/storage/local/temp_folder.h"
 
 namespace pointsweep {
 namespace {

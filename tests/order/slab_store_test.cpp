@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "pointsweep/order/temp_folder.h"
+#include "pointsweep/storage/local/temp_folder.h"
 
 namespace pointsweep {
 namespace {

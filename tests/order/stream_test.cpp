@@ -19,8 +19,8 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/order/piece_counts.h"
-#include "pointsweep/order/temp_folder.h"
 #include "pointsweep/order/waiting_estimate.h"
+#include "pointsweep/storage/local/temp_folder.h"
 #include "pointsweep/threads.h"
 #include "tests/order/cloud_source.h"
 

@@ -17,11 +17,11 @@
 #include <thread>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/run/preview.h"
+#include "pointsweep/storage/local/output_file.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/hostile_clouds.h"

@@ -8,8 +8,8 @@
 
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
-#include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/checkpoint/checkpoint.h"
+#include "pointsweep/storage/local/temp_folder.h"
 #include "pointsweep/sweep/sweep.h"
 #include "tests/order/cloud_source.h"
 #include "tests/storage/written_bytes.h"

@@ -17,10 +17,10 @@
 #include "pointsweep/formats/cloud/common_schema.h"
 #include "pointsweep/formats/cloud/finite_rows.h"
 #include "pointsweep/formats/cloud/row_selection.h"
-#include "pointsweep/formats/files/file_state.h"
 #include "pointsweep/points/row_box.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/reader.h"
+#include "pointsweep/storage/local/file_state.h"
 
 namespace pointsweep {
 

@@ -16,9 +16,9 @@
 #include "pointsweep/files.h"
 #include "pointsweep/formats/files/file_pattern.h"
 #include "pointsweep/formats/files/folder_entries.h"
-#include "pointsweep/formats/files/input_file.h"
-#include "pointsweep/formats/files/standard_streams.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/storage/local/input_file.h"
+#include "pointsweep/storage/local/standard_streams.h"
 
 namespace pointsweep {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/storage/local/input_file.h"
 
 struct psc_e57;
 struct psc_e57_reader;

@@ -12,7 +12,7 @@
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/e57/e57_columns.h"
 #include "pointsweep/formats/e57/e57_format.h"
-#include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/storage/local/output_file.h"
 
 #if POINTSWEEP_CODECS
 #include <pointsweep_codecs.h>

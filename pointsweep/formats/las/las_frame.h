@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/las/las_header.h"
 #include "pointsweep/formats/las/las_layout.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/storage/local/output_file.h"
 #include "pointsweep/writer.h"
 
 namespace pointsweep {

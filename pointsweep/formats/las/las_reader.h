@@ -10,10 +10,10 @@
 #include <optional>
 #include <vector>
 
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/las/las_header.h"
 #include "pointsweep/formats/las/las_vlrs.h"
 #include "pointsweep/reader.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/las/las_header.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/las/laz_layout.h"
 #include "pointsweep/math/box.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/row_lines.h"
 #include "pointsweep/reader.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/npy/npy_format.h"
 #include "pointsweep/formats/npy/npy_header.h"
 #include "pointsweep/formats/records/columns_reader.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 namespace {

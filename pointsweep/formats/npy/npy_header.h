@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 

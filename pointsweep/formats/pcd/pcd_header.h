@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/reader.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 

@@ -4,7 +4,6 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/files/words.h"
 #include "pointsweep/formats/pcd/lzf_stream.h"
@@ -13,6 +12,7 @@
 #include "pointsweep/formats/records/columns_reader.h"
 #include "pointsweep/formats/records/row_text_reader.h"
 #include "pointsweep/points/with_type.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 namespace {

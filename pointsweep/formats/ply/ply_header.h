@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/reader.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/las_scale.h"
@@ -16,6 +15,7 @@
 #include "pointsweep/formats/records/columns_reader.h"
 #include "pointsweep/formats/records/row_text_reader.h"
 #include "pointsweep/points/with_type.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 namespace {

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/line_reader.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 

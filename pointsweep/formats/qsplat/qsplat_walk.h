@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 

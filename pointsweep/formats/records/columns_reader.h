@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/reader.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 

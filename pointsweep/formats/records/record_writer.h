@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/storage/local/output_file.h"
 #include "pointsweep/writer.h"
 
 namespace pointsweep {

@@ -8,9 +8,9 @@
 #include <optional>
 #include <string_view>
 
-#include "pointsweep/formats/files/input_file.h"
 #include "pointsweep/formats/files/row_lines.h"
 #include "pointsweep/reader.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 

@@ -8,11 +8,11 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
-#include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/formats/text/text_format.h"
 #include "pointsweep/points/decimals.h"
 #include "pointsweep/points/with_type.h"
+#include "pointsweep/storage/local/output_file.h"
 
 namespace pointsweep {
 namespace {

@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/order/spill_file.h"
+#include "pointsweep/storage/local/spill_file.h"
 
 namespace pointsweep {
 

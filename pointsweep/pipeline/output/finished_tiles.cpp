@@ -5,9 +5,9 @@
 #include <fstream>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/pipeline/checkpoint/resume_folder.h"
 #include "pointsweep/pipeline/output/tile_set.h"
+#include "pointsweep/storage/local/output_file.h"
 
 namespace pointsweep {
 

@@ -7,7 +7,6 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/output_file.h"
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/records/borrowed_reader.h"
 #include "pointsweep/formats/registry.h"
@@ -15,6 +14,7 @@
 #include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/rows/cloud_source.h"
 #include "pointsweep/row_error.h"
+#include "pointsweep/storage/local/output_file.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

@@ -17,12 +17,12 @@
 
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/files/made_folders.h"
-#include "pointsweep/formats/files/unfinished_output.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/order/row_file.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/output/output_set.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/order/spill_file.h"
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/storage/local/spill_file.h"
 
 namespace pointsweep {
 

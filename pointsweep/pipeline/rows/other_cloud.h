@@ -12,8 +12,8 @@
 
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/in_order_operator.h"
-#include "pointsweep/order/spill_file.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/storage/local/spill_file.h"
 
 namespace pointsweep {
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <utility>
 
-#include "pointsweep/order/spill_file.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/rows/cloud_source.h"
+#include "pointsweep/storage/local/spill_file.h"
 
 namespace pointsweep {
 namespace {

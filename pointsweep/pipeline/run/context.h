@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/checkpoint/checkpoints.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/points/scratch.h"
+#include "pointsweep/storage/local/temp_folder.h"
 
 namespace pointsweep {
 

@@ -9,12 +9,12 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/survey.h"
-#include "pointsweep/order/temp_folder.h"
 #include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/plan/output_layout.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
+#include "pointsweep/storage/local/temp_folder.h"
 
 namespace pointsweep {
 namespace {

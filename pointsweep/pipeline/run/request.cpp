@@ -5,7 +5,6 @@
 #include <set>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/same_file.h"
 #include "pointsweep/pipeline/checkpoint/run_identity.h"
 #include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
@@ -13,6 +12,7 @@
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/pipeline/sweep_engine.h"
+#include "pointsweep/storage/local/same_file.h"
 
 namespace pointsweep {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/order/temp_folder.h"
+#include "pointsweep/storage/local/temp_folder.h"
 
 #include <fcntl.h>
 #include <signal.h>

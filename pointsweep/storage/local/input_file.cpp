@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/storage/local/input_file.h"
 
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -13,7 +13,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/standard_streams.h"
+#include "pointsweep/storage/local/standard_streams.h"
 
 namespace pointsweep {
 namespace {

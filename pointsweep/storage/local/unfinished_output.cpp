@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/files/unfinished_output.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/files/same_file.h"
+#include "pointsweep/storage/local/same_file.h"
 
 #include <sys/stat.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/standard_streams.h"
+#include "pointsweep/storage/local/standard_streams.h"
 
 namespace pointsweep {
 namespace {

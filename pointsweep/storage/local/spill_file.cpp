@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/order/spill_file.h"
+#include "pointsweep/storage/local/spill_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -11,7 +11,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/leftovers.h"
-#include "pointsweep/order/temp_folder.h"
+#include "pointsweep/storage/local/temp_folder.h"
 
 namespace pointsweep {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/files/input_file.h"
+#include "pointsweep/storage/local/input_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

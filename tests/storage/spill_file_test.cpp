@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/order/spill_file.h"
+#include "pointsweep/storage/local/spill_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/mount.h>
@@ -13,7 +13,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/order/slab_store.h"
-#include "pointsweep/order/temp_folder.h"
+#include "pointsweep/storage/local/temp_folder.h"
 
 namespace pointsweep {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/files/file_state.h"
+#include "pointsweep/storage/local/file_state.h"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include "pointsweep/formats/files/standard_streams.h"
+#include "pointsweep/storage/local/standard_streams.h"
 
 namespace pointsweep {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/storage/local/output_file.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -14,8 +14,8 @@
 #include <system_error>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/standard_streams.h"
-#include "pointsweep/formats/files/unfinished_output.h"
+#include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
 namespace {

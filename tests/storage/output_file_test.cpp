@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/files/output_file.h"
+#include "pointsweep/storage/local/output_file.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -13,7 +13,7 @@
 #include <fstream>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/files/unfinished_output.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 #include "tests/formats/temporary_folder.h"
 
 namespace pointsweep {
